@@ -28,6 +28,7 @@ class ApproximateLevel : public Level {
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
   MachineLook look() const override { return cycle_level_.look(); }
+  bool in_run() const override { return cycle_level_.in_run(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;
 
  private:

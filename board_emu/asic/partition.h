@@ -54,6 +54,7 @@ class Partition {
   const Home& home(std::size_t block) const { return homes_[block]; }
   // The block with that number.
   std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }
+  std::size_t blocks() const { return homes_.size(); }
   std::size_t blocks_of(unsigned processor) const { return blocks_[processor].size(); }
   std::size_t max_blocks() const {  // of any processor
     return std::ranges::max(blocks_, {}, &std::vector<std::size_t>::size).size();

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -67,14 +68,24 @@ class Board {
   // where the system has less memory than the board may take: it must not be used any more then.
   TransactionResult transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
 
+  // Carries out the rest of a command that a checkpoint had under way, if there is one; transact() and add_memory_error() do so first.
+  // Called like transact().
+  void go_on(Progress& work);
+
   // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
   // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.
   void add_memory_error(const MemoryError& error);
 
-  // Hands all that the board is between two transactions to an archive that saves; or makes a board on which nothing was done
-  // what an archive that loads has, which throws CheckpointFault: the board must not be used any more then. The level's own
-  // state is loaded if `with_level`; else the level is as at power-up. Called like transact().
+  // Hands all that the board is to an archive that saves; or makes a board on which nothing was done what an archive that loads has,
+  // which throws CheckpointFault: the board must not be used any more then. The level's own state is loaded if `with_level`; else the
+  // level is as at power-up. Called like transact(), or in a command from a job of at_next_moment(), from Observer::see(), and
+  // from BoardObserver::begin_command(). The board that loads has the command then, and goes on with it by go_on().
   void state(Archive& archive, bool with_level = true);
+  // Whether a command is carried out, or will be by go_on(). Called like state().
+  bool in_command() const;
+  // Calls `job` once, on the thread of the command that is carried out, or of a later one, at a moment at which state() may be
+  // called; perhaps never. It must not throw. Any thread.
+  void at_next_moment(std::function<void()> job);
   const v1::BoardConfig& config() const;
 
   // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
@@ -107,6 +118,8 @@ class Board {
  private:
   struct Parts;
 
+  bool carry_out(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
+  void do_jobs();
   void publish(bool with_machine);
   void publish_if_asked() {
     if (!is_asked_.load(std::memory_order_relaxed) || !is_asked_.exchange(false)) return;
@@ -117,6 +130,9 @@ class Board {
   std::unique_ptr<Parts> parts_;
   mutable std::atomic<bool> is_asked_ = false;  // since they were published
   bool is_watched_ = false;                     // in this transaction
+  std::atomic<bool> has_jobs_ = false;
+  std::mutex jobs_mutex_;  // of jobs_
+  std::vector<std::function<void()>> jobs_;
   mutable std::mutex published_mutex_;
   Snapshot published_;
   std::uint64_t published_memory_ = 0;

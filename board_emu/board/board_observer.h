@@ -1,6 +1,7 @@
 // What a board tells of its inside while it works; observe/ makes files of it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,7 @@ class BoardObserver {
   // Whether begin_command() needs to know the time.
   virtual bool places_cycles() const { return false; }
   // The machine's next cycles belong to a command whose turn at the DSP begins at `begin`, until end_command().
-  virtual void begin_command(Picoseconds /*begin*/) {}
+  virtual void begin_command(Picoseconds /*begin*/, std::uint32_t /*ticket*/) {}
   virtual void end_command() {}
   // Whether counted() is to be called at a command's end.
   virtual bool wants_counters() const { return false; }

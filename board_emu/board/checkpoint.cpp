@@ -114,16 +114,19 @@ class LoadingArchive : public Archive {
 };
 
 void compare(const google::protobuf::Message& saved, const google::protobuf::Message& wanted, const std::string& path,
-             std::vector<Diagnostic>& faults) {
-  static constexpr std::array kFree{"fidelity",      "threads",      "pace",          "bus",         "link",
-                                    "sorter.policy", "dsp.run_rays", "dsp.run_error", "dsp.segments"};
+             bool in_command, std::vector<Diagnostic>& faults) {
+  static constexpr std::array kAlwaysFree{"threads", "pace", "bus"};
+  static constexpr std::array kFree{"fidelity",     "link",          "sorter.policy",
+                                    "dsp.run_rays", "dsp.run_error", "dsp.segments"};
   const google::protobuf::Reflection& reflection = *saved.GetReflection();
   for (int i = 0; i < saved.GetDescriptor()->field_count(); ++i) {
     const google::protobuf::FieldDescriptor* const field = saved.GetDescriptor()->field(i);
     const std::string name = path + std::string(field->name());
-    if (std::ranges::find(kFree, name) != kFree.end()) continue;
+    if (std::ranges::find(kAlwaysFree, name) != kAlwaysFree.end()) continue;
+    if (!in_command && std::ranges::find(kFree, name) != kFree.end()) continue;
     if (field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE) {
-      compare(reflection.GetMessage(saved, field), reflection.GetMessage(wanted, field), name + '.', faults);
+      compare(reflection.GetMessage(saved, field), reflection.GetMessage(wanted, field), name + '.', in_command,
+              faults);
       continue;
     }
     std::string before, after;
@@ -144,6 +147,7 @@ void save_checkpoint(Board& board, const std::function<void(std::string_view)>& 
   *header.mutable_config() = board.config();
   header.set_config_hash(config_hash(board.config()));
   header.set_simulated_ps(board.simulated_ps());
+  header.set_in_command(board.in_command());
   archive.put(kHeaderTag, header);
   board.state(archive);
   archive.end();
@@ -155,9 +159,9 @@ void save_checkpoint(Board& board, const std::filesystem::path& file) {
   out.commit();
 }
 
-std::vector<Diagnostic> fork_faults(const v1::BoardConfig& saved, const v1::BoardConfig& wanted) {
+std::vector<Diagnostic> fork_faults(const v1::BoardConfig& saved, const v1::BoardConfig& wanted, bool in_command) {
   std::vector<Diagnostic> faults;
-  compare(resolve(saved), resolve(wanted), "", faults);
+  compare(resolve(saved), resolve(wanted), "", in_command, faults);
   return faults;
 }
 
@@ -196,12 +200,15 @@ Checkpoint Checkpoint::read(const std::filesystem::path& file) {
 }
 
 void Checkpoint::restore(Board& board) const {
-  const std::vector<Diagnostic> faults = fork_faults(header_.config(), board.config());
+  const std::vector<Diagnostic> faults = fork_faults(header_.config(), board.config(), header_.in_command());
   if (!faults.empty()) throw CheckpointFault("config." + to_string(faults));
   const bool with_level = header_.config().fidelity() == board.config().fidelity();
   LoadingArchive archive(std::string_view(bytes_).substr(first_field_, bytes_.size() - kChecksumBytes - first_field_));
   board.state(archive, with_level);
   archive.end(with_level);
+  if (board.in_command() != header_.in_command()) {
+    throw CheckpointFault("header.in_command", board.in_command() ? "1" : "0", header_.in_command() ? "1" : "0");
+  }
 }
 
 }  // namespace gicube::emu

@@ -14,14 +14,16 @@
 
 namespace gicube::emu {
 
-// Hands the file's bytes to `sink`, piece by piece. Called like Board::transact(); nothing changes.
+// Hands the file's bytes to `sink`, piece by piece. Called like Board::state(); nothing changes.
 void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink);
 // To a file that is whole or not there. Throws std::system_error.
 void save_checkpoint(Board& board, const std::filesystem::path& file);
 
 // What differs between two resolved configurations and shapes a board's state, so that a board of `wanted` can't go on from a
-// checkpoint of `saved`. Free are fidelity, threads, pace, the bus, the links, the queue policy, and how the DSP makes rays.
-std::vector<Diagnostic> fork_faults(const v1::BoardConfig& saved, const v1::BoardConfig& wanted);
+// checkpoint of `saved`. Free are fidelity, threads, pace, the bus, the links, the queue policy, and how the DSP makes rays;
+// in a command the bus, threads and pace alone.
+std::vector<Diagnostic> fork_faults(const v1::BoardConfig& saved, const v1::BoardConfig& wanted,
+                                    bool in_command = false);
 
 // A checkpoint that is whole.
 class Checkpoint {

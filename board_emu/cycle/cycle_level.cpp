@@ -5,6 +5,7 @@
 #include "cycle/machine_counters.h"
 #include "levels/counters.h"
 #include "memory/sum_memory.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 
@@ -20,29 +21,44 @@ Machine& CycleLevel::machine_for(const Frame& frame) {
   return *machine_;
 }
 
+Machine& CycleLevel::machine_to_go_on(RaySource& source, const Frame& frame) {
+  const bool fits = machine_->blocks() == frame.volume->blocks() && caches_sums_ == (frame.sums != nullptr);
+  if (!fits) throw CheckpointFault("run", "that of its command", "another");
+  NumbersArchive archive(true, of_source_);
+  archive.field("source", [&](Archive::Record& record) { source.state(record, run_->begin); });
+  of_source_.clear();
+  return *machine_;
+}
+
 RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progress) {
-  Machine& machine = machine_for(frame);
-  if (frame.sums != nullptr) frame.sums->moved_anywhere(frame.max_moved);
-  const RayCounters before = ray_counters(machine);
-  RunResult all;
-  all.answered = v1::cycle;
+  const Finally over{[this] { run_.reset(); }};
+  bool goes_on = run_.has_value();
   try {
+    Machine& machine = goes_on ? machine_to_go_on(source, frame) : machine_for(frame);
+    if (!goes_on) {
+      if (frame.sums != nullptr) frame.sums->moved_anywhere(frame.max_moved);
+      run_.emplace().before = ray_counters(machine);
+    }
+    run_->source = &source;
+    RunResult& all = run_->all;
+    all.answered = v1::cycle;
     const std::uint64_t count = source.count(), at_once = source.max_at_once();
-    std::uint64_t begin = 0;
     do {
-      const std::uint64_t end = std::min(count, begin + at_once);
-      const RunResult ran = machine.run(source, frame, progress, {begin, end});
+      const RayRange which{run_->begin, std::min(count, run_->begin + at_once)};
+      const RunResult ran =
+          goes_on ? machine.go_on(source, frame, progress, which) : machine.run(source, frame, progress, which);
+      goes_on = false;
       add_run(all, ran, config_.asic().core_khz());
-      begin = end;
-    } while (begin < count && !all.cancelled);
+      run_->begin = which.end;
+    } while (run_->begin < count && !all.cancelled);
+    past_rays_ += all.rays;
+    all.rays += ray_counters(machine) - run_->before;
+    if (all.cancelled) reset();
+    return all;
   } catch (...) {
     reset();  // rays are left in it
     throw;
   }
-  past_rays_ += all.rays;
-  all.rays += ray_counters(machine) - before;
-  if (all.cancelled) reset();
-  return all;
 }
 
 void CycleLevel::volume_changed() {
@@ -54,6 +70,7 @@ void CycleLevel::deposits_cleared() {
 }
 
 void CycleLevel::reset() {
+  if (run_ && run_->source == nullptr) run_.reset();
   if (!machine_) return;
   past_rays_ += ray_counters(*machine_);
   std::vector<wire::Counter> list;
@@ -81,15 +98,27 @@ void CycleLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
   archive("past_rays", past_rays_);
   counters_state(archive, "past", past_);
   archive("caches_sums", caches_sums_);
-  bool has_machine = machine_ != nullptr;
+  bool has_machine = machine_ != nullptr, is_in_run = in_run();
   archive("has_machine", has_machine);
+  archive("in_run", is_in_run);
+  archive.expect(has_machine || !is_in_run, "in_run", "0 without a machine", 1);
   if (!has_machine) return;
   if (archive.loads()) {
     archive.expect(blocks[0] > 0, "has_machine", "0 without a volume", 1);
     machine_ = std::make_unique<Machine>(config_, blocks);
     machine_->set_observer(observer_);
   }
+  archive.set_in_run(is_in_run);
   archive("machine", *machine_);
+  archive.set_in_run(false);
+  if (!is_in_run) return;
+  if (archive.loads()) run_.emplace();
+  archive("run", *run_);
+  if (RaySource* const source = run_->source; source != nullptr) {
+    NumbersArchive numbers(false, of_source_);
+    numbers.field("source", [&](Archive::Record& record) { source->state(record, run_->begin); });
+  }
+  archive.numbers("source", of_source_);
 }
 
 MachineLook CycleLevel::look() const { return machine_ ? emu::look(*machine_) : MachineLook(); }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cycle/machine.h"
@@ -25,17 +26,33 @@ class CycleLevel : public Level {
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
   MachineLook look() const override;
+  bool in_run() const override { return run_.has_value(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;
 
  private:
+  // A run that is under way.
+  struct Run {
+    RaySource* source = nullptr;  // null: the run is a checkpoint's, and does not go on yet
+    std::uint64_t begin = 0;      // the first of the rays that the machine takes to their ends
+    RunResult all;                // of those before
+    RayCounters before;           // of the machine
+
+    void state(Archive::Record& record) {
+      record(begin, all.cycles, all.asic_ps, all.dsp_cycles, all.made, all.rays, before);
+    }
+  };
+
   Machine& machine_for(const Frame& frame);
+  Machine& machine_to_go_on(RaySource& source, const Frame& frame);
 
   const v1::BoardConfig& config_;
   Observer* observer_;
   std::unique_ptr<Machine> machine_;  // as long as the volume keeps its size
   bool caches_sums_ = false;          // its caches hold sums, not voxels
-  RayCounters past_rays_;             // of machines that were dropped, and of what sources did
-  std::vector<wire::Counter> past_;   // counters of machines that were dropped
+  std::optional<Run> run_;
+  std::vector<std::uint64_t> of_source_;  // of a checkpoint's run
+  RayCounters past_rays_;                 // of machines that were dropped, and of what sources did
+  std::vector<wire::Counter> past_;       // counters of machines that were dropped
 };
 
 }  // namespace gicube::emu

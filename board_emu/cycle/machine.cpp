@@ -8,8 +8,13 @@
 
 #include "asic/memory_standards.h"
 #include "datapath/jitter.h"
+#include "words/block_grid.h"
 
 namespace gicube::emu {
+
+namespace {
+constexpr Cycle kReportCycles = 4096;  // chosen: some thousand times a second
+}
 
 Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
     : config_(config),
@@ -129,14 +134,15 @@ void Machine::book_millisecond() {
   booked_ = sum;
 }
 
-void Machine::skip_to(Cycle cycle) {
-  const Cause cause = upstream();
-  while (now_ < cycle) {
-    const Cycle stride = now_ < see_at_ ? std::min(cycle, see_at_) - now_ : 1;
-    for (const auto& processor : processors_) processor->account_idle(now_, stride, cause);
+// To run_.skips_to.
+void Machine::skip() {
+  while (now_ < run_.skips_to) {
+    const Cycle stride = now_ < see_at_ ? std::min(run_.skips_to, see_at_) - now_ : 1;
+    for (const auto& processor : processors_) processor->account_idle(now_, stride, run_.skip_cause);
     if (stride == 1) show();
     now_ += stride;
   }
+  run_.moved_at = now_;
 }
 
 void Machine::describe(std::ostream& out) const {
@@ -154,42 +160,89 @@ void Machine::stalled() const {
   throw Stall(text.str());
 }
 
+// Before the parts, since these name rays and runs.
+void Machine::run_state(Archive& archive, TokenLimits& limits) {
+  archive("run", run_);
+  archive.expect(run_.report_at <= now_ + kReportCycles, "run", "a report soon", run_.report_at);
+  archive("rays", rays_);
+  if (archive.loads()) {
+    const BlockGrid grid(static_cast<int>(config_.asic().block_voxels()), blocks_);
+    for (std::uint32_t handle = 0; handle < rays_.handles(); ++handle) {
+      const RayUnderWay& ray = rays_[handle];
+      const bool is_carrier = ray.ray_state.is(wire::kIrradianceCarrier);
+      bool flies = ray.block < partition_.blocks();
+      const auto corner = grid.corner(flies ? ray.block : 0);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        // A carrier's place may be a voxel outside its block.
+        const std::int32_t low = corner[axis] * wire::kVoxel, beyond = is_carrier ? wire::kVoxel : 0;
+        const std::int32_t at = ray.ray_state.position[axis];
+        flies = flies && at >= std::max(low - beyond, 0) && at < low + grid.size() + beyond;
+      }
+      limits.flies.push_back(flies ? 1 : 0);
+    }
+    for (const auto& processor : processors_) limits.queues.push_back(processor->sorter().queues());
+    archive.set_token_limits(&limits);
+  }
+  archive("pool", run_pool_);
+  archive("runs", runs_);
+  archive("down", down_);
+  archive("up", up_);
+}
+
 void Machine::state(Archive& archive) {
   archive.expect_idle(asic_idle() && rays_.under_way() == 0, "the ASIC");
-  archive("now", now_);
+  Cycle now = now_ + (is_seen_ ? 1 : 0);
+  archive("now", now);
+  if (archive.loads()) now_ = now;
   archive.list("milliseconds", milliseconds_);
   archive("booked", booked_);
+  TokenLimits limits;
+  if (archive.in_run()) archive.within("run", [&] { run_state(archive, limits); });
   archive.parts("processor", processors_);
   archive.parts("memory", memories_);
   archive("ray_bus", *ray_bus_);
   archive("links", *links_);
   archive("tree", *tree_);
   archive("dsp", *dsp_);
+  archive.set_token_limits(nullptr);
 }
 
-RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
+void Machine::set_out(const Frame& frame) {
   for (const auto& processor : processors_) processor->begin(frame);
   watch_.begin(frame);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
+}
+
+RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
+  set_out(frame);
   dsp_->begin(now_, work, frame, which);
-  const Cycle begin = now_;
-  const std::uint64_t dsp_before = dsp_->dsp().counters().busy();
+  run_ = {
+      .begin = now_, .dsp_before = dsp_->dsp().counters().busy(), .moved_at = now_, .report_at = now_ + kReportCycles};
+  return to_the_end(progress, which);
+}
+
+RunResult Machine::go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
+  set_out(frame);
+  dsp_->go_on(work, frame, which);
+  if (now_ < run_.skips_to) skip();
+  return to_the_end(progress, which);
+}
+
+RunResult Machine::to_the_end(Progress& progress, RayRange which) {
   const auto result = [&](bool cancelled) {
     RunResult ran;
-    ran.cycles = now_ - begin;
-    ran.dsp_cycles = dsp_->dsp().counters().busy() - dsp_before;
+    ran.cycles = now_ - run_.begin;
+    ran.dsp_cycles = dsp_->dsp().counters().busy() - run_.dsp_before;
     ran.made = dsp_->rays_made();
     ran.rays = dsp_->made();
     ran.cancelled = cancelled;
     return ran;
   };
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
-  constexpr Cycle kProgressCycles = 4096;  // chosen: some thousand times a second
-  Cycle moved_at = now_, report_at = now_ + kProgressCycles;
   while (!dsp_->done(now_) || !asic_idle()) {
-    if (now_ >= report_at) {
-      report_at = now_ + kProgressCycles;
+    if (now_ >= run_.report_at) {
+      run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
       if (progress.may_count) progress.may_count();
@@ -197,16 +250,17 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
       if (progress.cancel) return result(true);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
-      skip_to(dsp_->free_at());
-      moved_at = now_;
+      run_.skips_to = dsp_->free_at();
+      run_.skip_cause = upstream();
+      skip();
       continue;
     }
     if (dsp_->done(now_)) {
       for (const auto& processor : processors_) processor->write_rest();
     }
-    if (tick()) moved_at = now_;
+    if (tick()) run_.moved_at = now_;
     show();
-    if (now_ - moved_at > kStallCycles) stalled();
+    if (now_ - run_.moved_at > kStallCycles) stalled();
     ++now_;
   }
   book_millisecond();

@@ -36,6 +36,8 @@ class Machine {
   // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. The result has the counters of making
   // rays; all others are in machine_counters.h. Throws Stall, and RoutineFault.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
+  // Goes on with the run of a checkpoint, from the same source. Throws CheckpointFault if it was another one.
+  RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
   RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
     return run(work, frame, progress, {0, work.count()});
   }
@@ -79,18 +81,39 @@ class Machine {
   const Fifo<RunPool::Run>& runs() const { return runs_; }
   const Fifo<RayToken>& up() const { return up_; }
 
-  // Between two runs: no ray is under way, so FIFOs, queues and stages are as in a new machine.
+  // Between two runs no ray is under way, so FIFOs, queues and stages are as in a new machine. In a run: from Observer::see() and
+  // Progress::may_count().
   void state(Archive& archive);
 
  private:
+  // What goes on from cycle to cycle of a run, beside the parts.
+  struct Run {
+    Cycle begin = 0;
+    std::uint64_t dsp_before = 0;  // cycles in which it had worked
+    Cycle moved_at = 0;            // the last cycle in which something moved
+    Cycle report_at = 0;
+    Cycle skips_to = 0;  // cycles before it are only counted, by
+    Cause skip_cause = Cause::kDsp;
+
+    void state(Archive::Record& record) {
+      record(begin, dsp_before, moved_at, report_at, skips_to);
+      record.at_most(skip_cause, Cause::kSdram);
+    }
+  };
+
+  void set_out(const Frame& frame);
+  RunResult to_the_end(Progress& progress, RayRange which);
+  void run_state(Archive& archive, TokenLimits& limits);
   bool tick();
   bool tick_part(std::size_t part);
-  void skip_to(Cycle cycle);
+  void skip();
   // An observer sees the cycle, if it wants to.
   void show() {
     if (now_ < see_at_) [[likely]]
       return;
+    is_seen_ = true;
     observer_->see(now_, *this);
+    is_seen_ = false;
     ask_observer(now_ + 1);
   }
   void ask_observer(Cycle from) { see_at_ = observer_ == nullptr ? kNoCycle : std::max(from, observer_->next(from)); }
@@ -123,6 +146,8 @@ class Machine {
   Observer* observer_ = nullptr;
   std::uint64_t shuffle_ = 0;  // 0 = the usual order
   Cycle now_ = 0;
+  bool is_seen_ = false;  // the cycle is over
+  Run run_;
   std::vector<Millisecond> milliseconds_;
   Millisecond booked_;  // the sum of milliseconds_
 };

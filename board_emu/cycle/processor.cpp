@@ -315,11 +315,15 @@ bool Processor::idle() const {
 
 void Processor::state(Archive& archive) {
   archive.expect_idle(idle() && misses_.empty(), "a processor");
+  TokenLimits* const limits = archive.token_limits();
+  if (limits != nullptr) limits->here = sorter_.queues();
   archive("sorter", sorter_);
+  if (limits != nullptr) limits->here = TokenLimits().here;
   archive("cache", cache_);
   if (cells_) archive("cells", *cells_);
-  archive("writes", writes_);
-  archive("splats", splats_);
+  const std::size_t blocks = partition_.blocks();
+  archive.within("writes", [&] { writes_.state(archive, packet_blocks(), cache_.tiles_of_block()); });
+  archive.within("splats", [&] { splats_.state(archive, blocks, cache_.tiles_of_block()); });
   archive.at_most("latest", latest_, kLastCause);
   archive.field("unfed", [this](Archive::Record& record) {
     for (Cause& cause : unfed_) record.at_most(cause, kLastCause);
@@ -328,6 +332,36 @@ void Processor::state(Archive& archive) {
   archive.field("cycles", [this](Archive::Record& record) {
     record(compute_clock_, causes_, holding_cycles_, fed_, backed_up_, bubble_);
   });
+  if (archive.in_run()) run_state(archive);
+}
+
+// What is on its way between its parts.
+void Processor::run_state(Archive& archive) {
+  archive.field("misses",
+                [this](Archive::Record& record) { misses_.state(record, packet_blocks(), cache_.tiles_of_block()); });
+  TokenLimits* const limits = archive.token_limits();
+  if (limits != nullptr) limits->here = sorter_.queues();
+  archive("issue", issue_);
+  archive("returned", returned_);
+  archive("from_bus", from_bus);
+  archive("from_left", from_left);
+  archive("from_right", from_right);
+  if (limits != nullptr) limits->here = TokenLimits().here;
+  archive("released", released_);
+  archive("out_links", out_links);
+  archive("done", done);
+  archive("overflow", overflow);
+  archive("stages", stages_);
+  std::size_t packets = 0, splats = 0;
+  bool fits = true;
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    packets += stages_[i].packets;
+    splats += stages_[i].splats ? 1 : 0;
+    fits = fits && stages_[i].from < sorter_.queues() && (i >= stages_.computing() || stages_[i].packets == 0);
+  }
+  for (std::size_t i = 0; i < released_.size(); ++i) fits = fits && released_[i] < sorter_.queues();
+  archive.expect(fits && packets == misses_.size() && splats == splats_.waiting(), "stages",
+                 "rays of its queues, and their packets and deposits", packets);
 }
 
 void Processor::describe(std::ostream& out) const {

@@ -112,11 +112,14 @@ class Processor {
   bool send_carrier(Cycle now);
   bool splat_waits(Cycle now) const;
   void begin_splat(Cycle now);
+  void run_state(Archive& archive);
   void write_back(const TileOfBlock& changed, bool irradiance);
   void write(std::uint32_t block, std::uint32_t tile, bool irradiance);
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
   // Irradiance words have packets of their own, and this frame's rays leave or read them.
   bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
+  // Blocks of its packets.
+  std::uint32_t packet_blocks() const { return static_cast<std::uint32_t>(partition_.max_blocks() * (cells_ ? 2 : 1)); }
   bool has_room_for_victims() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
   // In memory the irradiance of all blocks lies behind their voxels.
   std::uint32_t irradiance_of(std::uint32_t number) const {

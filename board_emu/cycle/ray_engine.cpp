@@ -35,6 +35,36 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
   free_at_ = std::max(free_at_, dsp_cycle(now));
 }
 
+void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
+  const bool fits = begin_ == which.begin && end_ == which.end && end_ <= work.count();
+  if (!fits) throw CheckpointFault("run", "rays of its command", std::to_string(end_));
+  work_ = &work;
+  frame_ = &frame;
+  may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+}
+
+void RayEngine::run_state(Archive& archive) {
+  archive.field("run", [this](Archive::Record& record) {
+    record(begin_, end_);
+    record.at_most(made_, end_);
+    record(rays_made_, finished_, making_, under_way_, batch_);
+    record.at_most(outgoing_, Outgoing::kRun);
+    if (outgoing_ == Outgoing::kRay) record(ray_);
+    if (outgoing_ == Outgoing::kRun) record.list(run_, ~std::uint64_t{0});
+  });
+  if (!archive.loads()) {
+    index_of_.resize(std::max(index_of_.size(), rays_.handles()));
+    for (std::uint64_t& index : index_of_) {
+      if (index < begin_ || index >= made_) index = begin_;  // of a run before this one
+    }
+  }
+  archive.list("index", index_of_);
+  const bool fits = index_of_.size() >= rays_.handles() && (begin_ < made_ || rays_.under_way() == 0);
+  const auto is_made = [this](std::uint64_t index) { return index == begin_ || (index > begin_ && index < made_); };
+  archive.expect(fits && std::ranges::all_of(index_of_, is_made), "index", "rays of the run for all handles",
+                 index_of_.size());
+}
+
 Cycle RayEngine::free_at() const { return (free_at_ * core_khz_ + dsp_khz_ - 1) / dsp_khz_; }
 
 RayToken RayEngine::launch(std::uint32_t handle) {

@@ -45,6 +45,8 @@ class RayEngine {
 
   // Begins with the rays `which` of `work` at core cycle `now`. `work` and `frame` must live until done().
   void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which);
+  // Goes on with a run of a checkpoint. Throws CheckpointFault if it was another one.
+  void go_on(RaySource& work, const Frame& frame, RayRange which);
 
   bool tick(Cycle now);
 
@@ -82,9 +84,11 @@ class RayEngine {
     archive.field("engine", [this](Archive::Record& record) {
       record(free_at_, sends_again_, counters_.sent, counters_.taken, counters_.overflows);
     });
+    if (archive.in_run()) run_state(archive);
   }
 
  private:
+  void run_state(Archive& archive);
   DspCycle dsp_cycle(Cycle now) const { return (now * dsp_khz_ + core_khz_ - 1) / core_khz_; }
   void carry_out(Cycle now, const DspTask& task) { free_at_ = dsp_.work(task, std::max(free_at_, dsp_cycle(now))); }
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const { return processor * lists_ + queue; }

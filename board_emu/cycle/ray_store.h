@@ -13,6 +13,8 @@ namespace gicube::emu {
 struct alignas(64) RayUnderWay {
   std::uint32_t block = 0;  // that its position lies in
   RayState ray_state;
+
+  void state(Archive::Record& record) { record(block, ray_state); }
 };
 static_assert(offsetof(RayUnderWay, ray_state) + offsetof(RayState, wide) == 64);
 
@@ -36,6 +38,16 @@ class RayStore {
 
   RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
   const RayUnderWay& operator[](std::uint32_t handle) const { return rays_[handle]; }
+  std::size_t handles() const { return rays_.size(); }
+  void state(Archive& archive) {
+    archive.list("rays", rays_);
+    archive.list("free", free_, rays_.size());
+    std::vector<bool> seen(rays_.size());
+    for (const std::uint32_t handle : free_) {
+      archive.expect(handle < rays_.size() && !seen[handle], "free", "handles, each once", handle);
+      seen[handle] = true;
+    }
+  }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
 
  private:

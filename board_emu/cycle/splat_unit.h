@@ -23,6 +23,14 @@ struct Splat {
   std::uint8_t carriers = 0;
   std::array<std::uint32_t, 8> tile{};
   std::array<RayToken, 8> carrier{};
+
+  void state(Archive::Record& record) {
+    record(block);
+    record.at_most(tiles, 8);
+    record.at_most(carriers, 8);
+    for (std::size_t i = 0; i < tiles; ++i) record(tile[i]);
+    for (std::size_t i = 0; i < carriers; ++i) record(carrier[i]);
+  }
 };
 
 struct SplatCounters {
@@ -62,11 +70,30 @@ class SplatUnit {
     ++counters_.carriers;
   }
   const SplatCounters& counters() const { return counters_; }
-  // With no splat in work; the cache may be taken for the last one's cycles still.
-  void state(Archive& archive) {
+  std::size_t waiting() const { return count_; }
+  // Of blocks with `tiles`. Between runs no splat is in work; the cache may be taken for the last one's cycles still.
+  void state(Archive& archive, std::size_t blocks, std::size_t tiles) {
     archive.expect_idle(count_ == 0 && !has_carrier(), "the splat unit");
     archive.field("counters",
                   [this](Archive::Record& record) { record(counters_.deposits, counters_.carriers, busy_until_); });
+    if (!archive.in_run()) return;
+    Splat rest;  // of the one in work: its tiles are written
+    rest.block = current_.block;
+    for (std::size_t i = next_; i < current_.carriers; ++i) rest.carrier[rest.carriers++] = current_.carrier[i];
+    archive.field("splats", [&](Archive::Record& record) {
+      record.at_most(count_, splats_.size());
+      record(rest);
+      for (std::size_t i = 0; i < count_; ++i) {
+        Splat& splat = splats_[(head_ + i) % splats_.size()];
+        record(splat);
+        bool fits = splat.block < blocks;
+        for (std::size_t t = 0; t < splat.tiles; ++t) fits = fits && splat.tile[t] < tiles;
+        record.expect(fits, "tiles of a block", splat.block);
+      }
+    });
+    if (!archive.loads()) return;
+    current_ = rest;
+    next_ = 0;
   }
 
  private:

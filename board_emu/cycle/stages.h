@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "words/archive.h"
 #include "words/clock.h"
 #include "words/words.h"
 
@@ -22,6 +23,8 @@ struct InFlight {
   bool sampled = false;      // else it leapt
   bool splats = false;       // leaves something in the irradiance words
   std::uint32_t block = 0;   // whose voxels it reads, if it has sampled
+
+  void state(Archive::Record& record) { record(ready, token, from, packets, sampled, splats, block); }
 };
 
 class Stages {
@@ -59,6 +62,13 @@ class Stages {
     ++head_;
     --computing_;
   }
+  void state(Archive::Record& record) {
+    record.at_most(prefetching_, prefetch_stages_);
+    record.at_most(computing_, ring_.size() - prefetch_stages_);
+    for (std::size_t i = 0; i < size(); ++i) record(ring_[(head_ + i) & mask_]);
+  }
+  // The oldest first.
+  const InFlight& operator[](std::size_t i) const { return ring_[(head_ + i) & mask_]; }
 
  private:
   std::size_t prefetch_stages_;

@@ -67,6 +67,18 @@ struct RayState {
   // The step along an axis, in position units.
   double slope(std::size_t axis) const { return step[axis] + step_rest[axis] * (1.0 / (1 << kRestBits)); }
 
+  void state(Archive::Record& record) {
+    std::uint8_t interactions = generation, has_begun = under_way;
+    record(position, step, exponent, length);
+    record.at_most(opacity, wire::kOpacityOne);
+    record(interacted, colour, direction, u, v, lifetime, flags);
+    record.at_most(interactions, 15);
+    record.at_most(has_begun, 1);
+    record(wide.opacity, wide.colour, rest, step_rest);
+    generation = interactions & 15;
+    under_way = has_begun & 1;
+  }
+
   std::int32_t steps_left() const { return static_cast<std::int32_t>(interacted); }
   void set_steps_left(std::int32_t steps) { interacted = static_cast<std::uint32_t>(steps); }
 };

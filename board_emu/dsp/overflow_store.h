@@ -17,6 +17,7 @@
 
 #include "levels/dsp_task.h"
 #include "words/archive.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 
@@ -39,8 +40,9 @@ class OverflowStore {
   DspTask keep(std::size_t queue, std::uint32_t ray) { return put(lists_[queue], ray, false); }
   // Of one that may go at once, without a slot that is its own.
   DspTask keep_ready(std::uint32_t ray) { return put(ready_, ray, false); }
-  // A queue has given a slot to the first of its list.
+  // A queue has given a slot to the first of its list. (In a checkpoint there may be none.)
   void make_ready(std::size_t queue) {
+    if (lists_[queue].first == kNone) return;
     const std::uint32_t place = unlink(lists_[queue]);
     entries_[place].has_slot = true;
     link(ready_, place);
@@ -58,17 +60,37 @@ class OverflowStore {
     --kept_;
     return {entry.ray, entry.has_slot, DspTask{.loop = &kStoreRay}.with(use(place, SdramUse::Kind::kRead))};
   }
-  // Between commands it is empty; which place the next ray takes depends on those before.
+  // Between runs it is empty; which place the next ray takes depends on those before.
   void state(Archive& archive) {
     archive.expect_idle(kept_ == 0, "the store of overflowed rays");
     archive.list("free", free_, kPlaces);
-    if (!archive.loads()) return;
-    std::vector<bool> seen(free_.size());
-    for (const std::uint32_t place : free_) {
-      archive.expect(place < seen.size() && !seen[place], "free", "each place once", place);
-      seen[place] = true;
+    std::vector<Kept> kept;
+    if (archive.in_run()) {
+      for (std::size_t list = 0; list <= lists_.size(); ++list) {
+        std::uint32_t place = list < lists_.size() ? lists_[list].first : ready_.first;
+        for (; place != kNone; place = entries_[place].next) {
+          kept.push_back({list, place, entries_[place].ray, entries_[place].has_slot});
+        }
+      }
+      archive.list("kept", kept, kPlaces);
     }
-    entries_.resize(free_.size());
+    if (!archive.loads()) return;
+    entries_.resize(free_.size() + kept.size());
+    std::vector<bool> seen(entries_.size());
+    const auto expect_new = [&](const char* name, std::uint32_t place) {
+      archive.expect(place < seen.size() && !seen[place], name, "each place once", place);
+      seen[place] = true;
+    };
+    for (const std::uint32_t place : free_) expect_new("free", place);
+    for (const Kept& each : kept) {
+      expect_new("kept", each.place);
+      const TokenLimits* const limits = archive.token_limits();
+      const bool flies = each.ray < limits->flies.size() && limits->flies[each.ray] != 0;
+      archive.expect(each.list <= lists_.size() && flies, "kept", "rays in their blocks, each in a list", each.ray);
+      entries_[each.place] = {each.ray, kNone, each.has_slot};
+      link(each.list < lists_.size() ? lists_[each.list] : ready_, each.place);
+    }
+    kept_ = kept.size();
   }
 
  private:
@@ -78,6 +100,14 @@ class OverflowStore {
     std::uint32_t ray = 0;
     std::uint32_t next = kNone;
     bool has_slot = false;
+  };
+  // In a checkpoint; the list behind the last queue's is ready_.
+  struct Kept {
+    std::uint64_t list = 0;
+    std::uint32_t place = 0, ray = 0;
+    bool has_slot = false;
+
+    void state(Archive::Record& record) { record(list, place, ray, has_slot); }
   };
   struct List {
     std::uint32_t first = kNone, last = kNone;  // places

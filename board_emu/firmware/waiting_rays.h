@@ -57,6 +57,8 @@ class WaitingRays : public WaitingRayQueue {
     std::ranges::sort(continued_, {}, id);
     return continued_;
   }
+  // The same of the latest call.
+  std::span<const WaitingRay> continued() const { return continued_; }
   const WaitingRay* find(std::uint32_t ray) const override {
     const auto at = std::ranges::lower_bound(continued_, ray, {}, id);
     return at != continued_.end() && id(*at) == ray ? &*at : nullptr;
@@ -76,24 +78,28 @@ class WaitingRays : public WaitingRayQueue {
   }
   // Of a volume with `blocks`, whose rays are in `extent`.
   void state(Archive& archive, std::size_t blocks, const Point& extent) {
-    std::vector<std::uint8_t> packets;
-    for (const WaitingRay& each : waiting_) wire::append(packets, each.ray);
-    archive.bytes("packets", packets, 0, kMax * wire::kRayBytes);
-    if (archive.loads()) waiting_.resize(packets.size() / wire::kRayBytes);
-    archive.field("beyond_packets", [this](Archive::Record& record) {
-      for (WaitingRay& each : waiting_) record(each.wide.opacity, each.wide.colour, each.rest, each.block);
-    });
+    rays_state(archive, waiting_, blocks, extent);
     archive.at_most("before", before_, waiting_.size());
-    for (std::size_t i = 0; archive.loads() && i < waiting_.size(); ++i) {
-      wire::Ray& ray = waiting_[i].ray;
-      ray = wire::decode<wire::Ray>(std::span(packets).subspan(i * wire::kRayBytes));
-      const Point at{static_cast<std::int32_t>(ray.position[0]), static_cast<std::int32_t>(ray.position[1]),
-                     static_cast<std::int32_t>(ray.position[2])};
-      archive.expect(inside(at, extent) && waiting_[i].block < blocks, "packets", "rays in the volume", i);
-    }
+    archive.within("continued", [&] { rays_state(archive, continued_, blocks, extent); });
   }
 
  private:
+  static void rays_state(Archive& archive, std::vector<WaitingRay>& rays, std::size_t blocks, const Point& extent) {
+    std::vector<std::uint8_t> packets;
+    for (const WaitingRay& each : rays) wire::append(packets, each.ray);
+    archive.bytes("packets", packets, 0, kMax * wire::kRayBytes);
+    if (archive.loads()) rays.resize(packets.size() / wire::kRayBytes);
+    archive.field("beyond_packets", [&rays](Archive::Record& record) {
+      for (WaitingRay& each : rays) record(each.wide.opacity, each.wide.colour, each.rest, each.block);
+    });
+    for (std::size_t i = 0; archive.loads() && i < rays.size(); ++i) {
+      wire::Ray& ray = rays[i].ray;
+      ray = wire::decode<wire::Ray>(std::span(packets).subspan(i * wire::kRayBytes));
+      const Point at{static_cast<std::int32_t>(ray.position[0]), static_cast<std::int32_t>(ray.position[1]),
+                     static_cast<std::int32_t>(ray.position[2])};
+      archive.expect(inside(at, extent) && rays[i].block < blocks, "packets", "rays in the volume", i);
+    }
+  }
   static std::uint32_t id(const WaitingRay& ray) { return ray.ray.host_id(); }
 
   std::mutex mutex_;  // of waiting_

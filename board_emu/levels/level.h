@@ -84,7 +84,11 @@ class Level {
   // To be called where all counters hold.
   virtual MachineLook look() const { return {}; }
 
-  // Saves what the level is between two runs, or makes a new level what was saved; the volume has `blocks` along x, y, z.
+  // Whether a run is under way: state() saves it too. A level to which such a run was loaded goes on with it in the next run(), whose
+  // source and frame must be those of that run; it throws CheckpointFault if it finds that they are not. Or reset() ends it.
+  virtual bool in_run() const { return false; }
+  // Saves what the level is, or makes a new level what was saved; the volume has `blocks` along x, y, z. In a run it may be called
+  // from Progress::may_count() and Observer::see().
   virtual void state(Archive& archive, const std::array<int, 3>& blocks) = 0;
 };
 

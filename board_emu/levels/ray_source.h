@@ -13,6 +13,7 @@
 #include "datapath/frame.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -83,6 +84,9 @@ class RaySource {
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
   // Takes ray `i` back after its flight, once for each ray that was made, unless it waits for the host. Its flags mean nothing then.
   virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
+
+  // What the rays of the run that begins with ray `begin` have left in the source so far, or what a checkpoint has of it.
+  virtual void state(Archive::Record& /*record*/, std::uint64_t /*begin*/) {}
 
   // Divides the rays into batches of about `rays` rays, or of a size that suits the source. Returns the number of batches.
   virtual std::size_t divide(std::size_t rays) = 0;

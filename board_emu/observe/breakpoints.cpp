@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -142,6 +143,16 @@ std::uint64_t number_at(const std::vector<std::string>& words, std::size_t at, c
   return value;
 }
 
+RayName ray_at(const std::vector<std::string>& words, std::size_t at) {
+  const std::string text = at < words.size() ? words[at] : "";
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) return {.number = number_at(words, at, "a ray's number, or ticket:number")};
+  const std::vector<std::string> parts{text.substr(0, colon), text.substr(colon + 1)};
+  const std::uint64_t ticket = number_at(parts, 0, "a ticket");
+  if (ticket > std::numeric_limits<std::uint32_t>::max()) refuse("a ticket of 32 bits", parts[0]);
+  return {static_cast<std::uint32_t>(ticket), number_at(parts, 1, "a ray's number")};
+}
+
 Breakpoint parse_breakpoint(const std::vector<std::string>& words, const CommandClock& clock) {
   const std::string kind = words.empty() ? "" : words[0];
   Breakpoint out;
@@ -156,9 +167,9 @@ Breakpoint parse_breakpoint(const std::vector<std::string>& words, const Command
     out = at_cycle(clock.begin_cycle + after / kMillisecond * clock.core_khz +
                    after % kMillisecond * clock.core_khz / kMillisecond);
   } else if (kind == "ray") {
-    out = of_rays([number = number_at(words, 1, "a ray's number")](std::uint64_t ray, const wire::Ray&) {
-      return ray == number;
-    });
+    const RayName name = ray_at(words, 1);
+    out = of_rays([number = name.number](std::uint64_t ray, const wire::Ray&) { return ray == number; });
+    out.ticket = name.ticket;
   } else if (kind == "pixel") {
     out = of_rays([x = number_at(words, 1, "a pixel's x"), y = number_at(words, 2, "a pixel's y")](
                       std::uint64_t, const wire::Ray& made) { return made.u >> 4 == x && made.v >> 4 == y; });

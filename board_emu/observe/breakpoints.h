@@ -29,16 +29,24 @@ struct Breakpoint {
   std::function<std::optional<std::string>(const RayEvent& event, const Machine& machine)> on_ray{};
   std::function<std::optional<std::string>(const std::vector<wire::Counter>& counters)> on_counters{};
   std::function<bool(std::uint64_t ray, const wire::Ray& made)> watches{};
+  std::optional<std::uint32_t> ticket{};  // only in the command of this ticket
   bool on_command = false;
   std::optional<Cycle> cycle{};  // on_cycle need not be asked before
 };
 
-// "cycle N", "time 12.5us", "ray N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q FILL", "overflow", "trap", "conflict",
+// "cycle N", "time 12.5us", "ray N", "ray TICKET:N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q FILL", "overflow", "trap", "conflict",
 // "counter NAME VALUE", "command". Throws std::invalid_argument, "expected ..., got ...".
 Breakpoint parse_breakpoint(const std::vector<std::string>& words, const CommandClock& clock);
 
 // The end of a step of `count` cycles, samples or rays from now on.
 Breakpoint step_of(const std::string& unit, std::uint64_t count, Cycle now, const Machine& machine);
+
+// "N", a ray of any command, or "TICKET:N".
+struct RayName {
+  std::optional<std::uint32_t> ticket{};
+  std::uint64_t number = 0;
+};
+RayName ray_at(const std::vector<std::string>& words, std::size_t at);
 
 // The number at words[at]; `what` names it in the fault.
 std::uint64_t number_at(const std::vector<std::string>& words, std::size_t at, const char* what);

@@ -20,14 +20,15 @@ constexpr std::size_t kMaxHistory = 200, kMaxHistories = 1000;  // chosen: lines
 constexpr const char* kHelp =
     "break cycle N | time 12.5us | ray N | pixel X Y | voxel X Y Z | block X Y Z | queue P Q RAYS | overflow | trap |\n"
     "      conflict | counter NAME VALUE | command        breaks: lists them; delete N\n"
-    "watch ray N | pixel X Y        keeps the history of rays that are made from now on\n"
+    "watch ray N | pixel X Y        keeps the history of rays that are made from now on; a ray is also TICKET:N\n"
     "continue [SECONDS], step [cycle | sample | ray | command] [N], stop [SECONDS], detach\n"
-    "where, why, parts, queue P [Q], cache P X Y Z, bank MEMORY DEVICE BANK, link, counters [BEGIN]\n"
-    "ray N, history N, set ray N colour R G B | opacity N\n";
+    "where, why, parts, queue P [Q], cache P X Y Z, cache P set S, bank MEMORY DEVICE BANK, link, counters [BEGIN]\n"
+    "ray N, history N, set ray N colour R G B | opacity N, checkpoint FILE\n";
 
 // Where nothing but the end of a command can be looked at.
 constexpr const char* kNoCycles =
-    "this level has no cycles: expected break command or break counter, which is looked at when a command ends";
+    "this level has no cycles: expected break command, step command, or break counter, which is looked at when a "
+    "command ends";
 
 }  // namespace
 
@@ -42,7 +43,7 @@ void Debugger::detach() {
   watched_.clear();
   histories_.clear();
   step_.reset();
-  stops_soon_ = stops_at_command_ = false;
+  stops_soon_ = stops_at_command_ = stands_on_ = false;
   goes_ = true;
   is_attached_ = false;
   changed_.notify_all();
@@ -53,6 +54,7 @@ void Debugger::let_go() {
   step_.reset();
   stops_soon_ = stops_at_command_ = false;
   goes_ = is_let_go_ = true;
+  stands_on_ = false;
   changed_.notify_all();
 }
 
@@ -64,7 +66,16 @@ void Debugger::power_up(std::uint64_t core_khz, bool has_cycles) {
   machine_ = nullptr;
 }
 
-void Debugger::begin_command(Picoseconds begin) {
+bool Debugger::offer(std::function<void()> job) {
+  const std::lock_guard lock(mutex_);
+  if (!stands_) return false;
+  last_word_ = std::chrono::steady_clock::now();
+  job_ = std::move(job);
+  changed_.notify_all();
+  return true;
+}
+
+void Debugger::begin_command(Picoseconds begin, std::uint32_t ticket) {
   if (!is_attached()) return;
   Lock lock(mutex_);
   clock_.begin_ps = begin;
@@ -72,10 +83,11 @@ void Debugger::begin_command(Picoseconds begin) {
   is_first_run_ = true;
   is_let_go_ = false;
   machine_ = nullptr;
+  ticket_ = ticket;
   ++commands_;
   const bool is_break = std::ranges::any_of(breakpoints_, &Breakpoint::on_command);
   if (!is_break && !std::exchange(stops_at_command_, false) && !(stops_soon_ && !has_cycles_)) return;
-  stand(lock, now_, fmt::format("command {} begins", commands_));
+  stand(lock, now_, fmt::format("command {} begins, ticket {}", commands_, ticket));
 }
 
 void Debugger::counted(const std::vector<wire::Counter>& counters) {
@@ -101,7 +113,7 @@ void Debugger::begins(Cycle now, Machine& machine) {
 Cycle Debugger::next(Cycle from) {
   if (!is_attached()) return kNoCycle;
   const std::lock_guard lock(mutex_);
-  if (stops_soon_) return from;
+  if (stops_soon_ || stands_on_) return from;
   Cycle first = kNoCycle;
   const auto look_at = [&](const Breakpoint& each) {
     if (each.on_cycle) first = std::min(first, std::max(from, each.cycle.value_or(from)));
@@ -115,6 +127,7 @@ void Debugger::see(Cycle now, const Machine& machine) {
   Lock lock(mutex_);
   now_ = now;
   if (!is_attached_) return;
+  if (stands_on_) return wait_for_word(lock, Moment::kEndOfCycle);
   if (step_) {
     if (const auto why = step_->on_cycle(now, machine)) return stand(lock, now, *why);
   }
@@ -132,7 +145,9 @@ void Debugger::see(Cycle now, const Machine& machine) {
 bool Debugger::watches(std::uint64_t ray, const wire::Ray& made) {
   if (!is_attached()) return false;
   const std::lock_guard lock(mutex_);
-  const auto has_it = [&](const Breakpoint& each) { return each.watches && each.watches(ray, made); };
+  const auto has_it = [&](const Breakpoint& each) {
+    return each.watches && each.ticket.value_or(ticket_) == ticket_ && each.watches(ray, made);
+  };
   return std::ranges::any_of(watched_, has_it) || std::ranges::any_of(breakpoints_, has_it);
 }
 
@@ -152,27 +167,42 @@ void Debugger::happened(const RayEvent& event, const Machine& machine) {
     history.is_under_way = event.step != RayStep::kTaken && event.step != RayStep::kWaits;
   }
   for (const Breakpoint& each : breakpoints_) {
-    if (!each.on_ray) continue;
+    if (!each.on_ray || each.ticket.value_or(ticket_) != ticket_) continue;
     if (const auto why = each.on_ray(event, machine)) {
-      return stand(lock, event.cycle, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+      const std::string text = fmt::format("break {} ({}): {}", each.number, each.text, *why);
+      return stand(lock, event.cycle, text, Moment::kInCycle);
     }
   }
 }
 
-// The command's thread stands here.
-void Debugger::stand(Lock& lock, Cycle now, const std::string& why) {
+void Debugger::stand(Lock& lock, Cycle now, const std::string& why, Moment moment) {
   if (is_let_go_) return;
   step_.reset();
-  stops_soon_ = goes_ = false;
+  stops_soon_ = false;
   now_ = now;
   why_ = why;
-  stands_ = true;
   ++stops_;
-  changed_.notify_all();
   last_word_ = std::chrono::steady_clock::now();
-  while (!goes_ && is_attached_ && std::chrono::steady_clock::now() < last_word_ + kMaxStand) {
-    changed_.wait_until(lock, last_word_ + kMaxStand);
+  wait_for_word(lock, moment);
+}
+
+// The command's thread stands here.
+void Debugger::wait_for_word(Lock& lock, Moment moment) {
+  stands_ = true;
+  goes_ = stands_on_ = false;
+  changed_.notify_all();
+  while (!goes_ && is_attached_ && std::chrono::steady_clock::now() < last_word_ + max_stand_) {
+    if (job_ && moment == Moment::kInCycle) {
+      stands_on_ = true;  // not all parts have ticked
+      break;
+    }
+    if (job_) {
+      std::exchange(job_, nullptr)();
+    } else {
+      changed_.wait_until(lock, last_word_ + max_stand_);
+    }
   }
+  if (!stands_on_) job_ = nullptr;
   stands_ = false;
   changed_.notify_all();
 }
@@ -219,7 +249,11 @@ std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancel
 }
 
 const Debugger::History& Debugger::history_of(const Words& words, std::size_t at) const {
-  const std::uint64_t ray = number_at(words, at, "a ray's number");
+  const auto [ticket, ray] = ray_at(words, at);
+  if (ticket.value_or(ticket_) != ticket_) {
+    throw std::invalid_argument(
+        fmt::format("ticket: expected {}, that of the latest command, got {}", ticket_, *ticket));
+  }
   const auto found = histories_.find(ray);
   if (found != histories_.end()) return found->second;
   throw std::invalid_argument(

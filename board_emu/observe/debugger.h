@@ -2,7 +2,7 @@
 //
 // The thread of the board's command waits in a callback meanwhile, and the client's thread looks at the machine only while it does, under
 // the same lock; so nothing is read as it changes. Simulated time does not depend on it, unless the client sets a word. A board that
-// stands goes on when the client leaves, after kMaxStand without a word from him, and when its session is to end.
+// stands goes on when the client leaves, after `max_stand` without a word from him, and when its session is to end.
 #pragma once
 
 #include <atomic>
@@ -33,6 +33,8 @@ class Debugger : public Observer {
   };
   using Cancelled = std::function<bool()>;
 
+  explicit Debugger(std::chrono::milliseconds max_stand = kMaxStand) : max_stand_(max_stand) {}
+
   // A client comes; false if there is one. From the next command on, or within 4096 cycles, the machine is looked at.
   bool attach();
   // He has left: nothing stops any more.
@@ -41,11 +43,18 @@ class Debugger : public Observer {
   Answer carry_out(const std::string& line, const Cancelled& cancelled);
   // The board goes on, and stops no more until the next line that wants it to: its session is to end. Any thread.
   void let_go();
+  // Calls `job` once on the command's thread where the board stands, at the end of the cycle in which it does; the board stands on. It
+  // must not throw. False if it does not stand. If it is told to go on before, the job is dropped. Any thread.
+  bool offer(std::function<void()> job);
+  bool stands() const {
+    const std::lock_guard lock(mutex_);
+    return stands_;
+  }
   bool is_attached() const { return is_attached_.load(std::memory_order_relaxed); }
 
   // On the command's thread: `begin` as BoardObserver's.
   void power_up(std::uint64_t core_khz, bool has_cycles);
-  void begin_command(Picoseconds begin);
+  void begin_command(Picoseconds begin, std::uint32_t ticket);
   void counted(const std::vector<wire::Counter>& counters);
 
   void begins(Cycle now, Machine& machine) override;
@@ -64,7 +73,11 @@ class Debugger : public Observer {
     bool is_under_way = false;
   };
 
-  void stand(Lock& lock, Cycle now, const std::string& why);
+  // Whether jobs can be done where the board stands, or not before the end of the cycle.
+  enum class Moment : std::uint8_t { kInCycle, kEndOfCycle };
+
+  void stand(Lock& lock, Cycle now, const std::string& why, Moment moment = Moment::kEndOfCycle);
+  void wait_for_word(Lock& lock, Moment moment);
   std::string wait_for_stop(Lock& lock, std::uint64_t before, std::chrono::seconds limit, const Cancelled& cancelled);
   std::string where();
   std::string go(const Words& words, Lock& lock, const Cancelled& cancelled);
@@ -73,14 +86,17 @@ class Debugger : public Observer {
   const History& history_of(const Words& words, std::size_t at) const;
   void add(Breakpoint breakpoint);
 
+  const std::chrono::milliseconds max_stand_;
   std::atomic<bool> is_attached_ = false;
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   bool has_cycles_ = false;
   bool stands_ = false;
-  bool goes_ = false;              // it is told to go on
-  bool is_let_go_ = false;         // nothing stops the command any more
-  bool stops_soon_ = false;        // at the next occasion
+  bool goes_ = false;        // it is told to go on
+  bool is_let_go_ = false;   // nothing stops the command any more
+  bool stops_soon_ = false;  // at the next occasion
+  bool stands_on_ = false;   // at the end of the cycle, for job_
+  std::function<void()> job_;
   bool stops_at_command_ = false;  // that is the next command
   std::optional<Breakpoint> step_;
   std::vector<Breakpoint> breakpoints_;
@@ -90,6 +106,7 @@ class Debugger : public Observer {
   std::uint64_t stops_ = 0;
   std::uint64_t told_ = 0;      // of which the client has been told
   std::uint64_t commands_ = 0;  // that have begun since power-up
+  std::uint32_t ticket_ = 0;    // of the latest
   CommandClock clock_;
   bool is_first_run_ = false;  // of the command
   Cycle now_ = 0;

@@ -31,13 +31,17 @@ std::size_t queues_of(std::size_t processor, const Machine& machine) {
   return machine.has_single_queue() ? 1 : machine.partition().blocks_of(static_cast<unsigned>(processor));
 }
 
+std::string place_of_block(std::size_t block, const Machine& machine) {
+  const auto across = static_cast<std::size_t>(machine.blocks()[0]),
+             down = static_cast<std::size_t>(machine.blocks()[1]);
+  return fmt::format("{} {} {}", block % across, block / across % down, block / (across * down));
+}
+
 std::string block_of(std::size_t processor, std::size_t queue, const Machine& machine) {
   if (machine.has_single_queue()) return "all blocks";
   const std::size_t block =
       machine.partition().block(static_cast<unsigned>(processor), static_cast<std::uint32_t>(queue));
-  const auto across = static_cast<std::size_t>(machine.blocks()[0]),
-             down = static_cast<std::size_t>(machine.blocks()[1]);
-  return fmt::format("block {} {} {}", block % across, block / across % down, block / (across * down));
+  return "block " + place_of_block(block, machine);
 }
 
 std::string view_queues(const std::vector<std::string>& words, const Machine& machine) {
@@ -56,8 +60,23 @@ std::string view_queues(const std::vector<std::string>& words, const Machine& ma
   return out;
 }
 
+std::string view_set(const std::vector<std::string>& words, std::size_t processor, const Machine& machine) {
+  const VolumeCache& cache = machine.processors()[processor]->cache();
+  if (cache.has_tags_of_voxels()) throw std::invalid_argument("set: expected cache.tags of tiles, got of_voxels");
+  const std::size_t set = below(words, 3, "set", cache.sets());
+  std::string out = fmt::format("processor {}, set {} of {}, the latest used first:\n", processor, set, cache.sets());
+  for (std::size_t way = 0; way < cache.ways(); ++way) {
+    const auto held = cache.way(set, way);
+    out += held ? fmt::format("  way {}: block {}, tile {}{}\n", way, place_of_block(held->tile.block, machine),
+                              held->tile.tile, held->is_changed ? ", changed" : "")
+                : fmt::format("  way {}: empty\n", way);
+  }
+  return out;
+}
+
 std::string view_cache(const std::vector<std::string>& words, const Machine& machine) {
   const std::size_t processor = below(words, 1, "processor", machine.processors().size());
+  if (words.size() > 2 && words[2] == "set") return view_set(words, processor, machine);
   std::array<std::size_t, 3> at{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     at[axis] = below(words, axis + 2, "block", static_cast<std::size_t>(machine.blocks()[axis]));

@@ -49,8 +49,8 @@ class Observation : public BoardObserver {
   bool places_cycles() const override { return cycles_.has_value() || wants_counters(); }
   bool wants_counters() const override { return debugger_ != nullptr && debugger_->is_attached(); }
   void counted(const std::vector<wire::Counter>& counters) override { debugger_->counted(counters); }
-  void begin_command(Picoseconds begin) override {
-    if (debugger_ != nullptr) debugger_->begin_command(begin);
+  void begin_command(Picoseconds begin, std::uint32_t ticket) override {
+    if (debugger_ != nullptr) debugger_->begin_command(begin, ticket);
     if (!cycles_) return;
     // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
     cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);

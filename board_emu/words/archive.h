@@ -27,6 +27,8 @@ class CheckpointFault : public std::runtime_error {
       : CheckpointFault(field + ": expected " + expected + ", got " + got) {}
 };
 
+struct TokenLimits;
+
 class Archive {
  public:
   // What stands in a file under one name.
@@ -50,9 +52,16 @@ class Archive {
   void expect(bool good, std::string_view name, const std::string& expected, std::uint64_t got) const {
     if (!good) refuse(name, expected, std::to_string(got));
   }
+  // Whether a run of the level is under way: its parts have rays then, which they list besides.
+  bool in_run() const { return in_run_; }
+  void set_in_run(bool in_run) { in_run_ = in_run; }
+  // What the tokens of such a run may name; null while saving. It must outlive the loading.
+  void set_token_limits(TokenLimits* limits) { token_limits_ = limits; }
+  TokenLimits* token_limits() const { return token_limits_; }
   // A part that has nothing in work between two transactions, which is therefore not in the file.
   void expect_idle(bool idle, const char* part) const {
-    if (!idle) throw std::logic_error(std::string("checkpoint: ") + part + " is at work between two transactions");
+    if (!idle && !in_run_)
+      throw std::logic_error(std::string("checkpoint: ") + part + " is at work between two transactions");
   }
 
   // The numbers of one field.
@@ -79,6 +88,13 @@ class Archive {
       for (auto& value : values) put(value);
     }
 
+    bool loads() const { return archive_.loads_; }
+    const TokenLimits* token_limits() const { return archive_.token_limits_; }
+    // Of what was loaded.
+    void expect(bool good, const std::string& expected, std::uint64_t got) const {
+      archive_.expect(good, "", expected, got);
+    }
+
    private:
     friend Archive;
     Record(Archive& archive, std::vector<std::uint64_t>& numbers) : archive_(archive), numbers_(numbers) {}
@@ -87,6 +103,8 @@ class Archive {
     void put(Value& value) {
       if constexpr (requires { value.state(*this); }) {
         value.state(*this);
+      } else if constexpr (requires { state_of(value, *this); }) {
+        state_of(value, *this);
       } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
         number(value, ~std::uint64_t{0});
       } else if constexpr (requires { value.second; }) {
@@ -153,6 +171,12 @@ class Archive {
   void list(std::string_view name, List& values, std::uint64_t most = std::numeric_limits<std::uint32_t>::max()) {
     field(name, [&](Record& record) { record.list(values, most); });
   }
+  // All numbers of a field, whatever they mean.
+  void numbers(std::string_view name, std::vector<std::uint64_t>& numbers) {
+    Field field{.name = prefix_ + std::string(name), .numbers = numbers};
+    exchange(field);
+    numbers = std::move(field.numbers);
+  }
   // Parts, or pointers to them, each with its number.
   template <typename Parts>
   void parts(std::string_view name, Parts& parts) {
@@ -213,7 +237,26 @@ class Archive {
   virtual void exchange(Field& field) = 0;
 
   const bool loads_;
+  bool in_run_ = false;
+  TokenLimits* token_limits_ = nullptr;
   std::string prefix_;
+};
+
+// The numbers of one field by themselves.
+class NumbersArchive final : public Archive {
+ public:
+  NumbersArchive(bool loads, std::vector<std::uint64_t>& numbers) : Archive(loads), numbers_(numbers) {}
+
+ private:
+  void exchange(Field& field) override {
+    if (loads()) {
+      field.numbers = numbers_;
+    } else {
+      numbers_ = std::move(field.numbers);
+    }
+  }
+
+  std::vector<std::uint64_t>& numbers_;
 };
 
 }  // namespace gicube::emu

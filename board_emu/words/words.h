@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "gicube/wire/ray.h"
 #include "words/archive.h"
@@ -84,6 +85,28 @@ struct RayToken {
   bool watched = false;  // an observer is told of its steps (asic/sim/ray_event.h)
   std::array<std::uint8_t, 2> unused{};
 };
+
+// What the tokens of a checkpoint may name.
+struct TokenLimits {
+  std::vector<std::uint8_t> flies{};       // by handle: the ray is in its block, so that it can be sampled
+  std::vector<std::uint32_t> queues{};     // by processor
+  std::uint32_t here = ~std::uint32_t{0};  // queues of the processor whose parts are listed
+};
+
+// No observer of another process is told of its steps.
+inline void state_of(RayToken& token, Archive::Record& record) {
+  record(token.ray, token.queue, token.contribution, token.processor);
+  record.at_most(token.state, TokenStatus::kSlot);
+  record(token.keeps_slot);
+  const TokenLimits* const limits = record.token_limits();
+  if (limits == nullptr) return;
+  const bool has_home = token.processor < limits->queues.size() && token.queue < limits->queues[token.processor];
+  record.expect(has_home && token.queue < limits->here, "a queue of its processor", token.queue);
+  const bool may_have_left = token.state == TokenStatus::kDone || token.state == TokenStatus::kGone;
+  const bool is_slot = token.state == TokenStatus::kSlot;
+  const bool is_there = is_slot || (token.ray < limits->flies.size() && (may_have_left || limits->flies[token.ray]));
+  record.expect(is_there, "a ray in its block", token.ray);
+}
 
 inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;
 

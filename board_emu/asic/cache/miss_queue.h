@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -23,6 +24,11 @@ struct Packet {
   Cycle sent = kNoCycle;     // when the memory took it on
   Cycle arrival = kNoCycle;  // from then on it can be written into the cache
   Delay delay = Delay::kTransfer;
+
+  void state(Archive::Record& record) {
+    record(block, tile, asked, sent, arrival);
+    record.at_most(delay, Delay::kRefresh);
+  }
 };
 
 class MissQueue {
@@ -53,6 +59,16 @@ class MissQueue {
     packet.arrival = arrival;
     packet.delay = delay;
     ++sent_;
+  }
+  // Of a processor with `blocks` of `tiles`.
+  void state(Archive::Record& record, std::uint32_t blocks, std::size_t tiles) {
+    record.at_most(size_, packets_);
+    record.at_most(sent_, size_);
+    for (std::size_t i = 0; i < size_; ++i) {
+      Packet& packet = ring_[(head_ + i) & mask_];
+      record(packet);
+      record.expect(packet.block < blocks && packet.tile < tiles, "tiles of its blocks", packet.tile);
+    }
   }
 
  private:

@@ -43,6 +43,12 @@ TileOfBlock VolumeCache::tile_at(std::size_t place) const {
   return {tags_[place] / tiles, tags_[place] % tiles};
 }
 
+std::optional<VolumeCache::Way> VolumeCache::way(std::size_t set, std::size_t way) const {
+  const std::size_t place = set * shape_.ways + way;
+  if (tags_[place] == kNothing) return std::nullopt;
+  return Way{tile_at(place), !changed_.empty() && changed_[place] != 0};
+}
+
 std::size_t VolumeCache::place_of(std::uint32_t block, std::uint32_t tile) const {
   if (plain_) return tile;
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
@@ -64,6 +70,23 @@ TileOfBlock VolumeCache::clean() {
   changed_[cleaned_] = 0;
   --changes_;
   return tile_at(cleaned_);
+}
+
+void VolumeCache::changes_state(Archive& archive) {
+  const auto blocks = static_cast<std::uint64_t>(shape_.blocks[0]) * static_cast<std::uint64_t>(shape_.blocks[1]) *
+                      static_cast<std::uint64_t>(shape_.blocks[2]);
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t place = 0; place < changed_.size(); ++place) {
+    if (changed_[place] != 0) places.push_back(place);
+  }
+  archive.list("changed", places, changed_.size());
+  if (!archive.loads()) return;
+  for (const std::uint32_t place : places) {
+    const bool is_new = place < changed_.size() && changed_[place] == 0 && tile_at(place).block < blocks;
+    archive.expect(is_new, "changed", "places of tiles, each once", place);
+    changed_[place] = 1;
+  }
+  changes_ = places.size();
 }
 
 // Before the check of a direct mapped cache; where there are ways hit() finds them.

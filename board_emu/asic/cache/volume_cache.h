@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "words/archive.h"
@@ -93,12 +94,23 @@ class VolumeCache {
 
   std::size_t tiles_of_block() const { return slice_tiles_ * slices_; }
   const CacheCounters& counters() const { return counters_; }
-  // Between commands: no tile has changed.
+
+  std::size_t sets() const { return sets_; }
+  unsigned ways() const { return shape_.ways; }
+  bool has_tags_of_voxels() const { return shape_.tags_of_voxels; }
+  // What a way of a set holds, or has been asked for; the latest used first. Not of a cache with tags of voxels.
+  struct Way {
+    TileOfBlock tile;
+    bool is_changed = false;
+  };
+  std::optional<Way> way(std::size_t set, std::size_t way) const;
+  // Between runs no tile has changed.
   void state(Archive& archive) {
     archive.expect_idle(changes_ == 0, "a cache that writes back");
     archive("tags", tags_);
     if (!changed_.empty()) archive.at_most("cleaned", cleaned_, changed_.size() - 1);
     archive("counters", counters_);
+    if (archive.in_run() && !changed_.empty()) changes_state(archive);
   }
 
  private:
@@ -128,6 +140,7 @@ class VolumeCache {
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
+  void changes_state(Archive& archive);
   void note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   // The place of a tile that is there.
   std::size_t place_of(std::uint32_t block, std::uint32_t tile) const;

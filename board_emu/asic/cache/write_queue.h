@@ -23,6 +23,8 @@ struct TileWrite {
   bool fetch = false;  // a read that goes before the write
   Cycle asked = 0;
   Cycle sent = kNoCycle;  // when the memory took it on
+
+  void state(Archive::Record& record) { record(block, tile, fetch, asked, sent); }
 };
 
 struct WriteCounters {
@@ -92,9 +94,19 @@ class WriteQueue {
   const TileWrite& next() const { return asked_[sent_]; }
   void send(Cycle now) { asked_[sent_++].sent = now; }
   const WriteCounters& counters() const { return counters_; }
-  void state(Archive& archive) {
+  // Of a processor with `blocks` of `tiles`.
+  void state(Archive& archive, std::uint32_t blocks, std::size_t tiles) {
     archive.expect_idle(empty(), "the queue of writes");
     archive("counters", counters_);
+    if (!archive.in_run()) return;
+    archive.list("waiting", waiting_);
+    archive.list("asked", asked_);
+    archive.at_most("sent", sent_, asked_.size());
+    for (const auto* const writes : {&waiting_, &asked_}) {
+      for (const TileWrite& write : *writes) {
+        archive.expect(write.block < blocks && write.tile < tiles, "asked", "tiles of its blocks", write.tile);
+      }
+    }
   }
 
  private:

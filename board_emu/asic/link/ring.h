@@ -72,6 +72,17 @@ class Ring {
   void state(Archive& archive) {
     archive.expect_idle(idle(), "the ring");
     archive("counters", counters_);
+    if (!archive.in_run()) return;
+    archive.field("links", [this](Archive::Record& record) {
+      inside_ = 0;
+      for (std::vector<Link>& links : links_) {
+        for (Link& link : links) {
+          record(link.entry);
+          record.at_most(link.sent, cycles_per_ray_);
+          inside_ += link.entry.size();
+        }
+      }
+    });
   }
 
  private:

@@ -45,6 +45,10 @@ class MergeTree {
     archive.expect_idle(idle(), "the merge tree");
     archive("turns", nodes_);
     archive.field("counters", [this](Archive::Record& record) { record(counters_.rays, counters_.waits); });
+    if (!archive.in_run()) return;
+    archive("between", between_);
+    inside_ = 0;
+    for (const Fifo<RayToken>& fifo : between_) inside_ += fifo.size();
   }
 
  private:

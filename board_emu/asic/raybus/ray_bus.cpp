@@ -24,6 +24,24 @@ void RunPool::release(Run run) {
   if (--runs_[run].holders == 0) free_.push_back(run);
 }
 
+void RunPool::state(Archive& archive) {
+  archive.field("runs", [this](Archive::Record& record) {
+    std::uint64_t count = runs_.size();
+    record.at_most(count, 0xFFFF);  // chosen: far above what FIFO and buffers hold
+    runs_.resize(static_cast<std::size_t>(count));
+    for (Entry& entry : runs_) {
+      record.at_most(entry.holders, listeners_);
+      if (entry.holders > 0) record.list(entry.rays, ~std::uint64_t{0});
+    }
+  });
+  archive.list("free", free_, runs_.size());
+  std::vector<bool> seen(runs_.size());
+  for (const Run run : free_) {
+    archive.expect(run < runs_.size() && runs_[run].holders == 0 && !seen[run], "free", "unused runs, each once", run);
+    seen[run] = true;
+  }
+}
+
 RayBus::RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool,
                const std::vector<Fifo<RayToken>*>& to_processors)
     : down_(down), runs_(runs), pool_(pool), listeners_(to_processors.size()) {
@@ -118,6 +136,44 @@ std::uint32_t RayBus::next_own(RunPool::Run run, std::uint32_t from, std::uint8_
   const std::span<const RayToken> rays = pool_.rays(run);
   while (from < rays.size() && rays[from].processor != processor) ++from;
   return from;
+}
+
+std::vector<std::uint32_t> RunPool::holders() const {
+  std::vector<std::uint32_t> out;
+  for (const Entry& entry : runs_) out.push_back(entry.holders);
+  return out;
+}
+
+// At the end of a cycle, so that no run has just arrived.
+void RayBus::runs_state(Archive& archive) {
+  std::vector<std::uint32_t> holders = pool_.holders();
+  bool fits = true;
+  const auto uses = [&](RunPool::Run run, std::size_t listeners) {
+    fits = fits && run < holders.size() && holders[run] >= listeners;
+    if (fits) holders[run] -= static_cast<std::uint32_t>(listeners);
+    return fits;
+  };
+  archive.field("runs", [&](Archive::Record& record) {
+    record(sending_);
+    if (sending_) record(run_);
+    if (sending_) uses(run_, listeners_.size());
+    for (std::size_t i = 0; i < runs_.size(); ++i) uses(runs_[i], listeners_.size());
+    extrapolating_ = 0;
+    for (std::size_t i = 0; i < listeners_.size(); ++i) {
+      Listener& listener = listeners_[i];
+      record.at_most(listener.count, kRunBuffers);
+      extrapolating_ += listener.count;
+      for (std::size_t k = 0; k < listener.count; ++k) {
+        Buffered& run = listener.runs[k];
+        record(run.run, run.next);
+        if (!uses(run.run, 1)) continue;
+        const std::span<const RayToken> rays = pool_.rays(run.run);
+        fits = run.next < rays.size() && rays[run.next].processor == i;
+      }
+    }
+    fits = fits && std::ranges::all_of(holders, [](std::uint32_t left) { return left == 0; });
+    record.expect(fits, "runs of the pool, and all of them", pool_.in_use());
+  });
 }
 
 void RayBus::describe(std::ostream& out) const {

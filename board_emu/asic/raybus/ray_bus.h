@@ -36,6 +36,9 @@ class RunPool {
   std::span<const RayToken> rays(Run run) const { return runs_[run].rays; }
   // One listener has no more use for it; the last one frees it.
   void release(Run run);
+  // Listeners that have still a use for each.
+  std::vector<std::uint32_t> holders() const;
+  void state(Archive& archive);
   std::uint32_t in_use() const { return static_cast<std::uint32_t>(runs_.size() - free_.size()); }
 
  private:
@@ -79,6 +82,7 @@ class RayBus {
     archive("turns", listeners_);
     archive("run_next", run_next_);
     archive("counters", counters_);
+    if (archive.in_run()) runs_state(archive);
   }
 
  private:
@@ -95,6 +99,7 @@ class RayBus {
     void state(Archive::Record& record) { record(run_had_turn); }
   };
 
+  void runs_state(Archive& archive);
   bool send(Cycle now);
   bool ray_can_go(Cycle now) const;
   bool run_can_go() const;

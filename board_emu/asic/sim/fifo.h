@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -34,6 +35,7 @@ class Fifo {
   const T& front() const { return items_[head_ & mask_]; }
   // The one pushed last; not for a part that may not see it yet, but for prefetching what it points at.
   const T& back() const { return items_[(head_ + size_ - 1) & mask_]; }
+  const T& operator[](std::size_t i) const { return items_[(head_ + i) & mask_]; }
   T pop(Cycle now) {
     assert(can_pop(now));
     const T item = items_[head_++ & mask_];
@@ -48,6 +50,11 @@ class Fifo {
   std::size_t size() const { return size_; }
   // For the side that pops, before it does: nothing more could come before this cycle.
   bool was_full(Cycle now) const { return size_ - (last_push_ == now ? 1 : 0) == capacity_; }
+  void state(Archive::Record& record) {
+    record.at_most(size_, capacity_);
+    record(last_push_, last_pop_);
+    for (std::size_t i = 0; i < size_; ++i) record(items_[(head_ + i) & mask_]);
+  }
 
  private:
   std::vector<T> items_;  // a power of two of places

@@ -86,7 +86,9 @@ void InsertionSorter::state(Archive& archive) {
   for (std::size_t at = 0; at < selected_.size(); ++at) {
     if (selected_[at] == kHole) continue;
     archive.expect(at >= origin_ && at < origin_ + ranks_, "selected", "none but at a rank", at);
-    found.push_back(selected_[at]);
+    const std::uint32_t queue = queue_of(selected_[at]);
+    const bool is_active = at == origin_ && queue < inserted_.size() && selected_[at] == key(queue, kInfinite);
+    found.push_back(is_active ? inserted_[queue] : selected_[at]);
   }
   std::uint32_t before = origin_ + ranks_ + 1;
   for (Moving& item : moving_) {

@@ -61,6 +61,8 @@ class InsertionSorter {
   // All ranks move up by one; what is in the top's selected buffer leaves. Its comparison buffer must be empty.
   void shift_up();
 
+  // Whether the queue's item is in some buffer.
+  bool has(std::uint32_t queue) const { return inserted_[queue] != kHole; }
   // Items in both kinds of buffers, the active queue among them.
   std::uint32_t size() const { return size_; }
 
@@ -170,7 +172,7 @@ class ExactMaximum {
     while (node < leaves_) node = 2 * node + (importance_[2 * node] == importance_[node] ? 0 : 1);
     return node - leaves_;
   }
-  // Between commands no queue has rays.
+  // Between runs no queue has rays.
   void state(Archive& archive) { archive.expect_idle(importance() == 0, "the sorter"); }
 
  private:

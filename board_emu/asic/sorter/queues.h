@@ -54,6 +54,8 @@ class Queues {
     const auto is_free = [](const State& state) { return state.slots == 0 && state.overflowed == 0; };
     return waiting_ == 0 && std::all_of(states_.begin(), states_.end(), is_free);
   }
+  // The rays of each queue in their order; where they are kept is not in the file.
+  void state(Archive& archive);
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};

@@ -185,21 +185,72 @@ bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written
   return moved;
 }
 
+void Queues::state(Archive& archive) {
+  archive("openings", openings_);
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t queue = 0; queue < states_.size(); ++queue) {
+    if (states_[queue].slots != 0 || states_[queue].overflowed != 0) used.push_back(queue);
+  }
+  archive.list("used", used, states_.size());
+  for (const std::uint32_t queue : used) {
+    const bool is_new = queue < states_.size() && (!archive.loads() || states_[queue].slots == 0);
+    archive.expect(is_new, "used", "queues, each once", queue);
+    State& state = states_[queue];
+    std::vector<RayToken> rays;
+    std::uint32_t at = state.head;
+    for (std::uint32_t i = 0; !archive.loads() && i < state.waiting; ++i, at = records_[at].next) {
+      rays.push_back(records_[at].token);
+    }
+    archive.field("queue" + std::to_string(queue), [&](Archive::Record& record) {
+      record(state.slots, state.overflowed, state.opened);
+      record.list(rays, capacity_);
+    });
+    if (!archive.loads()) continue;
+    for (const RayToken& token : rays) {
+      const std::uint32_t record = grow();
+      records_[record].token = token;
+      (state.waiting++ == 0 ? state.head : records_[state.tail].next) = record;
+      state.tail = record;
+      state.contribution += weight(token);
+      ++waiting_;
+    }
+  }
+}
+
 void Sorter::state(Archive& archive) {
   archive.expect_idle(idle() && queues_.all_free() && active_ == kNone, "a sorter");
   archive.at_most("turn", turn_, 2);
   archive.at_most("latest_active", latest_active_, queues_.count() - 1);
   archive("issued_since_active", issued_since_active_);
   archive("counters", counters_);
-  if (maximum_) return archive("maximum", *maximum_);
+  if (archive.in_run()) {
+    archive("queues", queues_);
+    archive("active", active_);
+    const bool has_rays = active_ == kNone || (active_ < queues_.count() && queues_.waiting(active_) > 0);
+    archive.expect(has_rays, "active", "a queue with rays", active_);
+    archive.list("kept", kept_);
+    for (const std::uint32_t queue : kept_) archive.expect(queue < queues_.count(), "kept", "queues", queue);
+  }
+  if (maximum_) {
+    archive.expect_idle(maximum_->importance() == 0, "a sorter");
+    for (std::uint32_t queue = 0; archive.loads() && queue < queues_.count(); ++queue) {
+      maximum_->set(queue, queues_.importance(queue));
+    }
+    return;
+  }
   archive("ranks", *ranks_);
+  archive.expect(active_ == kNone || ranks_->top() == active_, "ranks", "the active queue at the top", active_);
+  for (std::uint32_t queue = 0; queue < queues_.count(); ++queue) {
+    archive.expect(!ranks_->has(queue) || queues_.waiting(queue) > 0, "ranks", "queues with rays", queue);
+  }
   std::vector<std::uint32_t> changed;  // in the order of their list
   for (std::uint32_t queue = dirty_head_; queue != kNone; queue = dirty_[queue].next) changed.push_back(queue);
   archive.list("changed", changed, queues_.count());
   if (!archive.loads()) return;
   for (const std::uint32_t queue : changed) {
-    const bool is_new = queue < queues_.count() && dirty_[queue].next == kUnlisted;
-    archive.expect(is_new, "changed", "queues, each once", queue);
+    const bool is_new =
+        queue < queues_.count() && dirty_[queue].next == kUnlisted && queues_.waiting(queue) > 0 && queue != active_;
+    archive.expect(is_new, "changed", "queues with rays, each once", queue);
     list_dirty(queue);
   }
 }

@@ -97,6 +97,7 @@ class Sorter {
   }
 
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
+  std::uint32_t queues() const { return queues_.count(); }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
   bool has_active() const { return active_ != kNone; }

@@ -21,7 +21,7 @@ void DspCommands::check_all_there() const {
 
 // Lets the frame's rays wait, if there is anything that they could wait for.
 void DspCommands::set_bricks(Frame& frame) {
-  if (!aperture_.any_absent() && waiting_rays_.count() == 0) return;
+  if (!aperture_.any_absent() && waiting_rays_.count() == 0 && waiting_rays_.continued().empty()) return;
   if (!frame.plain()) {
     refuse("PIPELINE: expected neither irradiance nor scattering while blocks are absent");
   }
@@ -48,12 +48,13 @@ void DspCommands::finish_picture(CommandResult& result) {
 CommandResult DspCommands::continue_rays(std::span<const std::uint8_t> payload, Progress& work) {
   expect(payload.size() == wire::kContinueCommandBytes, "payload", "8 bytes", payload.size());
   check_volume();
-  if (waiting_rays_.count() == 0) refuse("no ray waits for a block");
+  if (!goes_on_ && waiting_rays_.count() == 0) refuse("no ray waits for a block");
   Frame frame = this->frame();
   set_bricks(frame);
   expect_memory(frame);
   aperture_.decode(threads_, reads(frame));
-  ContinuedRays rays(waiting_rays_.take_ready(frame), aperture_.framebuffer());
+  const auto ready = goes_on_ ? waiting_rays_.continued() : waiting_rays_.take_ready(frame);
+  ContinuedRays rays(ready, aperture_.framebuffer());
   const RunResult ran = run_level(rays, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   finish_picture(result);

@@ -12,6 +12,7 @@
 #include "firmware/ray_sources/light_rays.h"
 #include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 
@@ -302,6 +303,10 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   using wire::Opcode;
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kContinue);
+  goes_on_ = level_.in_run();
+  const Finally ended{[this] {
+    if (level_.in_run()) level_.reset();  // of a checkpoint, and the command was not the one that had begun it
+  }};
   try {
     if (known && !memory_errors_.empty()) meet_memory_error();
     if (known) opcode_ = opcode;
@@ -322,6 +327,9 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
     return error(ErrorCode::kBadValue, fault.what());
   } catch (const Stall& stall) {
     return error(ErrorCode::kInternal, stall.what());
+  } catch (const std::runtime_error& fault) {
+    if (!goes_on_) throw;
+    return error(ErrorCode::kInternal, fault.what());  // CheckpointFault, or what a ray of a made-up checkpoint led to
   }
 }
 
@@ -348,7 +356,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
   set_light(frame, command.rules);
   expect_memory(frame);
-  host_traps_.begin(true, command.rules);
+  if (!goes_on_) host_traps_.begin(true, command.rules);
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   aperture_.decode(threads_, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);

@@ -157,6 +157,7 @@ class DspCommands {
   // Commands, by the level that answered them and their opcode.
   std::array<std::array<std::uint64_t, kOpcodes>, v1::FidelityLevel_ARRAYSIZE> answered_{};
   std::size_t opcode_ = 0;  // of the command in work
+  bool goes_on_ = false;    // it is a checkpoint's: what it changes before its rays are made is changed
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;

@@ -69,7 +69,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
   aperture_.decode(threads_, reads(frame));
   std::vector<std::uint8_t> results(job.pairs.size() * wire::kPairResultBytes);
   PairRays rays(job, results);
-  pair_rays_ += rays.count();
+  if (!goes_on_) pair_rays_ += rays.count();
   const RunResult ran = run_level(rays, frame, work);
   const std::uint64_t up_bytes = std::max<std::uint64_t>(results.size(), 4);
   return {.payload = std::move(results), .dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps, .up_bytes = up_bytes};

@@ -66,10 +66,10 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 
   Frame frame = this->frame();
   frame.lamps = !lamps.empty();
-  waiting_rays_.begin();
+  if (!goes_on_) waiting_rays_.begin();
   set_bricks(frame);
   expect_memory(frame, std::uint64_t{command.width} * command.height);
-  host_traps_.begin(false, {});
+  if (!goes_on_) host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
   lamps_ = Lamps(lamps, frame.spacing);
   const bool in_segments = config_.dsp().segments() != 0 && frame.plain() && !frame.in_bricks();
@@ -83,7 +83,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 
 RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work) {
   const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_);
+  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_, goes_on_);
   const RunResult ran = run_level(rays, frame, work);
   viewing_rays_ += rays.count();
   return ran;
@@ -102,7 +102,7 @@ RunResult DspCommands::render_segments(const wire::RenderCommand& command, Frame
   }
   for (int& border : borders) border *= static_cast<int>(config_.asic().block_voxels()) * wire::kVoxel;
   frame.ends_at_borders = true;
-  SegmentRays rays(command, frame, aperture_.framebuffer(), std::move(borders));
+  SegmentRays rays(command, frame, aperture_.framebuffer(), std::move(borders), goes_on_);
   const RunResult ran = run_level(rays, frame, work);
   viewing_rays_ += rays.samples();
   return ran;

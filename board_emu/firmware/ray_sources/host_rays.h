@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -48,6 +50,17 @@ class HostRays : public RaySource {
     mine = ray;
     mine.flags = flags;
     mine.interaction = interaction;
+  }
+
+  void state(Archive::Record& record, std::uint64_t /*begin*/) override {
+    for (wire::Ray& ray : rays_) {
+      std::array<std::uint8_t, wire::kRayBytes> bytes{};
+      wire::encode(ray, bytes);
+      auto words = std::bit_cast<std::array<std::uint64_t, wire::kRayBytes / 8>>(bytes);
+      record(words);
+      bytes = std::bit_cast<decltype(bytes)>(words);
+      if (record.loads()) ray = wire::decode<wire::Ray>(bytes);
+    }
   }
 
   std::size_t divide(std::size_t rays) override {

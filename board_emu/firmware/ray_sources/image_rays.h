@@ -17,9 +17,9 @@ namespace gicube::emu {
 
 class ImageRays : public RaySource {
  public:
-  // Clears the framebuffer. All must outlive this.
+  // Clears the framebuffer, unless it `goes_on` with an image that was begun. All must outlive this.
   ImageRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-            const RunRules& rules = {}, const Lamps& lamps = {})
+            const RunRules& rules = {}, const Lamps& lamps = {}, bool goes_on = false)
       : command_(command),
         frame_(frame),
         framebuffer_(framebuffer),
@@ -28,7 +28,7 @@ class ImageRays : public RaySource {
         tiles_across_((command.width + kTile - 1) / kTile),
         rules_(rules),
         lamps_(lamps) {
-    framebuffer.clear(command.width, command.height, command.filter);
+    if (!goes_on) framebuffer.clear(command.width, command.height, command.filter);
   }
 
   std::uint64_t count() const override { return across_ * command_.height * command_.samples_per_axis; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gicube/wire/pair.h"
@@ -69,6 +70,15 @@ class PairRays : public RaySource {
     measured_[i - begin_].opacity = ray.opacity;
     ++dealt_with_;
     write_if_complete();
+  }
+
+  void state(Archive::Record& record, std::uint64_t begin) override {
+    record(out_);
+    record.list(measured_, kRaysAtOnce);
+    record(dealt_with_);
+    begin_ = begin;
+    const std::uint64_t all = begin < count() ? std::min(max_at_once(), count() - begin) : 0;
+    record.expect(measured_.empty() || measured_.size() == all, std::to_string(all) + " rays", measured_.size());
   }
 
   std::size_t divide(std::size_t) override {
@@ -149,6 +159,8 @@ class PairRays : public RaySource {
   struct Measured {
     double weight = 0;
     std::uint32_t opacity = 0;
+
+    void state(Archive::Record& record) { record(weight, opacity); }
   };
   std::uint64_t begin_ = 0;
   std::vector<Measured> measured_;

@@ -34,7 +34,7 @@ wire::Ray unpacked_part(std::uint64_t word) {
 }  // namespace
 
 SegmentRays::SegmentRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-                         std::vector<std::int32_t> borders)
+                         std::vector<std::int32_t> borders, bool goes_on)
     : command_(command),
       frame_(frame),
       framebuffer_(framebuffer),
@@ -42,7 +42,7 @@ SegmentRays::SegmentRays(const wire::RenderCommand& command, const Frame& frame,
       spacing_(kSubPixels / command.samples_per_axis),
       borders_(std::move(borders)),
       frames_(borders_.size() + 1, frame) {
-  framebuffer.clear(command.width, command.height, command.filter);
+  if (!goes_on) framebuffer.clear(command.width, command.height, command.filter);
   for (std::size_t slab = 0; slab < frames_.size(); ++slab) {
     if (slab > 0) frames_[slab].cut_planes.push_back(from_plane(borders_[slab - 1]));
     if (slab < borders_.size()) frames_[slab].cut_planes.push_back(below_plane(borders_[slab]));

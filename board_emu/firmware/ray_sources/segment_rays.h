@@ -33,9 +33,9 @@ class SegmentRays : public RaySource {
  public:
   static constexpr std::uint64_t kBytesPerPart = 8;
 
-  // Clears the framebuffer. `borders`: where slabs meet along x, in position units, rising. All must outlive this.
+  // Clears the framebuffer, unless it `goes_on` with an image that was begun. `borders`: where slabs meet along x, in position units, rising. All must outlive this.
   SegmentRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-              std::vector<std::int32_t> borders);
+              std::vector<std::int32_t> borders, bool goes_on = false);
 
   std::uint64_t count() const override { return first_.back(); }
   std::uint64_t samples() const { return first_.size() - 1; }
@@ -45,6 +45,7 @@ class SegmentRays : public RaySource {
   std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const override;
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
   void take(std::uint64_t i, const wire::Ray& ray) override;
+  void state(Archive::Record& record, std::uint64_t /*begin*/) override { record(kept_, waits_for_); }
   std::size_t divide(std::size_t rays) override;
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override;
   void take_batch(RayBatch& batch) override;

@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "board/board_observer.h"
+#include "cycle/observer.h"
 #include "gicube/wire/checksum.h"
 #include "random_session.h"
 #include "temporary_directory.h"
@@ -27,16 +30,50 @@ std::string saved(Board& board) {
   return bytes;
 }
 
-std::unique_ptr<Board> board_of(const v1::BoardConfig& config) {
-  return std::make_unique<Board>(config, config_hash(config));
+std::unique_ptr<Board> board_of(const v1::BoardConfig& config, BoardObserver* observer = nullptr) {
+  return std::make_unique<Board>(config, config_hash(config), observer);
 }
 
-std::unique_ptr<Board> restored(const std::string& bytes) {
+std::unique_ptr<Board> restored(const std::string& bytes, BoardObserver* observer = nullptr) {
   const Checkpoint checkpoint(bytes);
-  auto board = board_of(checkpoint.header().config());
+  auto board = board_of(checkpoint.header().config(), observer);
   checkpoint.restore(*board);
   return board;
 }
+
+// Saves a board in the middle of a command.
+class Saver : public BoardObserver, public Observer {
+ public:
+  Observer* observer() override { return this; }
+  void transferred(const BusDelivery&) override {}
+  void served(const BusTransaction&, Picoseconds, Picoseconds) override {}
+
+  // So many cycles after the next run of the machine begins or goes on, if it is not over by then.
+  void save_in(Cycle cycles, Board& board) {
+    cycles_ = cycles;
+    board_ = &board;
+    at_ = kNoCycle;
+    bytes_.clear();
+  }
+  const std::string& bytes() const { return bytes_; }
+
+  void begins(Cycle now, Machine&) override {
+    at_ = board_ != nullptr && at_ == kNoCycle ? now + cycles_ : kNoCycle;
+    if (at_ == kNoCycle) board_ = nullptr;
+  }
+  Cycle next(Cycle from) override { return board_ == nullptr ? kNoCycle : std::max(from, at_); }
+  void see(Cycle now, const Machine&) override {
+    if (board_ == nullptr || now < at_) return;
+    bytes_ = saved(*board_);
+    board_ = nullptr;
+  }
+
+ private:
+  Board* board_ = nullptr;
+  Cycle cycles_ = 0;
+  Cycle at_ = kNoCycle;
+  std::string bytes_;
+};
 
 std::vector<std::string> texts(const Board::Snapshot& snapshot) {
   std::vector<std::string> out{std::to_string(snapshot.simulated_ps), std::to_string(snapshot.machine.cycle)};
@@ -83,8 +120,8 @@ std::vector<std::string> differences(const std::string& a, const std::string& b)
 
 class RandomBoard : public testing::TestWithParam<std::tuple<const char*, unsigned>> {};
 
-// The board that was saved goes on too: saving has changed nothing.
-TEST_P(RandomBoard, GoesOnFromACheckpointAsIfItHadNeverStopped) {
+// Between two transactions and in commands. A board that was saved goes on too: saving has changed nothing.
+TEST_P(RandomBoard, GoesOnFromCheckpointsAsIfItHadNeverStopped) {
   const auto [fidelity, seed] = GetParam();
   Dice dice(seed * 7 + 1);
   const v1::BoardConfig config = draw_board(dice, fidelity);
@@ -96,14 +133,39 @@ TEST_P(RandomBoard, GoesOnFromACheckpointAsIfItHadNeverStopped) {
   for (int i = 0; i < kSteps; ++i) host.step(*never_stopped);
 
   RandomHost same(seed, kBlock);
-  auto board = board_of(config);
+  int between = 0, in_commands = 0;
+  auto saver = std::make_unique<Saver>();
+  auto board = board_of(config, saver.get());
+  const auto go_on_from = [&](const std::string& bytes) {
+    auto next = std::make_unique<Saver>();
+    board = restored(bytes, next.get());
+    saver = std::move(next);
+  };
   same.begin(*board);
-  const int first = dice.number(0, kSteps), second = dice.number(first, kSteps);
   for (int i = 0; i < kSteps; ++i) {
-    if (i == first) board = restored(saved(*board));
-    if (i == second) static_cast<void>(saved(*board));
+    if (dice.chance(15)) {
+      const std::string bytes = saved(*board);
+      if (dice.chance(70)) go_on_from(bytes);
+      ++between;
+    }
+    const bool has_rest = board->in_command();  // the step comes after it
+    const RandomHost before = same;
+    saver->save_in(static_cast<Cycle>(dice.number(0, 1 << dice.number(0, 13))), *board);
     same.step(*board);
+    if (saver->bytes().empty()) continue;
+    ++in_commands;
+    if (dice.chance(20)) continue;
+    const std::string bytes = saver->bytes();
+    go_on_from(bytes);
+    ASSERT_THAT(differences(saved(*board), bytes), IsEmpty()) << "step " << i;
+    if (!has_rest) continue;
+    same = before;
+    --i;
   }
+  RecordProperty("between", between);
+  RecordProperty("in_commands", in_commands);
+  Progress work;
+  board->go_on(work);
   EXPECT_THAT(differences(saved(*board), saved(*never_stopped)), IsEmpty());
   host.end(*never_stopped);
   same.end(*board);
@@ -112,12 +174,17 @@ TEST_P(RandomBoard, GoesOnFromACheckpointAsIfItHadNeverStopped) {
   EXPECT_EQ(board->held_bytes(), never_stopped->held_bytes());
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, RandomBoard,
-                         testing::Combine(testing::Values("functional", "approximate", "cycle"),
-                                          testing::Range(1u, 41u)),
-                         [](const auto& each) {
-                           return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
-                         });
+std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) {
+  return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
+}
+
+// A machine has some ten moments between transactions, and at cycle level some fifty in commands: together, hundreds and 2000.
+INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
+                         testing::Combine(testing::Values("functional"), testing::Range(1u, 41u)), name_of);
+INSTANTIATE_TEST_SUITE_P(ByPasses, RandomBoard,
+                         testing::Combine(testing::Values("approximate"), testing::Range(1u, 21u)), name_of);
+INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), testing::Range(1u, 31u)),
+                         name_of);
 
 // ---- one board with something of everything
 

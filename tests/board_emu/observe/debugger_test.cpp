@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,7 +22,8 @@ constexpr int kImage = 24;
 // A board with a scene, whose pictures another thread renders.
 class DebuggedBoard {
  public:
-  explicit DebuggedBoard(const v1::BoardConfig& config) : observation_({}, &debugger), board(config, &observation_) {
+  explicit DebuggedBoard(const v1::BoardConfig& config, std::chrono::milliseconds max_stand = Debugger::kMaxStand)
+      : debugger(max_stand), observation_({}, &debugger), board(config, &observation_) {
     board.load_volume(kObservedSize, observed_voxel);
     board.write_segmentation([](unsigned, unsigned density) { return observed_material(density); });
   }
@@ -87,7 +89,7 @@ TEST(Debugger, StopsAtEachKindOfBreakAndChangesNoBitNoCounterAndNoTime) {
       {"overflow", "a queue overflowed"},
       {"conflict", "close another row"},
       {"counter processor.samples 700", "processor.samples is 70"},
-      {"command", "command 1 begins"}};
+      {"command", "command 1 begins, ticket "}};
   for (const auto& [text, why] : breaks) {
     DebuggedBoard board(config);
     ASSERT_TRUE(board.debugger.attach());
@@ -153,6 +155,91 @@ TEST(Debugger, ShowsARaysWordsAndHistoryAndSetsAWord) {
   EXPECT_THAT(board.say("set ray " + ray + " opacity 16777215"), HasSubstr("opacity 16777215"));
   EXPECT_THAT(board.refused("set ray " + ray + " opacity 16777216"), HasSubstr("expected 0 to 16777215"));
   EXPECT_THAT(board.refused("ray 100000"), HasSubstr("expected one that was watched"));
+  EXPECT_THAT(board.refused("history x:1"), HasSubstr("expected a ticket, got \"x\""));
+}
+
+TEST(Debugger, KnowsARayByItsTicketAndNumber) {
+  DebuggedBoard board(observed_config());
+  ASSERT_TRUE(board.debugger.attach());
+  board.say("break command");
+  board.render();
+  const std::string first = board.say("continue 20");
+  const unsigned long ticket = std::stoul(first.substr(first.find("ticket ") + 7));
+  board.say("delete 1");
+  board.say("break ray " + std::to_string(ticket + 1) + ":300");
+  board.say("continue 0");
+  board.finish();  // though this picture has a ray 300 too
+  const std::string now = std::to_string(board.board.next_ticket());
+  board.say("break ray " + now + ":300");
+  board.render();
+  EXPECT_THAT(board.say("continue 20"), HasSubstr("command 2, "));
+  EXPECT_EQ(board.say("ray " + now + ":300"), board.say("ray 300"));
+  EXPECT_THAT(board.refused("history " + std::to_string(ticket) + ":300"),
+              HasSubstr("ticket: expected " + now + ", that of the latest command, got " + std::to_string(ticket)));
+}
+
+TEST(Debugger, StopsWhereTheDspGetsARayToScatter) {
+  DebuggedBoard board(observed_config());
+  wire::Material material;
+  material.bsdf = wire::Bsdf::kTrap;
+  material.scattering = wire::kScatteringOne;
+  material.flags = wire::kScattersRenderingRays;
+  material.routine = wire::kHostRoutine;
+  std::vector<std::uint8_t> record(wire::kMaterialBytes);
+  wire::encode(material, record);
+  board.board.write_memory(wire::kMaterials.base, record);
+  board.board.write_register(wire::reg::kPipeline, wire::kPipelineScatter);
+  board.board.write_register(wire::reg::kLifetime, 4);
+  ASSERT_TRUE(board.debugger.attach());
+  board.say("break trap");
+  board.render();
+  const std::string why = board.say("continue 20");
+  EXPECT_THAT(why, HasSubstr("is trapped"));
+  const std::string ray = why.substr(why.find("): ray ") + 7, why.find(" is trapped") - why.find("): ray ") - 7);
+  EXPECT_THAT(board.say("history " + ray), HasSubstr("sampled"));
+}
+
+TEST(Debugger, ShowsASetOfACache) {
+  DebuggedBoard board(observed_config({"cache.ways=2"}));
+  ASSERT_TRUE(board.debugger.attach());
+  board.say("break cycle 3000");
+  board.render();
+  board.say("continue 20");
+  const std::string set = board.say("cache 0 set 1");
+  EXPECT_THAT(set, testing::ContainsRegex("way 0: (empty|block [0-9]+ [0-9]+ [0-9]+, tile [0-9]+)"));
+  EXPECT_THAT(set, HasSubstr("way 1: "));
+  EXPECT_THAT(board.refused("cache 0 set 100000"), HasSubstr("set: expected 0 to "));
+}
+
+TEST(Debugger, LetsABoardGoOnThatHasStoodForItsLimit) {
+  DebuggedBoard board(observed_config(), std::chrono::milliseconds(100));
+  ASSERT_TRUE(board.debugger.attach());
+  board.say("break cycle 1000");
+  const auto begin = std::chrono::steady_clock::now();
+  board.render();
+  board.finish();
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(100));
+  EXPECT_THAT(board.say("where"), HasSubstr("the board does not stand"));
+}
+
+TEST(Debugger, DoesAJobAtTheEndOfTheCycleInWhichTheBoardStands) {
+  DebuggedBoard board(observed_config());
+  EXPECT_FALSE(board.debugger.offer([] {}));
+  ASSERT_TRUE(board.debugger.attach());
+  for (const std::string text : {"cycle 1000", "voxel 12 10 8"}) {
+    board.say("break " + text);
+    board.render();
+    const std::string where = board.say("continue 20");
+    std::atomic<int> done = 0;
+    ASSERT_TRUE(board.debugger.offer([&] { ++done; }));
+    while (done == 0) std::this_thread::yield();
+    while (!board.debugger.stands()) std::this_thread::yield();
+    EXPECT_EQ(board.say("where"), where);
+    EXPECT_EQ(done, 1);
+    board.say("delete " + std::string(text[0] == 'c' ? "1" : "2"));
+    board.say("continue 0");
+    board.finish();
+  }
 }
 
 TEST(Debugger, SaysWhatEachPartWaitsFor) {

@@ -71,6 +71,7 @@ class BareBoard {
     return *outcome.reply;
   }
 
+  std::uint32_t next_ticket() const { return next_id_; }
   // The frame id of a command is its ticket.
   std::uint32_t command(const std::vector<std::uint8_t>& payload) {
     const std::uint32_t ticket = next_id_;

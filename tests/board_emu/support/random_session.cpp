@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gicube/wire/checksum.h"
+#include "gicube/wire/pair.h"
 
 namespace gicube::emu {
 
@@ -190,6 +191,30 @@ std::vector<std::uint8_t> RandomHost::trace(Dice& dice) {
   return BareBoard::trace_payload(rays, header);
 }
 
+// Between patches, and parts of the volume.
+std::vector<std::uint8_t> RandomHost::pairs(Dice& dice) const {
+  wire::PairsHeader header;
+  header.elements = 3;
+  header.pairs = static_cast<std::uint32_t>(dice.number(0, 5));
+  header.rays = static_cast<std::uint32_t>(dice.number(1, 40));
+  header.seed = seed_;
+  std::vector<std::uint8_t> payload;
+  wire::append(payload, header);
+  for (std::uint32_t i = 0; i < header.elements; ++i) {
+    wire::Element element;
+    element.kind = i == 0 ? wire::ElementKind::kBox : wire::ElementKind::kPatch;
+    for (float& axis : element.origin) axis = static_cast<float>(dice.number(0, 100)) / 10;
+    element.u = {3, 0, 1};
+    element.v = {0, 4, 0};
+    if (i == 0) element.w = {0, 0, 5};
+    wire::append(payload, element);
+  }
+  for (std::uint32_t i = 0; i < header.pairs; ++i) {
+    wire::append(payload, wire::Pair{i % 3, static_cast<std::uint32_t>(dice.number(0, 2)), i});
+  }
+  return payload;
+}
+
 // Answers some of the rays that wait for the host, and asks for more.
 std::vector<std::uint8_t> RandomHost::resume(Dice& dice) {
   const auto count =
@@ -258,7 +283,7 @@ void RandomHost::end(Board& board) {
 void RandomHost::step(Board& board) {
   Dice dice(seed_ * 1000 + ++steps_);
   now_ps_ += static_cast<std::uint64_t>(dice.number(0, 40)) * 1'000'000;
-  switch (dice.number(0, 13)) {
+  switch (dice.number(0, 14)) {
     case 0:
     case 1: return command(board, render(dice));
     case 2: {
@@ -283,6 +308,7 @@ void RandomHost::step(Board& board) {
     case 11:
       return read_memory(board, dice.one_of({wire::kFramebuffer.base, wire::kSums.base, wire::kIrradiance.base}), 36);
     case 12: return static_cast<void>(send(board, FrameType::kCounters, {}));
+    case 13: return command(board, pairs(dice));
     default: return wait_for_one(board, dice);
   }
 }

@@ -35,6 +35,7 @@ class RandomHost {
   std::vector<std::uint8_t> render(Dice& dice);
   std::vector<std::uint8_t> illuminate(Dice& dice);
   std::vector<std::uint8_t> trace(Dice& dice);
+  std::vector<std::uint8_t> pairs(Dice& dice) const;
   std::vector<std::uint8_t> resume(Dice& dice);
   std::vector<std::uint8_t> block(Dice& dice) const;
   void change_memory(Board& board, Dice& dice);

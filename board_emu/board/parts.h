@@ -1,0 +1,76 @@
+// What stands on a board, and what transactions do with it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "board/board.h"
+#include "board/board_observer.h"
+#include "board/timeline.h"
+#include "firmware/commands/commands.h"
+#include "firmware/register_file.h"
+
+namespace gicube::emu {
+
+// A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
+inline constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
+
+// chosen: above what the maps and queues take of a transaction that is under way, and of a command's completion besides.
+inline constexpr std::uint64_t kBytesOfTransaction = 256, kBytesOfCompletion = 768;
+
+// A reply with an error and its text.
+Reply refusal_of(wire::ErrorCode error, const std::string& text);
+
+// What stands on the board.
+struct Board::Parts {
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, BoardObserver* board_observer,
+        const Routines* routines, std::uint64_t max_memory_bytes);
+
+  Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  // False, and nothing done, if a command under way has that ticket.
+  bool command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
+  Reply wait(std::span<const std::uint8_t> payload);
+  Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void control(std::uint32_t bits);
+  void lack_memory();
+
+  Reply finish(const wire::FrameHeader& header, const BusTransaction& transaction, std::vector<std::uint8_t> payload) {
+    const std::uint64_t id = next_transaction++;
+    timeline.add(header.time_ps, id, transaction);
+    return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
+  }
+  std::vector<Completion> take_completions();
+  std::uint64_t held_bytes() const {
+    return result_bytes + under_way.size() * kBytesOfCompletion + timeline.under_way() * kBytesOfTransaction;
+  }
+  std::vector<wire::Counter> count() const;
+  void state(Archive& archive, bool with_level);
+
+  v1::BoardConfig config;
+  BoardObserver* observer;  // may be null
+  RegisterFile registers;
+  PciConfigFile pci;
+  std::unique_ptr<Level> level;
+  DspCommands commands;
+  Timeline timeline;
+  std::uint64_t next_transaction = 1;
+  std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction
+  std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction
+  std::uint64_t result_bytes = 0;                            // of the payloads in under_way
+
+  // A command that is carried out, or of a checkpoint.
+  struct Carried {
+    wire::FrameHeader header;
+    std::span<const std::uint8_t> payload;
+    std::vector<std::uint8_t> loaded{};  // where that of a checkpoint is
+  };
+  std::optional<Carried> carried;
+};
+
+}  // namespace gicube::emu
