@@ -180,7 +180,8 @@ v1::BoardConfig read_config(const Flags& flags, const Options& options, std::vec
   if (options.checkpoint) {
     v1::BoardConfig merged = options.checkpoint->header().config();
     merged.MergeFrom(parsed.config);
-    for (const Diagnostic& each : fork_faults(options.checkpoint->header().config(), merged)) {
+    for (const Diagnostic& each :
+         fork_faults(options.checkpoint->header().config(), merged, options.checkpoint->header().in_command())) {
       errors.push_back("--restore: " + to_string(each));
     }
     parsed.config = merged;

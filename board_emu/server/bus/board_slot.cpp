@@ -146,7 +146,8 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   std::vector<Diagnostic> found = std::move(parsed.diagnostics);
   for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
   if (start_) {
-    for (Diagnostic& each : fork_faults(start_->header().config(), merged)) found.push_back(std::move(each));
+    for (Diagnostic& each : fork_faults(start_->header().config(), merged, start_->header().in_command()))
+      found.push_back(std::move(each));
   }
   reason = to_string(found);
   if (!found.empty()) return Configured::kFaulty;
@@ -207,18 +208,19 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   return Configured::kDone;
 }
 
-// The file is written on the board's own thread. A caller who gives up while that is done finds it all the same.
+// The file is written on the board's own thread: between two transactions, in a command, or where the debugger holds one. A caller who gives up while that is done finds it all the same.
 BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std::string& reason,
                                       const Cancelled& cancelled) {
   struct Answer {
     std::atomic<bool> unwanted{false};
+    std::atomic<bool> is_taken{false};  // the first of three ways to the board's thread
     Saved saved;
     std::string reason;
     std::promise<Configured> done;
   };
   const auto answer = std::make_shared<Answer>();
-  boost::asio::post(compute_, [this, answer, file] {
-    if (answer->unwanted) return;
+  const auto job = [this, answer, file] {
+    if (answer->unwanted || answer->is_taken.exchange(true)) return;
     const std::lock_guard here(saving_);
     Configured result = Configured::kDone;
     try {
@@ -231,9 +233,15 @@ BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std
       result = Configured::kFaulty;
     }
     answer->done.set_value(result);
-  });
+  };
   std::future<Configured> done = answer->done.get_future();
+  boost::asio::post(compute_, job);
+  {
+    const std::lock_guard lock(mutex_);
+    if (board_) board_->at_next_moment(job);
+  }
   while (done.wait_for(kCancelCheck) != std::future_status::ready) {
+    if (!answer->is_taken) debugger_.offer(job);
     if (!is_true(cancelled)) continue;
     answer->unwanted = true;
     return Configured::kCancelled;

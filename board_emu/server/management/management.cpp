@@ -158,24 +158,7 @@ class Service final : public v1::BoardManagement::Service {
   Status SaveCheckpoint(ServerContext* context, const v1::SaveCheckpointRequest* request,
                         v1::CheckpointInfo* info) override {
     if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) -> Status {
-      std::string reason, path;
-      try {
-        path = trace_path(trace_folder_, request->file());
-      } catch (const std::invalid_argument& error) {
-        return noted(AuditEvent::kSaved, *context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
-      }
-      BoardSlot::Saved saved;
-      const auto result = slot.save(path, saved, reason, given_up(*context));
-      if (result != BoardSlot::Configured::kDone) {
-        return noted(AuditEvent::kSaved, *context, slot, refusal(result, slot, reason), path);
-      }
-      info->set_board(slot.index());
-      info->set_file(path);
-      info->set_simulated_ps(saved.simulated_ps);
-      info->set_bytes(saved.bytes);
-      return noted(AuditEvent::kSaved, *context, slot, Status::OK, path);
-    });
+    return on_board(*request, [&](BoardSlot& slot) { return save(*context, slot, request->file(), *info); });
   }
 
   Status GetTrace(ServerContext*, const v1::GetTraceRequest* in, v1::TraceInfo* out) override { return show(in, out); }
@@ -225,6 +208,36 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
+  Status save(const ServerContext& context, BoardSlot& slot, const std::string& file, v1::CheckpointInfo& info) {
+    std::string reason, path;
+    try {
+      path = trace_path(trace_folder_, file);
+    } catch (const std::invalid_argument& error) {
+      return noted(AuditEvent::kSaved, context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
+    }
+    BoardSlot::Saved saved;
+    const auto result = slot.save(path, saved, reason, given_up(context));
+    if (result != BoardSlot::Configured::kDone) {
+      return noted(AuditEvent::kSaved, context, slot, refusal(result, slot, reason), path);
+    }
+    info.set_board(slot.index());
+    info.set_file(path);
+    info.set_simulated_ps(saved.simulated_ps);
+    info.set_bytes(saved.bytes);
+    return noted(AuditEvent::kSaved, context, slot, Status::OK, path);
+  }
+
+  // The line "checkpoint FILE" of a debugger.
+  Debugger::Answer save_in_debug(const ServerContext& context, BoardSlot& slot, const std::string& file) {
+    v1::CheckpointInfo info;
+    const Status status = save(context, slot, file, info);
+    const bool stands = slot.debugger().stands();
+    if (!status.ok()) return {"checkpoint: " + status.error_message() + '\n', true, stands};
+    return {fmt::format("board {} at {} ps is in {}, {} bytes\n", info.board(), info.simulated_ps(), info.file(),
+                        info.bytes()),
+            false, stands};
+  }
+
   Status debug(const ServerContext& context, v1::DebugRequest& request, BoardSlot& slot, DebugStream& stream) {
     Debugger& debugger = slot.debugger();
     if (!debugger.attach()) {
@@ -234,7 +247,10 @@ class Service final : public v1::BoardManagement::Service {
     const Finally detached{[&debugger] { debugger.detach(); }};
     noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
     do {
-      const Debugger::Answer said = debugger.carry_out(request.line(), given_up(context));
+      constexpr std::string_view kCheckpoint = "checkpoint ";
+      const Debugger::Answer said = request.line().starts_with(kCheckpoint)
+                                        ? save_in_debug(context, slot, request.line().substr(kCheckpoint.size()))
+                                        : debugger.carry_out(request.line(), given_up(context));
       // What changes values on the board is in the log.
       if (!said.is_fault && request.line().starts_with("set ")) {
         noted(AuditEvent::kDebugged, context, slot, Status::OK, request.line().substr(0, 80));

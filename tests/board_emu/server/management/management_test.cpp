@@ -397,6 +397,9 @@ TEST(Management, OneCallerAtATimeDebugsABoardWhichAnswersAllOthers) {
     EXPECT_EQ(other->Finish().error_code(), StatusCode::FAILED_PRECONDITION);
     EXPECT_FALSE(say(*debugger, "break command").is_fault());
     EXPECT_TRUE(say(*debugger, "break nothing").is_fault());
+    const v1::DebugAnswer saved = say(*debugger, "checkpoint round" + std::to_string(round));
+    EXPECT_THAT(saved.text(), HasSubstr("ps is in " + managed.traces() + "/round" + std::to_string(round)));
+    EXPECT_TRUE(say(*debugger, "checkpoint ../round").is_fault());
     EXPECT_EQ(managed.info().board(), 0u);
     debugger->WritesDone();
     EXPECT_TRUE(debugger->Finish().ok());
