@@ -205,6 +205,14 @@ void Machine::state(Archive& archive) {
   archive("tree", *tree_);
   archive("dsp", *dsp_);
   archive.set_token_limits(nullptr);
+  if (!archive.in_run()) return;
+  for (const auto& processor : processors_) {
+    const Cycle asked = std::max(processor->misses().latest_asked(), processor->writes().latest_asked());
+    archive.expect(asked <= now, "run", "packets that were asked for by now", asked);
+  }
+  for (const auto& memory : memories_) {
+    archive.expect(memory->latest() <= now + kSeenSoon, "run", "packets that are sent soon", memory->latest());
+  }
 }
 
 void Machine::set_out(const Frame& frame) {

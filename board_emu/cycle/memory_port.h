@@ -52,6 +52,7 @@ class MemoryPort {
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
   dram::Memory& channel() { return *channel_; }
+  Cycle latest() const { return latest_; }  // in which something was sent
   void state(Archive& archive) {
     archive("channel", *channel_);
     archive.at_most("turn", turn_, clients_.size() - 1);

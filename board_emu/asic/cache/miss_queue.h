@@ -4,6 +4,7 @@
 // in a cycle can be sent from the next one on, so it does not matter which side ticks first.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -59,6 +60,11 @@ class MissQueue {
     packet.arrival = arrival;
     packet.delay = delay;
     ++sent_;
+  }
+  Cycle latest_asked() const {
+    Cycle latest = 0;
+    for (std::size_t i = 0; i < size_; ++i) latest = std::max(latest, ring_[(head_ + i) & mask_].asked);
+    return latest;
   }
   // Of a processor with `blocks` of `tiles`.
   void state(Archive::Record& record, std::uint32_t blocks, std::size_t tiles) {

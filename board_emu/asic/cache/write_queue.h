@@ -94,6 +94,11 @@ class WriteQueue {
   const TileWrite& next() const { return asked_[sent_]; }
   void send(Cycle now) { asked_[sent_++].sent = now; }
   const WriteCounters& counters() const { return counters_; }
+  Cycle latest_asked() const {
+    Cycle latest = 0;
+    for (const TileWrite& write : asked_) latest = std::max(latest, write.asked);
+    return latest;
+  }
   // Of a processor with `blocks` of `tiles`.
   void state(Archive& archive, std::uint32_t blocks, std::size_t tiles) {
     archive.expect_idle(empty(), "the queue of writes");
