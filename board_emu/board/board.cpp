@@ -57,7 +57,7 @@ const char* command_name(std::span<const std::uint8_t> payload) {
 }
 
 const char* wait_name(FrameType type) {
-  if (type == FrameType::kMemoryRead) return "read memory";
+  if (type == FrameType::kMemoryRead) return kReadMemory;
   return type == FrameType::kWait ? "wait" : "access register";
 }
 
@@ -190,7 +190,7 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
                                    .up_bytes = length,
                                    .up_cargo = cargo_at(address),
                                    .watched = true,
-                                   .name = "read memory"};
+                                   .name = kReadMemory};
   return finish(header, transaction, std::move(*bytes));
 }
 

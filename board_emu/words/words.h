@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "gicube/archive.h"
 #include "gicube/wire/ray.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

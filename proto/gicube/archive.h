@@ -1,4 +1,4 @@
-// A board's state, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
+// State, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
 // `void state(Archive::Record& record)`, so that nothing can be saved and not be restored. Bounds are those that the code relies on.
 //
 // Fields come in one order. A file of another order, or with a value that the board can't have, is refused by the field's name.
@@ -17,14 +17,25 @@
 #include <utility>
 #include <vector>
 
-namespace gicube::emu {
+namespace gicube {
 
 // A checkpoint that this board can't go on from; what() names the field, what was expected, and what came.
 class CheckpointFault : public std::runtime_error {
  public:
   explicit CheckpointFault(const std::string& what) : std::runtime_error("checkpoint: " + what) {}
   CheckpointFault(const std::string& field, const std::string& expected, const std::string& got)
-      : CheckpointFault(field + ": expected " + expected + ", got " + got) {}
+      : std::runtime_error("checkpoint: " + field + ": expected " + expected + ", got " + got),
+        field_(field),
+        expected_(expected),
+        got_(got) {}
+
+  // Empty if it was made without them.
+  const std::string& field() const { return field_; }
+  const std::string& expected() const { return expected_; }
+  const std::string& got() const { return got_; }
+
+ private:
+  std::string field_, expected_, got_;
 };
 
 class Archive {
@@ -87,6 +98,8 @@ class Archive {
     void put(Value& value) {
       if constexpr (requires { value.state(*this); }) {
         value.state(*this);
+      } else if constexpr (requires { state_of(*this, value); }) {  // a record that knows no archive
+        state_of(*this, value);
       } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
         number(value, ~std::uint64_t{0});
       } else if constexpr (requires { value.second; }) {
@@ -216,4 +229,4 @@ class Archive {
   std::string prefix_;
 };
 
-}  // namespace gicube::emu
+}  // namespace gicube
