@@ -72,6 +72,10 @@ class RandomProgram {
         }
       }
     }
+    if (dice.chance(40)) {
+      const std::vector<Vec3> codebook{{0, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 0.6, 0.8}, {-0.6, 0, 0.8}};
+      board.set_gradient_codebook(codebook);
+    }
     board.load_volume({.samples = samples, .dims = {kEdge, kEdge, kEdge}});
     board.set_transfer_function(reference::step_function(0.3));
     hear(board, "loaded", 0);
@@ -115,12 +119,14 @@ class RandomProgram {
     view.jitter = dice.chance(40);
     view.shade = dice.chance(60);
     view.leap = dice.chance(70);
+    view.irradiance = dice.chance(25);
+    view.scatter = dice.chance(15);
     if (dice.chance(30)) view.cut_planes.push_back({{1, 0, 0}, 4.5});
     return view;
   }
 
   void do_one(Board& board, Dice& dice) {
-    switch (dice.number(0, 15)) {
+    switch (dice.number(0, 17)) {
       case 0: return hear(board, "picture", sum_of(board.render(view_of(seed_ + steps_))));
       case 1: return board.render_to_framebuffer(view_of(seed_ + steps_));
       case 2: return hear(board, "framebuffer", sum_of(board.read_framebuffer()));
@@ -161,6 +167,13 @@ class RandomProgram {
         return;
       }
       case 13: return dice.chance(50) ? board.clear_irradiance(0.01) : board.clear_sums(0.01);
+      case 14: {
+        std::vector<std::uint8_t> flags = board.empty_flags();
+        for (std::uint8_t& flag : flags) flag = dice.chance(10) ? 1 : flag;
+        return board.set_empty_flags(flags);
+      }
+      case 15:
+        return board.set_time_limit(dice.chance(50) ? 0 : static_cast<Picoseconds>(dice.number(1, 2'000'000'000)));
       default: return submit(board, dice);
     }
   }

@@ -50,8 +50,8 @@ struct Claimant {
 // What a checkpoint of a served board has beside the board.
 struct SavedSurroundings {
   SavedFaults faults{};
-  std::vector<std::uint8_t>
-      driver{};  // what the driver itself must remember (driver/src/board/saved_state.h); empty: nothing
+  // What the driver itself must remember of its board (driver/src/board/saved_state.cpp); empty: nothing.
+  std::vector<std::uint8_t> driver{};
 
   void state(Archive& archive) {
     archive("faults", faults);

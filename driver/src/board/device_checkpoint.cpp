@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "board/saved/saved_records.h"
 #include "device.h"
-#include "saved_records.h"
 
 namespace gicube {
 

@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "batches.h"
+#include "board/saved/saved_records.h"
 #include "gicube/wire/ray.h"
-#include "saved_records.h"
 
 namespace gicube {
 

@@ -5,11 +5,11 @@
 #include <system_error>
 #include <utility>
 
+#include "board/saved/saved_records.h"
+#include "board/saved/state_fields.h"
 #include "gicube/whole_file.h"
 #include "gicube/wire/registers.h"
-#include "saved_records.h"
 #include "state.h"
-#include "state_fields.h"
 
 namespace gicube {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "board/saved/saved_records.h"
 #include "encode/lights.h"
 #include "encode/look_up_tables.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/wire/memory_map.h"
-#include "saved_records.h"
 
 namespace gicube {
 

@@ -1,4 +1,4 @@
-#include "state_fields.h"
+#include "board/saved/state_fields.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "saved_records.h"
+#include "board/saved/saved_records.h"
 
 #include <utility>
 
