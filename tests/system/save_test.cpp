@@ -96,6 +96,8 @@ class RandomProgram {
     while (!tickets_.empty()) receive(board, 0);
     try {
       hear(board, "picture", sum_of(board.render(view_of(seed_))));
+    } catch (const Rejected& error) {  // it has no light
+      hear(board, error.what(), 0);
     } catch (const MemoryFault& error) {
       hear(board, error.what(), 0);
     }

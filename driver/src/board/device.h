@@ -124,14 +124,18 @@ class Device {
     Picoseconds now = 0;
     std::map<std::uint32_t, std::uint32_t> registers{};
     Link::Commands commands{};
+    std::uint32_t last_id = 0;  // of a request or command: tickets are named in messages
 
     void state(Archive& archive);
   };
-  Remembered remembered() const { return {clock_.now(), registers_, link_->commands()}; }
+  Remembered remembered() const { return {clock_.now(), registers_, link_->commands(), link_->last_id()}; }
+  std::uint32_t last_id() const { return link_->last_id(); }
+  void set_last_id(std::uint32_t id) { link_->set_last_id(id); }
   void remember(Remembered from) {
     clock_.set(from.now);
     registers_ = std::move(from.registers);
     link_->set_commands(std::move(from.commands));
+    link_->set_last_id(from.last_id);
   }
 
  private:

@@ -80,6 +80,7 @@ std::vector<std::uint8_t> Device::read_driver_part(std::uint64_t bytes) {
 
 void Device::Remembered::state(Archive& archive) {
   archive("now", now);
+  archive("last_id", last_id);
   archive.expect(now <= kNoDeadline / 4, "now", "at most 2^62 ps", now);
   state_of(archive, "registers", registers, [&archive](std::uint32_t& value) { archive("value", value); });
   state_of(archive, "commands", commands, [&archive](Link::Command& command) {

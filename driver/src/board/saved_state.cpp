@@ -111,11 +111,14 @@ void Remembered::state(Archive& archive, bool kept) {
 }
 
 void Board::State::save(const std::function<void(Bytes)>& sink) {
+  const std::uint32_t last_id = device.last_id();
   device.begin_checkpoint();
   FieldWriter writer;
   Device::Remembered remembered = device.remembered();
+  remembered.last_id = last_id;  // as if nobody had asked
   state_of_all(writer, remembered, tables, batches, *this, keep_volume);
   device.take_checkpoint(writer.take(), sink);
+  device.set_last_id(last_id);
 }
 
 void Board::State::remember(Bytes part, const wire::WentOn& now) {

@@ -138,6 +138,15 @@ class Link final : private FrameSink {
     const std::lock_guard lock(mutex_);
     commands_ = std::move(commands);
   }
+  // The number of the last request or command. Set back, the ones after it are given again: they must have been answered.
+  std::uint32_t last_id() const {
+    const std::lock_guard lock(mutex_);
+    return last_id_;
+  }
+  void set_last_id(std::uint32_t id) {
+    const std::lock_guard lock(mutex_);
+    last_id_ = id;
+  }
 
  private:
   enum class Phase { kHandshake, kOpen, kBroken };

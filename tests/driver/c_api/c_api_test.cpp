@@ -150,7 +150,10 @@ TEST_F(CApi, SavesTheBoardAndGoesOnFromTheFile) {
   const reference::TemporaryDirectory folder;
   const std::string saved = folder.file("saved");
   load();
-  const gicube_host_ray ray{.id = 7, .position = {16, 16, 0}, .direction = {0, 0, 1}};
+  gicube_host_ray ray{};
+  ray.id = 7;
+  ray.position[0] = ray.position[1] = 16;
+  ray.direction[2] = 1;
   std::uint32_t ticket = 0;
   ASSERT_EQ(gicube_submit(board_, &ray, 1, nullptr, &ticket), GICUBE_OK) << gicube_last_error();
   EXPECT_EQ(gicube_save(board_, nullptr), GICUBE_BAD_ARGUMENT);

@@ -43,11 +43,24 @@ TEST_F(CheckpointProgram, GoesOnWithTheSamePicturesTimesAndCounters) {
   for (const std::size_t i : {2u, 3u}) {
     const std::string number = "_000" + std::to_string(i) + ".png";
     EXPECT_EQ(pixels_of(path("rest" + number)), pixels_of(path("whole" + number)));
-    for (const char* key : {"frame_ms", "counters", "scene_hash", "time"}) {
+    for (const char* key :
+         {"frame_ms", "bus_ms", "samples", "hit_ratio", "memory_gb_s", "dsp_utilisation", "config_hash", "time"}) {
       EXPECT_EQ(frames_of_rest.at(i - 2).at(key), whole.at(i).at(key)) << key << i;
     }
   }
   EXPECT_EQ(nlohmann::json::parse(text_of(path("rest.json"))).at("illumination_passes"), 0);
+}
+
+TEST_F(CheckpointProgram, OfOnePictureGoesOnToTheSameCounters) {
+  const std::string one = path("turning.scene") + " --fidelity cycle --quiet -o ";
+  ASSERT_EQ(
+      run(one + path("a.png") + " --checkpoint-at frame=0 --checkpoint " + path("saved") + " --stats " + path("a.json"))
+          .code,
+      0);
+  ASSERT_EQ(run(one + path("b.png") + " --restore " + path("saved") + " --stats " + path("b.json")).code, 0);
+  EXPECT_EQ(pixels_of(path("a.png")), pixels_of(path("b.png")));
+  const auto a = nlohmann::json::parse(text_of(path("a.json"))), b = nlohmann::json::parse(text_of(path("b.json")));
+  for (const char* key : {"counters", "frame_ms", "samples"}) EXPECT_EQ(a.at(key), b.at(key)) << key;
 }
 
 TEST_F(CheckpointProgram, WritesAtATimeOrARayAndSaysIfThatNeverComes) {
