@@ -281,7 +281,7 @@ def test_one_warm_board_serves_a_grid_of_configurations(program):
     grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix restore=warm --reference bus.model=pci33 -o out"
     assert program.run(f"{grid} --vary bus.model=pci33,agp4x --vary sorter.policy=most_rays,longest_wait") == 0, program.err
     points = program.json()["points"]
-    times = {(point["bus.model"], point["sorter.policy"]): point["frame_ms"] for point in points}
+    times = {(each["settings"]["bus.model"], each["settings"]["sorter.policy"]): each["frame_ms"] for each in points}
     assert len(times) == 4 and all(times["pci33", policy] > times["agp4x", policy] for policy in ("most_rays", "longest_wait"))
     assert {point["error picture"] for point in points} == {0}
     assert program.run(f"{grid} --vary asic.processors=4,2") == 1
