@@ -283,7 +283,7 @@ def test_one_warm_board_serves_a_grid_of_configurations(program):
     points = program.json()["points"]
     times = {(each["settings"]["bus.model"], each["settings"]["sorter.policy"]): each["frame_ms"] for each in points}
     assert len(times) == 4 and all(times["pci33", policy] > times["agp4x", policy] for policy in ("most_rays", "longest_wait"))
-    assert {point["error picture"] for point in points} == {0}
+    assert {point["error picture"] for point in points if not point["reference"]} == {0}
     assert program.run(f"{grid} --vary asic.processors=4,2") == 1
     assert "asic.processors: expected 4, as in the checkpoint, got 2" in program.err
 
