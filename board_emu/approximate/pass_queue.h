@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

@@ -9,7 +9,7 @@
 
 #include "asic/cache/write_queue.h"
 #include "pass_queue.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

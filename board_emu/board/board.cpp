@@ -21,7 +21,7 @@ bool posted(FrameType type) {
 }
 
 const char* wait_name(FrameType type) {
-  if (type == FrameType::kMemoryRead) return "read memory";
+  if (type == FrameType::kMemoryRead) return kReadMemory;
   return type == FrameType::kWait ? "wait" : "access register";
 }
 

@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/frame.h"
 #include "levels/level.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

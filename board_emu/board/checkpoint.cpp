@@ -26,7 +26,7 @@ constexpr const char* kFormat = "gicube checkpoint";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint8_t kHeaderTag = 1 << 3 | 2, kFieldTag = 2 << 3 | 2, kChecksumTag = 3 << 3 | 5;
 constexpr std::size_t kChecksumBytes = 5;  // with its tag
-constexpr std::string_view kLevel = "level.";
+constexpr std::string_view kLevel = "level.", kAround = "host.";
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -91,6 +91,14 @@ class LoadingArchive : public Archive {
  public:
   explicit LoadingArchive(std::string_view fields) : Archive(true), rest_(fields) {}
 
+  // The next field is one of what stood around the board.
+  bool is_around() const {
+    std::string_view rest = rest_;
+    return !rest.empty() && take<v1::StateField>(rest, kFieldTag, "fields").name().starts_with(kAround);
+  }
+  void skip_around() {
+    while (is_around()) take<v1::StateField>(rest_, kFieldTag, "fields");
+  }
   // All was asked for, but perhaps for the level.
   void end(bool with_level) {
     while (!rest_.empty()) {
@@ -138,7 +146,7 @@ void compare(const google::protobuf::Message& saved, const google::protobuf::Mes
 
 }  // namespace
 
-void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink) {
+void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink, const Surroundings& around) {
   SavingArchive archive(sink);
   v1::CheckpointHeader header;
   header.set_format(kFormat);
@@ -149,13 +157,15 @@ void save_checkpoint(Board& board, const std::function<void(std::string_view)>& 
   header.set_simulated_ps(board.simulated_ps());
   header.set_in_command(board.in_command());
   archive.put(kHeaderTag, header);
+  if (around) around(archive);
   board.state(archive);
   archive.end();
 }
 
-void save_checkpoint(Board& board, const std::filesystem::path& file) {
+void save_checkpoint(Board& board, const std::filesystem::path& file, const Surroundings& around) {
   WholeFile out(file);
-  save_checkpoint(board, [&out](std::string_view bytes) { out.write(bytes); });
+  save_checkpoint(
+      board, [&out](std::string_view bytes) { out.write(bytes); }, around);
   out.commit();
 }
 
@@ -199,11 +209,23 @@ Checkpoint Checkpoint::read(const std::filesystem::path& file) {
   return Checkpoint(std::move(bytes));
 }
 
+std::string_view Checkpoint::fields() const {
+  return std::string_view(bytes_).substr(first_field_, bytes_.size() - kChecksumBytes - first_field_);
+}
+
+void Checkpoint::surroundings(const Surroundings& around) const {
+  LoadingArchive archive(fields());
+  if (!archive.is_around()) return;
+  around(archive);
+  if (archive.is_around()) throw CheckpointFault("fields", "no more below host.", "another");
+}
+
 void Checkpoint::restore(Board& board) const {
   const std::vector<Diagnostic> faults = fork_faults(header_.config(), board.config(), header_.in_command());
   if (!faults.empty()) throw CheckpointFault("config." + to_string(faults));
   const bool with_level = header_.config().fidelity() == board.config().fidelity();
-  LoadingArchive archive(std::string_view(bytes_).substr(first_field_, bytes_.size() - kChecksumBytes - first_field_));
+  LoadingArchive archive(fields());
+  archive.skip_around();
   board.state(archive, with_level);
   archive.end(with_level);
   if (board.in_command() != header_.in_command()) {

@@ -14,10 +14,13 @@
 
 namespace gicube::emu {
 
+// Saves or loads what stands around a board, such as its driver's state: fields whose names begin with "host.".
+using Surroundings = std::function<void(Archive& archive)>;
+
 // Hands the file's bytes to `sink`, piece by piece. Called like Board::state(); nothing changes.
-void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink);
+void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink, const Surroundings& around = {});
 // To a file that is whole or not there. Throws std::system_error.
-void save_checkpoint(Board& board, const std::filesystem::path& file);
+void save_checkpoint(Board& board, const std::filesystem::path& file, const Surroundings& around = {});
 
 // What differs between two resolved configurations and shapes a board's state, so that a board of `wanted` can't go on from a
 // checkpoint of `saved`. Free are fidelity, threads, pace, the bus, the links, the queue policy, and how the DSP makes rays;
@@ -37,8 +40,12 @@ class Checkpoint {
   // Makes a new board what was saved. Of another fidelity than the saved one its level is as at power-up. Throws CheckpointFault;
   // the board must not be used then.
   void restore(Board& board) const;
+  // Loads what stood around that board; `around` is not called if nothing of it was saved. Throws CheckpointFault.
+  void surroundings(const Surroundings& around) const;
 
  private:
+  std::string_view fields() const;
+
   std::string bytes_;
   std::size_t first_field_ = 0;  // where it begins
   v1::CheckpointHeader header_;

@@ -130,7 +130,7 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
                                    .up_bytes = length,
                                    .up_cargo = cargo_at(address),
                                    .watched = true,
-                                   .name = "read memory"};
+                                   .name = kReadMemory};
   return finish(header, transaction, std::move(*bytes));
 }
 

@@ -18,8 +18,9 @@
 
 #include "board/board_observer.h"
 #include "board/bus/host_bus.h"
+#include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
-#include "words/archive.h"
+#include "gicube/wire/command.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -34,14 +35,13 @@ struct BusTransaction {
   std::uint64_t up_bytes = 0;
   Cargo up_cargo = Cargo::kCompletion;
   bool watched = false;   // somebody wants to know when it has finished
-  const char* name = "";  // of its turn at the DSP, in a trace; one of kTurnNames
+  const char* name = "";  // of its turn at the DSP, in a trace: its command, or kReadMemory
 
   void state(Archive::Record& record);
 };
 
-// Commands by their opcodes, and the one thing besides that the DSP does.
-inline constexpr std::array kTurnNames{"",       "render", "trace",    "illuminate", "resume",
-                                       "verify", "pairs",  "continue", "read memory"};
+// The one thing besides commands that the DSP does.
+inline constexpr const char* kReadMemory = "read memory";
 
 inline void BusTransaction::state(Archive::Record& record) {
   record.at_most(kind, TransferKind::kRegisterRead);
@@ -53,11 +53,13 @@ inline void BusTransaction::state(Archive::Record& record) {
   record.at_most(up_bytes, kMostBytes);
   record.at_most(up_cargo, Cargo::kCompletion);
   record(watched);
-  const auto is_it = [this](const char* each) { return std::string_view(each) == name; };
-  auto which = static_cast<std::size_t>(std::ranges::find_if(kTurnNames, is_it) - kTurnNames.begin());
-  if (which == kTurnNames.size()) which = 0;
-  record.at_most(which, kTurnNames.size() - 1);
-  name = kTurnNames[which];
+  // Its opcode, the number behind the last of them for kReadMemory, 0 for none.
+  constexpr auto& kNames = wire::kOpcodeNames;
+  const std::string_view now = name;
+  std::size_t which = now == kReadMemory ? kNames.size() : 0;
+  for (std::size_t opcode = 1; opcode < kNames.size(); ++opcode) which = now == kNames[opcode] ? opcode : which;
+  record.at_most(which, kNames.size());
+  name = which == 0 ? "" : which == kNames.size() ? kReadMemory : kNames[which];
 }
 
 // A time of a transaction: of its arrival at the DSP, of its end.

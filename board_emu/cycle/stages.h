@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 #include "words/words.h"
 

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "datapath/opacity_correction.h"
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/ray.h"
 #include "memory/irradiance_memory.h"
 #include "memory/volume_memory.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "dsp/sdram.h"
+#include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/dsp_task.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

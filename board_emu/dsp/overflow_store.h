@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "levels/dsp_task.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "firmware/framebuffer.h"
+#include "gicube/archive.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
 #include "memory/irradiance_memory.h"
 #include "memory/sum_memory.h"
 #include "memory/volume_memory.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

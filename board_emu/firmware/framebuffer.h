@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
 #include "levels/dsp_task.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "datapath/scattering.h"
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/trap.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

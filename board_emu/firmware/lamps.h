@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "firmware/vectors.h"
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

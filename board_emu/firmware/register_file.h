@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <string>
 
+#include "gicube/archive.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/registers.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

@@ -11,8 +11,8 @@
 
 #include "datapath/scattering.h"
 #include "datapath/waiting_ray.h"
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "levels/level.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "datapath/frame.h"
+#include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/counter_list.h"
 #include "levels/ray_source.h"
-#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

@@ -13,7 +13,7 @@
 #include "datapath/frame.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu {
 

@@ -15,9 +15,9 @@
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/memory_map.h"
 #include "memory/blocked.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

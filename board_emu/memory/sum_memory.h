@@ -16,10 +16,10 @@
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "memory/blocked.h"
 #include "memory/irradiance_memory.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

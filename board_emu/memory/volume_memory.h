@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/lut.h"
 #include "memory/blocked.h"
 #include "memory/large_array.h"
-#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

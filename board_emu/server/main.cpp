@@ -103,7 +103,8 @@ void serve(const Options& options, const RoutineTable& routines) {
     slots.push_back(std::make_unique<BoardSlot>(i, options.config, for_board(options.observation, i), &routines,
                                                 options.max_memory_bytes, options.checkpoint));
     FaultPoint& faults = slots.back()->faults();
-    faults.set_plan(options.fault_plan);  // has been checked
+    if (!options.fault_plan.empty())
+      faults.set_plan(options.fault_plan);  // has been checked; else a checkpoint's goes on
     const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);
     if (!options.fault_log_file.empty()) faults.append_log_to(options.fault_log_file + suffix);
     boards.push_back(slots.back().get());

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/ray.h"
-#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -94,7 +94,7 @@ struct TokenLimits {
 };
 
 // No observer of another process is told of its steps.
-inline void state_of(RayToken& token, Archive::Record& record) {
+inline void state_of(Archive::Record& record, RayToken& token) {
   record(token.ray, token.queue, token.contribution, token.processor);
   record.at_most(token.state, TokenStatus::kSlot);
   record(token.keeps_slot);

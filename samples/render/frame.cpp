@@ -1,5 +1,6 @@
 #include "render/frame.h"
 
+#include "gicube/scene/error.h"
 #include "render/renderer.h"
 
 namespace gicube::samples {
@@ -11,10 +12,14 @@ void render_frames(const RenderOptions& options, ProgressLine& progress,
     return progress.parts(what);
   });
   const std::vector<double> times = frame_times(options.animation);
-  for (std::size_t first = 0; first < times.size();) {
+  for (auto first = static_cast<std::size_t>(options.checkpoint.first_frame); first < times.size();) {
     const std::size_t length = renderer.run_length(times, first);
     renderer.run(times, first, first + length, done);
     first += length;
+  }
+  if (!renderer.checkpoint_is_written()) {
+    throw InputError("--checkpoint-at", "a time or a ray before the last picture",
+                     "a later one: no checkpoint is written");
   }
 }
 

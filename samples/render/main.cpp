@@ -65,10 +65,11 @@ int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
   std::vector<Output> outputs;
-  for (int i = 0; i < options->animation.frames; ++i) {
+  for (int i = options->checkpoint.first_frame; i < options->animation.frames; ++i) {
     outputs.push_back({"--output", frame_file(options->output, options->animation, i)});
   }
   outputs.push_back({"--stats", options->board.stats});
+  outputs.push_back({"--checkpoint", options->checkpoint.file});
   outputs.push_back({"--explain-svg", options->explain_svg});
   check_outputs(outputs);
   std::vector<FrameStatistics> statistics;

@@ -279,12 +279,14 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_lighting_options(app, options.lighting);
   add_animation_options(app, options.animation);
   add_explain_options(app, options);
+  add_checkpoint_options(app, options);
   add_plan_options(app, options.plan, "a picture");
   add_board_options(app, options.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options);
   check_animation(options.animation);
   check_explain_options(options);
+  check_checkpoint_options(options);
   check_plan_options(app, options);
   return options;
 }

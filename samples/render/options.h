@@ -34,8 +34,21 @@ struct AnimationOptions {
   std::optional<double> duration;  // seconds from the first frame to the one after the last
 };
 
+// Between two pictures of a run.
+struct CheckpointOptions {
+  enum class Unit { kFrame, kMilliseconds, kRay };
+  std::filesystem::path file;  // to be written; empty: none
+  std::optional<Unit> unit;    // of `at`
+  double at = 0;
+  int first_frame = 0;  // what the run begins with; with BoardOptions::restore
+};
+
 void add_lighting_options(CLI::App& app, LightingOptions& options);
 void add_animation_options(CLI::App& app, AnimationOptions& options);
+struct RenderOptions;
+void add_checkpoint_options(CLI::App& app, RenderOptions& options);
+// Throws UsageError: a checkpoint that nobody can go on from, or that is never written.
+void check_checkpoint_options(const RenderOptions& options);
 
 // Throws UsageError: fps or a duration without frames, or both.
 void check_animation(const AnimationOptions& options);
@@ -80,6 +93,7 @@ struct RenderOptions {
   std::optional<std::array<int, 2>> explain_pixel;  // whose rays are told, from the left and from the top
   std::filesystem::path explain_svg;                // empty: none
   PlanOptions plan;
+  CheckpointOptions checkpoint;
   BoardOptions board;
 };
 

@@ -73,6 +73,9 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
   if (events_ && setup_.lighting.colour_passes) {
     throw UsageError("--explain-pixel: expected a scene without colour passes, which make three pictures");
   }
+  if (setup_.lighting.colour_passes && (options_.checkpoint.unit || !options_.board.restore.empty())) {
+    throw UsageError("--checkpoint, --restore: expected a scene without colour passes, which make three pictures");
+  }
   std::vector<Frame> frames(last - first);
   const std::vector<LightPass> passes = passes_of(setup_);
   for (const LightPass& pass : passes) {
@@ -81,8 +84,9 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
       Frame& frame = frames[i];
       set_look(at(times[first + i]), setup_);
       set_phong(options_, setup_.shading.phong);
+      write_checkpoint_if_due(first + i);
       picture(pass, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
-      if (scene.lighting.on) {
+      if (scene.lighting.on && has_lit_) {  // else the light was made before a checkpoint
         frame.statistics.lighting.push_back(lighting_);
         frame.statistics.lighting.back().reused = !lit || i > 0;
       }
@@ -130,6 +134,10 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   }
   steps_("reading the scene");
   const bool is_first = !set_up_before_;
+  if (is_first && !options_.board.restore.empty()) {
+    take_over(scene);
+    return 0;
+  }
   loaded_.reset();
   lit_.reset();
   const bool derived = options_.crop || options_.level_of_detail > 0;
@@ -161,6 +169,34 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   return board_.now() - begin;
 }
 
+void Renderer::take_over(const Scene& scene) {
+  setup_ = set_up(scene, options_.board.threads);
+  set_phong(options_, setup_.shading.phong);
+  const auto text = [](const Dims& d) { return fmt::format("{} x {} x {} voxels", d[0], d[1], d[2]); };
+  const Dims there = board_.dims();
+  if (there != setup_.volume.dims) {
+    throw InputError("--restore", "a checkpoint with the scene's volume of " + text(setup_.volume.dims), text(there));
+  }
+  set_up_before_ = true;
+  setup_.free_voxels();
+  loaded_ = Loaded{scene, options_.transfer_function, false, 0};
+  if (scene.lighting.on) lit_ = scene;
+}
+
+void Renderer::write_checkpoint_if_due(std::size_t frame) {
+  const CheckpointOptions& asked = options_.checkpoint;
+  const View& view = setup_.view;
+  rays_made_ += static_cast<double>(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
+  if (checkpoint_is_written()) return;
+  const bool is_due = asked.unit == CheckpointOptions::Unit::kFrame          ? static_cast<double>(frame) >= asked.at
+                      : asked.unit == CheckpointOptions::Unit::kMilliseconds ? to_ms(board_.now()) >= asked.at
+                                                                             : rays_made_ > asked.at;
+  if (!is_due) return;
+  board_.save(asked.file.string());
+  checkpoint_written_ = true;
+  steps_(fmt::format("checkpoint before picture {} at {:.3f} ms: {}", frame, to_ms(board_.now()), asked.file.string()));
+}
+
 void Renderer::set_optics(const LightPass& pass) {
   for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
     board_.set_material(pass.optics[tag], static_cast<int>(tag));
@@ -176,6 +212,7 @@ bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t pass
   const Illumination settings = planned(pass, scene.lighting.settings, passes, channel);
   RunWindow window(board_);
   lighting_ = {};
+  has_lit_ = true;
   lighting_.report = board_.illuminate(pass.lights, settings, steps_("lighting" + channel));
   lighting_.channel = name_of(pass);
   lighting_.settings = settings;

@@ -44,6 +44,9 @@ class Renderer {
   // Whether the picture at a time is one of the voxels that are there.
   bool holds(double time) const { return holds(at(time)); }
 
+  // Whether the checkpoint that was asked for is written, or none was asked for.
+  bool checkpoint_is_written() const { return !options_.checkpoint.unit || checkpoint_written_; }
+
   // How many pictures from `first` on have its volume and its light.
   std::size_t run_length(const std::vector<double>& times, std::size_t first) const;
 
@@ -57,6 +60,10 @@ class Renderer {
   bool holds(const Scene& scene) const;
   // Makes and loads the scene's voxels unless they are there. The simulated time that it took.
   Picoseconds set_voxels(const Scene& scene);
+  // The scene's voxels are on a board that goes on from a checkpoint.
+  void take_over(const Scene& scene);
+  // Before picture `frame`.
+  void write_checkpoint_if_due(std::size_t frame);
   void set_optics(const LightPass& pass);
   // Spreads the pass's light unless it is there; whether that had to be done.
   bool light(const LightPass& pass, const Scene& scene, std::size_t passes);
@@ -88,6 +95,9 @@ class Renderer {
   std::optional<Plan> plan_;       // of these voxels, and what was first seen of them
   std::vector<LightPlan> light_plans_;
   LightingStatistics lighting_;
+  bool has_lit_ = false;  // here, and not before a checkpoint
+  double rays_made_ = 0;  // for pictures of this run
+  bool checkpoint_written_ = false;
 };
 
 }  // namespace gicube::samples

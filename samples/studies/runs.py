@@ -53,9 +53,10 @@ class Run:
         self.arguments = list(arguments)
 
     def key(self):
-        """Names the run in its folder: the same for equal arguments and an input file that has not changed."""
-        file = os.stat(self.arguments[0]) if self.arguments and os.path.isfile(self.arguments[0]) else None
-        state = (file.st_size, file.st_mtime_ns) if file else ()
+        """Names the run in its folder: the same for equal arguments and files, input and checkpoint, that have not changed."""
+        names = self.arguments[:1] + [after for option, after in zip(self.arguments, self.arguments[1:]) if option == "--restore"]
+        files = [os.stat(name) for name in names if os.path.isfile(name)]
+        state = tuple(part for file in files for part in (file.st_size, file.st_mtime_ns))
         return hashlib.sha256(repr((self.arguments, state)).encode(errors="surrogateescape")).hexdigest()[:16]
 
     def command(self):

@@ -118,7 +118,7 @@ void checkpoint(Bytes input_bytes) {
     board =
         std::make_unique<emu::Board>(config, emu::config_hash(config), nullptr, &emu::built_in_routines(), kMaxMemory);
     checkpoint.restore(*board);
-  } catch (const emu::CheckpointFault&) {
+  } catch (const CheckpointFault&) {
     expect(changed, "what was not changed is taken");
     return;
   }

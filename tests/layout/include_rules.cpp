@@ -85,7 +85,7 @@ const std::vector<Rule>& rules() {
       {"driver/include",     {"driver/include"}, {}},
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
-      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/fidelity_levels.h", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/archive.h", "proto/gicube/fidelity_levels.h", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/wire"}, {"fmt"}},

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

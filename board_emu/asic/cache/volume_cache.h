@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu {
 

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

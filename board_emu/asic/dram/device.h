@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "asic/dram/constraint.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu::dram {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "asic/dram/constraint.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu::dram {
 

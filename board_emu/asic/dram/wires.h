@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "asic/dram/constraint.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu::dram {
 

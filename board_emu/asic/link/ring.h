@@ -19,7 +19,7 @@
 
 #include "asic/sim/fifo.h"
 #include "asic/sim/ray_event.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

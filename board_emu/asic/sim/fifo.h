@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

@@ -23,7 +23,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "words/archive.h"
+#include "gicube/archive.h"
 
 namespace gicube::emu {
 

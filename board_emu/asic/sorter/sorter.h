@@ -28,7 +28,7 @@
 #include "asic/sim/ray_event.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/queues.h"
-#include "words/archive.h"
+#include "gicube/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {

@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
-#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {

@@ -22,6 +22,12 @@ constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: how late a can
 
 bool is_true(const Cancelled& cancelled) { return cancelled && cancelled(); }
 
+SavedSurroundings surroundings_of(const Checkpoint& checkpoint) {
+  SavedSurroundings saved;
+  checkpoint.surroundings([&saved](Archive& archive) { archive("host", saved); });
+  return saved;
+}
+
 constexpr const char* kNoMemory = "the system has no memory left for the board";
 
 }  // namespace
@@ -35,7 +41,9 @@ BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const O
       max_memory_bytes_(max_memory_bytes),
       start_(std::move(start)),
       observation_(std::make_unique<Observation>(observation, &debugger_)),
-      board_(BoardSlot::build(config_, observation_.get())) {}
+      board_(BoardSlot::build(config_, observation_.get())) {
+  if (start_) faults_.restore(surroundings_of(*start_).faults);
+}
 
 BoardSlot::~BoardSlot() {
   debugger_.let_go();
@@ -44,9 +52,43 @@ BoardSlot::~BoardSlot() {
 }
 
 std::unique_ptr<Board> BoardSlot::build(const v1::BoardConfig& config, Observation* observation) const {
+  return build_from(start_.get(), config, observation);
+}
+
+std::unique_ptr<Board> BoardSlot::build_from(const Checkpoint* start, const v1::BoardConfig& config,
+                                             Observation* observation) const {
   auto board = std::make_unique<Board>(config, config_hash(config), observation, routines_, max_memory_bytes_);
-  if (start_) start_->restore(*board);
+  if (start != nullptr) start->restore(*board);
   return board;
+}
+
+void BoardSlot::save(std::vector<std::uint8_t> driver, const std::function<void(std::string_view)>& sink) {
+  SavedSurroundings around{faults_.saved(), std::move(driver)};
+  save_checkpoint(*board_, sink, [&around](Archive& archive) { archive("host", around); });
+}
+
+std::vector<std::uint8_t> BoardSlot::restore(const Checkpoint& checkpoint, bool takes_plan) {
+  SavedSurroundings saved = surroundings_of(checkpoint);
+  const bool same_plan = saved.faults.plan_text == faults_.info().plan_text;
+  if (!same_plan && !takes_plan && !saved.faults.plan_text.empty()) {
+    throw CheckpointFault("host.faults.plan", "the plan of this board process (gicube-board --faults)", "another");
+  }
+  auto fresh = build_from(&checkpoint, config_, observation_.get());
+  if (same_plan || takes_plan) faults_.restore(saved.faults);
+  const std::scoped_lock lock(saving_, mutex_);
+  board_.swap(fresh);
+  return std::move(saved.driver);
+}
+
+std::vector<std::uint8_t> BoardSlot::restore_start(bool is_new) {
+  SavedSurroundings saved = surroundings_of(*start_);
+  if (!is_new) {
+    auto fresh = build(config_, observation_.get());
+    const std::scoped_lock lock(saving_, mutex_);
+    board_.swap(fresh);
+  }
+  if (saved.faults.plan_text == faults_.info().plan_text) faults_.restore(saved.faults);
+  return std::move(saved.driver);
 }
 
 void BoardSlot::drop_board() {
@@ -226,7 +268,8 @@ BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std
     try {
       if (!board_) throw std::runtime_error("expected a board, got none: it could not be built");
       if (std::filesystem::exists(file)) throw std::runtime_error("file: expected a new one, got " + file);
-      save_checkpoint(*board_, std::filesystem::path(file));
+      SavedSurroundings around{faults_.saved()};
+      save_checkpoint(*board_, std::filesystem::path(file), [&around](Archive& archive) { archive("host", around); });
       answer->saved = {board_->simulated_ps(), std::filesystem::file_size(file)};
     } catch (const std::exception& error) {
       answer->reason = error.what();

@@ -47,6 +47,18 @@ struct Claimant {
   bool force = false;        // take the board from its owner
 };
 
+// What a checkpoint of a served board has beside the board.
+struct SavedSurroundings {
+  SavedFaults faults{};
+  // What the driver itself must remember of its board (driver/src/board/saved_state.cpp); empty: nothing.
+  std::vector<std::uint8_t> driver{};
+
+  void state(Archive& archive) {
+    archive("faults", faults);
+    archive.bytes("driver", driver, 0, ~std::uint64_t{0});
+  }
+};
+
 class BoardSlot {
  public:
   // `config` must be checked; it is resolved here. `observation`: of this board alone. Throws as Observation's constructor. `start`: what
@@ -101,6 +113,16 @@ class BoardSlot {
   Board& board() { return *board_; }
   // Ends the board and builds a new one. If that fails it is logged, `why` says so, and there is none.
   void renew(std::string& why);
+  // Only for the owner, from work on compute(): hands out a checkpoint with the driver's part.
+  void save(std::vector<std::uint8_t> driver, const std::function<void(std::string_view)>& sink);
+  // Only for the owner, from work on compute(): the board goes on from a checkpoint, and so does the fault plan if it is that of the
+  // checkpoint. Another plan is taken over if `takes_plan`, or else refused if the checkpoint has one. Returns the driver's part.
+  // Throws CheckpointFault, std::bad_alloc: all is as before.
+  std::vector<std::uint8_t> restore(const Checkpoint& checkpoint, bool takes_plan);
+  // The same with what each new board begins with, which must not be null; `is_new`: it is that board still. Its fault plan counts only
+  // if it is in force.
+  std::vector<std::uint8_t> restore_start(bool is_new);
+  bool has_start() const { return start_ != nullptr; }
   // Only for the owner, while nothing works on compute().
   void drop_board();
   bool has_board() const {
@@ -188,6 +210,9 @@ class BoardSlot {
 
  private:
   enum class Owner { kNone, kSession, kManagement };
+
+  std::unique_ptr<Board> build_from(const Checkpoint* start, const v1::BoardConfig& config,
+                                    Observation* observation) const;
 
   // True once `free()` is, false if that takes too long or nobody waits for it.
   bool wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled, const std::function<bool()>& free);

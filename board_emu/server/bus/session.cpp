@@ -27,6 +27,7 @@ Session::Session(const Connection::Executor& executor, BoardSlot& slot, const Bu
 
 awaitable<void> Session::run(bool can_resume) {
   const auto self = shared_from_this();
+  is_private_ = !can_resume;
   can_resume_ = can_resume && options_.resume_limit.count() > 0;
   try {
     slot_.board().set_minor_version(agreed_.minor);

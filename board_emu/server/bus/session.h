@@ -97,6 +97,10 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t held() const;
   void check_held(const wire::FrameHeader& header) const;
   awaitable<TransactionResult> transact(const Frame& frame);
+  // Of a kCheckpoint frame; the step is carried out on the compute thread.
+  awaitable<TransactionResult> checkpoint(const Frame& frame);
+  void checkpoint_step(std::span<const std::uint8_t> payload, Reply& reply);
+  wire::WentOn go_on();
   awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
   awaitable<void> keep_pace(std::uint64_t time_ps);
   void send_progress();
@@ -139,6 +143,9 @@ class Session : public std::enable_shared_from_this<Session> {
   const wire::VersionInfo agreed_;
   const bool realtime_;
   bool can_resume_ = true;
+  bool is_private_ = false;  // the board's process is the client's own
+  bool has_worked_ = false;  // the board has done something in this session
+  std::string checkpoint_;   // the buffer of kCheckpoint frames
 
   Connected connection_;  // none while the client is away
   std::string peer_;      // who has, or had, the latest

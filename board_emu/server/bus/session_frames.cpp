@@ -96,7 +96,8 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
     co_return false;
   }
   FaultAction action;
-  if (wire::sequence_step(judged_, header.sequence) > 0) {
+  const bool is_planned = header.type != FrameType::kCheckpoint;  // else a run would change by being saved
+  if (is_planned && wire::sequence_step(judged_, header.sequence) > 0) {
     judged_ = header.sequence;
     action = slot_.faults().taken(wire::kFrameHeaderBytes + header.size);
   }
@@ -175,7 +176,9 @@ awaitable<void> Session::work() {
     }
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
-    TransactionResult result = co_await transact(frame);
+    awaitable<TransactionResult> done =
+        frame.header.type == FrameType::kCheckpoint ? checkpoint(frame) : transact(frame);
+    TransactionResult result = co_await std::move(done);
     window_.consume(frame.header.size);
     if (stopped_) break;
     if (result.ticket_in_use) {
@@ -210,6 +213,7 @@ void Session::check_held(const FrameHeader& header) const {
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
   TransactionResult result;
+  has_worked_ = true;
   progress_.all = progress_.done = 0;
   progress_.ticket = frame.header.id;
   std::uint64_t held_bytes = 0;  // the session reads its own meanwhile, on another thread
@@ -284,7 +288,9 @@ awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
 
 // Sends a frame for the first time. If the connection ends, the next one will bring it.
 awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
-  const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + frame.payload->size());
+  const bool is_planned = frame.header.type != FrameType::kCheckpoint;
+  const FaultAction action =
+      is_planned ? slot_.faults().sent(wire::kFrameHeaderBytes + frame.payload->size()) : FaultAction();
   const Connected connection = connection_;
   if (action.any()) {
     delivering_ = true;

@@ -186,6 +186,25 @@ FaultEngine::FaultEngine(const v1::FaultPlan& plan) {
   }
 }
 
+FaultEngine::Counts FaultEngine::counts() const {
+  Counts counts;
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    counts.messages[i] = lanes_[i].message;
+    for (const Random& random : lanes_[i].random) counts.hits.push_back(random.hits);
+  }
+  return counts;
+}
+
+bool FaultEngine::set_counts(const Counts& counts) {
+  if (counts.hits.size() != lanes_[0].random.size() + lanes_[1].random.size()) return false;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    lanes_[i].message = counts.messages[i];
+    for (Random& random : lanes_[i].random) random.hits = counts.hits[at++];
+  }
+  return true;
+}
+
 std::optional<PlannedFault> FaultEngine::next(PlannedFault::Direction direction, std::size_t frame_bytes) {
   Lane& lane = lanes_[this->lane(direction)];
   const std::uint64_t message = ++lane.message;

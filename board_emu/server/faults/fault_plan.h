@@ -38,6 +38,15 @@ class FaultEngine {
   // Counts a direction's next message, of `frame_bytes` with its header: its fault, with all parameters.
   std::optional<v1::PlannedFault> next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
 
+  // How far it has come; `hits` of each random part, direction by direction.
+  struct Counts {
+    std::array<std::uint64_t, 2> messages{};  // by lane()
+    std::vector<std::uint64_t> hits;
+  };
+  Counts counts() const;
+  // False, and nothing done, if they are of another plan.
+  bool set_counts(const Counts& counts);
+
   static std::size_t lane(v1::PlannedFault::Direction direction) { return direction == v1::PlannedFault::up ? 1 : 0; }
   // The last message of a direction, 0 before the first.
   std::uint64_t message(v1::PlannedFault::Direction direction) const { return lanes_[lane(direction)].message; }

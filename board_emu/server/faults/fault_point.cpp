@@ -29,6 +29,40 @@ std::vector<Diagnostic> FaultPoint::set_plan(std::string_view text) {
   return {};
 }
 
+void SavedFaults::state(Archive& archive) {
+  std::vector<std::string> plan{plan_text};
+  archive.texts("plan", plan);
+  if (archive.loads()) {
+    archive.expect(plan.size() == 1, "plan", "one text", plan.size());
+    plan_text = plan.front();
+  }
+  archive("messages", counts.messages);
+  archive.list("hits", counts.hits);
+  archive("slow", slow);
+  archive("faults", faults);
+}
+
+void FaultPoint::restore(const SavedFaults& saved) {
+  const ParsedFaultPlan parsed = parse_fault_plan(saved.plan_text);
+  if (!parsed.diagnostics.empty()) throw CheckpointFault("host.faults.plan: " + to_string(parsed.diagnostics));
+  FaultEngine engine(parsed.plan);
+  if (!engine.set_counts(saved.counts)) {
+    throw CheckpointFault("host.faults.hits", "one number for each random part of the plan and direction",
+                          std::to_string(saved.counts.hits.size()));
+  }
+  for (const SavedFaults::Slow& each : saved.slow) {
+    if (each.messages > 0 && each.bytes_per_second == 0) {
+      throw CheckpointFault("host.faults.slow", "1 or more bytes a second", "0");
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  plan_text_ = saved.plan_text;
+  engine_ = std::move(engine);
+  slow_ = saved.slow;
+  faults_ = saved.faults;
+  has_plan_ = parsed.plan.fault_size() > 0 || parsed.plan.random_size() > 0;
+}
+
 FaultPoint::Log FaultPoint::log(bool clear) {
   Log sorted;
   {
@@ -61,7 +95,7 @@ FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t fram
     log_one(*fault);
     action = act(*fault);
   }
-  Slow& slow = slow_[FaultEngine::lane(direction)];
+  SavedFaults::Slow& slow = slow_[FaultEngine::lane(direction)];
   if (slow.messages > 0) {
     --slow.messages;
     action.pause += std::chrono::microseconds(frame_bytes * 1'000'000 / slow.bytes_per_second);

@@ -43,6 +43,21 @@ inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<
   byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
 }
 
+// A plan and how far it has come, as a checkpoint has it; the log is not in it.
+struct SavedFaults {
+  struct Slow {
+    std::uint64_t bytes_per_second = 0;
+    std::uint64_t messages = 0;  // still to come
+    void state(Archive::Record& record) { record(bytes_per_second, messages); }
+  };
+  std::string plan_text{};  // empty: no plan
+  FaultEngine::Counts counts{};
+  std::array<Slow, 2> slow{};  // by FaultEngine::lane()
+  std::uint64_t faults = 0;    // that have happened
+
+  void state(Archive& archive);
+};
+
 class FaultPoint {
  public:
   // The log holds the first faults, since they make the same happen again; a file, the first of all plans of this process.
@@ -58,6 +73,13 @@ class FaultPoint {
 
   // Replaces the plan and clears the log. An empty text is no plan. Returns what is wrong with it; then nothing changes.
   std::vector<Diagnostic> set_plan(std::string_view text);
+
+  SavedFaults saved() const {
+    const std::lock_guard lock(mutex_);
+    return {plan_text_, engine_.counts(), slow_, faults_};
+  }
+  // Goes on where that plan was. Throws CheckpointFault: nothing has changed.
+  void restore(const SavedFaults& saved);
 
   struct Info {
     std::string plan_text;
@@ -81,11 +103,6 @@ class FaultPoint {
   void append_log_to(const std::string& path);
 
  private:
-  struct Slow {
-    std::uint64_t bytes_per_second = 0;
-    std::uint64_t messages = 0;  // still to come
-  };
-
   FaultAction next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
   FaultAction act(const v1::PlannedFault& fault);
 
@@ -96,7 +113,7 @@ class FaultPoint {
   mutable std::mutex mutex_;  // guards all below
   std::string plan_text_;
   FaultEngine engine_;
-  std::array<Slow, 2> slow_;  // by FaultEngine::lane()
+  std::array<SavedFaults::Slow, 2> slow_;  // by FaultEngine::lane()
   std::uint64_t faults_ = 0;
   Log log_;                // in the order of their happening
   std::size_t lines_ = 0;  // of the file, by this process

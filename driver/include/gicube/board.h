@@ -10,6 +10,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <future>
@@ -92,6 +93,9 @@ struct OpenOptions {
   // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the environment
   // variable GICUBE_CA_FILE names; without it, those that this machine trusts.
   std::string ca_file{};
+  // The board is not reset, but goes on from the checkpoint that its process began with (gicube-board --restore FILE), which a driver
+  // has saved by Board::save(). The option restore of emu: does the same.
+  bool go_on = false;
   // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open(). What it
   // throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown then, the irradiance
   // incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next call. It is not called while frames
@@ -121,7 +125,7 @@ class GICUBE_API Board {
   // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
   // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,
   // trace_window=BEGIN:END, events=FILE, events_of=ITEM,... (docs/guide/observation.md), capture=FILE
-  // (docs/guide/capture.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH.
+  // (docs/guide/capture.md), restore=FILE (docs/guide/checkpoints.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH.
   // Throws BadArgument (URI; a value that the emulated board refuses, in its own words), OpenFailed, BoardBusy, VersionMismatch,
   // TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
@@ -133,6 +137,21 @@ class GICUBE_API Board {
   // is a volume. On a Board that is not lost it does nothing and reports resumed.
   // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is still lost.
   Reopened reopen();
+
+  // A checkpoint: all that the board is and that this Board knows of it, between two calls, ray batches under way included. A Board that goes
+  // on from it, in this process or another, finds the same bits, times and counters as this one. In it are neither the options of open() nor
+  // the application's scattering routine. It costs no simulated time and changes nothing. docs/guide/checkpoints.md.
+  // Throws Unsupported (a board before protocol 2.3), Rejected (it is larger than the board holds for a client).
+  std::vector<std::byte> save();
+  // The same to a file that only its user can read, and that is whole or not there. Throws Error, too, if it can't be written.
+  void save(const std::string& file);
+  // This board goes on from a checkpoint of save(), and this Board with it: its clock is the one that was saved, its tickets are those. Set
+  // the scattering routine again. The board's configuration may differ in what does not shape its state.
+  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (the board's own words: it is of another
+  // configuration, or larger than the board takes), Unsupported: nothing has changed. If the board is lost meanwhile, and by
+  // what OpenOptions::while_waiting throws while it goes on: reopen(), and restore it again.
+  void restore(std::span<const std::byte> checkpoint);
+  void restore(const std::string& file);
 
   Board(Board&&) noexcept;
   Board& operator=(Board&&) noexcept;

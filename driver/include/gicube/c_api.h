@@ -63,6 +63,11 @@ GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options*
 /* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the session or on
  * a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
 GICUBE_API gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened);
+/* Saves the board and what the driver remembers of it to a file, as Board::save(). GICUBE_INTERNAL: it can't be written. */
+GICUBE_API gicube_status gicube_save(gicube_board* board, const char* file);
+/* Goes on from such a file, as Board::restore(). After any failure nothing has changed. The framebuffer is as it was saved, but its size
+ * is known here only after the next picture. */
+GICUBE_API gicube_status gicube_restore(gicube_board* board, const char* file);
 /* Ends the session. NULL is no board and no error. */
 GICUBE_API void gicube_close(gicube_board* board);
 GICUBE_API gicube_status gicube_get_info(gicube_board* board, gicube_board_info* info);

@@ -185,6 +185,13 @@ void add_board(py::module_& module) {
   type.def_property_readonly("now", call(&Board::now));
   type.def("reopen", call(&Board::reopen));
 
+  using SaveFile = void (Board::*)(const std::string&);
+  using RestoreBytes = void (Board::*)(std::span<const std::byte>);
+  type.def("save", call(static_cast<std::vector<std::byte> (Board::*)()>(&Board::save)));
+  type.def("save_to", call(static_cast<SaveFile>(&Board::save), "file"));
+  type.def("restore", call(static_cast<RestoreBytes>(&Board::restore), "checkpoint"));
+  type.def("restore_from", call(static_cast<SaveFile>(&Board::restore), "file"));
+
   using Load = void (Board::*)(const VolumeView&, const Progress&);
   type.def("load_volume", call(static_cast<Load>(&Board::load_volume), "volume", "progress"));
   using LoadStream = void (Board::*)(const VolumeStream&, const Progress&);

@@ -53,7 +53,7 @@ GICUBE_RECORD(AnsweredCommand, F(command), F(count));
 GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
-              F(wait_for_board), F(capture), F(token_file), F(ca_file));
+              F(wait_for_board), F(capture), F(token_file), F(ca_file), F(go_on));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));
 GICUBE_RECORD(Placement, F(low), F(edge));
 GICUBE_RECORD(LevelError, F(largest_density), F(rms_density), F(largest_opacity));

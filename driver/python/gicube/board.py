@@ -106,6 +106,7 @@ class Board:
         capture: Union[str, "os.PathLike[str]"] = "",
         token_file: Union[str, "os.PathLike[str]"] = "",
         ca_file: Union[str, "os.PathLike[str]"] = "",
+        go_on: bool = False,
     ) -> None:
         """Opens a board and resets it.
 
@@ -118,12 +119,15 @@ class Board:
         force: takes the board from its owner. wait_for_board: seconds to wait in line for it.
         capture: file for every frame of the session (docs/guide/capture.md).
         token_file, ca_file: access over TCP and TLS (docs/reference/security.md).
+        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with (gicube-board
+            --restore); "emu:?restore=FILE" does the same.
 
         Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
         """
         self.uri = uri
         options = {"watchdog": watchdog, "max_rays": max_rays, "back_pressure": back_pressure, "keep_volume": keep_volume}
         options |= {"reopen_attempts": reopen_attempts, "force": force, "wait_for_board": wait_for_board}
+        options |= {"go_on": go_on}
         options |= {"capture": os.fspath(capture), "token_file": os.fspath(token_file), "ca_file": os.fspath(ca_file)}
         self._core = _core.Board(uri, options)
         _open_boards.add(self)
@@ -163,6 +167,29 @@ class Board:
         Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
         """
         return self._core.reopen()
+
+    def save(self, file: Union[None, str, "os.PathLike[str]"] = None) -> Optional[bytes]:
+        """A checkpoint: all that the board is and that this object knows of it, ray batches under way included. To a file, which is
+        whole or not there, or as bytes.
+
+        A board that goes on from it finds the same bits, times and counters as this one. The scattering routine is not in it. It costs no
+        simulated time. Raises Rejected if it is larger than the board holds for a client, Error if the file can't be written.
+        """
+        if file is None:
+            return self._core.save().tobytes()
+        self._core.save_to(os.fspath(file))
+        return None
+
+    def restore(self, checkpoint: Union[bytes, str, "os.PathLike[str]"]) -> None:
+        """This board goes on from a checkpoint of save(): bytes, or a file's name. `now` is the clock that was saved, and its tickets
+        are valid. Set the scattering routine again.
+
+        Raises BadArgument (a damaged checkpoint, by its field), Rejected (of another configuration, or too large): nothing has changed.
+        """
+        if isinstance(checkpoint, bytes):
+            self._core.restore(np.frombuffer(checkpoint, "u1"))
+        else:
+            self._core.restore_from(os.fspath(checkpoint))
 
     # Volume.
 

@@ -60,11 +60,16 @@ class Batches {
   void check(Ticket ticket) { find(ticket); }
 
   bool empty() const { return batches_.empty(); }
+  // All of it but the device, the limits, and who waits for descriptors. Throws CheckpointFault.
+  void state(Archive& archive);
   // The link goes to a new board: everything that has not come back is sent again, in its order.
   // `set_sampling(view, towards_eye)` is called before each, with what it was submitted with.
   void send_again(const std::function<void(const View&, Vec3)>& set_sampling);
 
  private:
+  struct Batch;
+  void state(Archive& archive, Batch& batch) const;
+
   struct Part {
     std::uint32_t command = 0;
     std::size_t rays = 0;

@@ -59,6 +59,22 @@ void BlockStore::add(std::size_t block, std::span<const std::uint8_t> bytes) {
   places_[block] = next_++;
 }
 
+void BlockStore::state(Archive& archive) {
+  std::vector<std::uint32_t> stored;
+  for (std::size_t block = 0; block < count(); ++block) {
+    if (has(block)) stored.push_back(static_cast<std::uint32_t>(block));
+  }
+  archive.list("blocks", stored);
+  std::vector<std::uint8_t> bytes;
+  for (const std::uint32_t block : stored) {
+    const bool is_new = block < count() && !(archive.loads() && has(block));
+    archive.expect(is_new, "blocks", fmt::format("each below {} once", count()), block);
+    if (!archive.loads()) read(block, bytes);
+    archive.bytes("block" + std::to_string(block), bytes, block_bytes_, block_bytes_);
+    if (archive.loads()) add(block, bytes);
+  }
+}
+
 void BlockStore::read(std::size_t block, std::vector<std::uint8_t>& out) const {
   const std::int64_t place = places_[block];
   if (file_.get() < 0) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "transport/fd.h"
 
 namespace gicube {
@@ -24,6 +25,9 @@ class BlockStore {
   void add(std::size_t block, std::span<const std::uint8_t> bytes);
   // Resizes `out`. Throws Error: the file can't be read.
   void read(std::size_t block, std::vector<std::uint8_t>& out) const;
+
+  // The blocks that it has; loaded, an empty one takes them. Throws CheckpointFault, and as add() and read().
+  void state(Archive& archive);
 
  private:
   std::size_t block_bytes_;

@@ -147,11 +147,16 @@ Counters Board::counters() {
   return state_->device.counters();
 }
 
-Board Board::open(std::string_view uri, const OpenOptions& options) {
-  auto state = std::make_shared<State>(parse_uri(uri), checked(options));
+Board Board::open(std::string_view text, const OpenOptions& options) {
+  const Uri uri = parse_uri(text);
+  auto state = std::make_shared<State>(uri, checked(options));
   try {
-    state->info = read_info(state->device);
-    state->tables.set_wide(state->info.wide);
+    if (options.go_on || uri.restores) {
+      state->go_on();
+    } else {
+      state->info = read_info(state->device);
+      state->tables.set_wide(state->info.wide);
+    }
   } catch (const DeviceLost& error) {
     throw OpenFailed(error.what());
   } catch (const Rejected& error) {
@@ -174,7 +179,7 @@ void Board::State::restore() {
   tables.restore();
   irradiance_unit = sum_unit = 0;
   framebuffer_size = {};
-  const bool kept = keep_volume || bricks;
+  const bool kept = blocks_are_kept || bricks;
   const bool same = info.block_voxels == block_voxels && (!bricks || bricks->capacity() == capacity_blocks());
   if (volume && (!kept || !same)) volume.reset();
   if (!volume) bricks.reset();

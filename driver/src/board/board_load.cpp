@@ -91,6 +91,7 @@ void Board::State::forget_volume() {
   volume.reset();
   bricks.reset();
   kept_blocks.clear();
+  blocks_are_kept = false;
   irradiance_unit = sum_unit = 0;  // clearing the volume clears them
   tables.forget_flags();
 }
@@ -126,6 +127,7 @@ void Board::State::begin_volume(const LoadedVolume& of) {
 
 void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
   begin_volume(of);
+  blocks_are_kept = keep_volume;
   std::vector<std::size_t> stored;
   for (std::size_t block = 0; block < blocks.count(); ++block) {
     if (blocks.stored(block)) stored.push_back(block);

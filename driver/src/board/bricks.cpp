@@ -14,6 +14,21 @@ void Bricks::forget_blocks() {
   for (std::size_t block = 0; block < absent_.size(); ++block) absent_[block] = store_.has(block) ? 1 : 0;
 }
 
+void Bricks::state(Archive& archive) {
+  archive("store", store_);
+  const std::size_t count = store_.count();
+  archive.bytes("on_card", on_card_, count, count);
+  archive.bytes("absent", absent_, count, count);
+  archive("unsure", unsure_);
+  if (!archive.loads()) return;
+  count_on_card_ = 0;
+  for (std::size_t block = 0; block < count; ++block) {
+    const bool fits = on_card_[block] <= 1 && absent_[block] <= 1 && (on_card_[block] == 0 || store_.has(block));
+    archive.expect(fits, "on_card", "blocks that are kept", block);
+    count_on_card_ += on_card_[block];
+  }
+}
+
 void Bricks::begin(Device& device) {
   unsure_ = true;
   forget_blocks();

@@ -39,6 +39,9 @@ class Bricks {
   void load(Device& device, const BlockOrder& order, std::span<const wire::WaitingBlock> waiting,
             std::span<const std::uint8_t> leapt_over);
 
+  // All but the blocks' number, the edge and the capacity. Throws CheckpointFault.
+  void state(Archive& archive);
+
  private:
   void forget_blocks();
 

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/board.h"
 #include "gicube/wire/registers.h"
 #include "transport/launch.h"
@@ -36,6 +38,8 @@ class HostClock {
   void wait_until(Picoseconds time) {
     if (time > now()) now_.store(time, std::memory_order_relaxed);
   }
+
+  void set(Picoseconds now) { now_.store(now, std::memory_order_relaxed); }
 
  private:
   std::atomic<Picoseconds> now_{0};
@@ -104,7 +108,41 @@ class Device {
 
   Counters counters();
 
+  // Checkpoints (wire::CheckpointStep); no clock moves. All throw Unsupported if the board is of an earlier protocol.
+  // Once it returns, all results that the board has sent are here.
+  void begin_checkpoint() { checkpoint_step(wire::CheckpointStep::kBegin, {}); }
+  // The board's checkpoint with the driver's part, piece by piece.
+  void take_checkpoint(std::span<const std::uint8_t> driver,
+                       const std::function<void(std::span<const std::uint8_t>)>& sink);
+  // The board becomes what the checkpoint says; without one, what its process began with. Throws Rejected: it is as before.
+  wire::WentOn go_on(std::span<const std::uint8_t> checkpoint);
+  // After go_on(): the driver's part.
+  std::vector<std::uint8_t> read_driver_part(std::uint64_t bytes);
+
+  // What this device remembers beside the board's own state.
+  struct Remembered {
+    Picoseconds now = 0;
+    std::map<std::uint32_t, std::uint32_t> registers{};
+    Link::Commands commands{};
+    std::uint32_t last_id = 0;  // of a request or command: tickets are named in messages
+
+    void state(Archive& archive);
+  };
+  Remembered remembered() const { return {clock_.now(), registers_, link_->commands(), link_->last_id()}; }
+  std::uint32_t last_id() const { return link_->last_id(); }
+  void set_last_id(std::uint32_t id) { link_->set_last_id(id); }
+  void remember(Remembered from) {
+    clock_.set(from.now);
+    registers_ = std::move(from.registers);
+    link_->set_commands(std::move(from.commands));
+    link_->set_last_id(from.last_id);
+  }
+
  private:
+  std::vector<std::uint8_t> checkpoint_step(wire::CheckpointStep step, std::span<const std::uint8_t> what);
+  void write_checkpoint(std::span<const std::uint8_t> bytes);
+  void read_checkpoint(std::uint64_t bytes, const std::function<void(std::span<const std::uint8_t>)>& sink);
+
   std::shared_ptr<Link> open_link();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);

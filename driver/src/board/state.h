@@ -38,7 +38,28 @@ struct LoadedVolume {
   std::vector<std::uint8_t> flags;  // in force, one a block
 };
 
-struct GICUBE_HIDDEN Board::State {
+// What a Board remembers beside its device, its tables and its batches.
+struct Remembered {
+  BoardInfo info;
+  Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
+  std::optional<LoadedVolume> volume;
+  std::unique_ptr<Bricks> bricks;                                  // its voxels, if the card does not store it whole
+  std::map<std::uint32_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
+  bool blocks_are_kept = false;                                    // of the volume: all that are not zero
+  bool batches_wait = false;                                       // for a volume on a new board, to be sent again
+  std::vector<std::uint32_t> block_sums;                           // CRC-32C of each block's words as they were written
+  double irradiance_unit = 0;                                      // power of one unit; 0 before the first illuminate()
+  double sum_unit = 0;                                             // of the sums; 0 before the first clear_sums()
+  double bright_flux = 0;                                          // power a voxel that full brightness is chosen for
+  View sampling;                                                   // the last view rendered
+  Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
+  std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
+
+  // Throws CheckpointFault. `kept`: the volume's blocks are wanted for reopen().
+  void state(Archive& archive, bool kept);
+};
+
+struct GICUBE_HIDDEN Board::State : Remembered {
   State(const Uri& uri, const OpenOptions& options)
       : keep_volume(options.keep_volume),
         threads(uri.threads),
@@ -103,6 +124,13 @@ struct GICUBE_HIDDEN Board::State {
   }
   // The board is a new one: brings it to where the lost one was, as far as the driver knows.
   void restore();
+  // Hands the checkpoint out (saved_state.cpp).
+  void save(const std::function<void(std::span<const std::uint8_t>)>& sink);
+  // The board goes on from a checkpoint. Throws BadArgument, Rejected: nothing has changed.
+  void go_on(std::span<const std::uint8_t> checkpoint);
+  // A board that was just opened goes on from what its process began with. Throws OpenFailed.
+  void go_on();
+  void remember(std::span<const std::uint8_t> part, const wire::WentOn& now);
   int max_edge() const;  // of a volume, voxels
   void load(Planes planes, const Progress& progress);
   void forget_volume();
@@ -114,7 +142,7 @@ struct GICUBE_HIDDEN Board::State {
     return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
   }
   void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
-    if (keep_volume) kept_blocks[block].assign(packed.begin(), packed.end());
+    if (keep_volume) kept_blocks[static_cast<std::uint32_t>(block)].assign(packed.begin(), packed.end());
     block_sums[block] = wire::crc32c(packed);
     device.write_memory(block_address(block), packed);
   }
@@ -158,26 +186,13 @@ struct GICUBE_HIDDEN Board::State {
   const unsigned threads;  // for the driver's own work, 0 = one a core
   std::mutex mutex;
   std::atomic<std::thread::id> in_callback{};
-  BoardInfo info;
   Device device;
   Tables tables;
   Batches batches;
-  ScatteringRoutine scattering_routine;  // the application's; empty: none
-  Picoseconds time_per_scattering = 0;   // of the host
-  Picoseconds time_limit = 0;            // of a rendering or an illumination; 0: none
-  std::optional<LoadedVolume> volume;
-  std::unique_ptr<Bricks> bricks;                                // its voxels, if the card does not store it whole
-  std::map<std::size_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
-  bool batches_wait = false;                                     // for a volume on a new board, to be sent again
-  bool restoring = false;                                        // restore() has begun and not ended
-  std::map<std::uint32_t, std::uint32_t> registers_before;       // it
-  std::vector<std::uint32_t> block_sums;                         // CRC-32C of each block's words as they were written
-  double irradiance_unit = 0;                                    // power of one unit; 0 before the first illuminate()
-  double sum_unit = 0;                                           // of the sums; 0 before the first clear_sums()
-  double bright_flux = 0;                                        // power a voxel that full brightness is chosen for
-  View sampling;                                                 // the last view rendered
-  Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
-  std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
+  ScatteringRoutine scattering_routine;                     // the application's; empty: none
+  Picoseconds time_per_scattering = 0;                      // of the host
+  bool restoring = false;                                   // restore() has begun and not ended
+  std::map<std::uint32_t, std::uint32_t> registers_before;  // it
 };
 
 }  // namespace gicube

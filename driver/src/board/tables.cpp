@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "board/saved/saved_records.h"
 #include "encode/lights.h"
 #include "encode/look_up_tables.h"
 #include "encode/volume/voxel_blocks.h"
@@ -35,6 +36,58 @@ void Tables::restore() {
   flags_.clear();
   ++changes_;
   for (std::size_t tag = 0; tag < materials_.size(); ++tag) set_material(materials_[tag], static_cast<int>(tag));
+}
+
+void Tables::Source::state(Archive::Record& record) {
+  record(changes);
+  record.at_most(light, SampleLight::kIncident);
+  record(range, towards_eye);
+}
+
+void Tables::state(Archive& archive) {
+  archive("wide", wide_);
+  std::vector<Vec3> directions;
+  if (codebook_) directions.assign(codebook_->given().begin(), codebook_->given().end());
+  archive.list("codebook", directions, wire::kGradientCodes);
+  if (archive.loads()) {
+    try {
+      codebook_.reset();
+      if (!directions.empty()) codebook_.emplace(directions);
+    } catch (const BadArgument& fault) {
+      archive.refuse(fault.field(), fault.expected(), fault.got());
+    }
+  }
+  archive("gradients_sent", gradients_sent_);
+  for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
+    archive.within("tag" + std::to_string(tag), [&] {
+      state_of(archive, "function", functions_[tag], static_cast<int>(tag));
+      state_of(archive, "material", materials_[tag]);
+    });
+  }
+  std::vector<std::uint8_t> words;
+  if (!archive.loads()) {
+    for (const wire::SegmentationEntry& entry : segmentation_) wire::append(words, entry);
+  }
+  constexpr std::size_t kBytes = wire::kSegmentationEntries * wire::kSegmentationEntryBytes;
+  archive.bytes("segmentation", words, kBytes, kBytes);
+  for (std::size_t i = 0; archive.loads() && i < segmentation_.size(); ++i) {
+    segmentation_[i] =
+        wire::decode<wire::SegmentationEntry>(std::span(words).subspan(i * wire::kSegmentationEntryBytes));
+  }
+  archive("shading", shading_);
+  if (archive.loads()) {
+    try {
+      check(shading_);
+    } catch (const BadArgument& fault) {
+      archive.refuse("shading." + fault.field(), fault.expected(), fault.got());
+    }
+  }
+  archive.at_most("light", light_, SampleLight::kIncident);
+  archive("changes", changes_);
+  archive("segmentation_source", segmentation_source_);
+  archive("reflectance_source", reflectance_source_);
+  archive.bytes("reflectance", reflectance_, 0, wire::kReflectanceBytes);
+  archive.bytes("flags", flags_, 0, wire::kEmptyFlags.bytes);
 }
 
 void Tables::send_segmentation(ValueRange range) {

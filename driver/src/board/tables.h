@@ -64,6 +64,8 @@ class Tables {
   void forget_flags() { flags_.clear(); }
   // The board is a new one: what it was sent is forgotten, and the materials are sent again.
   void restore();
+  // All of it but the device. Throws CheckpointFault.
+  void state(Archive& archive);
 
  private:
   Device& device_;
@@ -82,6 +84,7 @@ class Tables {
     SampleLight light = SampleLight::kMap;
     ValueRange range{};
     Vec3 towards_eye;
+    void state(Archive::Record& record);
     friend constexpr bool operator==(const Source&, const Source&) = default;
   };
   std::uint64_t changes_ = 1;  // of functions, shading and materials

@@ -71,6 +71,18 @@ gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened) {
   });
 }
 
+gicube_status gicube_save(gicube_board* board, const char* file) {
+  return on_board(board, [&](gicube_board& handle) { handle.board.save(std::string(&checked("file", file))); });
+}
+
+gicube_status gicube_restore(gicube_board* board, const char* file) {
+  return on_board(board, [&](gicube_board& handle) {
+    handle.board.restore(std::string(&checked("file", file)));
+    const std::scoped_lock lock(handle.mutex);
+    handle.framebuffer = {};
+  });
+}
+
 void gicube_close(gicube_board* board) { delete board; }
 
 gicube_status gicube_get_info(gicube_board* board, gicube_board_info* info) {

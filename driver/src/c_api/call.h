@@ -227,6 +227,8 @@ void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& options)
   copy.truth("force", c.force, options.force);
   copy.milliseconds(c.wait_for_board_ms, options.wait_for_board);
   copy.reserved("reserved", c.reserved);
+  copy.truth("go_on", c.go_on, options.go_on);
+  copy.reserved("reserved_too", c.reserved_too);
   copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
 }
 

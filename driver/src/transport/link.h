@@ -123,6 +123,31 @@ class Link final : private FrameSink {
   // Nobody will take the result: it is dropped when it comes.
   void forget(std::uint32_t ticket);
 
+  // Commands whose results have not come, or were not taken, by ticket.
+  struct Command {
+    bool forgotten = false;
+    std::optional<CommandResult> result{};
+  };
+  using Commands = std::map<std::uint32_t, Command>;
+  Commands commands() const {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+  // The board has become one on which these are under way.
+  void set_commands(Commands commands) {
+    const std::lock_guard lock(mutex_);
+    commands_ = std::move(commands);
+  }
+  // The number of the last request or command. Set back, the ones after it are given again: they must have been answered.
+  std::uint32_t last_id() const {
+    const std::lock_guard lock(mutex_);
+    return last_id_;
+  }
+  void set_last_id(std::uint32_t id) {
+    const std::lock_guard lock(mutex_);
+    last_id_ = id;
+  }
+
  private:
   enum class Phase { kHandshake, kOpen, kBroken };
 
@@ -132,11 +157,6 @@ class Link final : private FrameSink {
     std::optional<std::pair<std::uint32_t, std::uint32_t>> progress;
     bool abandoned = false;
     std::optional<Response> response;
-  };
-
-  struct Command {
-    bool forgotten = false;
-    std::optional<CommandResult> result;
   };
 
   using Lock = std::unique_lock<std::mutex>;
@@ -196,7 +216,7 @@ class Link final : private FrameSink {
   wire::ReliableWindow window_;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, Pending> pending_;
-  std::map<std::uint32_t, Command> commands_;
+  Commands commands_;
 
   std::unique_ptr<FrameStream> stream_;  // last: its thread ends before what it reports to
 };

@@ -23,8 +23,8 @@ const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "approximate"
                            {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
 // Options that name a file, and the board's flag for each. The capture is the driver's own.
 constexpr std::pair<std::string_view, std::string_view> kFiles[] = {
-    {"config", "--config"}, {"bsdf", "--bsdf"},     {"faults", "--faults"}, {"fault_log", "--fault-log"},
-    {"trace", "--trace"},   {"events", "--events"}, {"capture", ""}};
+    {"config", "--config"}, {"bsdf", "--bsdf"},     {"faults", "--faults"},   {"fault_log", "--fault-log"},
+    {"trace", "--trace"},   {"events", "--events"}, {"restore", "--restore"}, {"capture", ""}};
 constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
@@ -76,6 +76,7 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   for (const auto& [option, flag] : kFiles) {
     if (name != option) continue;
     if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
+    uri.restores = uri.restores || name == "restore";
     if (!flag.empty()) return pass_on(flag, value);
     uri.capture = value;
     return;
@@ -97,7 +98,7 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     throw BadArgument("URI option",
                       "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, trace_window, "
                       "events, events_of, "
-                      "capture",
+                      "capture, restore",
                       in_quotes(name));
   }
 }

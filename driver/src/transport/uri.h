@@ -1,7 +1,7 @@
 // Board URIs: which board Board::open() opens, and how an emulated one is started.
 //
 //   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, trace_window,
-//                               events, events_of, capture; set and bsdf may come several times
+//                               events, events_of, capture, restore; set and bsdf may come several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
 //   tls:HOST:PORT               the same, encrypted
@@ -27,6 +27,7 @@ struct Uri {
   std::vector<std::string> board_arguments;  // emu: what gicube-board is started with, as "--set", "threads=2"
   std::string capture;                       // emu: the file that the session is captured to
   unsigned threads = 0;                      // emu: 0 = one a core
+  bool restores = false;                     // emu: the board begins with a checkpoint
 };
 
 // unix:PATH, tcp:HOST:PORT or tls:HOST:PORT; emu: without its options.

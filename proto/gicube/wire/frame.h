@@ -31,6 +31,7 @@ enum class FrameType : std::uint16_t {
   kCounters = 13,      // -> counter list (counter_list.h)
   kProgress = 14,      // board to host, id = ticket: u32 parts done, u32 parts in all; costs no simulated time
   kCancel = 15,        // u32 ticket -> u32: 1 = the command's turn had not begun, it will complete with kCancelled; 0
+  kCheckpoint = 16,  // u32 CheckpointStep and what it needs; takes no simulated time, and is no message of a fault plan
 };
 
 enum FrameFlag : std::uint16_t {
@@ -63,6 +64,27 @@ enum class ErrorCode : std::uint32_t {
   kForbidden = 15,   // no token, a wrong one, or one without the right; the connection is closed
 };
 
+// What a kCheckpoint frame asks for. The session has one buffer for checkpoints, empty at first; docs/reference/protocol.md has the order.
+enum class CheckpointStep : std::uint32_t {
+  kBegin = 1,  // empties the buffer -> empty
+  kWrite = 2,  // bytes, which are appended to it -> empty
+  kTake = 3,   // what was written is the driver's part: the buffer becomes the board's checkpoint -> u64 its bytes
+  kRead = 4,   // u64 offset, u64 length -> bytes of it
+  kGoOn =
+      5,  // the board becomes the one that the buffer is a checkpoint of, or if that is empty the one that its process began with
+  // (gicube-board --restore) -> WentOn; the buffer is the driver's part then
+};
+
+// What may differ from the board that was saved.
+struct WentOn {
+  std::uint64_t driver_bytes = 0;  // 0: the checkpoint has no driver's part
+  std::uint64_t config_hash = 0;
+  std::uint32_t fidelity = 0;  // as the register has it
+  std::uint32_t agp = 0;       // 1: the card has an AGP capability
+
+  constexpr void fields(auto&& list) { list(driver_bytes, config_hash, fidelity, agp); }
+};
+
 struct FrameHeader {
   FrameType type{};
   std::uint16_t flags = 0;  // FrameFlag
@@ -86,7 +108,7 @@ inline constexpr std::size_t kFrameHeaderBytes = bytes_of<FrameHeader>();
 // Nothing if the magic or the type is wrong: what follows in the stream can't be trusted then.
 inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8_t, kFrameHeaderBytes> in) {
   const auto header = decode<FrameHeader>(in);
-  const bool known = header.type >= FrameType::kVersion && header.type <= FrameType::kCancel;
+  const bool known = header.type >= FrameType::kVersion && header.type <= FrameType::kCheckpoint;
   if (load<std::uint32_t>(in, 0) != kFrameMagic || !known) return std::nullopt;
   return header;
 }
@@ -98,6 +120,7 @@ constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence
 
 inline constexpr std::uint16_t kMajorVersion = 2;
 inline constexpr std::uint16_t kMinorVersion = 3;
+inline constexpr std::uint16_t kCheckpointMinor = 3;         // kCheckpoint
 inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before a version is agreed
 
 enum Capability : std::uint64_t {

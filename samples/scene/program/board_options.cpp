@@ -145,6 +145,7 @@ std::string board_uri(const BoardOptions& options) {
   for (const std::string& setting : options.settings) add("set", setting);
   if (!options.events.empty()) add("events", options.events.string());
   if (!options.events.empty()) add("events_of", options.events_of);
+  if (!options.restore.empty()) add("restore", options.restore.string());
   return uri;
 }
 

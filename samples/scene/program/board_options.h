@@ -46,8 +46,9 @@ struct BoardOptions {
   int threads = 0;                     // 0 = one a core
   std::chrono::seconds watchdog{600};  // for one answer of the board, wall clock; 0 = none
   bool quiet = false;
-  std::filesystem::path events;  // empty: none; what the emulated board tells of its rays
-  std::string events_of;         // and of which (docs/guide/observation.md)
+  std::filesystem::path events;   // empty: none; what the emulated board tells of its rays
+  std::string events_of;          // and of which (docs/guide/observation.md)
+  std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
 };
 
 // Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run".

@@ -15,7 +15,9 @@ Board open_board(const BoardOptions& options, const std::function<void()>& while
     OpenOptions how;
     how.watchdog = options.watchdog;
     how.while_waiting = while_waiting;
-    return Board::open(uri, how);
+    Board board = Board::open(uri, how);
+    if (!options.restore.empty() && !uri.starts_with("emu:")) board.restore(options.restore.string());
+    return board;
   } catch (const BadArgument& error) {
     throw UsageError(error.what());
   }

@@ -13,6 +13,7 @@
 #include "cycle/observer.h"
 #include "gicube/wire/checksum.h"
 #include "random_session.h"
+#include "server/faults/fault_point.h"
 #include "temporary_directory.h"
 
 namespace gicube::emu {
@@ -27,6 +28,16 @@ constexpr int kBlock = 8;
 std::string saved(Board& board) {
   std::string bytes;
   save_checkpoint(board, [&bytes](std::string_view more) { bytes += more; });
+  return bytes;
+}
+
+// With the fault plan of the link to it.
+std::string saved(Board& board, const FaultPoint& link) {
+  std::string bytes;
+  SavedFaults faults = link.saved();
+  save_checkpoint(
+      board, [&bytes](std::string_view more) { bytes += more; },
+      [&faults](Archive& archive) { archive("host.faults", faults); });
   return bytes;
 }
 
@@ -172,6 +183,64 @@ TEST_P(RandomBoard, GoesOnFromCheckpointsAsIfItHadNeverStopped) {
   EXPECT_THAT(same.heard(), ElementsAreArray(host.heard()));
   EXPECT_THAT(texts(board->snapshot()), ElementsAreArray(texts(never_stopped->snapshot())));
   EXPECT_EQ(board->held_bytes(), never_stopped->held_bytes());
+}
+
+// A link that damages memory at random, as its plan says; host rays are under way all the time.
+std::unique_ptr<FaultPoint> draw_link(Dice& dice) {
+  auto link = std::make_unique<FaultPoint>();
+  const std::string means = std::to_string(dice.number(3, 40));
+  link->set_plan("random { seed: " + std::to_string(dice.number(0, 999)) +
+                 " kinds: [memory_silent, memory_detected] mean_messages: " + means + " max_faults: 6 }");
+  return link;
+}
+
+void connect(RandomHost& host, FaultPoint& link) {
+  host.on_send([&link](Board& board, std::size_t bytes) {
+    if (const auto error = link.taken(bytes).memory_error) board.add_memory_error(*error);
+  });
+}
+
+std::unique_ptr<FaultPoint> restored_link(const std::string& bytes) {
+  SavedFaults faults;
+  Checkpoint(bytes).surroundings([&faults](Archive& archive) { archive("host.faults", faults); });
+  auto link = std::make_unique<FaultPoint>();
+  link->restore(faults);
+  return link;
+}
+
+TEST_P(RandomBoard, GoesOnWithTheFaultPlanOfItsLink) {
+  const auto [fidelity, seed] = GetParam();
+  Dice dice(seed * 7 + 1);
+  const v1::BoardConfig config = draw_board(dice, fidelity);
+  SCOPED_TRACE(config.ShortDebugString());
+  constexpr int kSteps = 40;
+  RandomHost host(seed, kBlock);
+  auto never_stopped = board_of(config);
+  Dice same_dice = dice;
+  const auto first_link = draw_link(dice);
+  auto link = draw_link(same_dice);
+  connect(host, *first_link);
+  host.begin(*never_stopped);
+  for (int i = 0; i < kSteps; ++i) host.step(*never_stopped);
+
+  RandomHost same(seed, kBlock);
+  auto board = board_of(config);
+  connect(same, *link);
+  same.begin(*board);
+  const int first = dice.number(0, kSteps);
+  for (int i = 0; i < kSteps; ++i) {
+    if (i == first) {
+      const std::string bytes = saved(*board, *link);
+      board = restored(bytes);
+      link = restored_link(bytes);
+      connect(same, *link);
+    }
+    same.step(*board);
+  }
+  EXPECT_THAT(differences(saved(*board, *link), saved(*never_stopped, *first_link)), IsEmpty());
+  host.end(*never_stopped);
+  same.end(*board);
+  EXPECT_THAT(same.heard(), ElementsAreArray(host.heard()));
 }
 
 std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) {

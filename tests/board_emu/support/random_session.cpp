@@ -32,6 +32,7 @@ TransactionResult RandomHost::send(Board& board, FrameType type, std::vector<std
   header.id = next_id_++;
   header.time_ps = now_ps_;
   Progress work;
+  if (on_send_) on_send_(board, wire::kFrameHeaderBytes + payload.size());
   TransactionResult result = board.transact(header, payload, work);
   for (const Completion& completion : result.completions) {
     heard_.push_back(

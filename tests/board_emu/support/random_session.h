@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace gicube::emu {
 class RandomHost {
  public:
   explicit RandomHost(unsigned seed, int block_voxels) : seed_(seed), n_(block_voxels) {}
+
+  // Called before each transaction that is sent, with its bytes as a frame: for what happens on the way.
+  void on_send(std::function<void(Board& board, std::size_t bytes)> called) { on_send_ = std::move(called); }
 
   // Sets a small volume and its tables.
   void begin(Board& board);
@@ -51,6 +55,7 @@ class RandomHost {
   std::vector<wire::TrappedRay> trapped_;
   bool last_was_light_ = false;
   std::vector<std::string> heard_;
+  std::function<void(Board&, std::size_t)> on_send_;
 };
 
 }  // namespace gicube::emu

@@ -146,6 +146,35 @@ TEST(COpen, TakesTheFilesOfTokenAndCertificatesFromItsOptions) {
   EXPECT_STREQ(gicube_last_error_field(), "ca_file");
 }
 
+TEST_F(CApi, SavesTheBoardAndGoesOnFromTheFile) {
+  const reference::TemporaryDirectory folder;
+  const std::string saved = folder.file("saved");
+  load();
+  gicube_host_ray ray{};
+  ray.id = 7;
+  ray.position[0] = ray.position[1] = 16;
+  ray.direction[2] = 1;
+  std::uint32_t ticket = 0;
+  ASSERT_EQ(gicube_submit(board_, &ray, 1, nullptr, &ticket), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_save(board_, nullptr), GICUBE_BAD_ARGUMENT);
+  ASSERT_EQ(gicube_save(board_, saved.c_str()), GICUBE_OK) << gicube_last_error();
+  gicube_traced_ray here, there;
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, &here, 1, nullptr), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, &there, 1, nullptr), GICUBE_BAD_ARGUMENT);
+  ASSERT_EQ(gicube_restore(board_, saved.c_str()), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, &there, 1, nullptr), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(there.id, 7u);
+  EXPECT_EQ(there.opacity, here.opacity);
+  EXPECT_EQ(gicube_restore(board_, "/nowhere/saved"), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "file");
+  gicube_open_options options = made(gicube_open_options_init);
+  options.go_on = 1;
+  gicube_board* other = nullptr;
+  EXPECT_EQ(gicube_open("emu:", &options, &other), GICUBE_OPEN_FAILED);
+  EXPECT_EQ(gicube_open(("emu:?restore=" + saved).c_str(), nullptr, &other), GICUBE_OK) << gicube_last_error();
+  gicube_close(other);
+}
+
 TEST_F(CApi, VerifiesTheVolume) {
   std::size_t damaged = 7;
   EXPECT_EQ(gicube_verify_volume(board_, nullptr, 0, &damaged), GICUBE_REJECTED);

@@ -72,7 +72,7 @@ const std::map<std::string, Match>& matches() {
        {"board.h",
         {"OpenOptions"},
         {{"watchdog", {"watchdog_ms"}}, {"wait_for_board", {"wait_for_board_ms"}}, {"while_waiting", {}}},
-        {}}},
+        {"reserved_too"}}},
       {"gicube_reopened", {"board.h", {"Reopened"}, {}, {}}},
       {"gicube_board_info", {"board.h", {"BoardInfo"}, {}, {}}},
       {"gicube_volume",

@@ -207,6 +207,25 @@ def test_empty_flags_hide_blocks(loaded):
     assert loaded.verify_volume() == []
 
 
+def test_a_saved_board_goes_on_from_its_file_and_from_its_bytes(loaded, tmp_path):
+    ticket = loaded.submit(gicube.rays([[1, 2, 3], [4, 5, 6]], [[1, 1, 1], [1, 0, 0]]))
+    saved = loaded.save()
+    assert isinstance(saved, bytes) and loaded.save(tmp_path / "saved") is None
+    image, rays, now = loaded.render(view_of_ball()), loaded.receive(ticket).rays, loaded.now
+    for_file = gicube.open(f"emu:?restore={tmp_path / 'saved'}")
+    for_bytes = gicube.open()
+    for_bytes.restore(saved)
+    loaded.restore(tmp_path / "saved")
+    for board in (for_file, for_bytes, loaded):
+        assert board.render(view_of_ball()) == image and board.dims == (32, 32, 32)
+        assert (board.receive(ticket).rays == rays).all() and board.now == now
+    with pytest.raises(gicube.BadArgument, match="checkpoint.crc32c: expected"):
+        loaded.restore(saved[:100] + bytes([saved[100] ^ 1]) + saved[101:])
+    with pytest.raises(gicube.OpenFailed, match="expected a board process with --restore"):
+        gicube.open(go_on=True)
+    assert loaded.now == now
+
+
 def test_boards_on_several_threads_work_at_once():
     images = []
 

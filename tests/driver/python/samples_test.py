@@ -47,6 +47,13 @@ def test_heat_map(tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 1000
 
 
+def test_fork():
+    module = program("fork")
+    module.EDGE, module.FORKS = 24, [("pci33", "most_rays"), ("agp4x", "longest_wait")]
+    times = module.main()
+    assert times["pci33", "most_rays"] > times["agp4x", "longest_wait"] > 0
+
+
 def test_deadline_test():
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(SAMPLES / "deadline_test.py")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)

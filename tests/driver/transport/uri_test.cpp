@@ -118,6 +118,10 @@ TEST(Uri, ATraceIsWrittenByTheBoard) {
 }
 
 TEST(Uri, ACaptureIsTheDriversOwnAffair) {
+  const Uri saved = parse_uri("emu:?restore=warm");
+  EXPECT_TRUE(saved.restores);
+  EXPECT_EQ(saved.board_arguments, (std::vector<std::string>{"--restore", "warm"}));
+  EXPECT_FALSE(parse_uri("emu:").restores);
   const Uri uri = parse_uri("emu:?capture=a%20session");
   EXPECT_EQ(uri.capture, "a session");
   EXPECT_TRUE(uri.board_arguments.empty());

@@ -274,6 +274,20 @@ def test_one_picture_may_be_the_reference_of_all(program):
     assert "out/sweep.csv: picture: expected an image that can be read, got OpenImageIO" in program.err
 
 
+def test_one_warm_board_serves_a_grid_of_configurations(program):
+    scene = "builtin:buckyball --fidelity cycle --volume-size 32 --size 24x24"
+    subprocess.run(f"{BIN}/gicube-render {scene} --quiet -o a.png --checkpoint-at frame=0 --checkpoint warm", shell=True, check=True,
+                   cwd=program.folder)
+    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix restore=warm --reference bus.model=pci33 -o out"
+    assert program.run(f"{grid} --vary bus.model=pci33,agp4x --vary sorter.policy=most_rays,longest_wait") == 0, program.err
+    points = program.json()["points"]
+    times = {(each["settings"]["bus.model"], each["settings"]["sorter.policy"]): each["frame_ms"] for each in points}
+    assert len(times) == 4 and all(times["pci33", policy] > times["agp4x", policy] for policy in ("most_rays", "longest_wait"))
+    assert {point["error picture"] for point in points if not point["reference"]} == {0}
+    assert program.run(f"{grid} --vary asic.processors=4,2") == 1
+    assert "asic.processors: expected 4, as in the checkpoint, got 2" in program.err
+
+
 def test_a_failed_run_is_named_with_its_command_and_reason(program):
     assert program.run("builtin:buckyball --fix volume-size=32 --vary asic.processors=2,99 --reference step=1 -o out") == 1
     assert "--set asic.processors=99" in program.err and "exit code 2: gicube-board: asic.processors" in program.err

@@ -210,9 +210,10 @@ struct GradientCodebook::Cell {
   }
 };
 
-GradientCodebook::GradientCodebook() : GradientCodebook(std::span<const Vec3>(ring_directions())) {}
+GradientCodebook::GradientCodebook() : GradientCodebook(std::span<const Vec3>(ring_directions())) { given_.clear(); }
 
-GradientCodebook::GradientCodebook(std::span<const Vec3> directions) : entries_(wire::kGradientCodes) {
+GradientCodebook::GradientCodebook(std::span<const Vec3> directions)
+    : given_(directions.begin(), directions.end()), entries_(wire::kGradientCodes) {
   check_directions(directions);
   for (std::size_t i = 0; i < directions.size(); ++i) {
     entries_[i] = quantise(directions[i]);

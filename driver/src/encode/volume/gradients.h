@@ -25,6 +25,9 @@ class GradientCodebook {
   // of any length; of equal ones the lowest. 0 for the zero vector, one that is not finite, and without directions.
   std::uint16_t nearest(Vec3 direction) const;
 
+  // What it was made of; none: the default rings.
+  std::span<const Vec3> given() const { return given_; }
+
   // The LUT's 2048 words; codes that stand for nothing are zero.
   std::span<const wire::GradientEntry> entries() const { return entries_; }
 
@@ -35,6 +38,7 @@ class GradientCodebook {
   void refine(const Cell& cell, std::span<const std::uint16_t> candidates,
               std::span<std::vector<std::uint16_t>> lists) const;
 
+  std::vector<Vec3> given_;
   std::vector<wire::GradientEntry> entries_;
   std::vector<Vec3> directions_;  // the entries decoded to unit length, by code
   // A cube around the origin, its faces +x -x +y -y +z -z cut into kGridSize^2 cells: cell i's candidates, of which one

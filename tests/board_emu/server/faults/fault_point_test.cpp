@@ -153,5 +153,50 @@ TEST(FaultPoint, AKillIsInTheFileBeforeItTakesEffect) {
   EXPECT_EQ(read_file(path), line + "\n");
 }
 
+TEST(FaultPoint, GoesOnWhereASavedOneWas) {
+  FaultPoint point;
+  point.set_plan(
+      "random { seed: 4 kinds: [drop, corrupt, memory_silent] mean_messages: 5 max_faults: 9 }\n"
+      "fault { direction: down message: 20 kind: slow bytes_per_second: 1000000 messages: 5 }");
+  for (int i = 0; i < 22; ++i) point.taken(100);
+  FaultPoint other;
+  other.restore(point.saved());
+  EXPECT_EQ(other.info().plan_text, point.info().plan_text);
+  EXPECT_EQ(other.info().messages_down, 22u);
+  EXPECT_EQ(other.info().faults, point.info().faults);
+  for (int i = 0; i < 200; ++i) {
+    const FaultAction a = point.taken(100), b = other.taken(100);
+    EXPECT_EQ(a.pause, b.pause) << i;
+    EXPECT_EQ(a.drop, b.drop) << i;
+    EXPECT_EQ(a.flipped_bit, b.flipped_bit) << i;
+    EXPECT_EQ(a.memory_error.has_value(), b.memory_error.has_value()) << i;
+  }
+}
+
+TEST(FaultPoint, RefusesCountsThatItsPlanCannotHave) {
+  FaultPoint point;
+  point.set_plan("random { seed: 4 kinds: [drop] mean_messages: 5 }");
+  const SavedFaults good = point.saved();
+  const auto refusal = [&point](SavedFaults saved) -> std::string {
+    try {
+      point.restore(saved);
+    } catch (const CheckpointFault& fault) {
+      return fault.what();
+    }
+    return "";
+  };
+  SavedFaults bad = good;
+  bad.counts.hits.push_back(3);
+  EXPECT_EQ(refusal(bad),
+            "checkpoint: host.faults.hits: expected one number for each random part of the plan and direction, got 3");
+  bad = good;
+  bad.slow[0] = {0, 7};
+  EXPECT_EQ(refusal(bad), "checkpoint: host.faults.slow: expected 1 or more bytes a second, got 0");
+  bad = good;
+  bad.plan_text = "random { }";
+  EXPECT_THAT(refusal(bad), testing::HasSubstr("checkpoint: host.faults.plan: line 1: random[0].kinds: expected"));
+  EXPECT_EQ(refusal(good), "");
+}
+
 }  // namespace
 }  // namespace gicube::emu

@@ -1,4 +1,4 @@
-// A board's state, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
+// State, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
 // `void state(Archive::Record& record)`, so that nothing can be saved and not be restored. Bounds are those that the code relies on.
 //
 // Fields come in one order. A file of another order, or with a value that the board can't have, is refused by the field's name.
@@ -18,16 +18,29 @@
 #include <vector>
 
 namespace gicube::emu {
+struct TokenLimits;
+}
+
+namespace gicube {
 
 // A checkpoint that this board can't go on from; what() names the field, what was expected, and what came.
 class CheckpointFault : public std::runtime_error {
  public:
   explicit CheckpointFault(const std::string& what) : std::runtime_error("checkpoint: " + what) {}
   CheckpointFault(const std::string& field, const std::string& expected, const std::string& got)
-      : CheckpointFault(field + ": expected " + expected + ", got " + got) {}
-};
+      : std::runtime_error("checkpoint: " + field + ": expected " + expected + ", got " + got),
+        field_(field),
+        expected_(expected),
+        got_(got) {}
 
-struct TokenLimits;
+  // Empty if it was made without them.
+  const std::string& field() const { return field_; }
+  const std::string& expected() const { return expected_; }
+  const std::string& got() const { return got_; }
+
+ private:
+  std::string field_, expected_, got_;
+};
 
 class Archive {
  public:
@@ -56,8 +69,8 @@ class Archive {
   bool in_run() const { return in_run_; }
   void set_in_run(bool in_run) { in_run_ = in_run; }
   // What the tokens of such a run may name; null while saving. It must outlive the loading.
-  void set_token_limits(TokenLimits* limits) { token_limits_ = limits; }
-  TokenLimits* token_limits() const { return token_limits_; }
+  void set_token_limits(emu::TokenLimits* limits) { token_limits_ = limits; }
+  emu::TokenLimits* token_limits() const { return token_limits_; }
   // A part that has nothing in work between two transactions, which is therefore not in the file.
   void expect_idle(bool idle, const char* part) const {
     if (!idle && !in_run_)
@@ -89,7 +102,7 @@ class Archive {
     }
 
     bool loads() const { return archive_.loads_; }
-    const TokenLimits* token_limits() const { return archive_.token_limits_; }
+    const emu::TokenLimits* token_limits() const { return archive_.token_limits_; }
     // Of what was loaded.
     void expect(bool good, const std::string& expected, std::uint64_t got) const {
       archive_.expect(good, "", expected, got);
@@ -103,8 +116,8 @@ class Archive {
     void put(Value& value) {
       if constexpr (requires { value.state(*this); }) {
         value.state(*this);
-      } else if constexpr (requires { state_of(value, *this); }) {
-        state_of(value, *this);
+      } else if constexpr (requires { state_of(*this, value); }) {  // a record that knows no archive
+        state_of(*this, value);
       } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
         number(value, ~std::uint64_t{0});
       } else if constexpr (requires { value.second; }) {
@@ -238,7 +251,7 @@ class Archive {
 
   const bool loads_;
   bool in_run_ = false;
-  TokenLimits* token_limits_ = nullptr;
+  emu::TokenLimits* token_limits_ = nullptr;
   std::string prefix_;
 };
 
@@ -259,4 +272,4 @@ class NumbersArchive final : public Archive {
   std::vector<std::uint64_t>& numbers_;
 };
 
-}  // namespace gicube::emu
+}  // namespace gicube

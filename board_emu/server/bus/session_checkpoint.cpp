@@ -1,0 +1,114 @@
+// kCheckpoint frames: a client takes its board's checkpoint, or has the board go on from one (docs/reference/protocol.md). All goes
+// over the connection: no client makes this process read or write a file.
+#include <fmt/format.h>
+
+#include <new>
+
+#include "session.h"
+
+namespace gicube::emu {
+
+using wire::CheckpointStep;
+using wire::ErrorCode;
+
+namespace {
+
+// A request that can't be carried out, in words for the client.
+[[noreturn]] void refuse(const char* field, const std::string& expected, const std::string& got) {
+  throw CheckpointFault(field, expected, got);
+}
+
+}  // namespace
+
+awaitable<TransactionResult> Session::checkpoint(const Frame& frame) {
+  TransactionResult result;
+  Reply& reply = result.reply.emplace();
+  std::string refusal;
+  std::function<void()> job = [this, &frame, &reply, &refusal] {
+    try {
+      checkpoint_step(frame.payload, reply);
+    } catch (const std::bad_alloc&) {
+      refusal = "checkpoint: the system has no memory left for it";
+    } catch (const CheckpointFault& fault) {
+      refusal = fault.what();
+    }
+  };
+  const std::exception_ptr fault = co_await run_on_compute(std::move(job), false, options_.max_command_time);
+  if (fault) std::rethrow_exception(fault);
+  reply.time_ps = frame.header.time_ps;
+  if (!refusal.empty()) {
+    reply.error = ErrorCode::kBadValue;
+    reply.payload.assign(refusal.begin(), refusal.end());
+  }
+  co_return result;
+}
+
+// Throws CheckpointFault: the board is as before, and the buffer empty.
+void Session::checkpoint_step(std::span<const std::uint8_t> payload, Reply& reply) {
+  const std::uint64_t max_bytes = options_.max_held_bytes;
+  const auto limit = [max_bytes] { return fmt::format("at most {} bytes (gicube-board --max-results)", max_bytes); };
+  std::string buffer = std::move(checkpoint_);
+  checkpoint_.clear();
+  if (agreed_.minor < wire::kCheckpointMinor) {
+    refuse("version", fmt::format("a session of 2.{}", wire::kCheckpointMinor), fmt::format("2.{}", agreed_.minor));
+  }
+  const auto step = static_cast<CheckpointStep>(payload.size() < 4 ? 0 : wire::load<std::uint32_t>(payload, 0));
+  const auto rest = payload.subspan(std::min<std::size_t>(payload.size(), 4));
+  const bool has_size = step == CheckpointStep::kWrite || rest.size() == (step == CheckpointStep::kRead ? 16 : 0);
+  if (!has_size) refuse("payload", "that of its step", fmt::format("{} bytes", payload.size()));
+  switch (step) {
+    case CheckpointStep::kBegin: return;
+    case CheckpointStep::kWrite: {
+      if (rest.size() > max_bytes - buffer.size()) refuse("size", limit(), "more");
+      buffer.append(rest.begin(), rest.end());
+      break;
+    }
+    case CheckpointStep::kTake: {
+      std::string taken;
+      slot_.save({buffer.begin(), buffer.end()}, [&](std::string_view bytes) {
+        if (bytes.size() > max_bytes - taken.size()) refuse("size", limit(), "more");
+        taken += bytes;
+      });
+      buffer = std::move(taken);
+      reply.payload.resize(8);
+      wire::store(std::span(reply.payload), 0, std::uint64_t{buffer.size()});
+      break;
+    }
+    case CheckpointStep::kRead: {
+      const auto offset = wire::load<std::uint64_t>(rest, 0), length = wire::load<std::uint64_t>(rest, 8);
+      const std::uint64_t max_length = std::min<std::uint64_t>(
+          agreed_.max_payload_bytes, buffer.size() - std::min<std::uint64_t>(offset, buffer.size()));
+      if (length > max_length) refuse("length", fmt::format("at most {}", max_length), std::to_string(length));
+      const auto first = buffer.begin() + static_cast<std::ptrdiff_t>(offset);
+      reply.payload.assign(first, first + static_cast<std::ptrdiff_t>(length));
+      break;
+    }
+    case CheckpointStep::kGoOn: {
+      checkpoint_ = std::move(buffer);
+      reply.payload = wire::encoded(go_on());
+      return;
+    }
+    default: refuse("step", "1 to 5", std::to_string(static_cast<std::uint32_t>(step)));
+  }
+  checkpoint_ = std::move(buffer);
+}
+
+wire::WentOn Session::go_on() {
+  std::string buffer = std::move(checkpoint_);
+  checkpoint_.clear();
+  std::vector<std::uint8_t> driver;
+  if (!buffer.empty()) {
+    driver = slot_.restore(Checkpoint(std::move(buffer)), is_private_);
+  } else {
+    if (!slot_.has_start()) refuse("restore", "a board process with --restore, or a checkpoint's bytes", "neither");
+    driver = slot_.restore_start(!has_worked_);
+  }
+  Board& board = slot_.board();
+  board.set_minor_version(agreed_.minor);
+  begin_ = std::chrono::steady_clock::now() - std::chrono::nanoseconds(board.simulated_ps() / 1000);
+  checkpoint_.assign(driver.begin(), driver.end());
+  return {driver.size(), config_hash(board.config()), static_cast<std::uint32_t>(board.config().fidelity()),
+          board.config().bus().model() == v1::pci33 ? 0u : 1u};
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,500 @@
+// Board::save() and restore(): a program that goes on in another process, or on another board, can't tell that it ever stopped.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "board_process.h"
+#include "gicube/board.h"
+#include "gicube/wire/checksum.h"
+#include "random_machine.h"
+#include "temporary_directory.h"
+#include "test_board.h"
+
+namespace gicube::system_test {
+namespace {
+
+using emu::Dice;
+using reference::TemporaryDirectory;
+using testing::ElementsAreArray;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr int kBlock = 8, kEdge = 20;
+
+template <typename T>
+std::uint32_t sum_of(const std::vector<T>& values) {
+  return wire::crc32c({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
+}
+
+std::uint32_t sum_of(const std::vector<TracedRay>& rays) {
+  std::vector<double> words;
+  for (const TracedRay& ray : rays) {
+    words.insert(words.end(), {static_cast<double>(ray.id), ray.position.x, ray.position.y, ray.position.z});
+    words.insert(words.end(), {ray.direction.x, ray.direction.y, ray.direction.z, ray.opacity, ray.integral});
+    words.insert(words.end(), ray.colour.begin(), ray.colour.end());
+  }
+  return sum_of(words);
+}
+
+std::uint32_t sum_of(const Image& image) {
+  std::vector<std::uint16_t> words;
+  for (const Pixel& pixel : image.pixels) {
+    words.insert(words.end(), {pixel.red, pixel.green, pixel.blue, pixel.alpha});
+  }
+  return sum_of(words);
+}
+
+// A program that does anything at random; what it does depends on its seed and its step alone. Copied, it goes on on another board.
+class RandomProgram {
+ public:
+  explicit RandomProgram(unsigned seed) : seed_(seed) {}
+
+  const std::vector<std::string>& heard() const { return heard_; }
+
+  void begin(Board& board) {
+    std::vector<std::byte> samples;
+    Dice dice(seed_);
+    const Vec3 middle{dice.number(5, 14) * 1.0, 10, 9};
+    for (int z = 0; z < kEdge; ++z) {
+      for (int y = 0; y < kEdge; ++y) {
+        for (int x = 0; x < kEdge; ++x) {
+          const double in = 8 - length(Vec3{x * 1.0, y * 1.0, z * 1.0} - middle);
+          samples.push_back(static_cast<std::byte>(std::clamp(100 + 20 * in, 0.0, 255.0)));
+        }
+      }
+    }
+    if (dice.chance(40)) {
+      const std::vector<Vec3> codebook{{0, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 0.6, 0.8}, {-0.6, 0, 0.8}};
+      board.set_gradient_codebook(codebook);
+    }
+    board.load_volume({.samples = samples, .dims = {kEdge, kEdge, kEdge}});
+    board.set_transfer_function(reference::step_function(0.3));
+    hear(board, "loaded", 0);
+  }
+
+  void step(Board& board) {
+    Dice dice(seed_ * 1000 + ++steps_);
+    try {
+      do_one(board, dice);
+    } catch (const DeviceLost&) {
+      throw;
+    } catch (const Error& error) {
+      hear(board, error.what(), 0);
+    }
+  }
+
+  void end(Board& board) {
+    while (!tickets_.empty()) receive(board, 0);
+    board.set_time_limit(0);
+    try {
+      hear(board, "picture", sum_of(board.render(view_of(seed_))));
+    } catch (const Rejected& error) {  // it has no light
+      hear(board, error.what(), 0);
+    } catch (const MemoryFault& error) {
+      hear(board, error.what(), 0);
+    }
+    const Counters counters = board.counters();
+    for (const Counter& each : counters.list()) heard_.push_back(each.name + ' ' + std::to_string(each.value));
+  }
+
+ private:
+  void hear(const Board& board, const std::string& what, std::uint64_t sum) {
+    heard_.push_back(fmt::format("{}: {:08x} at {}", what, sum, board.now()));
+  }
+
+  static View view_of(unsigned seed) {
+    Dice dice(seed);
+    View view;
+    view.eye = {dice.number(-60, -30) * 1.0, dice.number(-20, 40) * 1.0, dice.number(-60, 60) * 1.0};
+    view.look_at = {9.5, 9.5, 9.5};
+    view.width = dice.number(4, 24);
+    view.height = dice.number(4, 24);
+    view.step = dice.one_of({0.5, 1.0});
+    view.jitter = dice.chance(40);
+    view.shade = dice.chance(60);
+    view.leap = dice.chance(70);
+    view.irradiance = dice.chance(25);
+    view.scatter = dice.chance(15);
+    if (dice.chance(30)) view.cut_planes.push_back({{1, 0, 0}, 4.5});
+    return view;
+  }
+
+  void do_one(Board& board, Dice& dice) {
+    switch (dice.number(0, 17)) {
+      case 0: return hear(board, "picture", sum_of(board.render(view_of(seed_ + steps_))));
+      case 1: return board.render_to_framebuffer(view_of(seed_ + steps_));
+      case 2: return hear(board, "framebuffer", sum_of(board.read_framebuffer()));
+      case 3: return board.set_transfer_function(reference::step_function(dice.number(1, 9) / 10.0), dice.number(0, 1));
+      case 4: {
+        Shading shading;
+        shading.phong.ambient = dice.number(0, 5) / 10.0;
+        shading.light = {1, dice.number(-3, 3) * 1.0, 2};
+        return board.set_shading(shading);
+      }
+      case 5: {
+        const Material material{.scattering = 0.3,
+                                .bsdf = dice.one_of({Bsdf::kIsotropic, Bsdf::kSpecular, Bsdf::kNone})};
+        return board.set_material(material);
+      }
+      case 6: {
+        const std::vector<Light> lights{PointLight{{-10, 5, dice.number(-9, 30) * 1.0}, 100}};
+        const LightingReport report = board.illuminate(lights, {.rays_per_face_voxel = 1, .step = 1});
+        return hear(board, "light", std::bit_cast<std::uint64_t>(report.deposited));
+      }
+      case 7: return hear(board, "irradiance", sum_of(board.read_irradiance({{3, 2, 1}, {9, 8, 7}})));
+      case 8: {
+        std::vector<float> values(27);
+        for (float& value : values) value = static_cast<float>(dice.number(0, 255));
+        return board.write_volume({{dice.number(0, 16), 3, dice.number(0, 16)}, {3, 3, 3}}, values);
+      }
+      case 9: return hear(board, "damaged", sum_of(board.verify_volume()));
+      case 10: return board.host_compute(static_cast<Picoseconds>(dice.number(1, 2'000'000)));
+      case 11: {
+        if (tickets_.empty()) return;
+        return receive(board, static_cast<std::size_t>(dice.number(0, static_cast<int>(tickets_.size()) - 1)));
+      }
+      case 12: {
+        for (const RayBatch& batch : board.poll()) {
+          hear(board, fmt::format("batch {}", batch.ticket.id), sum_of(batch.rays) + batch.completed);
+          std::erase(tickets_, batch.ticket);
+        }
+        return;
+      }
+      case 13: return dice.chance(50) ? board.clear_irradiance(0.01) : board.clear_sums(0.01);
+      case 14: {
+        std::vector<std::uint8_t> flags = board.empty_flags();
+        for (std::uint8_t& flag : flags) flag = dice.chance(10) ? 1 : flag;
+        return board.set_empty_flags(flags);
+      }
+      case 15:
+        return board.set_time_limit(dice.chance(50) ? 0 : static_cast<Picoseconds>(dice.number(1, 2'000'000'000)));
+      default: return submit(board, dice);
+    }
+  }
+
+  void submit(Board& board, Dice& dice) {
+    const auto type = static_cast<RayType>(dice.number(0, 6));
+    std::vector<HostRay> rays;
+    const auto place = [&dice] {
+      return Vec3{dice.number(0, 19) * 1.0, dice.number(0, 19) * 1.0, dice.number(0, 19) * 1.0};
+    };
+    for (int left = dice.chance(10) ? 5000 : dice.number(1, 150); left > 0; --left) {
+      HostRay ray = ray_between(static_cast<std::uint32_t>(left), place(), place());
+      if (type == RayType::kDeposit || type == RayType::kBackproject) ray.energy = 0.1;
+      rays.push_back(ray);
+    }
+    const Ticket ticket = board.submit(rays, {.type = type, .opacity = 0.7, .step = 1});
+    tickets_.push_back(ticket);
+    hear(board, fmt::format("ticket {}", ticket.id), 0);
+    if (dice.chance(15)) hear(board, "cancelled", board.cancel(ticket) ? 1 : 0);
+  }
+
+  void receive(Board& board, std::size_t which) {
+    const Ticket ticket = tickets_[which];
+    try {
+      const RayBatch batch = board.receive(ticket);
+      hear(board, fmt::format("batch {}", ticket.id), sum_of(batch.rays) + (batch.cancelled ? 1 : 0));
+      if (batch.lighting) heard_.push_back(fmt::format("deposited {}", batch.lighting->deposited));
+    } catch (const MemoryFault& error) {  // the batch is gone
+      hear(board, error.what(), 0);
+    }
+    std::erase(tickets_, ticket);
+  }
+
+  unsigned seed_, steps_ = 0;
+  std::vector<Ticket> tickets_;
+  std::vector<std::string> heard_;
+};
+
+// As an emu: option and as an argument of gicube-board.
+std::vector<std::string> draw_assignments(Dice& dice, const char* fidelity) {
+  std::vector<std::string> all = emu::draw_machine(dice, kBlock);
+  all.push_back(std::string("fidelity=") + fidelity);
+  if (fidelity == std::string("approximate")) all.push_back("sorter.queues=per_block");
+  return all;
+}
+
+std::string in_uri(const std::vector<std::string>& assignments) {
+  std::string uri = "emu:?threads=1";
+  for (const std::string& each : assignments) uri += "&set=" + each;
+  return uri;
+}
+
+constexpr int kSteps = 24;
+
+std::vector<std::string> all_of(RandomProgram program, Board board) {
+  program.begin(board);
+  for (int i = 0; i < kSteps; ++i) program.step(board);
+  program.end(board);
+  return program.heard();
+}
+
+class RandomSave : public testing::TestWithParam<std::tuple<const char*, unsigned>> {};
+
+// Memory errors too: the plan of faults goes on where it was, though the second process is told none.
+TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
+  const auto [fidelity, seed] = GetParam();
+  const TemporaryDirectory folder;
+  Dice dice(seed * 31 + 5);
+  const std::string uri = in_uri(draw_assignments(dice, fidelity));
+  SCOPED_TRACE(uri);
+  const std::string plan = folder.file("plan"), saved = folder.file("saved");
+  std::ofstream(plan) << "random { seed: " << seed
+                      << " kinds: [duplicate, memory_silent, memory_detected] mean_messages: 30 first_message: 40 }\n";
+  const std::string faulty = dice.chance(60) ? "&faults=" + plan : "";
+  const auto never_stopped = all_of(RandomProgram(seed), reference::open_board(uri + faulty));
+
+  RandomProgram program(seed);
+  const int stop = dice.number(0, kSteps);
+  const auto begin = [&] {
+    Board board = reference::open_board(uri + faulty);
+    program.begin(board);
+    for (int i = 0; i < stop; ++i) program.step(board);
+    board.save(saved);
+    RandomProgram same = program;
+    same.step(board);  // it lives on, and what it does then is not in the file
+  };
+  begin();
+  Board board = reference::open_board("emu:?restore=" + saved);
+  for (int i = stop; i < kSteps; ++i) program.step(board);
+  program.end(board);
+  EXPECT_THAT(program.heard(), ElementsAreArray(never_stopped));
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, RandomSave,
+                         testing::Combine(testing::Values("functional", "approximate", "cycle"),
+                                          testing::Range(1u, 13u)),
+                         [](const auto& each) {
+                           return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
+                         });
+
+// A board at a socket that is damaged, cut and doubled by its plan of faults.
+struct FaultyServer {
+  FaultyServer(const TemporaryDirectory& folder, const std::string& name, const std::vector<std::string>& assignments,
+               const std::string& plan)
+      : uri("unix:" + folder.file(name)), process(arguments(assignments, plan, uri)) {
+    process.read_line();
+  }
+  static std::vector<std::string> arguments(const std::vector<std::string>& assignments, const std::string& plan,
+                                            const std::string& uri) {
+    std::vector<std::string> all{"--listen", uri, "--quiet", "--faults", plan};
+    for (const std::string& each : assignments) all.insert(all.end(), {"--set", each});
+    return all;
+  }
+  Board open() const { return Board::open(uri, {.reopen_attempts = 50}); }
+
+  std::string uri;
+  BoardProcess process;
+};
+
+class RandomLink : public testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomLink, ThatLosesAndDamagesFramesChangesNothingForABoardThatGoesOn) {
+  const unsigned seed = GetParam();
+  const TemporaryDirectory folder;
+  Dice dice(seed * 17 + 3);
+  const auto assignments = draw_assignments(dice, dice.one_of({"functional", "approximate", "cycle"}));
+  const std::string plan = folder.file("plan");
+  std::ofstream(plan)
+      << "random { seed: " << seed
+      << " kinds: [drop, corrupt, duplicate, link_loss, slow] mean_messages: 25 "
+         "bytes_per_second: 50000000 slow_messages: 3 }\n"
+         "random { seed: 5 kinds: [memory_silent, memory_detected] mean_messages: 40 first_message: 60 }\n";
+  const FaultyServer first(folder, "a", assignments, plan), second(folder, "b", assignments, plan);
+  const auto never_stopped = all_of(RandomProgram(seed), first.open());
+
+  // Back and forth between two boards; the one that is left goes on from bytes.
+  const FaultyServer third(folder, "c", assignments, plan);
+  RandomProgram program(seed);
+  Board here = third.open(), there = second.open();
+  program.begin(here);
+  const int stop = dice.number(0, kSteps - 2), again = dice.number(stop, kSteps - 1);
+  for (int i = 0; i < kSteps; ++i) {
+    if (i == stop) there.restore(here.save());
+    if (i == again) here.restore(there.save());
+    program.step(i < stop || i >= again ? here : there);
+  }
+  program.end(here);
+  EXPECT_THAT(program.heard(), ElementsAreArray(never_stopped));
+}
+
+INSTANTIATE_TEST_SUITE_P(Faulty, RandomLink, testing::Range(1u, 11u));
+
+// ---- one board
+
+Board small_board(const std::string& options = "") {
+  Board board = reference::open_board(std::string(reference::kSmallBlocks) + options);
+  board.load_volume(reference::BoxVolume(20, 4, 15).view());
+  board.set_transfer_function(reference::step_function(0.4));
+  return board;
+}
+
+TEST(SavedBoard, DamagedAnywhereIsRefusedByItsFieldAndTheBoardLivesOn) {
+  Board board = small_board();
+  const Image before = board.render(reference::front_view(20));
+  const std::vector<std::byte> saved = board.save();
+  const Picoseconds now = board.now();
+  Dice dice(3);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<std::byte> bytes = saved;
+    const auto at = static_cast<std::size_t>(dice.number(0, static_cast<int>(saved.size()) - 1));
+    bytes[at] ^= static_cast<std::byte>(1 << dice.number(0, 7));
+    EXPECT_THAT([&] { board.restore(bytes); }, ThrowsMessage<BadArgument>(HasSubstr("checkpoint."))) << at;
+    bytes.resize(at);
+    EXPECT_THAT([&] { board.restore(bytes); }, ThrowsMessage<BadArgument>(HasSubstr("checkpoint."))) << at;
+  }
+  EXPECT_EQ(board.now(), now);
+  EXPECT_EQ(board.read_framebuffer(), before);
+}
+
+// The driver's part with other bytes and the checksum of what it now is: no driver has written it.
+TEST(SavedBoard, MadeUpIsRefusedByItsFieldOrGoesOnAndNothingElse) {
+  Board board = small_board();
+  const Image image = board.render(reference::front_view(20));
+  board.submit(std::vector<HostRay>(9, ray_between(1, {2, 2, 2}, {18, 17, 16})));
+  const std::vector<std::byte> saved = board.save();
+  const auto find = [&saved](std::string_view name) {
+    const auto* const text = reinterpret_cast<const char*>(saved.data());
+    return std::string_view(text, saved.size()).find(name);
+  };
+  Dice dice(8);
+  int refused = 0, taken = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<std::byte> bytes = saved;
+    const auto near = find(
+        dice.one_of({"host.driver", "device.now", "device.registers", "batches.tickets", "part0.rays",
+                     "tables.codebook", "tag0.function", "shading", "reflectance_source", "board.info", "board.units",
+                     "board.sampling", "board.block_sums", "volume.shape", "volume.statistics", "volume.flags"}));
+    ASSERT_LT(near, saved.size());
+    for (int edits = dice.number(1, 3); edits > 0; --edits) {
+      bytes[near + static_cast<std::size_t>(dice.number(0, 60))] = static_cast<std::byte>(dice.number(0, 255));
+    }
+    const std::span<std::uint8_t> words(reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size());
+    wire::store(words, words.size() - 4, wire::crc32c(words.first(words.size() - 5)));
+    try {
+      board.restore(bytes);
+      ++taken;
+      board.poll();
+      board.render(reference::front_view(20));
+    } catch (const DeviceLost&) {
+      throw;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 30);
+  EXPECT_GT(taken, 30);
+  board.restore(saved);
+  EXPECT_EQ(board.read_framebuffer(), image);
+}
+
+TEST(SavedBoard, OfOtherQueuesIsRefusedInTheBoardsWords) {
+  Board board = small_board(), other = small_board("&set=asic.queue_rays=17");
+  const Picoseconds now = other.now();
+  const auto saved = board.save();
+  EXPECT_THAT([&] { other.restore(saved); },
+              ThrowsMessage<Rejected>(HasSubstr("config.asic.queue_rays: expected 256, as in the checkpoint, got 17")));
+  EXPECT_EQ(other.now(), now);
+  EXPECT_NO_THROW(other.render(reference::front_view(20)));
+}
+
+TEST(SavedBoard, CostsNoSimulatedTimeAndNoCounter) {
+  Board board = small_board();
+  const Picoseconds now = board.now();
+  const auto counters = board.counters().list();
+  board.save();
+  board.restore(board.save());
+  EXPECT_EQ(board.now(), now);
+  const auto after = board.counters();
+  for (const Counter& each : counters) EXPECT_EQ(after.value(each.name), each.value) << each.name;
+}
+
+TEST(SavedBoard, ServesForksWithOtherBusesLevelsAndPolicies) {
+  const TemporaryDirectory folder;
+  const std::string saved = folder.file("warm");
+  Board board = small_board("&fidelity=cycle");
+  board.save(saved);
+  const Image image = board.render(reference::front_view(20));
+  std::map<std::string, Picoseconds> frames;
+  for (const std::string bus : {"pci33", "agp1x", "agp4x"}) {
+    Board fork = reference::open_board("emu:?restore=" + saved + "&bus=" + bus);
+    EXPECT_EQ(fork.info().agp, bus != "pci33");
+    const Picoseconds begin = fork.now();
+    EXPECT_EQ(fork.render(reference::front_view(20)), image);
+    frames[bus] = fork.now() - begin;
+  }
+  EXPECT_GT(frames["pci33"], frames["agp1x"]);
+  Board quick = reference::open_board("emu:?restore=" + saved + "&fidelity=functional");
+  EXPECT_EQ(quick.info().fidelity, Fidelity::kFunctional);
+  EXPECT_NE(quick.info().config_hash, board.info().config_hash);
+  EXPECT_EQ(quick.render(reference::front_view(20)), image);
+  EXPECT_THAT([&] { reference::open_board("emu:?restore=" + saved + "&set=asic.processors=2"); },
+              ThrowsMessage<BadArgument>(HasSubstr("asic.processors: expected 4, as in the checkpoint, got 2")));
+}
+
+TEST(SavedBoard, HasTheBlocksForReopenIfItWasToldToKeepThem) {
+  Board keeper = reference::open_board_process({.keep_volume = true}).board;
+  keeper.load_volume(reference::BoxVolume(20, 4, 15).view());
+  keeper.set_transfer_function(reference::step_function(0.4));
+  const Image image = keeper.render(reference::front_view(20));
+  const auto saved = keeper.save();
+  auto [board, id] = reference::open_board_process({.keep_volume = true});
+  board.restore(saved);
+  ::kill(id, SIGKILL);
+  EXPECT_THROW(board.read_framebuffer(), DeviceLost);
+  EXPECT_TRUE(board.reopen().volume);
+  EXPECT_EQ(board.render(reference::front_view(20)), image);
+}
+
+TEST(SavedBoard, HoldsAVolumeInBricks) {
+  const std::string small = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32";
+  Board board = reference::open_board(small);
+  board.load_volume(reference::BoxVolume(64, 4, 59).view());
+  board.set_transfer_function(reference::step_function(0.4));
+  board.render(reference::front_view(64));
+  Board other = reference::open_board(small);
+  other.restore(board.save());
+  View view = reference::front_view(64);
+  view.eye.x += 30;
+  EXPECT_EQ(other.render(view), board.render(view));
+  EXPECT_EQ(other.now(), board.now());
+}
+
+TEST(SavedBoard, GoesOnAtAServerThatBeganWithIt) {
+  const TemporaryDirectory folder;
+  const std::string saved = folder.file("warm");
+  Board board = small_board();
+  board.save(saved);
+  BoardProcess process({"--listen", "unix:" + folder.file("s"), "--quiet", "--restore", saved});
+  process.read_line();
+  const std::string uri = "unix:" + folder.file("s");
+  const Image image = board.render(reference::front_view(20));
+  for (int session = 0; session < 2; ++session) {
+    Board there = Board::open(uri, {.go_on = true});
+    EXPECT_EQ(there.render(reference::front_view(20)), image);
+    EXPECT_EQ(there.now(), board.now());
+  }
+  Board fresh = Board::open(uri);  // resets it, as ever
+  EXPECT_THROW(fresh.dims(), Rejected);
+}
+
+TEST(SavedBoard, IsAskedForWhereThereIsNone) {
+  EXPECT_THAT([] { Board::open("emu:", {.go_on = true}); },
+              ThrowsMessage<OpenFailed>(HasSubstr("expected a board process with --restore")));
+  Board board = small_board();
+  EXPECT_THAT([&] { board.restore("/nowhere/saved"); }, ThrowsMessage<BadArgument>(HasSubstr("file: expected a file")));
+  EXPECT_THAT([&] { board.save("/nowhere/saved"); }, ThrowsMessage<Error>(HasSubstr("/nowhere/saved")));
+  EXPECT_NO_THROW(board.render(reference::front_view(20)));
+}
+
+}  // namespace
+}  // namespace gicube::system_test
