@@ -101,6 +101,9 @@ def parser_of_options():
     option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
     option("--title", metavar="TEXT", help="of the chart")
     option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of, help="runs at once; 0 = one per core")
+    option("--shard", metavar="I/N", type=shard_of,
+           help="do only each Nth of the runs that this sweep needs, from the Ith on (1/N to N/N), and write no table and no chart: the same "
+           "command without --shard writes them, once all shards are in FOLDER/runs")
     option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
     option("--quiet", action="store_true", help="only errors")
     return parser
@@ -116,6 +119,14 @@ def jobs_of(text):
     if not (re.fullmatch(r"[0-9]{1,4}", text) and int(text) <= 1024):
         raise argparse.ArgumentTypeError(f'expected a number from 0 to 1024, got "{text}"')
     return int(text)
+
+
+def shard_of(text):
+    """I/N as (I, N)."""
+    found = re.fullmatch(r"([0-9]{1,6})/([0-9]{1,6})", text)
+    if not (found and 1 <= int(found[1]) <= int(found[2])):
+        raise argparse.ArgumentTypeError(f'expected I/N with 1 <= I <= N, as 2/8, got "{text}"')
+    return int(found[1]), int(found[2])
 
 
 def parse_setting(text):
@@ -155,7 +166,7 @@ def options_of(arguments):
     if options.sensitivity:
         given = [name for name, value in (("--vary", options.parameters[1:]), ("--reference", options.reference), ("--chart", options.chart),
                                           ("--reference-picture", options.reference_picture), ("--also", options.also),
-                                          ("--also-error", options.also_errors)) if value]
+                                          ("--also-error", options.also_errors), ("--shard", options.shard)) if value]
         if given or len(inputs) > 1:
             parser.error(f"--sensitivity: expected one INPUT and none of {given[0] if given else '--vary'}")
     elif options.reference and options.reference_picture:
@@ -194,14 +205,19 @@ def relative(value, reference):
 
 
 def run_sweep(options, folder, render):
-    """Runs what the folder does not have yet. Returns a row a point: its settings, cost, error, further figures, whether it is a reference,
-    whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
+    """Runs what the folder does not have yet; of a shard that is all, and nothing is returned. Else returns a row a point: its settings, cost,
+    error, further figures, whether it is a reference, whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
     one = options.reference_picture
     pairs = [(point, Run(arguments_of(point | dict(options.fixed))),
               Run(arguments_of(point | dict(options.fixed) | dict(options.reference)))) for point in grid(options.parameters)]
     needed = [run for _, run, _ in pairs] + ([] if one else [reference for *_, reference in pairs])
     runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, where it first comes
+    if options.shard:  # of all runs, not of those that are left: shards that run at the same time share none
+        first, step = options.shard
+        runs = runs[first - 1::step]
     carry_out_all(folder, runs, render, options.jobs, functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty()))
+    if options.shard:
+        return None
 
     exact, rows = functools.cache(read_picture), []
     for point, run, reference in pairs:
@@ -337,6 +353,8 @@ def sweep(arguments):
         carry_out_sensitivity(options, folder, command)
         return
     rows = run_sweep(options, folder, program("gicube-render"))
+    if rows is None:
+        return
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", table_text(options, rows))
     write_whole(f"{base}.json", json_text(options, rows, command))

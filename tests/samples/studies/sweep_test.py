@@ -54,12 +54,12 @@ def test_a_point_becomes_the_arguments_of_gicube_render():
 
 def test_every_option_of_the_help_is_understood():
     every = ("a --vary=x=1 --vary y=2,3 -oout --chart b --fix u=1 --fix v=w --reference x=3 --cost c --error e --also f --also g --also-error h "
-             "--name n --title t --jobs 3 --quiet c -- -d --version")
+             "--name n --title t --jobs 3 --shard 2/3 --quiet c -- -d --version")
     given = sweep.options_of(every.split())
     assert given.parameters == [("input", ["a", "b", "c", "-d", "--version"]), ("x", ["1"]), ("y", ["2", "3"])]
     assert given.fixed == [("u", "1"), ("v", "w"), ("threads", "1")] and given.reference == [("x", "3")]
     assert (given.cost, given.error, given.also, given.also_errors, given.name, given.title) == ("c", "e", ["f", "g"], ["h"], "n", "t")
-    assert given.folder == pathlib.Path("out") and given.jobs == 3 and given.chart and given.quiet
+    assert given.folder == pathlib.Path("out") and given.jobs == 3 and given.shard == (2, 3) and given.chart and given.quiet
     given = sweep.options_of("a --output out --reference-picture /etc/passwd --fix threads=2".split())
     assert given.reference_picture == "/etc/passwd" and given.fixed == [("threads", "2")] and given.parameters == [("input", ["a"])]
     assert (given.cost, given.error, given.name, given.title, given.jobs) == ("frame_ms", "picture", "sweep", None, 0)
@@ -389,6 +389,8 @@ def test_a_board_that_runs_already_has_no_sensitivity(program):
     ("b -o", "argument -o/--output: expected one argument"),
     ("b -o out -o in", "argument -o/--output: expected once, got it twice"),
     ("b -o out --jobs 1025", 'argument --jobs: expected a number from 0 to 1024, got "1025"'),
+    ("b -o out --shard 3/2", 'argument --shard: expected I/N with 1 <= I <= N, as 2/8, got "3/2"'),
+    ("b -o out --sensitivity --shard 1/2", "--sensitivity: expected one INPUT and none of --shard"),
     ("b -o out --foo", "unrecognized arguments: --foo"),
     ("b -o out --reference-picture none.exr", 'argument --reference-picture: expected a file, got "none.exr"'),
     ("b -o out --reference-picture /", 'argument --reference-picture: expected a file, got "/"'),
