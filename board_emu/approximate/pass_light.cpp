@@ -49,16 +49,26 @@ void PassProcessor::send_writes(Cycle now) {
   PassMemory& memory = *shared_.memory;
   writes_.send_before(now, [&](const TileWrite& write) {
     memory.asked = std::max(memory.asked, write.asked) + 1;
-    if (write.fetch) {
-      memory.channel->read(write.block, write.tile, memory.asked * ratio_);
-    } else {
-      memory.channel->write(write.block, write.tile, memory.asked * ratio_);
-    }
+    memory.channel->write(write.block, write.tile, memory.asked * ratio_);
+  });
+}
+
+// Tiles that have changed before cycle `now`, in which others may take their places.
+void PassProcessor::fetch_lost(Cycle now) {
+  PassMemory& memory = *shared_.memory;
+  const auto holds = [&](const TileWrite& write) {
+    return ideal_memory_ ||
+           cache_.holds(static_cast<std::uint32_t>(shared_.partition->block(number_, write.block)), write.tile);
+  };
+  writes_.lost_before(now, holds, [&](const TileWrite& write) {
+    memory.asked = std::max(memory.asked, write.asked) + 1;
+    memory.channel->read(write.block, write.tile, memory.asked * ratio_);
   });
 }
 
 Cycle PassProcessor::finish_writes() {
   if (writes_.empty()) return 0;
+  fetch_lost(kNoCycle);
   writes_.ask(std::max(computing_ + compute_, writes_.changed()) + 1);
   send_writes(kNoCycle);
   return shared_.memory->asked + 1;
@@ -82,8 +92,7 @@ Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
   counters_.carriers += carriers;
   const SplatTiles tiles = here ? tiles_of(deposit, {grid_.corner(block_), edge, edge - 1}, false) : SplatTiles();
   for (std::uint32_t i = 0; i < tiles.count; ++i) {
-    const bool known = ideal_memory_ || cache_.holds(block_, tiles.tile[i]);
-    writes_.put(active_, tiles.tile[i], known, combines_, begin);
+    writes_.put(active_, tiles.tile[i], combines_, begin);
   }
   splat_free_ = begin + carriers;
   if (tiles.count > 0) {

@@ -36,6 +36,7 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
     const Cycle there = read + memory_latency_ + ratio_ - 1;
     const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
     first = std::max(i == 0 ? first : first + 1, arrival);
+    if (has_events_) first = enters(first);
     taken_[packets_++ % kRemembered] = first;
   }
   return first;
@@ -162,6 +163,7 @@ bool PassProcessor::pass_out(Cycle& now) {
              : leap_steps(at, step, Point{}, grid_.size());
     steps = std::min(out_of_block, ray.left);
   } else {
+    if (has_events_) fetch_lost(now_);
     computing = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing);
   }
   computing_ = has_events_ ? enters(computing) : computing;
@@ -259,6 +261,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
       computing = computes;
       if (!there) {
         now_ = entered;
+        if (has_events_) fetch_lost(now_);
         computing = fetch(cache_.ask(block, cell(unpacked(at), Point{}).voxel), computing);
         taken = oldest_taken();
       }

@@ -236,6 +236,7 @@ class PassProcessor {
   Cycle comes_out(Cycle computing) const;
   Cycle undisturbed() const;
   void send_writes(Cycle now);
+  void fetch_lost(Cycle now);
   Cycle splat(const Deposit& deposit, bool carries, Cycle out);
   void carry(const Deposit& deposit, std::uint32_t block, Cycle when);
   bool meets_event(QueuedRay& ray, Point& at, Cycle& out);

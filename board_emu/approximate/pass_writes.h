@@ -1,5 +1,5 @@
 // A processor's write queue (asic/cache/write_queue.h) in tiles instead of cycles: what waits in it, what it has asked the memory for,
-// and when that leaves it.
+// and when that leaves it. A tile that is fetched first takes no place more.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "asic/cache/write_queue.h"
-#include "pass_queue.h"
 #include "gicube/archive.h"
+#include "pass_queue.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -21,7 +21,8 @@ class PassWrites {
   explicit PassWrites(std::size_t places) : places_(places) {}
 
   // A tile changes in cycle `now`, which is never before that of the last call. `block`: its number in the processor.
-  void put(std::uint32_t block, std::uint32_t tile, bool in_cache, bool combines, Cycle now) {
+  // Whether the cache still has it then is not known yet: lost_before() tells.
+  void put(std::uint32_t block, std::uint32_t tile, bool combines, Cycle now) {
     ++counters_.tiles;
     changed_ = now;
     const auto waits = [=](const TileWrite& write) { return write.block == block && write.tile == tile; };
@@ -29,11 +30,17 @@ class PassWrites {
       ++counters_.combined;
       return;
     }
-    if (!in_cache) {
+    waiting_.push_back({block, tile});
+    changes_.push({block, tile, false, now});
+  }
+  // Calls fetch(write) for each tile that changed before cycle `now` and that holds(write) says is no longer in the cache.
+  template <typename Holds, typename Fetch>
+  void lost_before(Cycle now, const Holds& holds, const Fetch& fetch) {
+    for (; !changes_.empty() && changes_.front().asked < now; changes_.drop()) {
+      if (holds(changes_.front())) continue;
       ++counters_.fetches;
-      waiting_.push_back({block, tile, true});
+      fetch(changes_.front());
     }
-    waiting_.push_back({block, tile, false});
   }
 
   // The first cycle from `now` on in which a splat finds its places.
@@ -73,7 +80,8 @@ class PassWrites {
   std::size_t places_;
   std::vector<TileWrite> waiting_;
   LongQueue<TileWrite> asked_;
-  LongQueue<Cycle> leaving_;  // of what was asked for: when it leaves its place
+  LongQueue<TileWrite> changes_;  // `asked`: when
+  LongQueue<Cycle> leaving_;      // of what was asked for: when it leaves its place
   Cycle left_ = 0, changed_ = 0;
   WriteCounters counters_;
 };

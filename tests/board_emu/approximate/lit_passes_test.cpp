@@ -48,13 +48,13 @@ TEST_P(LitPasses, TakeAboutTheTimeAndTheTrafficOfTheCycleLevel) {
   const wire::IlluminateCommand light =
       light_of(wire::LightKind::kPoint, 1e6, {kLitEdge / 2.0, -20, kLitEdge / 2.0}, 2, test.albedo);
   const auto lit = [&](const auto& run) {
-    LitScene lit({kLitEdge, kLitEdge, kLitEdge}, 16, false);
-    lit.medium(test.extinction, 0.6, test.bsdf);
-    lit.scene.frame.rules = light.rules;
-    lit.scene.set_depths();
-    const LightingRays maker = lit.rays(light);
-    LightRays rays(maker, lit.scene.frame);
-    return run(rays, lit.scene);
+    LitScene at({kLitEdge, kLitEdge, kLitEdge}, 16, false);
+    at.medium(test.extinction, 0.6, test.bsdf);
+    at.scene.frame.rules = light.rules;
+    at.scene.set_depths();
+    const LightingRays maker = at.rays(light);
+    LightRays rays(maker, at.scene.frame);
+    return run(rays, at.scene);
   };
   Progress work;
   const LitFigures exact = lit([&](RaySource& rays, Scene& scene) {
@@ -72,10 +72,10 @@ TEST_P(LitPasses, TakeAboutTheTimeAndTheTrafficOfTheCycleLevel) {
     machine.count(list);
     return lit_figures(ran.cycles, list);
   });
-  EXPECT_NEAR(got.cycles / exact.cycles, 1, 0.025);
-  EXPECT_NEAR(got.reads / exact.reads, 1, 0.05);
+  EXPECT_NEAR(got.cycles / exact.cycles, 1, 0.045);
+  EXPECT_NEAR(got.reads / exact.reads, 1, 0.06);
   EXPECT_NEAR(got.writes / exact.writes, 1, 0.05);
-  EXPECT_NEAR(got.hits, exact.hits, 0.005);
+  EXPECT_NEAR(got.hits, exact.hits, 0.011);
   std::printf("%-24s cycles %+.2f%%, reads %+.2f%%, writes %+.2f%%, hit ratio %.4f against %.4f\n", test.name.c_str(),
               100 * (got.cycles / exact.cycles - 1), 100 * (got.reads / exact.reads - 1),
               100 * (got.writes / exact.writes - 1), got.hits, exact.hits);
