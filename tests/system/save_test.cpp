@@ -488,9 +488,9 @@ TEST(SavedBoard, GoesOnAtAServerThatBeganWithIt) {
 }
 
 TEST(SavedBoard, IsAskedForWhereThereIsNone) {
+  Board board = small_board();  // after which the board's program is known
   EXPECT_THAT([] { Board::open("emu:", {.go_on = true}); },
               ThrowsMessage<OpenFailed>(HasSubstr("expected a board process with --restore")));
-  Board board = small_board();
   EXPECT_THAT([&] { board.restore("/nowhere/saved"); }, ThrowsMessage<BadArgument>(HasSubstr("file: expected a file")));
   EXPECT_THAT([&] { board.save("/nowhere/saved"); }, ThrowsMessage<Error>(HasSubstr("/nowhere/saved")));
   EXPECT_NO_THROW(board.render(reference::front_view(20)));

@@ -87,11 +87,8 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
     compare(
         board.counters(), [level](const CounterRow& row) { return keeps(row, level, false); }, name);
     board.illuminate(std::vector<Light>{PointLight{{8, 8, -9}, 1}}, {});
-    const auto is_kept = [level](const CounterRow& row) {
-      const bool of_the_cycle_level = level == Fidelity::kApproximate && keeps(row, Fidelity::kCycle, true);
-      return keeps(row, level, true) || of_the_cycle_level;
-    };
-    compare(board.counters(), is_kept, name + ", lit");
+    compare(
+        board.counters(), [level](const CounterRow& row) { return keeps(row, level, true); }, name + ", lit");
   }
 }
 
