@@ -67,14 +67,15 @@ void PassProcessor::fetch_lost(Cycle now) {
 }
 
 Cycle PassProcessor::finish_writes() {
-  if (writes_.empty()) return 0;
   fetch_lost(kNoCycle);
+  if (writes_.empty()) return 0;
   writes_.ask(std::max(computing_ + compute_, writes_.changed()) + 1);
   send_writes(kNoCycle);
   return shared_.memory->asked + 1;
 }
 
-// The deposit of a ray of the active queue, whose carriers go to other blocks unless it is one itself. The ray comes out of the pipeline in cycle `out`, or later if it must wait: returns when.
+// The deposit of a ray of the active queue, whose carriers go to other blocks unless it is one itself. The ray comes out of the
+// pipeline in cycle `out`, or later if it must wait: returns when.
 Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
   const SharingBlocks sharing = frame_->irradiance->blocks_of(deposit);
   const Cycle begin = writes_.room_from(std::max(out, splat_free_));

@@ -48,6 +48,7 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   wide_ = frame.wide;
   has_events_ = !frame.plain();
   held_up_.clear();
+  writes_.begin();
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
   const bool alike = !jitter_ && !wide_;

@@ -20,6 +20,9 @@ class PassWrites {
 
   explicit PassWrites(std::size_t places) : places_(places) {}
 
+  // No write is under way, and all that were are long gone.
+  void begin() { leaving_.clear(); }
+
   // A tile changes in cycle `now`, which is never before that of the last call. `block`: its number in the processor.
   // Whether the cache still has it then is not known yet: lost_before() tells.
   void put(std::uint32_t block, std::uint32_t tile, bool combines, Cycle now) {
