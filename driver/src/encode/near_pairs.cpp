@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "gicube/wire/pair.h"
 
@@ -84,6 +86,31 @@ std::array<Element, 2> halves(const Element& whole, Way way) {
   return {first, second};
 }
 
+std::optional<NearPairs::Placement> placement_of(const Element& a, const Element& b) {
+  NearPairs::Placement placement{};
+  for (const Element* box : {&a, &b}) {
+    if (box->kind != ElementKind::kBox) return {};
+    int along_an_axis = 0;
+    for (const Vec3& side : {box->u, box->v, box->w}) along_an_axis += (side.x != 0) + (side.y != 0) + (side.z != 0);
+    if (along_an_axis != 3) return {};
+  }
+  const auto side = [](const Element& box, double Vec3::*axis) { return box.u.*axis + box.v.*axis + box.w.*axis; };
+  std::size_t i = 0;
+  for (double Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    const double of_a = side(a, axis), of_b = side(b, axis);
+    placement[i++] = {std::abs(b.origin.*axis - a.origin.*axis + 0.5 * (of_b - of_a)), std::abs(of_a), std::abs(of_b)};
+  }
+  std::ranges::sort(placement);
+  return placement;
+}
+
+// Of two boxes placed so, the one whose middle is `away` times as far as the second's, with these lengths.
+Element placed(const NearPairs::Placement& at, double away, std::size_t length) {
+  const auto low = [&](std::size_t axis) { return away * at[axis][0] - 0.5 * at[axis][length]; };
+  return {
+      ElementKind::kBox, {low(0), low(1), low(2)}, {at[0][length], 0, 0}, {0, at[1][length], 0}, {0, 0, at[2][length]}};
+}
+
 // What a gap is compared with: the longest side, edge or diameter.
 double size_of(const Element& element) {
   if (element.kind != ElementKind::kDisc) return longest(element).length;
@@ -138,14 +165,22 @@ const Division* NearPairs::division_of(const Element& a, const Element& b) {
   return &at->second;
 }
 
+GeometricFactor NearPairs::factor_of(const Element& a, const Element& b, bool near) {
+  const auto placement = placement_of(a, b);
+  if (!placement) return geometric_factor(a, b, near);
+  const auto [at, fresh] = factors_.try_emplace(std::pair(*placement, near));
+  if (fresh) at->second = geometric_factor(placed(*placement, 0, 1), placed(*placement, 1, 2), near);
+  return at->second;
+}
+
 // Always the part with the greatest weight, across the longest way of both its elements.
-Division NearPairs::divide(const Element& a, const Element& b) const {
+Division NearPairs::divide(const Element& a, const Element& b) {
   Division division{{a, b}, {}};
   auto& [elements, parts] = division;
   const auto add = [&](std::uint32_t of_a, std::uint32_t of_b, double measure) {
     const Element &x = elements[of_a], &y = elements[of_b];
     const bool near = is_near(x, y);
-    parts.push_back({of_a, of_b, measure, geometric_factor(physical(x, spacing_), physical(y, spacing_), near), near});
+    parts.push_back({of_a, of_b, measure, factor_of(physical(x, spacing_), physical(y, spacing_), near), near});
   };
   const auto less = [](const PairPart& x, const PairPart& y) { return weight_of(x) < weight_of(y); };
   std::map<std::uint32_t, std::uint32_t>

@@ -3,9 +3,11 @@
 // each part the geometric factor is known without rays, and rays tell which share of it arrives.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "encode/geometric_factor.h"
@@ -25,9 +27,13 @@ struct Division {
   std::vector<PairPart> parts;
 };
 
-// Keeps what it divided: in a grid the same pairs come again and again.
+// Keeps what it divided: in a grid the same pairs come again and again, and parts of them even more often.
 class NearPairs {
  public:
+  // Of boxes along the axes, what decides their factor: along each axis the way between their middles, and both lengths. Sorted, since
+  // boxes that are mirrored or turned have the same.
+  using Placement = std::array<std::array<double, 3>, 3>;
+
   // For so many rays a pair, which the parts of a near pair share.
   NearPairs(Vec3 spacing, std::uint32_t rays);
 
@@ -41,12 +47,14 @@ class NearPairs {
 
  private:
   bool is_near(const Element& a, const Element& b) const;
-  Division divide(const Element& a, const Element& b) const;
+  Division divide(const Element& a, const Element& b);
+  GeometricFactor factor_of(const Element& a, const Element& b, bool near);  // with physical sides
 
   Vec3 spacing_;
   std::size_t parts_;
   std::uint32_t rays_per_part_;
   std::map<std::vector<double>, Division> known_;
+  std::map<std::pair<Placement, bool>, GeometricFactor> factors_;
 };
 
 // The standard error of a pair's rays, and with it what none of them has found but another two of four might (Agresti and Coull

@@ -62,6 +62,38 @@ TEST(NearPairs, OfDiscsAreThoseWhoseGapIsLessThanHalfOfTheDiameter) {
   EXPECT_EQ(pairs.division_of(disc(1, 0.25), disc(1.26, 0.25)), nullptr);
 }
 
+TEST(NearPairs, OfBoxesThatAreMirroredOrTurnedToOtherAxesHaveTheSameFactor) {
+  const auto factor = [](Vec3 origin, NearPairs pairs) {
+    const Division& division = *pairs.division_of(cube({4, 4, 4}), cube(origin, 0.5));
+    EXPECT_EQ(division.parts.size(), 1u);
+    return division.parts[0].factor.mean;
+  };
+  const NearPairs undivided({1, 1, 1}, 3);
+  const double first = factor({5, 4.5, 4}, undivided);
+  EXPECT_GT(first, 0);
+  EXPECT_EQ(factor({3.5, 4, 4.5}, undivided), first);
+  EXPECT_EQ(factor({4.5, 4, 3.5}, undivided), first);
+  EXPECT_NE(factor({5, 4.5, 4.25}, undivided), first);
+}
+
+TEST(NearPairs, PartsOfBoxesHaveTheFactorsOfTheirElements) {
+  const Vec3 spacing{1, 2, 0.5};
+  NearPairs pairs(spacing, 400);
+  const auto physical = [&](Element box) {
+    for (Vec3* each : {&box.origin, &box.u, &box.v, &box.w}) {
+      *each = {each->x * spacing.x, each->y * spacing.y, each->z * spacing.z};
+    }
+    return box;
+  };
+  const Division& division = *pairs.division_of(cube({1, 2, 3}, 2), cube({3, 1, 4}));
+  for (const PairPart& part : division.parts) {
+    const GeometricFactor alone =
+        geometric_factor(physical(division.elements[part.a]), physical(division.elements[part.b]), part.near);
+    EXPECT_NEAR(part.factor.mean, alone.mean, 1e-6 * alone.mean);
+    EXPECT_NEAR(part.factor.error, alone.error, 1e-6 * alone.mean);
+  }
+}
+
 TEST(NearPairs, AreDividedIntoPartsThatCoverAllPairsOfPointsOnce) {
   NearPairs pairs({1, 1, 1}, 128);
   const Element a = cube({3, 4, 5}, 2), b = cube({5, 4, 5});
