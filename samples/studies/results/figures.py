@@ -98,10 +98,14 @@ def memory_use_uncombined(m):
 rays_sent = over(pipeline_cycles, "link.rays_sent", factor=100)  # a processor and 100 cycles
 links_busy = over(pipeline_cycles, "link.busy", factor=100 / 2)  # of 100 cycles, those in which one of its two links moved bits
 bisection_mb_s = over(seconds, "link.bisection_rays", factor=RAY_BYTES * 1e-6)  # rays over the cut that halves the ring
-# The mean over the processors of the part of the time in which one was busy [P §5.4]: it holds rays, or its pipeline has a sample or
-# leap in hand.
+# The mean over the processors of the part of the time in which one was busy [P §5.4]: it holds rays; it holds rays and no link stalls its
+# pipeline, as there; its pipeline has a sample or leap in hand.
 balance_held = over(pipeline_cycles, "processor.rays_held")
 balance_working = over(pipeline_cycles, "processor.cycles.busy", "processor.cycles.leap")
+
+
+def balance_busy(m):
+    return balance_held(m) - ratio(m["processor.cycles.link"], pipeline_cycles(m))
 
 
 def work_balance(m):

@@ -147,10 +147,10 @@ TEST(Config, RefusesAVolumeThatIsNoPowerOfTwoOrSmallerThanABlock) {
 }
 
 TEST(Config, ChecksThePartsOfTheCycleLevel) {
-  EXPECT_THAT(texts(check(with({"cache.ways=3", "link.bits=48", "link.rays=1", "rdram.device_mbit=128",
+  EXPECT_THAT(texts(check(with({"cache.ways=3", "link.bits=257", "link.rays=1", "rdram.device_mbit=128",
                                 "rdram.processors_per_rdram=3", "pipeline.prefetch_stages=0", "ideal.memory=2"}))),
               testing::UnorderedElementsAre("cache.ways: expected 1, 2, 4 or 8 ways, got 3",
-                                            "link.bits: expected 1, 2, 4, 8, 16, 32, 64, 128 or 256 bits, got 48",
+                                            "link.bits: expected 1 to 256 bits, got 257",
                                             "link.rays: expected 2 to 64 rays, got 1",
                                             "rdram.device_mbit: expected 144 or 288 Mbit, got 128",
                                             "rdram.processors_per_rdram: expected 1 to 2 processors, got 3",

@@ -50,8 +50,9 @@ class ResultFigures(unittest.TestCase):
         self.equal(figures.bisection_mb_s(m), 32)  # 320 bytes in 10 us
 
     def test_LoadBalanceIsTheMeanBusyPartOfTheTime(self):
-        m = of({"processor.rays_held": 1600, "processor.cycles.busy": 900, "processor.cycles.leap": 100})
+        m = of({"processor.rays_held": 1600, "processor.cycles.busy": 900, "processor.cycles.leap": 100, "processor.cycles.link": 400})
         self.equal(figures.balance_held(m), 0.8)
+        self.equal(figures.balance_busy(m), 0.6)
         self.equal(figures.balance_working(m), 0.5)
 
     def test_WorkBalanceIsTheMeanOfTheMost(self):
@@ -109,7 +110,7 @@ class ResultFigures(unittest.TestCase):
 
     def test_NothingMeasuredIsZeroEverywhere(self):
         for name in ("rate_hz", "asic_ms", "samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_use", "rays_sent",
-                     "bisection_mb_s", "balance_held", "work_balance", "dsp_use", "overflows_a_ray", "deposits_a_sample",
+                     "bisection_mb_s", "balance_held", "balance_busy", "work_balance", "dsp_use", "overflows_a_ray", "deposits_a_sample",
                      "tiles_a_deposit", "tiles_combined", "scatterings_a_ray", "memory_use_uncombined"):
             self.assertEqual(getattr(figures, name)(Measurement()), 0, name)
 
