@@ -86,13 +86,14 @@ std::array<Element, 2> halves(const Element& whole, Way way) {
   return {first, second};
 }
 
+// None of other elements than boxes along the axes.
 std::optional<NearPairs::Placement> placement_of(const Element& a, const Element& b) {
   NearPairs::Placement placement{};
   for (const Element* box : {&a, &b}) {
     if (box->kind != ElementKind::kBox) return {};
-    int along_an_axis = 0;
-    for (const Vec3& side : {box->u, box->v, box->w}) along_an_axis += (side.x != 0) + (side.y != 0) + (side.z != 0);
-    if (along_an_axis != 3) return {};
+    int components = 0;
+    for (const Vec3& side : {box->u, box->v, box->w}) components += (side.x != 0) + (side.y != 0) + (side.z != 0);
+    if (components != 3) return {};  // a side is oblique
   }
   const auto side = [](const Element& box, double Vec3::*axis) { return box.u.*axis + box.v.*axis + box.w.*axis; };
   std::size_t i = 0;

@@ -86,6 +86,7 @@ TEST(NearPairs, PartsOfBoxesHaveTheFactorsOfTheirElements) {
     return box;
   };
   const Division& division = *pairs.division_of(cube({1, 2, 3}, 2), cube({3, 1, 4}));
+  EXPECT_EQ(division.parts.size(), 32u);
   for (const PairPart& part : division.parts) {
     const GeometricFactor alone =
         geometric_factor(physical(division.elements[part.a]), physical(division.elements[part.b]), part.near);
