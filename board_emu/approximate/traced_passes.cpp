@@ -12,7 +12,7 @@ namespace gicube::emu {
 void TracedPasses::follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended) {
   std::vector<RayTrail> trails(rays.size());
   record_.trails = trails;
-  ended = trace_recorded(rays, frame_, record_, tracers(), counters_);
+  ended = trace_recorded(rays, frame_, record_, tracer_, tracers(), counters_);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     std::vector<TrailEvent>& events = trails[k].events;
     out[k]->left = events.front().steps;
@@ -39,7 +39,7 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
   }
   made_ += rays.size();
   std::vector<std::uint8_t> ended(rays.size(), 1);
-  if (frame_.plain() || tracer_ != nullptr) {
+  if (frame_.plain() || (tracer_ != nullptr && frame_.gathers())) {
     std::vector<std::int32_t> steps(rays.size());
     counters_ += trace(rays, frame_, tracer_, tracers(), steps);
     for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->left = steps[k];

@@ -74,8 +74,10 @@ struct Frame {
   bool colourless() const { return wire::is_one_of<wire::RayType::kFirstHit, wire::RayType::kOpacity>(type); }
   // Some blocks may be absent; then all rays are rendering rays that gather.
   bool in_bricks() const { return waiting != nullptr; }
-  // Rays do no more than gather.
-  bool plain() const { return !(lights() || backprojects() || lit_by_irradiance || scatter || high_albedo); }
+  // Rays go straight on and change nothing but themselves.
+  bool gathers() const { return !(lights() || backprojects() || scatter || high_albedo); }
+  // And are not lit by irradiance.
+  bool plain() const { return gathers() && !lit_by_irradiance; }
 };
 
 // Rendering rays gather in wide words (datapath/wide.h).

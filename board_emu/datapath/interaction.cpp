@@ -35,15 +35,6 @@ std::uint32_t product(std::uint32_t a, std::uint32_t b) {
   return static_cast<std::uint32_t>(divide_by_full_scale<24>(std::uint64_t{a} * b));
 }
 
-// Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
-// value for the whole path [P §2.2], which correlates its flights.
-std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
-  const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
-  const auto value =
-      static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
-  return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
-}
-
 std::uint64_t draw_here(RandomStream what, const RayState& ray, const Frame& frame) {
   return draw_at(what, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
 }
@@ -335,9 +326,20 @@ Deposit deposit_of(const RayState& carrier, const Frame& frame) {
   return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
 }
 
+std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
+  const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
+  const auto value =
+      static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
+  return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
+}
+
+std::uint32_t energy_phase(const RayState& ray, const Frame& frame) {
+  return static_cast<std::uint32_t>(draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >>
+                                    (64 - kEnergyFractionBits));
+}
+
 std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
-  const std::uint64_t phase = draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);
-  return static_cast<std::uint32_t>((ray.energy() + phase) >> kEnergyFractionBits);
+  return static_cast<std::uint32_t>((ray.energy() + energy_phase(ray, frame)) >> kEnergyFractionBits);
 }
 
 Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {

@@ -112,6 +112,12 @@ std::optional<Trap> trap_of(RayState& ray, const Frame& frame);
 // The trapped ray goes on as the routine says, or ends. The DSP's cycles are counted.
 Interaction answer_trap(RayState& ray, const ScatterAnswer& answer, const Frame& frame, RayCounters& counters);
 
+// Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
+// value for the whole path [P §2.2], which correlates its flights.
+std::uint32_t interaction_value(const RayState& ray, const Frame& frame);
+
+// What is added to an energy before its fraction is cut off: one draw a ray.
+std::uint32_t energy_phase(const RayState& ray, const Frame& frame);
 // The whole energy units that the ray holds. Its fraction is rounded by one draw a ray, so that its deposits sum exactly to the
 // energy that it had.
 std::uint32_t energy_units(const RayState& ray, const Frame& frame);

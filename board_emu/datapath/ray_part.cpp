@@ -133,7 +133,6 @@ DepthTable::Depth DepthTable::between(unsigned tag, double from, double to, doub
     length *= out.opaque;
   }
   const double passed = until_there.at - a.at;
-  constexpr double kNoWay = 1e-6;  // of a bin: the quotient of two small differences would lose its digits
   const double mean =
       std::abs(passed) < kNoWay ? sum_[a.bin + 1] - sum_[a.bin] : (until(until_there) - until(a)) / passed;
   out.depth = length * mean;
@@ -197,7 +196,7 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
     out.opacity_ = wire::kOpacityOne;
     return out;
   }
-  out.opacity_ = static_cast<std::uint32_t>(std::lround(-std::expm1(-out.depth_) * wire::kOpacityOne));
+  out.opacity_ = opacity_of_depth(out.depth_);
   return out;
 }
 

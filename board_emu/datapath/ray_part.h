@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,6 +33,11 @@ class DepthTable {
   bool uniform(unsigned tag, const DensityRange& range) const {
     return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
   }
+  // For lanes of rays, which take the same operations (functional/simd). By entry: how often the opacity has changed before it; the
+  // next opaque one at or above it with its tag, all ones if there is none; and the sum of the depths of all before, one more.
+  std::span<const std::uint32_t> runs() const { return run_; }
+  std::span<const std::uint32_t> opaque_up() const { return opaque_up_; }
+  std::span<const double> sums() const { return sum_; }
 
  private:
   struct Place {
@@ -45,6 +51,14 @@ class DepthTable {
   std::vector<std::uint32_t> run_;  // counts the changes of opacity
   std::vector<std::uint32_t> opaque_up_, opaque_down_;  // the next opaque entry at or above, at or below
 };
+
+// Below this way, in bins, a table's mean depth is that of its entry: the quotient of two small differences would lose its digits.
+inline constexpr double kNoWay = 1e-6;
+
+// Opacity of an optical depth, 24 bits.
+inline std::uint32_t opacity_of_depth(double depth) {
+  return static_cast<std::uint32_t>(std::lround(-std::expm1(-depth) * wire::kOpacityOne));
+}
 
 class RayPart {
  public:

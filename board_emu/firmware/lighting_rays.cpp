@@ -97,6 +97,7 @@ LightingRays::LightingRays(const wire::IlluminateCommand& command, const Point& 
     box_[axis] = cells_.extent(axis) * spacing_[axis];
     position_[axis] = command.position[axis] * spacing_[axis];
   }
+  if (command.kind == wire::LightKind::kRectangle) normal_ = unit(cross(command.u, command.v));
 }
 
 std::optional<wire::Ray> LightingRays::make(std::uint64_t i) const {
@@ -128,25 +129,27 @@ LightingRays::Aim LightingRays::aim(std::uint64_t i) const {
   const std::uint64_t index = i / command_.count;
   const std::uint32_t j = command_.first + static_cast<std::uint32_t>(i % command_.count);
   const FaceCell cell = cells_.cell(index);
+  if (is_behind(cell)) return {};
   const std::uint64_t seed = hash(seed_, index << 8);
-  const double s = scrambled_sobol(j, 0, seed), t = scrambled_sobol(j, 1, seed);
-  Aim aimed = command_.kind == wire::LightKind::kDirectional ? aim_directional(cell, s, t)
-                                                             : aim_from(emitter(j, seed), cell, s, t);
+  const Draws draws{j, seed};
+  Aim aimed = command_.kind == wire::LightKind::kDirectional ? aim_directional(cell, draws)
+                                                             : aim_from(emitter(draws), cell, draws);
   aimed.number = static_cast<std::uint32_t>(index * command_.rays_per_voxel + j);
   return aimed;
 }
 
-LightingRays::Aim LightingRays::aim_directional(const FaceCell& cell, double s, double t) const {
+LightingRays::Aim LightingRays::aim_directional(const FaceCell& cell, const Draws& draws) const {
   const std::size_t b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
   const Vector towards = unit(command_.u);
   const double cosine = cell.far ? towards[cell.axis] : -towards[cell.axis];
   if (cosine <= 0) return {};
+  const auto [s, t] = draws.in_cell();
   const Vector start = on_cell(cell, {(cell.at[0] + s) * spacing_[b], (cell.at[1] + t) * spacing_[c]});
   return {start, difference(start, towards),
           command_.energy * cosine * spacing_[b] * spacing_[c] / command_.rays_per_voxel, 0};
 }
 
-LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell& cell, double s, double t) const {
+LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell& cell, const Draws& draws) const {
   const std::size_t a = cell.axis, b = (a + 1) % 3, c = (a + 2) % 3;
   const bool inside = is_inside(emitter.at);
   const double beyond = cell.far ? box_[a] - emitter.at[a] : emitter.at[a];  // inward distance from the face
@@ -156,6 +159,7 @@ LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell&
   if (seen.height < kInFace) return {};
   seen.high = {seen.low[0] + spacing_[b], seen.low[1] + spacing_[c]};
 
+  const auto [s, t] = draws.in_cell();
   const double longest = std::max(spacing_[b], spacing_[c]);
   const Vector centre{(seen.low[0] + seen.high[0]) / 2, (seen.low[1] + seen.high[1]) / 2, seen.height};
   const bool printed_point =
@@ -181,11 +185,27 @@ LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell&
   return {inside ? emitter.at : through, inside ? through : sum(through, difference(through, emitter.at)), energy, 0};
 }
 
-LightingRays::Emitter LightingRays::emitter(std::uint32_t j, std::uint64_t seed) const {
+bool LightingRays::is_behind(const FaceCell& cell) const {
+  if (command_.kind != wire::LightKind::kRectangle) return false;
+  const std::size_t b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
+  const Vector middle = on_cell(cell, {(cell.at[0] + 0.5) * spacing_[b], (cell.at[1] + 0.5) * spacing_[c]});
+  const double above = dot(difference(middle, position_), normal_);
+  const double reach = (std::abs(normal_[b]) * spacing_[b] + std::abs(normal_[c]) * spacing_[c]) / 2;
+  return above + reach < -1e-6 * length(box_);  // of what rounding may do to a place
+}
+
+std::array<double, 2> LightingRays::Draws::in_cell() const {
+  return {scrambled_sobol(ray, 0, seed), scrambled_sobol(ray, 1, seed)};
+}
+std::array<double, 2> LightingRays::Draws::on_emitter() const {
+  return {scrambled_sobol(ray, 2, seed), scrambled_sobol(ray, 3, seed)};
+}
+
+LightingRays::Emitter LightingRays::emitter(const Draws& draws) const {
   if (command_.kind == wire::LightKind::kPoint) return {position_, {}};
-  const double s = scrambled_sobol(j, 2, seed), t = scrambled_sobol(j, 3, seed);
+  const auto [s, t] = draws.on_emitter();
   if (command_.kind == wire::LightKind::kRectangle) {
-    return {sum(position_, sum(scaled(command_.u, s), scaled(command_.v, t))), unit(cross(command_.u, command_.v))};
+    return {sum(position_, sum(scaled(command_.u, s), scaled(command_.v, t))), normal_};
   }
   const double z = 1 - 2 * s, ring = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * pi * t;
   const Vector normal{ring * std::cos(phi), ring * std::sin(phi), z};

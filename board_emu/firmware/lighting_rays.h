@@ -68,10 +68,20 @@ class LightingRays {
     Vector at{}, normal{};  // physical; a point light has no normal
   };
 
+  // A ray's random numbers, 0..1.
+  struct Draws {
+    std::uint32_t ray;
+    std::uint64_t seed;
+    std::array<double, 2> in_cell() const;
+    std::array<double, 2> on_emitter() const;
+  };
+
   Aim aim(std::uint64_t i) const;
-  Aim aim_directional(const FaceCell& cell, double s, double t) const;
-  Aim aim_from(const Emitter& emitter, const FaceCell& cell, double s, double t) const;
-  Emitter emitter(std::uint32_t j, std::uint64_t seed) const;
+  Aim aim_directional(const FaceCell& cell, const Draws& draws) const;
+  Aim aim_from(const Emitter& emitter, const FaceCell& cell, const Draws& draws) const;
+  // Whether the whole cell lies behind the rectangle that emits.
+  bool is_behind(const FaceCell& cell) const;
+  Emitter emitter(const Draws& draws) const;
   bool is_inside(const Vector& physical) const;
   Vector on_cell(const FaceCell& cell, const std::array<double, 2>& across) const;
 
@@ -81,6 +91,7 @@ class LightingRays {
   Vector spacing_{};
   Vector box_{};       // physical
   Vector position_{};  // physical
+  Vector normal_{};    // of a rectangle
   double max_energy_;  // full scale of an energy word
   std::uint64_t seed_;
 };

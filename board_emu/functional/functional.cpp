@@ -6,6 +6,8 @@
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
 #include "datapath/waiting_ray.h"
+#include "functional/flight.h"
+#include "functional/simd/simd_tracer.h"
 
 namespace gicube::emu {
 
@@ -60,32 +62,38 @@ void note(const Interaction& interaction, const SampledAt& sampled, const RaySta
   if (event.deposits && record.writes_all_voxels()) event.deposit.shares.fill(1);
 }
 
-// A ray that also deposits, or is scattered. kWaits: it is trapped. With kRecords its `trail` goes on.
+// Of a ray that also deposits, or is scattered. With kRecords its `trail` goes on.
+template <bool kRecords>
+Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
+                 const TrailRecord* record, RayTrail* trail) {
+  const std::size_t block = grid.block(ray_state.position);
+  const Point low = grid.low(ray_state.position);
+  if (is_leapt_over(block, frame)) {
+    const std::int32_t steps = leap(ray_state, low, grid.size(), frame, counters);
+    if constexpr (kRecords) trail->since += steps;
+    return Termination::kNot;
+  }
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  const Cell at = cell(ray_state.position, low);
+  const BlockView view = frame.volume->view(block);
+  [[maybe_unused]] const SampledAt sampled{ray_state.position, ray_state.lifetime};
+  const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
+  if constexpr (kRecords) {
+    ++trail->since;
+    note(interaction, sampled, ray_state, *record, *trail);
+  }
+  if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
+  if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
+  return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kNot;
+}
+
 template <bool kRecords>
 Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record = nullptr,
                 RayTrail* trail = nullptr) {
   const BlockGrid grid(*frame.volume);
-  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   Termination how = Termination::kNot;
-  while ((how = end(ray_state, frame)) == Termination::kNot) {
-    const std::size_t block = grid.block(ray_state.position);
-    const Point low = grid.low(ray_state.position);
-    if (is_leapt_over(block, frame)) {
-      const std::int32_t steps = leap(ray_state, low, grid.size(), frame, counters);
-      if constexpr (kRecords) trail->since += steps;
-      continue;
-    }
-    const Cell at = cell(ray_state.position, low);
-    const BlockView view = frame.volume->view(block);
-    [[maybe_unused]] const SampledAt sampled{ray_state.position, ray_state.lifetime};
-    const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
-    if constexpr (kRecords) {
-      ++trail->since;
-      note(interaction, sampled, ray_state, *record, *trail);
-    }
-    if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
-    if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
-    if (interaction.outcome == Outcome::kTrapped) return Termination::kWaits;
+  while (how == Termination::kNot && (how = end(ray_state, frame)) == Termination::kNot) {
+    how = pass<kRecords>(ray_state, grid, frame, counters, record, trail);
   }
   return how;
 }
@@ -93,16 +101,50 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, 
 // Rays that fly until they end, are trapped or wait for a block.
 class Flights {
  public:
-  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const TrailRecord* record)
-      : rays_(rays), frame_(frame), counters_(counters), record_(record), ended_(rays.size()) {}
+  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const TrailRecord* record,
+          const SimdTracer* tracer)
+      : rays_(rays), frame_(frame), counters_(counters), record_(record), tracer_(tracer), ended_(rays.size()) {}
 
-  void begin(std::size_t ray) { fly({ray, unpack_or_continue(rays_[ray], frame_), {}}); }
-  bool are_waiting() const { return !waiting_.empty(); }
-
-  // The routines scatter those that wait, and they fly on.
-  void scatter() {
+  std::vector<bool> run() && {
     std::vector<Flight> flights;
-    flights.swap(waiting_);
+    flights.reserve(rays_.size());
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      flights.emplace_back(i, unpack_or_continue(rays_[i], frame_));
+    }
+    while (!flights.empty()) {
+      fly_all(flights);
+      flights = scattered(trapped(flights));
+    }
+    return std::move(ended_);
+  }
+
+ private:
+  void fly_all(std::span<Flight> flights) {
+    if (tracer_ != nullptr) return tracer_->fly(flights, frame_, counters_, record_);
+    for (Flight& flight : flights) fly(flight, frame_, counters_, record_);
+  }
+
+  // Those of them for which a routine has the answer; what becomes of the others is settled here.
+  std::vector<Flight> trapped(std::span<Flight> flights) {
+    std::vector<Flight> out;
+    for (Flight& flight : flights) {
+      if (flight.how != Termination::kWaits) {
+        end_with(flight, flight.how);
+      } else if (frame_.in_bricks()) {
+        wait_for(BlockGrid(*frame_.volume).block(flight.ray_state.position), flight.ray_state, frame_);
+      } else if (const auto trap = trap_of(flight.ray_state, frame_)) {
+        flight.trap = *trap;
+        out.push_back(flight);
+      } else if (record_ != nullptr) {
+        TrailEvent& event = record_->trails[flight.ray].events.back();
+        event.waits = event.ends = true;
+      }
+    }
+    return out;
+  }
+
+  // The routines scatter them; returns those that fly on.
+  std::vector<Flight> scattered(std::vector<Flight> flights) {
     std::stable_sort(flights.begin(), flights.end(),
                      [](const Flight& a, const Flight& b) { return a.trap.routine < b.trap.routine; });
     std::vector<ScatterEvent> events;
@@ -114,6 +156,7 @@ class Flights {
       frame_.routines->scatter_all(routine, std::span(events).subspan(first, last - first),
                                    std::span(answers).subspan(first, last - first));
     }
+    std::vector<Flight> out;
     for (std::size_t i = 0; i < flights.size(); ++i) {
       const Interaction interaction = answer_trap(flights[i].ray_state, answers[i], frame_, counters_);
       if (record_ != nullptr) {
@@ -125,41 +168,10 @@ class Flights {
       if (interaction.outcome == Outcome::kEnded) {
         end_with(flights[i], Termination::kAbsorbed);
       } else {
-        fly(flights[i]);
+        out.push_back(flights[i]);
       }
     }
-  }
-
-  std::vector<bool> ended() && { return std::move(ended_); }
-
- private:
-  struct Flight {
-    std::size_t ray;
-    RayState ray_state;
-    Trap trap;
-  };
-
-  void fly(Flight flight) {
-    const Termination how = way(flight);
-    if (how != Termination::kWaits) return end_with(flight, how);
-    if (frame_.in_bricks()) {
-      return wait_for(BlockGrid(*frame_.volume).block(flight.ray_state.position), flight.ray_state, frame_);
-    }
-    if (const auto trap = trap_of(flight.ray_state, frame_)) {
-      flight.trap = *trap;
-      waiting_.push_back(flight);
-    } else if (record_ != nullptr) {
-      TrailEvent& event = record_->trails[flight.ray].events.back();
-      event.waits = event.ends = true;
-    }
-  }
-
-  Termination way(Flight& flight) {
-    std::int32_t taken = 0;
-    if (record_ != nullptr)
-      return run<true>(flight.ray_state, frame_, counters_, record_, &record_->trails[flight.ray]);
-    return frame_.plain() ? run_plain(flight.ray_state, frame_, counters_, taken)
-                          : run<false>(flight.ray_state, frame_, counters_);
+    return out;
   }
 
   void end_with(const Flight& flight, Termination how) {
@@ -173,8 +185,8 @@ class Flights {
   const Frame& frame_;
   RayCounters& counters_;
   const TrailRecord* record_;  // null: nothing is recorded
+  const SimdTracer* tracer_;   // null: one ray after the other
   std::vector<bool> ended_;
-  std::vector<Flight> waiting_;
 };
 
 }  // namespace
@@ -189,12 +201,26 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   pack(ray_state, frame, ray);
 }
 
+Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record,
+                      RayTrail* trail) {
+  const BlockGrid grid(*frame.volume);
+  return record != nullptr ? pass<true>(ray_state, grid, frame, counters, record, trail)
+                           : pass<false>(ray_state, grid, frame, counters, nullptr, nullptr);
+}
+
+void fly(Flight& flight, const Frame& frame, RayCounters& counters, const TrailRecord* record) {
+  std::int32_t taken = 0;
+  if (record != nullptr) {
+    flight.how = run<true>(flight.ray_state, frame, counters, record, &record->trails[flight.ray]);
+  } else {
+    flight.how = frame.plain() ? run_plain(flight.ray_state, frame, counters, taken)
+                               : run<false>(flight.ray_state, frame, counters);
+  }
+}
+
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record) {
-  Flights flights(rays, frame, counters, record);
-  for (std::size_t i = 0; i < rays.size(); ++i) flights.begin(i);
-  while (flights.are_waiting()) flights.scatter();
-  return std::move(flights).ended();
+                                const TrailRecord* record, const SimdTracer* tracer) {
+  return Flights(rays, frame, counters, record, tracer).run();
 }
 
 }  // namespace gicube::emu

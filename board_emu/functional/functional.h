@@ -13,6 +13,8 @@
 
 namespace gicube::emu {
 
+class SimdTracer;
+
 // Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. It then holds the colour
 // and opacity that it gathered, and the position where it ended, clamped to the volume. No routine may scatter it. `steps`, if
 // not null: receives the number of steps, in a plain frame.
@@ -20,8 +22,8 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
 
 // The same for rays that routines may scatter: those that are trapped wait for one another, and are scattered together. Returns
 // which came to their ends; the others wait for the host, and the frame's HostTrapQueue has them. `record`, if not null: receives
-// the trail of each ray, in a frame that is not plain.
+// the trail of each ray, in a frame that is not plain. `tracer`, if not null: prepared for this frame, takes the rays side by side.
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record = nullptr);
+                                const TrailRecord* record = nullptr, const SimdTracer* tracer = nullptr);
 
 }  // namespace gicube::emu

@@ -55,12 +55,12 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     const Frame& of_batch = batch->frame != nullptr ? *batch->frame : frame;
     counts.made += batch->rays.size();
     static_cast<RayCounters&>(counts) += batch->counters;
-    if (tracer != nullptr) {
+    if (tracer != nullptr && frame.gathers()) {
       tracer->trace(batch->rays, of_batch, counts);
     } else if (frame.plain() && !frame.in_bricks()) {
       for (wire::Ray& ray : batch->rays) integrate(ray, of_batch, counts);
     } else {  // those that wait do not come back
-      const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts);
+      const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts, nullptr, tracer);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }
@@ -114,14 +114,16 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTrace
 }
 
 std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
-                                         unsigned threads, RayCounters& counters) {
-  const std::size_t runs = (rays.size() + kScalarRays - 1) / kScalarRays;
+                                         const SimdTracer* tracer, unsigned threads, RayCounters& counters) {
+  if (record.writes_all_voxels()) tracer = nullptr;
+  const std::size_t run_rays = tracer != nullptr ? kVectorRays : kScalarRays;
+  const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
   std::vector<std::uint8_t> ended(rays.size());
   counters += parallel_sum<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counts) {
-    const std::size_t begin = run * kScalarRays, count = std::min(kScalarRays, rays.size() - begin);
+    const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
     TrailRecord part = record;
     part.trails = record.trails.subspan(begin, count);
-    const std::vector<bool> of_part = integrate_all(rays.subspan(begin, count), frame, counts, &part);
+    const std::vector<bool> of_part = integrate_all(rays.subspan(begin, count), frame, counts, &part, tracer);
     std::copy(of_part.begin(), of_part.end(), ended.begin() + static_cast<std::ptrdiff_t>(begin));
   });
   return ended;

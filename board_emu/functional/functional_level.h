@@ -16,7 +16,7 @@ namespace gicube::emu {
 
 class FunctionalLevel : public Level {
  public:
-  // Runs on `threads` threads. `vectors`: where the host has vectors, rays that only gather are traced in groups.
+  // Runs on `threads` threads. `vectors`: where the host has vectors, rays are traced in groups.
   explicit FunctionalLevel(unsigned threads, bool vectors = true) : threads_(threads), vectors_(vectors) {}
 
   // Progress is in batches of rays.
@@ -41,9 +41,9 @@ class FunctionalLevel : public Level {
 // `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
-// The same for rays of frames that are not plain, with their trails. Returns by ray whether it came to its end; the others wait for
+// The same for rays of frames that do not only gather, with their trails. Returns by ray whether it came to its end; the others wait for
 // the host.
 std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
-                                         unsigned threads, RayCounters& counters);
+                                         const SimdTracer* tracer, unsigned threads, RayCounters& counters);
 
 }  // namespace gicube::emu

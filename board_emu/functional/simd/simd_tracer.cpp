@@ -140,7 +140,7 @@ void SimdTracer::correct(const Frame& frame) {
 }
 
 bool SimdTracer::follow_irradiance(const Frame& frame) {
-  if (!frame.lit_by_irradiance) {
+  if (!frame.lit_by_irradiance || !frame.gathers()) {
     irradiance_.clear();
     return true;
   }
@@ -197,7 +197,8 @@ void SimdTracer::find_first(const Frame& frame) {
 }
 
 bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
-  if (frame.lights() || frame.scatter || frame.high_albedo || frame.backprojects()) return false;
+  if (frame.backprojects()) return false;
+  if (!frame.gathers() && (frame.jitter || frame.segments())) return false;
   if (frame.jitter && (frame.segments() || frame.integral())) return false;
   const VolumeMemory& volume = *frame.volume;
   if (volume_ != volume.decodings()) {
@@ -231,8 +232,7 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   return true;
 }
 
-void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                       std::span<std::int32_t> steps) const {
+PacketField SimdTracer::field_of(const Frame& frame) const {
   const VolumeMemory& volume = *frame.volume;
   PacketField field{};
   field.densities = copy_.densities();
@@ -240,11 +240,11 @@ void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
   field.tables = &tables_;
   field.wide = frame.wide;
-  field.corrected = !tables_.alpha.empty();
-  field.opacities = field.corrected ? static_cast<const void*>(tables_.alpha.data())
-                    : field.wide    ? static_cast<const void*>(frame.wide_depths.data())
-                                    : tables_.depth.data();
-  if (frame.lit_by_irradiance) {
+  field.corrected = !tables_.alpha.empty() && frame.gathers();
+  field.opacities = field.corrected       ? static_cast<const void*>(tables_.alpha.data())
+                    : gathers_wide(frame) ? static_cast<const void*>(frame.wide_depths.data())
+                                          : tables_.depth.data();
+  if (frame.lit_by_irradiance && frame.gathers()) {
     field.irradiance = irradiance_.words();
     field.irradiance_first = irradiance_.first();
     field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();
@@ -262,7 +262,12 @@ void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.cut_planes = frame.cut_planes;
   field.shaded = frame.shade;
   field.jitter = frame.jitter;
-  HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters, steps);
+  return field;
+}
+
+void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+                       std::span<std::int32_t> steps) const {
+  HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field_of(frame), counters, steps);
 }
 
 }  // namespace gicube::emu

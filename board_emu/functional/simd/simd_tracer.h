@@ -1,5 +1,6 @@
-// Traces groups of rays that only gather, one ray in each lane of the host's vectors. The bits are those of integrate(), ray by
-// ray (tests/board_emu/functional/simd/simd_tracer_test.cpp).
+// Traces groups of rays, one ray in each lane of the host's vectors: rays that only gather from their start to their end, lighting
+// rays and scattered ones between the samples at which more happens than that they go on. The bits are those of integrate() and of
+// integrate_all(), ray by ray (tests/board_emu/functional/simd).
 #pragma once
 
 #include <array>
@@ -18,6 +19,9 @@
 
 namespace gicube::emu {
 
+struct Flight;
+struct TrailRecord;
+
 // The frame's tables as lanes read them.
 struct PacketTables {
   std::array<std::uint32_t, wire::kSegmentationEntries>
@@ -34,6 +38,18 @@ struct PacketTables {
 
 inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays leap over
 inline constexpr std::int32_t kUnseen = -2;     // its samples count and add nothing
+
+// Of frames whose rays are lighting rays.
+struct LightField {
+  static constexpr std::int32_t kMedium = 0, kStraight = 1, kSurface = 2,
+                                kTrap = 3;           // kinds of materials; straight: scatters nothing
+  const std::uint32_t* runs;                         // DepthTable::runs(); null: the printed rules
+  const std::uint32_t* opaque_up;                    // and opaque_up()
+  const double* sums;                                // and sums()
+  bool cubes;                                        // all voxels' edges are equal
+  std::array<std::int32_t, wire::kTags> kind, kept;  // kept: units of wire::kScatteringOne that are not scattered
+  std::array<double, wire::kTags> scattering;        // Ks
+};
 
 enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 
@@ -57,6 +73,7 @@ struct PacketField {
   std::int32_t cells_across, cells_slice;
   Point extent;
   std::span<const Plane> cut_planes;
+  const LightField* light;  // of lighting rays
   Gathers gathers;
   bool shaded, jitter, wide;
 };
@@ -66,15 +83,19 @@ class SimdTracer {
   explicit SimdTracer(const OpacityCorrection& correction);
 
   // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is decoded.
-  // Returns false if integrate() must trace them: they scatter or deposit, too few rays have come to be worth a copy of the
-  // densities, or the copy would be too large.
+  // Returns false if the plain way must trace them: they leave amounts in sums, they are not plain and jitter or are segments, too
+  // few rays have come to be worth a copy of the densities, or the copy would be too large.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
   // Frees the copy's memory.
   void clear();
 
-  // Takes rays, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or receives each ray's steps.
+  // Takes rays of a frame that gathers, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or receives
+  // each ray's steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
+  // Of a frame that does not: takes flights until they stand, on the calling thread. `record`: null, or receives their trails; it
+  // asks for no sample without a deposit.
+  void fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters, const TrailRecord* record) const;
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);
@@ -82,6 +103,7 @@ class SimdTracer {
   void correct(const Frame& frame);
   void find_seen(const Frame& frame, unsigned threads);
   void find_first(const Frame& frame);
+  PacketField field_of(const Frame& frame) const;
 
   const OpacityCorrection& correction_;
   DensityCopy copy_;

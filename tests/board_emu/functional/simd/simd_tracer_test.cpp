@@ -217,18 +217,20 @@ TEST(SimdTracer, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
   }
 }
 
-TEST(SimdTracer, AreNotMadeForFewRaysNorForMoreThanGathering) {
+TEST(SimdTracer, AreNotMadeForFewRaysNorForSumsNorForScatteredRaysOfUnevenSteps) {
   Dice dice(3);
   LitScene scene(kSize, 8);
   draw_field(scene, dice);
+  scene.frame.type = wire::RayType::kIntegrate;
+  scene.frame.jitter = false;
   SimdTracer packets(scene.opacity_correction);
   EXPECT_FALSE(packets.prepare(1, scene.frame, 0, 1));  // a copy of the densities for one ray would be a bad bargain
   EXPECT_TRUE(packets.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
-  Frame scattered = scene.frame, photons = scene.frame, lights = scene.frame, backprojected = scene.frame;
-  scattered.scatter = photons.high_albedo = true;
-  lights.type = wire::RayType::kDeposit;
+  Frame jittered = scene.frame, segments = scene.frame, backprojected = scene.frame;
+  jittered.scatter = jittered.jitter = segments.scatter = true;
+  segments.type = wire::RayType::kSegment;
   backprojected.type = wire::RayType::kBackproject;
-  for (const Frame* frame : {&scattered, &photons, &lights, &backprojected}) {
+  for (const Frame* frame : {&jittered, &segments, &backprojected}) {
     EXPECT_FALSE(packets.prepare(1 << 20, *frame, 0, 1));
   }
 }

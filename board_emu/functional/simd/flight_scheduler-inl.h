@@ -1,0 +1,163 @@
+// Gives lanes their flights: takes a ray that stands off its lane for the pass that it needs, and puts it back, or the next one.
+
+// Included once for each instruction set.
+#if defined(GICUBE_FLIGHT_SCHEDULER) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_FLIGHT_SCHEDULER
+#undef GICUBE_FLIGHT_SCHEDULER
+#else
+#define GICUBE_FLIGHT_SCHEDULER
+#endif
+
+#include <span>
+
+#include "datapath/interaction.h"
+#include "datapath/random_stream.h"
+#include "flight_march-inl.h"
+#include "functional/flight.h"
+#include "lane_scheduler-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+inline FlightKind kind_of(const RayState& ray) {
+  if (!ray.is(wire::kLightingRay)) return FlightKind::kRendering;
+  return ray.is(wire::kHighAlbedo) ? FlightKind::kPhoton : FlightKind::kBundle;
+}
+
+class FlightScheduler {
+ public:
+  // All that are of another kind than `kind` go alone.
+  FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters,
+                  const TrailRecord* record)
+      : flights_(flights), kind_(kind), frame_(frame), counters_(counters), record_(record) {}
+
+  bool has_more() const { return next_ < flights_.size(); }
+  std::size_t busy() const { return busy_; }
+
+  void serve(FlightLanes& lanes, std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      Slot& slot = slots_[lane];
+      if (slot.flight != nullptr) {
+        if (lanes.left.lane[lane] > 0 && lanes.stands.lane[lane] == 0) continue;
+        take(lanes, lane);
+        if (goes_on(*slot.flight)) {
+          put(lanes, lane);
+          continue;
+        }
+        slot.flight = nullptr;
+        --busy_;
+      }
+      if (Flight* const next = next_for_lanes()) {
+        slot.flight = next;
+        slot.fresh = true;
+        ++busy_;
+        put(lanes, lane);
+      } else {
+        lanes.left.lane[lane] = 0;
+      }
+    }
+  }
+
+ private:
+  struct Slot {
+    Flight* flight = nullptr;
+    bool fresh = false;  // what the lane has of the flight must be found
+  };
+
+  RayTrail* trail_of(const Flight& flight) const { return record_ == nullptr ? nullptr : &record_->trails[flight.ray]; }
+
+  // The pass of a ray that stands, if it has not come to its end.
+  bool goes_on(Flight& flight) {
+    RayState& ray = flight.ray_state;
+    if ((flight.how = end(ray, frame_)) != Termination::kNot) return false;
+    flight.how = take_pass(ray, frame_, counters_, record_, trail_of(flight));
+    if (flight.how == Termination::kNot) flight.how = end(ray, frame_);
+    return flight.how == Termination::kNot;
+  }
+
+  Flight* next_for_lanes() {
+    while (has_more()) {
+      Flight& flight = flights_[next_++];
+      if (kind_of(flight.ray_state) != kind_) {
+        fly(flight, frame_, counters_, record_);
+      } else if ((flight.how = end(flight.ray_state, frame_)) == Termination::kNot) {
+        return &flight;
+      }
+    }
+    return nullptr;
+  }
+
+  void put(FlightLanes& lanes, std::size_t lane) {
+    Slot& slot = slots_[lane];
+    const RayState& ray = slot.flight->ray_state;
+    if (slot.fresh || !ray.under_way) put_flight(lanes, lane, ray);
+    slot.fresh = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lanes.position[axis].lane[lane] = ray.position[axis];
+      lanes.rest[axis].lane[lane] = ray.rest[axis];
+    }
+    const std::int32_t left = steps_inside(ray, frame_, kNoLimit);
+    lanes.left.lane[lane] = left;
+    lanes.more.lane[lane] = kNoLimit - left;
+    lanes.taken.lane[lane] = 0;
+    lanes.begun.lane[lane] = ray.under_way != 0 ? -1 : 0;
+    lanes.stands.lane[lane] = 0;
+    const std::uint64_t energy = ray.energy();
+    lanes.energy[0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);
+    lanes.energy[1].lane[lane] = static_cast<std::int32_t>(energy >> 24);
+    lanes.interacted.lane[lane] = static_cast<std::int32_t>(ray.interacted);
+  }
+
+  // What stays the same until the ray is scattered.
+  void put_flight(FlightLanes& lanes, std::size_t lane, const RayState& ray) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lanes.step[axis].lane[lane] = ray.step[axis];
+      lanes.step_rest[axis].lane[lane] = ray.step_rest[axis];
+      const double slope = ray.slope(axis);
+      lanes.slope[axis].lane[lane] = slope;
+      lanes.inverse[axis].lane[lane] = slope == 0 ? 0 : 1.0 / slope;
+    }
+    lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
+    if (kind_ == FlightKind::kRendering) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
+    lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
+    lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
+    lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
+    const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);
+    lanes.loss[0].lane[lane] = static_cast<std::int32_t>(loss);
+    lanes.loss[1].lane[lane] = static_cast<std::int32_t>(loss >> 32);
+  }
+
+  void take(const FlightLanes& lanes, std::size_t lane) {
+    Flight& flight = *slots_[lane].flight;
+    RayState& ray = flight.ray_state;
+    const std::int32_t taken = lanes.taken.lane[lane];
+    if (taken == 0) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = lanes.position[axis].lane[lane];
+      if (frame_.wide) ray.rest[axis] = static_cast<std::uint16_t>(lanes.rest[axis].lane[lane]);
+    }
+    ray.under_way = true;
+    leave_surface(ray);
+    if (RayTrail* const trail = trail_of(flight)) trail->since += taken;
+    if (kind_ == FlightKind::kRendering) return;
+    ray.interacted = static_cast<std::uint32_t>(lanes.interacted.lane[lane]);
+    ray.set_energy(static_cast<std::uint64_t>(lanes.energy[0].lane[lane]) |
+                   static_cast<std::uint64_t>(lanes.energy[1].lane[lane]) << 24);
+  }
+
+  std::span<Flight> flights_;
+  FlightKind kind_;
+  const Frame& frame_;
+  RayCounters& counters_;
+  const TrailRecord* record_;
+  std::array<Slot, 16> slots_{};
+  std::size_t next_ = 0, busy_ = 0;
+};
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

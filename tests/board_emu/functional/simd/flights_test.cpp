@@ -1,0 +1,190 @@
+// Lighting rays and scattered rays side by side in vectors give the bits of the plain way: rays, irradiance, ledgers and trails,
+// on every instruction set that this host has.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <tuple>
+
+#include "datapath/scattering.h"
+#include "functional/functional.h"
+#include "functional/simd/simd_tracer.h"
+#include "instruction_sets.h"
+#include "random_machine.h"
+
+namespace gicube::emu {
+namespace {
+
+// A third of what comes is absorbed, the rest goes back or sideways.
+class MirrorRoutine : public Routines {
+ public:
+  bool has(std::uint8_t number) const override { return number == 0; }
+  std::optional<std::string> fault(std::uint8_t, std::span<const float>) const override { return std::nullopt; }
+  ScatterAnswer scatter(std::uint8_t, const ScatterEvent& event) const override {
+    const std::array<double, 3>& d = event.direction;
+    ScatterAnswer answer;
+    answer.direction = event.random[0] < 0.5 ? std::array{-d[0], -d[1], -d[2]} : std::array{d[1], d[2], d[0]};
+    answer.passes = 2.0 / 3;
+    answer.cycles = 50;
+    return answer;
+  }
+};
+
+struct Flown {
+  std::vector<wire::Ray> rays;
+  RayCounters counters;
+  std::vector<bool> ended;
+  std::vector<std::uint32_t> irradiance;
+  std::vector<RayTrail> trails;
+};
+
+Flown fly(const Scene& scene, std::vector<wire::Ray> rays, const SimdTracer* tracer, bool recorded) {
+  Flown out{std::move(rays), {}, {}, {}, {}};
+  Frame frame = scene.frame;
+  IrradianceMemory irradiance(scene.volume.block_voxels(),
+                              frame.wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
+  irradiance.resize(scene.volume.size());
+  frame.irradiance = &irradiance;
+  if (recorded) out.trails.resize(out.rays.size());
+  const TrailRecord record{out.trails};
+  out.ended = integrate_all(out.rays, frame, out.counters, recorded ? &record : nullptr, tracer);
+  const auto edge = static_cast<std::size_t>(scene.volume.block_voxels()) + 1;
+  for (std::size_t block = 0; block < scene.volume.block_count(); ++block) {
+    const std::uint32_t* const words = irradiance.view(block);
+    if (words != nullptr) out.irradiance.insert(out.irradiance.end(), words, words + edge * edge * edge);
+    out.irradiance.push_back(words != nullptr);
+  }
+  return out;
+}
+
+auto parts_of(const TrailEvent& e) {
+  return std::tie(e.steps, e.deposits, e.turns, e.trapped, e.waits, e.ends, e.routine_cycles, e.deposit.voxel,
+                  e.deposit.shares, e.way.position, e.way.step, e.way.rest, e.way.direction);
+}
+
+std::vector<std::uint64_t> numbers(const RayCounters& counters) {
+  const EnergyCounters& energy = counters.energy;
+  std::vector<std::uint64_t> out{counters.rays,
+                                 counters.samples,
+                                 counters.visible_samples,
+                                 counters.leaps,
+                                 counters.terminated,
+                                 counters.lighting_rays,
+                                 counters.scatterings,
+                                 counters.traps,
+                                 counters.trap_cycles,
+                                 counters.deposits,
+                                 energy.emitted,
+                                 energy.deposited.kept,
+                                 energy.deposited.clipped,
+                                 energy.escaped,
+                                 energy.scattered_away,
+                                 energy.given_up};
+  out.insert(out.end(), energy.escaped_by_face.begin(), energy.escaped_by_face.end());
+  return out;
+}
+
+void expect_equal(const Flown& got, const Flown& expected) {
+  EXPECT_EQ(numbers(got.counters), numbers(expected.counters));
+  EXPECT_EQ(got.ended, expected.ended);
+  EXPECT_EQ(got.irradiance, expected.irradiance);
+  for (std::size_t i = 0; i < expected.rays.size(); ++i) ASSERT_EQ(got.rays[i], expected.rays[i]) << "ray " << i;
+  ASSERT_EQ(got.trails.size(), expected.trails.size());
+  for (std::size_t i = 0; i < expected.trails.size(); ++i) {
+    const auto &mine = got.trails[i].events, &its = expected.trails[i].events;
+    ASSERT_EQ(mine.size(), its.size()) << "ray " << i;
+    for (std::size_t k = 0; k < its.size(); ++k) {
+      ASSERT_EQ(parts_of(mine[k]), parts_of(its[k])) << "ray " << i << ", event " << k;
+    }
+  }
+}
+
+// Balls, or a fog of changing density all over; in some of its voxels it is opaque, or clear.
+void draw_media(Scene& scene, Dice& dice) {
+  draw(scene, dice);
+  if (dice.chance(60)) {
+    const int base = dice.number(0, 3000), contrast = dice.one_of({0, 0, 3, 40, 900});
+    const bool tagged = dice.chance(40);
+    scene.fill([&](int x, int y, int z) {
+      wire::Voxel voxel;
+      voxel.density = static_cast<std::uint16_t>(base + (x * 37 + y * 101 + z * 57) % (contrast + 1));
+      voxel.tag = static_cast<std::uint8_t>(tagged ? (x / 5 + y / 4) & 3 : 0);
+      voxel.gradient = static_cast<std::uint16_t>((x * 7 + y * 131 + z * 31) % 2048);
+      return voxel;
+    });
+    const int thin = dice.one_of({20, 300, 4000, 40'000}), gaps = dice.one_of({0, 0, 3}),
+              walls = dice.one_of({0, 0, 40});
+    for (std::size_t i = 0; i < scene.segmentation.size(); ++i) {
+      auto& opacity = scene.segmentation[i].opacity;
+      opacity = static_cast<std::uint16_t>(thin + static_cast<int>(i % 4096) / 2);
+      if (gaps != 0 && i / 8 % static_cast<unsigned>(gaps) == 0) opacity = 0;
+      if (walls != 0 && static_cast<int>(i % 4096) % walls == 0) opacity = wire::kClassifiedOpacityOne;
+    }
+  }
+  for (wire::Material& material : scene.frame.materials) {
+    material.bsdf = static_cast<wire::Bsdf>(dice.number(0, 6));
+    material.scattering = static_cast<std::uint16_t>(dice.one_of({0, 20'000, 50'000, 65'535}));
+    material.gloss = static_cast<std::uint16_t>(dice.one_of({0, 1000, 9000}));
+    material.flags = static_cast<std::uint8_t>(dice.number(0, 3));
+  }
+}
+
+void draw_frame(Scene& scene, Dice& dice, const Routines& routine) {
+  Frame& frame = scene.frame;
+  frame.routines = &routine;
+  frame.seed = static_cast<std::uint32_t>(dice.number(0, 1 << 30));
+  frame.lifetime = static_cast<std::uint16_t>(dice.one_of({0, 3, 40}));
+  frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
+  frame.jitter = false;
+  frame.type = wire::RayType::kIntegrate;
+  if (dice.chance(40)) scene.widen();
+  if (dice.chance(75)) {
+    frame.type = wire::RayType::kDeposit;
+    frame.opacity_threshold = wire::kOpacityOne;
+    frame.rules = dice.chance(30) ? wire::EnergyRules::kAsPrinted : wire::EnergyRules::kConserving;
+  } else {
+    frame.scatter = dice.chance(70);
+    frame.high_albedo = !frame.scatter || dice.chance(50);
+  }
+  scene.set_depths();
+}
+
+// Some of another kind than the most, some that have been scattered or trapped before.
+std::vector<wire::Ray> draw_flights(const Scene& scene, Dice& dice) {
+  std::vector<wire::Ray> rays = draw_rays(scene, dice);
+  const bool high = dice.chance(50);
+  for (wire::Ray& ray : rays) {
+    ray.lifetime = scene.frame.lifetime;
+    if (!scene.frame.lights()) continue;
+    ray.flags = wire::kLightingRay;
+    if (high != dice.chance(5)) ray.flags |= wire::kHighAlbedo;
+    ray.opacity = 0;
+    ray.generation = static_cast<std::uint8_t>(dice.chance(10) ? dice.number(1, 15) : 0);
+    if (dice.chance(5)) ray.flags |= wire::kTrapped;
+    const int energy = dice.one_of({1, 15, 255, scene.frame.wide ? 1 << 23 : 255});
+    ray.set_colour_word(static_cast<std::uint64_t>(energy) << kEnergyFractionBits |
+                        static_cast<std::uint64_t>(dice.chance(20) ? dice.number(0, 4095) : 0));
+  }
+  return rays;
+}
+
+class FlightsOfRandomScenes : public testing::TestWithParam<unsigned> {};
+
+TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
+  Dice dice(GetParam());
+  const MirrorRoutine routine;
+  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, dice.one_of({8, 16, 32}));
+  draw_media(scene, dice);
+  draw_frame(scene, dice, routine);
+  SimdTracer tracer(scene.opacity_correction);
+  ASSERT_TRUE(tracer.prepare(1 << 20, scene.frame, 0, 2));
+  std::vector<wire::Ray> rays = draw_flights(scene, dice);
+  if (dice.chance(30)) rays.resize(std::min<std::size_t>(rays.size(), static_cast<std::size_t>(dice.number(1, 17))));
+  const bool recorded = dice.chance(50);
+  const Flown expected = fly(scene, rays, nullptr, recorded);
+  on_every_target([&] { expect_equal(fly(scene, rays, &tracer, recorded), expected); });
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, FlightsOfRandomScenes, testing::Range(1u, 401u));
+
+}  // namespace
+}  // namespace gicube::emu
