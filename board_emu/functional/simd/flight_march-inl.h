@@ -26,14 +26,15 @@ struct FlightLanes {
   Word left, more;  // as those of Lanes
   Word taken;       // steps since the ray was put here
   Word begun;       // all ones: this flight has taken a step
+  Word trapped;     // all ones: the ray is still at the surface at which it was
   Word stands;      // all ones: the plain way must take its sample
+  std::array<Word, 3> direction;
+  Word scattered;  // all ones: the ray has been
   // Of lighting rays:
   std::array<Word, 2> energy;  // 24 bits, and 12
   Word phase;                  // energy_phase()
   std::array<Word, 2> loss;    // the flight's part of the draws for the loss: 32 bits each
   Word interacted, value;      // and interaction_value()
-  std::array<Word, 3> direction;
-  Word scattered;  // all ones: the ray has been
 };
 
 // What the energy of a ray is after a loss of `lost`, of 24 bits: interact_bundle(). 64-bit lanes.
@@ -92,6 +93,7 @@ struct Quietly {
   Mask goes_on;  // nothing else happens
   Mask waits;    // it has not been found out
   Mask visible;
+  Mask trapped;  // the ray is still at the surface at which it was
   std::array<V, 2> energy;
   V interacted;
 };
@@ -172,22 +174,29 @@ HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask 
   return hn::And(hn::Lt(along, hn::Zero(D32())), scattered);
 }
 
+// Takes those out of `in_medium` that are at a surface and do not meet it; those that meet one which traps stand, in `stands`.
+HWY_INLINE void pass_surfaces(Quietly& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
+                              const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
+  const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
+  out.trapped = hn::And(traps, hn::MaskFromVec(trapped));
+  stands = hn::AndNot(out.trapped, traps);
+  in_medium = hn::AndNot(traps, in_medium);
+  if (hn::AllFalse(D32(), reflecting)) return;
+  if (field.light->cubes) {
+    in_medium = hn::AndNot(leave(lanes, sample, reflecting, field), in_medium);
+  } else {
+    stands = hn::Or(stands, reflecting);
+  }
+}
+
 // What samples of the medium do to lighting rays.
 template <FlightKind kKind>
-HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V alpha, Mask in_medium,
+HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha, Mask in_medium,
                      const SampleLanes& sample, const PacketField& field) {
-  const D32 d;
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
-  const Mask reflecting = hn::And(in_medium, material.reflects);
-  Mask stands = hn::And(in_medium, material.traps);
-  if (!hn::AllFalse(d, reflecting)) {
-    if (light.cubes) {
-      in_medium = hn::AndNot(leave(lanes, sample, reflecting, field), in_medium);
-    } else {
-      stands = hn::Or(stands, reflecting);
-    }
-  }
+  Mask stands;
+  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
   const std::array<V, 2> energy = out.energy;
   const V interacted = out.interacted;
   V opacity = alpha;
@@ -210,15 +219,20 @@ HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ra
 
 // The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
 template <FlightKind kKind, bool kWide>
-HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, V begun, const std::array<V, 2>& energy,
-                                V interacted, V first, Mask samples, const PacketField& field) {
+HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
+                                const std::array<V, 2>& energy, V interacted, V first, Mask samples,
+                                const PacketField& field) {
   const D32 d;
   const V zero = hn::Zero(d);
   const SampleLanes sample = sample_at(ray, first, samples, field);
   const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);
-  Quietly out{samples, none, visible, energy, interacted};
+  Quietly out{samples, none, visible, none, energy, interacted};
   if constexpr (kKind == FlightKind::kRendering) {
-    out.goes_on = hn::AndNot(visible, samples);
+    if (hn::AllFalse(d, visible)) return out;
+    Mask in_medium = visible, stands;
+    const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), *field.light);
+    pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+    out.goes_on = hn::AndNot(hn::Or(stands, in_medium), samples);
   } else {
     const LightField& light = *field.light;
     Mask in_medium = visible, even = none;
@@ -243,7 +257,7 @@ HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, 
       const V word = sample.depth, exponent = ray.exponent;
       alpha = together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
     }
-    meet<kKind>(out, lanes, ray, alpha, in_medium, sample, field);
+    meet<kKind>(out, lanes, ray, trapped, alpha, in_medium, sample, field);
   }
   return out;
 }
@@ -266,6 +280,7 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
   ray.left = lanes.left.load();
   std::array<V, 2> energy{lanes.energy[0].load(), lanes.energy[1].load()};
   V interacted = lanes.interacted.load(), begun = lanes.begun.load(), taken = lanes.taken.load();
+  V trapped = lanes.trapped.load();
   const V more = lanes.more.load();
   const auto pace = pace_of<kWide>(ray);
   V passed = zero;
@@ -282,6 +297,7 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
     const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = zero;
+    Mask still_trapped = hn::FirstN(d, 0);
     if (!hn::AllFalse(d, skips)) {
       const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver)));
       const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
@@ -297,7 +313,8 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
       passed = hn::Add(passed, hn::IfThenElseZero(hn::AndNot(leaps, skips), out));
     }
     if (!hn::AllFalse(d, samples)) {
-      const Quietly sample = take_quietly<kKind, kWide>(lanes, ray, begun, energy, interacted, first, samples, field);
+      const Quietly sample =
+          take_quietly<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, first, samples, field);
       const Mask quiet = sample.goes_on;
       stands = hn::Or(stands, hn::AndNot(hn::Or(quiet, sample.waits), samples));
       counters.samples += hn::CountTrue(d, quiet);
@@ -305,8 +322,11 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
       for (std::size_t i = 0; i < 2; ++i) energy[i] = hn::IfThenElse(quiet, sample.energy[i], energy[i]);
       interacted = hn::IfThenElse(quiet, sample.interacted, interacted);
       steps = hn::Add(steps, hn::IfThenElseZero(quiet, one));
+      still_trapped = sample.trapped;
     }
-    begun = hn::Or(begun, hn::VecFromMask(d, hn::Gt(steps, zero)));
+    const Mask stepped = hn::Gt(steps, zero);
+    begun = hn::Or(begun, hn::VecFromMask(d, stepped));
+    trapped = hn::IfThenZeroElse(hn::AndNot(still_trapped, stepped), trapped);
     taken = hn::Add(taken, steps);
     ray.left = hn::Sub(ray.left, steps);
     advance<kWide>(ray, steps);
@@ -319,6 +339,7 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
   for (std::size_t i = 0; i < 2; ++i) lanes.energy[i].store(energy[i]);
   lanes.interacted.store(interacted);
   lanes.begun.store(begun);
+  lanes.trapped.store(trapped);
   lanes.taken.store(taken);
   lanes.left.store(ray.left);
   lanes.stands.store(hn::VecFromMask(d, stands));

@@ -102,6 +102,7 @@ class FlightScheduler {
     lanes.more.lane[lane] = kNoLimit - left;
     lanes.taken.lane[lane] = 0;
     lanes.begun.lane[lane] = ray.under_way != 0 ? -1 : 0;
+    lanes.trapped.lane[lane] = ray.is(wire::kTrapped) ? -1 : 0;
     lanes.stands.lane[lane] = 0;
     const std::uint64_t energy = ray.energy();
     lanes.energy[0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);
@@ -119,9 +120,9 @@ class FlightScheduler {
       lanes.inverse[axis].lane[lane] = slope == 0 ? 0 : 1.0 / slope;
     }
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
-    if (kind_ == FlightKind::kRendering) return;
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
     lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
+    if (kind_ == FlightKind::kRendering) return;
     lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
     lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
     const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);
@@ -139,7 +140,7 @@ class FlightScheduler {
       if (frame_.wide) ray.rest[axis] = static_cast<std::uint16_t>(lanes.rest[axis].lane[lane]);
     }
     ray.under_way = true;
-    leave_surface(ray);
+    if (lanes.trapped.lane[lane] == 0) leave_surface(ray);
     if (RayTrail* const trail = trail_of(flight)) trail->since += taken;
     if (kind_ == FlightKind::kRendering) return;
     ray.interacted = static_cast<std::uint32_t>(lanes.interacted.lane[lane]);

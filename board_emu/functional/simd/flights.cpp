@@ -65,7 +65,7 @@ namespace {
 
 LightField light_field(const Frame& frame) {
   LightField out{};
-  if (frame.rules == wire::EnergyRules::kConserving) {
+  if (frame.lights() && frame.rules == wire::EnergyRules::kConserving) {
     out.runs = frame.depths->runs().data();
     out.opaque_up = frame.depths->opaque_up().data();
     out.sums = frame.depths->sums().data();
@@ -88,7 +88,7 @@ LightField light_field(const Frame& frame) {
 void SimdTracer::fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters,
                      const TrailRecord* record) const {
   PacketField field = field_of(frame);
-  const LightField light = frame.lights() ? light_field(frame) : LightField{};
+  const LightField light = light_field(frame);
   field.light = &light;
   HWY_DYNAMIC_DISPATCH(fly_all)(flights, frame, field, counters, record);
 }

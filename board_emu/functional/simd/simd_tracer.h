@@ -39,11 +39,11 @@ struct PacketTables {
 inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays leap over
 inline constexpr std::int32_t kUnseen = -2;     // its samples count and add nothing
 
-// Of frames whose rays are lighting rays.
+// Of frames whose rays light or are scattered.
 struct LightField {
   static constexpr std::int32_t kMedium = 0, kStraight = 1, kSurface = 2,
                                 kTrap = 3;           // kinds of materials; straight: scatters nothing
-  const std::uint32_t* runs;                         // DepthTable::runs(); null: the printed rules
+  const std::uint32_t* runs;                         // DepthTable::runs(); null: not by the conserving rules
   const std::uint32_t* opaque_up;                    // and opaque_up()
   const double* sums;                                // and sums()
   bool cubes;                                        // all voxels' edges are equal
@@ -73,7 +73,7 @@ struct PacketField {
   std::int32_t cells_across, cells_slice;
   Point extent;
   std::span<const Plane> cut_planes;
-  const LightField* light;  // of lighting rays
+  const LightField* light;  // of rays that fly
   Gathers gathers;
   bool shaded, jitter, wide;
 };
