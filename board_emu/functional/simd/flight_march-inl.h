@@ -12,6 +12,7 @@
 
 #include "gradient-inl.h"
 #include "march-inl.h"
+#include "shading_queue-inl.h"
 #include "whole_part-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,12 +30,13 @@ struct FlightLanes {
   Word trapped;     // all ones: the ray is still at the surface at which it was
   Word stands;      // all ones: the plain way must take its sample
   std::array<Word, 3> direction;
-  Word scattered;  // all ones: the ray has been
+  Word scattered;          // all ones: the ray has been
+  Word interacted, value;  // and interaction_value()
+  Word flight, opacity;    // of rendering rays: its place among those that fly together
   // Of lighting rays:
   std::array<Word, 2> energy;  // 24 bits, and 12
   Word phase;                  // energy_phase()
   std::array<Word, 2> loss;    // the flight's part of the draws for the loss: 32 bits each
-  Word interacted, value;      // and interaction_value()
 };
 
 // What the energy of a ray is after a loss of `lost`, of 24 bits: interact_bundle(). 64-bit lanes.
@@ -96,6 +98,7 @@ struct Quietly {
   Mask trapped;  // the ray is still at the surface at which it was
   std::array<V, 2> energy;
   V interacted;
+  V weight;  // in the ray's colour
 };
 
 enum class FlightKind : std::uint8_t { kBundle, kPhoton, kRendering };
@@ -217,22 +220,46 @@ HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ra
   out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
 }
 
+// What samples of the medium do to rendering rays.
+HWY_INLINE void gather_light(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, Mask in_medium,
+                             const SampleLanes& sample, const PacketField& field) {
+  const LightField& light = *field.light;
+  const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
+  Mask stands;
+  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+  if (field.wide) {  // floats are summed in the order of samples
+    out.goes_on = hn::AndNot(hn::Or(stands, in_medium), out.goes_on);
+    return;
+  }
+  const V word = sample.depth, exponent = ray.exponent, interacted = out.interacted;
+  const V alpha =
+      together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
+  if (light.high_albedo || light.scatters) {
+    const V opacity = light.high_albedo ? alpha : scattering_opacity(alpha, material);
+    const V so_far = hn::Add(
+        interacted, together(behind(evens(interacted), evens(opacity)), behind(odds(interacted), odds(opacity))));
+    const Mask interacts = hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, interacted));
+    stands = hn::Or(stands, hn::And(in_medium, interacts));
+    out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
+  }
+  out.goes_on = hn::AndNot(stands, out.goes_on);
+  if (light.high_albedo) return;  // colour is taken where the ray is absorbed
+  const V part = absorption_opacity(alpha, material);
+  const V weight = together(behind(evens(ray.opacity), evens(part)), behind(odds(ray.opacity), odds(part)));
+  out.weight = hn::IfThenElseZero(hn::And(in_medium, out.goes_on), weight);
+}
+
 // The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
 template <FlightKind kKind, bool kWide>
 HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
-                                const std::array<V, 2>& energy, V interacted, V first, Mask samples,
+                                const std::array<V, 2>& energy, V interacted, const SampleLanes& sample, Mask samples,
                                 const PacketField& field) {
   const D32 d;
   const V zero = hn::Zero(d);
-  const SampleLanes sample = sample_at(ray, first, samples, field);
   const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);
-  Quietly out{samples, none, visible, none, energy, interacted};
+  Quietly out{samples, none, visible, none, energy, interacted, zero};
   if constexpr (kKind == FlightKind::kRendering) {
-    if (hn::AllFalse(d, visible)) return out;
-    Mask in_medium = visible, stands;
-    const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), *field.light);
-    pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
-    out.goes_on = hn::AndNot(hn::Or(stands, in_medium), samples);
+    if (!hn::AllFalse(d, visible)) gather_light(out, lanes, ray, trapped, visible, sample, field);
   } else {
     const LightField& light = *field.light;
     Mask in_medium = visible, even = none;
@@ -262,9 +289,27 @@ HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, 
   return out;
 }
 
+// Their colour waits in `seen`.
+HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const Quietly& taken, V first,
+                              const LaneState& ray, const FlightLanes& lanes, const PacketField& field) {
+  const Mask coloured = hn::Ne(taken.weight, hn::Zero(D32()));
+  if (hn::AllFalse(D32(), coloured)) return;
+  V lit = taken.weight;
+  if (field.irradiance != nullptr) {
+    const auto along = [&](std::size_t axis) {
+      return hn::ShiftRightSame(hn::IfThenElseZero(coloured, ray.position[axis]), field.block_shift);
+    };
+    const V block =
+        hn::Add(along(0), hn::Add(hn::Mul(along(1), set(field.across)), hn::Mul(along(2), set(field.slice))));
+    lit = irradiance_index(block, hn::IfThenElseZero(coloured, hn::Sub(sample.at.index, first)), field);
+  }
+  seen.add<false>(sample.at, sample.entry, lanes.flight.load(), taken.weight, lit, coloured, field);
+}
+
 // Takes all lanes on until at least `enough` of them stand or have no steps left.
 template <FlightKind kKind, bool kWide>
-HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t enough, RayCounters& counters) {
+HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
+                      RayCounters& counters) {
   const D32 d;
   const V zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
   LaneState ray;
@@ -278,6 +323,7 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
   }
   ray.exponent = lanes.exponent.load();
   ray.left = lanes.left.load();
+  ray.opacity = lanes.opacity.load();
   std::array<V, 2> energy{lanes.energy[0].load(), lanes.energy[1].load()};
   V interacted = lanes.interacted.load(), begun = lanes.begun.load(), taken = lanes.taken.load();
   V trapped = lanes.trapped.load();
@@ -313,8 +359,9 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
       passed = hn::Add(passed, hn::IfThenElseZero(hn::AndNot(leaps, skips), out));
     }
     if (!hn::AllFalse(d, samples)) {
+      const SampleLanes at = sample_at(ray, first, samples, field);
       const Quietly sample =
-          take_quietly<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, first, samples, field);
+          take_quietly<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, at, samples, field);
       const Mask quiet = sample.goes_on;
       stands = hn::Or(stands, hn::AndNot(hn::Or(quiet, sample.waits), samples));
       counters.samples += hn::CountTrue(d, quiet);
@@ -323,6 +370,11 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
       interacted = hn::IfThenElse(quiet, sample.interacted, interacted);
       steps = hn::Add(steps, hn::IfThenElseZero(quiet, one));
       still_trapped = sample.trapped;
+      if constexpr (kKind == FlightKind::kRendering && !kWide) {
+        gather_colour(seen, at, sample, first, ray, lanes, field);
+        ray.opacity = hn::Add(ray.opacity, sample.weight);
+        stands = hn::Or(stands, hn::And(quiet, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));
+      }
     }
     const Mask stepped = hn::Gt(steps, zero);
     begun = hn::Or(begun, hn::VecFromMask(d, stepped));
@@ -338,6 +390,7 @@ HWY_INLINE void march(FlightLanes& lanes, const PacketField& field, std::size_t 
   }
   for (std::size_t i = 0; i < 2; ++i) lanes.energy[i].store(energy[i]);
   lanes.interacted.store(interacted);
+  lanes.opacity.store(ray.opacity);
   lanes.begun.store(begun);
   lanes.trapped.store(trapped);
   lanes.taken.store(taken);

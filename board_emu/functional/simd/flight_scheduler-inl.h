@@ -8,6 +8,7 @@
 #define GICUBE_FLIGHT_SCHEDULER
 #endif
 
+#include <algorithm>
 #include <span>
 
 #include "datapath/interaction.h"
@@ -30,10 +31,29 @@ class FlightScheduler {
   // All that are of another kind than `kind` go alone.
   FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters,
                   const TrailRecord* record)
-      : flights_(flights), kind_(kind), frame_(frame), counters_(counters), record_(record) {}
+      : flights_(flights),
+        kind_(kind),
+        frame_(frame),
+        counters_(counters),
+        record_(record),
+        seen_(kind == FlightKind::kRendering ? flights.size() : 0) {}
 
   bool has_more() const { return next_ < flights_.size(); }
   std::size_t busy() const { return busy_; }
+  ShadingQueue& seen() { return seen_; }
+
+  // To be called when all stand: gives rendering rays the colour that they have gathered on lanes.
+  void finish_colours(const PacketField& field) {
+    if (kind_ != FlightKind::kRendering || field.wide) return;
+    seen_.finish<false>(field);
+    for (std::size_t i = 0; i < flights_.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::uint16_t& colour = flights_[i].ray_state.colour[c];
+        const auto sum = static_cast<std::uint32_t>(colour + seen_.sum(i).channel[c]);
+        colour = static_cast<std::uint16_t>(std::min(sum, wire::kColourOne));
+      }
+    }
+  }
 
   void serve(FlightLanes& lanes, std::size_t count) {
     for (std::size_t lane = 0; lane < count; ++lane) {
@@ -108,6 +128,7 @@ class FlightScheduler {
     lanes.energy[0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);
     lanes.energy[1].lane[lane] = static_cast<std::int32_t>(energy >> 24);
     lanes.interacted.lane[lane] = static_cast<std::int32_t>(ray.interacted);
+    lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
   }
 
   // What stays the same until the ray is scattered.
@@ -122,9 +143,10 @@ class FlightScheduler {
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
     lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
+    lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
+    lanes.flight.lane[lane] = static_cast<std::int32_t>(slots_[lane].flight - flights_.data());
     if (kind_ == FlightKind::kRendering) return;
     lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
-    lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
     const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);
     lanes.loss[0].lane[lane] = static_cast<std::int32_t>(loss);
     lanes.loss[1].lane[lane] = static_cast<std::int32_t>(loss >> 32);
@@ -142,8 +164,11 @@ class FlightScheduler {
     ray.under_way = true;
     if (lanes.trapped.lane[lane] == 0) leave_surface(ray);
     if (RayTrail* const trail = trail_of(flight)) trail->since += taken;
-    if (kind_ == FlightKind::kRendering) return;
     ray.interacted = static_cast<std::uint32_t>(lanes.interacted.lane[lane]);
+    if (kind_ == FlightKind::kRendering) {
+      ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
+      return;
+    }
     ray.set_energy(static_cast<std::uint64_t>(lanes.energy[0].lane[lane]) |
                    static_cast<std::uint64_t>(lanes.energy[1].lane[lane]) << 24);
   }
@@ -155,6 +180,7 @@ class FlightScheduler {
   const TrailRecord* record_;
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
+  ShadingQueue seen_;
 };
 
 #endif

@@ -27,11 +27,12 @@ void fly_with(FlightScheduler& scheduler, const PacketField& field, RayCounters&
   FlightLanes lanes{};
   while (true) {
     scheduler.serve(lanes, count);
-    if (scheduler.busy() == 0) return;
+    if (scheduler.busy() == 0) break;
     const std::size_t enough =
         scheduler.has_more() ? std::max<std::size_t>(count / 4, 1) : count - scheduler.busy() + 1;
-    march<kKind, kWide>(lanes, field, enough, counters);
+    march<kKind, kWide>(lanes, scheduler.seen(), field, enough, counters);
   }
+  scheduler.finish_colours(field);
 }
 
 template <FlightKind kKind>
@@ -70,6 +71,7 @@ LightField light_field(const Frame& frame) {
     out.opaque_up = frame.depths->opaque_up().data();
     out.sums = frame.depths->sums().data();
   }
+  out.high_albedo = frame.high_albedo;
   out.cubes = frame.spacing[0] == frame.spacing[1] && frame.spacing[1] == frame.spacing[2];
   for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
     const wire::Material& material = frame.materials[tag];
@@ -77,8 +79,12 @@ LightField light_field(const Frame& frame) {
                     : material.bsdf == wire::Bsdf::kTrap ? LightField::kTrap
                     : material.bsdf == wire::Bsdf::kNone ? LightField::kStraight
                                                          : LightField::kMedium;
-    out.scattering[tag] = material.scattering / double{wire::kScatteringOne};
-    out.kept[tag] = static_cast<std::int32_t>(wire::kScatteringOne - material.scattering);
+    const bool may_scatter = frame.lights() || (frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 &&
+                                                material.bsdf != wire::Bsdf::kNone);
+    const std::uint32_t scattering = may_scatter ? material.scattering : 0;
+    out.scattering[tag] = scattering / double{wire::kScatteringOne};
+    out.kept[tag] = static_cast<std::int32_t>(wire::kScatteringOne - scattering);
+    out.scatters = out.scatters || scattering != 0;
   }
   return out;
 }

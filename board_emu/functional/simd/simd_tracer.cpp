@@ -140,7 +140,7 @@ void SimdTracer::correct(const Frame& frame) {
 }
 
 bool SimdTracer::follow_irradiance(const Frame& frame) {
-  if (!frame.lit_by_irradiance || !frame.gathers()) {
+  if (!frame.lit_by_irradiance) {
     irradiance_.clear();
     return true;
   }
@@ -244,7 +244,7 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
   field.opacities = field.corrected       ? static_cast<const void*>(tables_.alpha.data())
                     : gathers_wide(frame) ? static_cast<const void*>(frame.wide_depths.data())
                                           : tables_.depth.data();
-  if (frame.lit_by_irradiance && frame.gathers()) {
+  if (frame.lit_by_irradiance) {
     field.irradiance = irradiance_.words();
     field.irradiance_first = irradiance_.first();
     field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();

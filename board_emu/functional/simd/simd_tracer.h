@@ -47,6 +47,8 @@ struct LightField {
   const std::uint32_t* opaque_up;                    // and opaque_up()
   const double* sums;                                // and sums()
   bool cubes;                                        // all voxels' edges are equal
+  bool scatters;                                     // some material does
+  bool high_albedo;                                  // Frame::high_albedo
   std::array<std::int32_t, wire::kTags> kind, kept;  // kept: units of wire::kScatteringOne that are not scattered
   std::array<double, wire::kTags> scattering;        // Ks
 };

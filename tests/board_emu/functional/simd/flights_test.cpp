@@ -43,7 +43,7 @@ Flown fly(const Scene& scene, std::vector<wire::Ray> rays, const SimdTracer* tra
   IrradianceMemory irradiance(scene.volume.block_voxels(),
                               frame.wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
   irradiance.resize(scene.volume.size());
-  frame.irradiance = &irradiance;
+  if (frame.lights()) frame.irradiance = &irradiance;
   if (recorded) out.trails.resize(out.rays.size());
   const TrailRecord record{out.trails};
   out.ended = integrate_all(out.rays, frame, out.counters, recorded ? &record : nullptr, tracer);
@@ -137,15 +137,32 @@ void draw_frame(Scene& scene, Dice& dice, const Routines& routine) {
   frame.jitter = false;
   frame.type = wire::RayType::kIntegrate;
   if (dice.chance(40)) scene.widen();
-  if (dice.chance(75)) {
+  if (dice.chance(60)) {
     frame.type = wire::RayType::kDeposit;
     frame.opacity_threshold = wire::kOpacityOne;
     frame.rules = dice.chance(30) ? wire::EnergyRules::kAsPrinted : wire::EnergyRules::kConserving;
   } else {
-    frame.scatter = dice.chance(70);
-    frame.high_albedo = !frame.scatter || dice.chance(50);
+    frame.scatter = dice.chance(80);
+    frame.high_albedo = !frame.scatter || dice.chance(30);
+    frame.lit_by_irradiance = dice.chance(50);
+    frame.exposure = static_cast<std::uint32_t>(dice.one_of({4'000, 65'536, 900'000}));
   }
   scene.set_depths();
+}
+
+// Light in some voxels, for frames that are lit by it; more than a word of the interpolator has in some of them.
+void draw_light(Scene& scene, IrradianceMemory& light, Dice& dice) {
+  light.resize(scene.volume.size());
+  for (int i = dice.number(0, 200); i > 0; --i) {
+    Deposit deposit;
+    for (std::size_t axis = 0; axis < 3; ++axis) deposit.voxel[axis] = dice.number(0, scene.volume.size()[axis] - 2);
+    for (std::uint32_t& share : deposit.shares) {
+      share = static_cast<std::uint32_t>(dice.number(0, 500)) << (scene.frame.wide ? dice.number(0, 22) : 0);
+    }
+    light.add(deposit);
+  }
+  light.expect_deposits();
+  scene.frame.irradiance = &light;
 }
 
 // Some of another kind than the most, some that have been scattered or trapped before.
@@ -175,6 +192,8 @@ TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
   Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, dice.one_of({8, 16, 32}));
   draw_media(scene, dice);
   draw_frame(scene, dice, routine);
+  IrradianceMemory light(scene.volume.block_voxels(), IrradianceMemory::kWideMost);
+  draw_light(scene, light, dice);
   SimdTracer tracer(scene.opacity_correction);
   ASSERT_TRUE(tracer.prepare(1 << 20, scene.frame, 0, 2));
   std::vector<wire::Ray> rays = draw_flights(scene, dice);
