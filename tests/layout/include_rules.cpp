@@ -199,6 +199,10 @@ const std::vector<Rule>& rules() {
       program("samples/cone_beam/scan", {"samples/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
               {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),
       program("samples/cone_beam/program", {"samples/cone_beam"}, {kAnything}),
+      // Its files are read by the parts that read scenes.
+      program("samples/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h"},
+              {"embree3", "fmt"}),
+      program("samples/compose/program", {"samples/compose"}, {kAnything}),
       program("samples/form_factors/exchange", {"samples/form_factors/radiosity/radiosity.h"}, {"boost", "fmt"}),
       program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),

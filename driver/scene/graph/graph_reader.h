@@ -20,6 +20,12 @@ Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour);
 VolumeSource read_volume_source(Faults& faults, const std::string& field, const v1::VolumeSource& source,
                                 const std::filesystem::path& folder);
+// Any length but 0.
+Vec3 read_direction(Faults& faults, const std::string& field, const v1::Vector& source);
+Transform read_transform(Faults& faults, const std::string& field, const v1::Transform& source);
+CameraSettings read_camera(Faults& faults, const std::string& field, const v1::Camera& source);
+Phong read_phong(Faults& faults, const v1::Phong& source);
+void read_image(Faults& faults, const v1::ImageSettings& source, View& view);
 // Nothing if there is a fault.
 std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, const std::string& field,
                                                               const v1::TransferFunction& source,

@@ -18,7 +18,8 @@ struct Reader {
     const std::string field = result.name.empty() ? place : "node[" + result.name + "]";
     result.material = source.material();
     for (int i = 0; i < source.transform_size(); ++i) {
-      result.transforms.push_back(transform(source.transform(i), fmt::format("{}.transform[{}]", field, i)));
+      result.transforms.push_back(
+          read_transform(faults, fmt::format("{}.transform[{}]", field, i), source.transform(i)));
     }
     std::vector<const google::protobuf::FieldDescriptor*> fields;
     source.GetReflection()->ListFields(source, &fields);
@@ -33,29 +34,6 @@ struct Reader {
     for (int i = 0; i < source.child_size(); ++i) {
       result.children.push_back(node(source.child(i), fmt::format("{}.child[{}]", field, i), depth + 1));
     }
-    return result;
-  }
-
-  Transform transform(const v1::Transform& source, const std::string& field) const {
-    faults.check_one(field, "one of translate, rotate and scale",
-                     {source.has_translate(), source.has_rotate(), source.has_scale()});
-    Transform result = Translate{};
-    if (source.has_translate()) result = Translate{finite_vector(faults, field + ".translate", source.translate())};
-    if (source.has_rotate()) {
-      Rotate rotate;
-      if (source.rotate().has_axis())
-        rotate.axis = finite_vector(faults, field + ".rotate.axis", source.rotate().axis());
-      rotate.degrees = source.rotate().degrees();
-      result = rotate;
-    }
-    if (source.has_scale()) {
-      const v1::Scaling& scale = source.scale();
-      faults.check(!scale.has_all() || !(scale.has_x() || scale.has_y() || scale.has_z()), field + ".scale",
-                   "all, or x, y and z", "both");
-      result =
-          scale.has_all() ? Scale{{scale.all(), scale.all(), scale.all()}} : Scale{{scale.x(), scale.y(), scale.z()}};
-    }
-    faults.gather_part(field, [&] { map_of({result}); });
     return result;
   }
 
@@ -92,6 +70,28 @@ struct Reader {
 };
 
 }  // namespace
+
+Transform read_transform(Faults& faults, const std::string& field, const v1::Transform& source) {
+  faults.check_one(field, "one of translate, rotate and scale",
+                   {source.has_translate(), source.has_rotate(), source.has_scale()});
+  Transform result = Translate{};
+  if (source.has_translate()) result = Translate{finite_vector(faults, field + ".translate", source.translate())};
+  if (source.has_rotate()) {
+    Rotate rotate;
+    if (source.rotate().has_axis()) rotate.axis = finite_vector(faults, field + ".rotate.axis", source.rotate().axis());
+    rotate.degrees = source.rotate().degrees();
+    result = rotate;
+  }
+  if (source.has_scale()) {
+    const v1::Scaling& scale = source.scale();
+    faults.check(!scale.has_all() || !(scale.has_x() || scale.has_y() || scale.has_z()), field + ".scale",
+                 "all, or x, y and z", "both");
+    result =
+        scale.has_all() ? Scale{{scale.all(), scale.all(), scale.all()}} : Scale{{scale.x(), scale.y(), scale.z()}};
+  }
+  faults.gather_part(field, [&] { map_of({result}); });
+  return result;
+}
 
 World read_world(const v1::World& source, const std::filesystem::path& folder, Faults& faults) {
   World world;

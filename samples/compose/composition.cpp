@@ -1,0 +1,120 @@
+#include "compose/composition.h"
+
+#include <fmt/format.h>
+
+#include "gicube/v1/composition.pb.h"
+#include "scene/common/faults.h"
+#include "scene/common/whole_file.h"
+#include "scene/graph/graph_reader.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kMaxNesting = 20;  // chosen: of braces; bounds the parser's stack
+
+// Turns the parsed message into a composition; a fault leaves that part of it at its default.
+struct Translator {
+  Faults& faults;
+  std::filesystem::path folder;
+
+  Composition translate(const v1::Composition& source) {
+    Composition out;
+    const int parts = source.volume_size() + source.surface_size();
+    faults.check(parts > 0, "volume", "at least one volume or surface", "none");
+    for (int i = 0; i < source.volume_size(); ++i) {
+      out.volumes.push_back(volume(fmt::format("volume[{}]", i), source.volume(i)));
+    }
+    for (int i = 0; i < source.surface_size(); ++i) {
+      out.surfaces.push_back(surface(fmt::format("surface[{}]", i), source.surface(i)));
+    }
+    if (source.has_camera()) out.camera = read_camera(faults, "camera", source.camera());
+    if (source.has_phong()) out.phong = read_phong(faults, source.phong());
+    if (source.has_light()) out.light = read_direction(faults, "light", source.light());
+    if (source.has_background()) out.background = read_colour(faults, "background", source.background());
+    read_image(faults, source.image(), out.view);
+    out.view.step = faults.check_range("step", source.step(), 1.0 / 64, 16);
+    out.overlap_step = faults.check_range("overlap_step", source.overlap_step(), 1.0 / 64, 4096);
+    out.view.opacity_threshold = faults.check_range("opacity_threshold", source.opacity_threshold(), 1e-6, 1);
+    return out;
+  }
+
+  template <typename Part>
+  Affine placement(const std::string& field, const Part& source) {
+    std::vector<Transform> transforms;
+    for (int i = 0; i < source.transform_size(); ++i) {
+      transforms.push_back(read_transform(faults, fmt::format("{}.transform[{}]", field, i), source.transform(i)));
+    }
+    Affine map;
+    faults.gather_part(field, [&] { map = map_of(transforms); });
+    return map;
+  }
+
+  PlacedVolume volume(const std::string& field, const v1::PlacedVolume& source) {
+    PlacedVolume out;
+    out.name = source.name().empty() ? field : source.name();
+    out.to_space = placement(field, source);
+    faults.gather_part(field, [&] { out.scene = scene(source); });
+    return out;
+  }
+
+  // What it throws names the field.
+  Scene scene(const v1::PlacedVolume& source) const {
+    constexpr std::string_view kBuiltin = "builtin:";
+    Scene scene;
+    const std::string& input = source.input();
+    if (input.empty()) throw InputError("input", "a scene, a volume file or builtin:buckyball", "none");
+    if (input.starts_with(kBuiltin)) {
+      scene.volume.builtin = input.substr(kBuiltin.size());
+    } else if (is_scene_path(input)) {
+      scene = at_time(read_scene(folder / input), 0);
+    } else {
+      scene.volume.file = folder / input;
+    }
+    if (source.has_volume_size()) {
+      if (!scene.world && scene.volume.builtin.empty()) {
+        throw InputError("volume_size", "none for a volume file, which has its own", shown(source.volume_size()));
+      }
+      if (source.volume_size() < kMinWorldSize || source.volume_size() > kMaxWorldSize) {
+        throw InputError("volume_size", fmt::format("{} to {} voxels", kMinWorldSize, kMaxWorldSize),
+                         shown(source.volume_size()));
+      }
+      (scene.world ? scene.world->size : scene.volume.size) = static_cast<int>(source.volume_size());
+    }
+    if (const std::string& name = source.transfer_function(); !name.empty()) {
+      const bool preset = std::ranges::any_of(presets(), [&](const Preset& each) { return each.name == name; });
+      scene.transfer_function = preset ? find_preset(name) : read_transfer_function(folder / name);
+    }
+    // Light is the composition's.
+    scene.lighting.on = false;
+    return scene;
+  }
+
+  PlacedSurface surface(const std::string& field, const v1::Surface& source) {
+    PlacedSurface out;
+    out.name = source.name().empty() ? field : source.name();
+    if (source.has_colour()) out.colour = read_colour(faults, field + ".colour", source.colour());
+    out.opacity = faults.check_range(field + ".opacity", source.opacity(), 0, 1);
+    const Affine map = placement(field, source);
+    faults.gather_part(field, [&] {
+      if (source.file().empty()) throw InputError("file", "a mesh, .obj or .ply", "none");
+      out.mesh = read_mesh(folder / source.file());
+    });
+    for (Vec3& point : out.mesh.points) point = map.point(point);
+    return out;
+  }
+};
+
+}  // namespace
+
+Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  Faults faults(name);
+  Composition out = Translator{faults, folder}.translate(parsed_message<v1::Composition>(text, kMaxNesting, faults));
+  faults.throw_if_any();
+  return out;
+}
+
+Composition read_composition(const std::filesystem::path& path) {
+  return parse_composition(read_text(path, "a composition"), path.string(), path.parent_path());
+}
+
+}  // namespace gicube::samples

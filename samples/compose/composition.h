@@ -1,0 +1,44 @@
+// Several volumes and surfaces in one space, as a user wrote them down (gicube/v1/composition.proto).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gicube/scene/mesh.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
+
+namespace gicube::samples {
+
+struct PlacedVolume {
+  std::string name;  // for messages and statistics
+  Scene scene;
+  Affine to_space;  // from the volume's own space: the units of a world, else the space of scan_space()
+};
+
+struct PlacedSurface {
+  std::string name;
+  Mesh mesh;  // in the common space
+  Colour colour{1, 1, 1};
+  double opacity = 1;  // of one crossing
+};
+
+struct Composition {
+  std::vector<PlacedVolume> volumes;
+  std::vector<PlacedSurface> surfaces;
+  CameraSettings camera;      // what is not set is chosen to show everything
+  Phong phong;                // of volumes and surfaces
+  std::optional<Vec3> light;  // towards it; unset: above the viewer's left shoulder
+  View view;  // image size, samples, step (voxels of each volume), opacity_threshold; the camera is left to set_up()
+  double overlap_step = 1;  // voxels
+  std::optional<Colour> background;
+};
+
+// Strict, as read_scene(): throws InputError with all faults, each with its line or field. Reads the scenes, transfer functions and meshes
+// that it names, but no volumes.
+Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+Composition read_composition(const std::filesystem::path& path);
+
+}  // namespace gicube::samples

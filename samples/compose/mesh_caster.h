@@ -1,0 +1,38 @@
+// Where a ray crosses triangle meshes. Embree finds the triangles; the places are computed from their corners in double precision.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "gicube/scene/mesh.h"
+#include "gicube/vector.h"
+#include "scene/names.h"
+
+namespace gicube::samples {
+
+struct Crossing {
+  double distance = 0;  // along the ray
+  std::uint32_t mesh = 0, triangle = 0;
+  bool from_outside = false;  // against the triangle's normal
+};
+
+// Meshes are in one space. A triangle that a ray misses by less than 2^-23 of its coordinates may count as met, and the reverse.
+class MeshCaster {
+ public:
+  explicit MeshCaster(std::vector<Mesh> meshes);
+  ~MeshCaster();
+
+  // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner of triangles of
+  // one mesh crosses the surface once there.
+  void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
+  // Of unit length, to the side from which the corners are counter-clockwise; zero of a triangle without area.
+  Vec3 normal(const Crossing& crossing) const;
+  const std::vector<Mesh>& meshes() const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace gicube::samples

@@ -1,0 +1,47 @@
+#include "compose/program/options.h"
+
+#include <ostream>
+
+#include "scene/program/option_group.h"
+
+namespace gicube::samples {
+
+std::optional<ComposeOptions> parse_compose_options(int argc, const char* const* argv, std::ostream& out) {
+  constexpr int kMaxBoards = 16, kMaxSamples = 4;  // chosen: of boards that the program opens itself; as View
+  ComposeOptions options;
+  CLI::App app("Several volumes and surfaces in one picture, traced by GI-Cube boards.", "gicube-compose");
+  app.footer("Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/compose.md.");
+  app.set_version_flag("--version", std::string(GICUBE_VERSION));
+  app.add_option("COMPOSITION", options.composition,
+                 "a text file of volumes and surfaces (gicube/v1/composition.proto)")
+      ->required();
+  OptionGroup picture(app, "Picture");
+  picture.file("-o,--output", options.picture, "PNG or EXR");
+  picture.parsed("--size", "WxH", "pixels (the composition's)",
+                 [&options](const std::string& name, const std::string& text) {
+                   const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
+                   options.size = {sizes[0], sizes[1]};
+                 });
+  picture.value("--samples", options.samples_per_axis, "rays a pixel and axis: 1, 2 or 4 (the composition's)")
+      ->check(CLI::IsMember({1, 2, kMaxSamples}));
+  picture.value("--step", options.step, "voxels between samples (the composition's)")
+      ->check(CLI::Range(1.0 / 64, 16.0));
+  picture
+      .value("--overlap-step", options.overlap_step,
+             "voxels: pieces of a ray where volumes overlap (the composition's)")
+      ->check(CLI::Range(1.0 / 64, 4096.0));
+  picture.number("--boards", options.boards, CLI::Range(1, kMaxBoards),
+                 "boards that share the volumes, each of its own bus; more than one only with emu:");
+  add_board_options(app, options.board);
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
+  const std::string extension = options.picture.extension().string();
+  if (!options.picture.empty() && extension != ".png" && extension != ".exr") {
+    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(options.picture.string()));
+  }
+  if (options.boards > 1 && !options.board.board.starts_with("emu:")) {
+    throw UsageError("--boards: expected 1 with a running board, got " + std::to_string(options.boards));
+  }
+  return options;
+}
+
+}  // namespace gicube::samples

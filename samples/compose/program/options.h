@@ -1,0 +1,36 @@
+// gicube-compose: what it is asked for, and its work.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "compose/picture.h"
+#include "scene/program/board_options.h"
+#include "scene/program/progress.h"
+
+namespace gicube::samples {
+
+struct ComposeOptions {
+  std::filesystem::path composition;
+  std::filesystem::path picture;           // PNG or EXR; empty: none
+  std::optional<std::array<int, 2>> size;  // in place of the composition's
+  std::optional<int> samples_per_axis;
+  std::optional<double> step, overlap_step;
+  int boards = 1;
+  BoardOptions board;
+};
+
+// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+std::optional<ComposeOptions> parse_compose_options(int argc, const char* const* argv, std::ostream& out);
+
+// Throws UsageError, InputError, FileError, and what Board throws.
+void run(const ComposeOptions& options, ProgressLine& progress);
+
+// Simulated time of one picture: boards work at the same time, each at its volumes one after the other. `again`: of a further picture, for
+// which a board with a single volume need not load it.
+Picoseconds time_of(const std::vector<MediumCost>& costs, bool again);
+
+}  // namespace gicube::samples
