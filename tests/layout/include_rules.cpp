@@ -163,9 +163,9 @@ const std::vector<Rule>& rules() {
       {"driver/scene/geometry", {"driver/scene/geometry", "driver/scene/buckyball.h", "driver/scene/common",
                               "driver/scene/formats/header_lines.h", "driver/scene/formats/stored_samples.h",
                               "driver/scene/include/gicube/scene/affine.h", "driver/scene/include/gicube/scene/error.h",
-                              "driver/scene/include/gicube/scene/mesh.h", "driver/scene/include/gicube/scene/shape.h",
+                              "driver/scene/include/gicube/scene/hypertexture.h", "driver/scene/include/gicube/scene/mesh.h", "driver/scene/include/gicube/scene/shape.h",
                               "driver/scene/include/gicube/scene/volume_file.h",
-                              "driver/scene/include/gicube/scene/voxeliser.h", "driver/include"}, {"fmt"}},
+                              "driver/scene/include/gicube/scene/voxeliser.h", "driver/include"}, {"fmt", "glm"}},
       {"driver/scene/graph", {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
 

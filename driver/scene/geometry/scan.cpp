@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "scene/common/cells.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -87,6 +89,17 @@ PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine&
     placed.low = {std::min(placed.low.x, p.x), std::min(placed.low.y, p.y), std::min(placed.low.z, p.z)};
     placed.high = {std::max(placed.high.x, p.x), std::max(placed.high.y, p.y), std::max(placed.high.z, p.z)};
   }
+  return placed;
+}
+
+PlacedScan place_density(const Dims& dims, const ScanField& density, int threads) {
+  const auto grid = std::make_shared<Grid>(Grid{dims, std::vector<float>(voxels_of(dims))});
+  each_cell(dims, threads, [&](const Dims& first) {
+    each_voxel(dims, first, [&](Vec3 p, std::size_t index) { grid->values[index] = static_cast<float>(density(p)); });
+  });
+  PlacedScan placed;
+  placed.density = [grid](Vec3 p) { return grid->interpolate(p); };
+  placed.high = {dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0};
   return placed;
 }
 

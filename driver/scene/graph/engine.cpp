@@ -98,9 +98,25 @@ Node* node_named(Node& node, std::string_view name) {
   return nullptr;
 }
 
+double* find(Hypertexture& texture, std::string_view place) {
+  return among({{".softness", texture.softness},
+                {".frequency", texture.frequency},
+                {".amplitude", texture.amplitude},
+                {".time", texture.time},
+                {".length", texture.length},
+                {".curl", texture.curl},
+                {".stretch", texture.stretch}},
+               place);
+}
+
 double* in_node(Node* node, std::string_view place) {
-  constexpr std::string_view kTransform = ".transform";
-  if (node == nullptr || !place.starts_with(kTransform)) return nullptr;
+  constexpr std::string_view kTransform = ".transform", kHypertexture = ".hypertexture";
+  if (node == nullptr) return nullptr;
+  if (place.starts_with(kHypertexture)) {
+    auto* texture = std::get_if<Hypertexture>(&node->content);
+    return texture != nullptr ? find(*texture, place.substr(kHypertexture.size())) : nullptr;
+  }
+  if (!place.starts_with(kTransform)) return nullptr;
   place.remove_prefix(kTransform.size());
   const auto index = cut_index(place);
   Transform* transform = index ? element(node->transforms, *index) : nullptr;
@@ -164,7 +180,8 @@ void check(const Engine& engine) {
 double& find_parameter(Scene& scene, const std::string& target) {
   double* found = find(scene, target);
   if (found == nullptr) {
-    throw InputError("engine.target", "a number of a node's transform, a light, a camera or a cut plane of the scene",
+    throw InputError("engine.target",
+                     "a number of a node's transform or hypertexture, a light, a camera or a cut plane of the scene",
                      in_quotes(target));
   }
   return *found;

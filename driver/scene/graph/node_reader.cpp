@@ -25,7 +25,8 @@ struct Reader {
     source.GetReflection()->ListFields(source, &fields);
     const auto contents =
         std::ranges::count_if(fields, [](const auto* each) { return each->number() >= v1::Node::kChildFieldNumber; });
-    faults.check(contents == 1, field, "children, one shape or one volume", contents == 0 ? "nothing" : "several");
+    faults.check(contents == 1, field, "children, one shape, one hypertexture or one volume",
+                 contents == 0 ? "nothing" : "several");
     result.content = content(source, field);
     if (depth >= kMaxReadDepth) {
       faults.check(source.child_size() == 0, field, fmt::format("at most {} levels", kMaxReadDepth), "more");
@@ -43,6 +44,35 @@ struct Reader {
       faults.check(!source.volume().has_builtin(), place, "a file", "a builtin");
       return ScanContent{read_volume_source(faults, place, source.volume(), folder)};
     }
+    if (source.has_hypertexture()) return hypertexture(source.hypertexture(), field + ".hypertexture");
+    std::optional<Shape> shape = shape_of(source, field);
+    if (!shape) return Group{};
+    return *shape;
+  }
+
+  Content hypertexture(const v1::Hypertexture& source, const std::string& field) const {
+    Hypertexture result;
+    faults.check_one(field, "one shape",
+                     {source.has_sphere(), source.has_box(), source.has_torus(), source.has_cylinder(),
+                      source.has_mesh(), source.has_builtin()});
+    if (auto shape = shape_of(source, field)) result.shape = *shape;
+    faults.gather_part(field, [&] { result.kind = hypertexture_named(source.kind()); });
+    result.softness = source.softness();
+    result.frequency = source.frequency();
+    result.octaves = static_cast<int>(std::min(source.octaves(), 1000u));
+    result.amplitude = source.amplitude();
+    result.time = source.time();
+    result.length = source.length();
+    result.curl = source.curl();
+    result.stretch = source.stretch();
+    result.seed = source.seed();
+    faults.gather_part(field, [&] { check(result); });
+    return result;
+  }
+
+  // Of a node or a hypertexture; nothing if it has none.
+  template <typename Source>
+  std::optional<Shape> shape_of(const Source& source, const std::string& field) const {
     std::optional<Shape> shape;
     std::string kind;
     if (source.has_sphere()) kind = ".sphere", shape = SphereShape{source.sphere().radius()};
@@ -63,9 +93,8 @@ struct Reader {
       kind = ".mesh", shape = MeshShape{source.mesh().file().empty() ? "" : folder / source.mesh().file(), nullptr};
     }
     if (source.has_builtin()) kind = "", shape = BuiltinShape{source.builtin()};
-    if (!shape) return Group{};
-    faults.gather_part(field + kind, [&] { check(*shape); });
-    return *shape;
+    if (shape) faults.gather_part(field + kind, [&] { check(*shape); });
+    return shape;
   }
 };
 

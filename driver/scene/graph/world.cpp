@@ -33,7 +33,8 @@ auto named(const std::string& name, const Call& call) {
 // Gathers what the nodes hold.
 class Walk {
  public:
-  Walk(const WorldGrid& grid, const std::vector<SceneMaterial>& materials) : materials_(materials) {
+  Walk(const WorldGrid& grid, const std::vector<SceneMaterial>& materials, int threads)
+      : materials_(materials), dims_(grid.dims), threads_(threads) {
     to_voxels_ = compose(scaling((1 / grid.voxel) * Vec3{1, 1, 1}), translation(-1 * grid.low));
     ranges_.resize(materials.size());
     used_by_solid_.resize(materials.size());
@@ -89,22 +90,38 @@ class Walk {
     }
   }
 
+  void add(const Hypertexture& content, const Affine& map, std::size_t material) {
+    const TransferFunctionFile& function = function_of(materials_[material], material);
+    const ScanField density = density_of(content);  // checks it
+    const Affine to_node = inverse(compose(to_voxels_, map));
+    take(place_density(
+             dims_, [&](Vec3 p) { return density(to_node.point(p)); }, threads_),
+         {0, 1}, function, material);
+  }
+
   void add(const ScanContent& content, const Affine& map, std::size_t material) {
-    const SceneMaterial& made_of = materials_[material];
-    const auto* function = look_as<TransferFunctionFile>(made_of);
-    if (function == nullptr || used_by_solid_[material]) {
-      throw InputError("material", "one with a transfer function, that no solid is made of", in_quotes(made_of.name));
-    }
+    const TransferFunctionFile& function = function_of(materials_[material], material);
     const Volume scan = read_volume(content.source);
     const ValueRange range = value_range_of(scan);
     if (!(range.low < range.high)) throw InputError(scan.source, "more than one value", "one");
+    take(place_scan(scan, range, compose(to_voxels_, map)), range, function, material);
+  }
+
+  // Of a material for scans and hypertextures.
+  const TransferFunctionFile& function_of(const SceneMaterial& made_of, std::size_t material) const {
+    const auto* function = look_as<TransferFunctionFile>(made_of);
+    if (function != nullptr && !used_by_solid_[material]) return *function;
+    throw InputError("material", "one with a transfer function, that no solid is made of", in_quotes(made_of.name));
+  }
+
+  void take(PlacedScan placed, const ValueRange& range, const TransferFunctionFile& function, std::size_t material) {
+    const SceneMaterial& made_of = materials_[material];
     if (ranges_[material] && !(*ranges_[material] == range)) {
       throw InputError("material", "another one for each scan", in_quotes(made_of.name) + " twice");
     }
     ranges_[material] = range;
-    PlacedScan placed = place_scan(scan, range, compose(to_voxels_, map));
     placed.tag = static_cast<std::uint8_t>(made_of.tag);
-    placed.visible = first_visible(in_values_of(range, *function), range);
+    placed.visible = first_visible(in_values_of(range, function), range);
     scans.push_back(std::move(placed));
   }
 
@@ -118,6 +135,8 @@ class Walk {
 
   const std::vector<SceneMaterial>& materials_;
   Affine to_voxels_;
+  Dims dims_;
+  int threads_;
   std::vector<std::optional<ValueRange>> ranges_;  // by material
   std::vector<bool> used_by_solid_;
 };
@@ -174,7 +193,7 @@ BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials
   BuiltWorld built;
   built.grid = grid_of(world);
   check_materials(materials);
-  Walk walk(built.grid, materials);
+  Walk walk(built.grid, materials, threads);
   walk.visit(world.root, {}, "world", "", 0);
   built.looks.assign(4, {{{{0, {1, 1, 1}}}, {{0, 0}}}, false});
   for (std::size_t i = 0; i < materials.size(); ++i) {

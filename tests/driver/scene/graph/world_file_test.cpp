@@ -167,6 +167,50 @@ TEST(WorldFile, HasVoidsByAFieldOfTheProgramsOwn) {
   EXPECT_NEAR(volume, 8 - 4 * std::numbers::pi / 3 * 0.027, 0.005);
 }
 
+TEST(WorldFile, HasHypertexturesWhoseNumbersEnginesDrive) {
+  const Scene scene = parse_scene(R"(
+    world { size: 16 node { name: "fire" material: "m" hypertexture { kind: "flame" torus { radius: 0.5 tube: 0.2 }
+      softness: 0.4 frequency: 2 octaves: 3 amplitude: 0.1 time: 1 length: 0.5 curl: 0.2 stretch: 1.5 seed: 9 } } }
+    material { name: "m" transfer_function { preset: "ramp" } }
+    engine { target: "node[fire].hypertexture.time" start: 1 rate: 2 })",
+                                  "a.scene", "/data");
+  const Hypertexture texture{.kind = HypertextureKind::kFlame,
+                             .shape = TorusShape{0.5, 0.2},
+                             .softness = 0.4,
+                             .frequency = 2,
+                             .octaves = 3,
+                             .amplitude = 0.1,
+                             .time = 1,
+                             .length = 0.5,
+                             .curl = 0.2,
+                             .stretch = 1.5,
+                             .seed = 9};
+  EXPECT_EQ(scene.world->root.children[0].content, Content(texture));
+  const Scene later = at_time(scene, 0.5);
+  EXPECT_EQ(std::get<Hypertexture>(later.world->root.children[0].content).time, 2);
+  EXPECT_FALSE(same_voxels(scene, later));
+  EXPECT_NE(set_up(scene).volume.samples, set_up(later).volume.samples);
+  Scene driven = scene;
+  for (const char* field : {"softness", "frequency", "amplitude", "time", "length", "curl", "stretch"}) {
+    find_parameter(driven, std::string("node[fire].hypertexture.") + field) = 7;
+  }
+  const Hypertexture sevens{texture.kind, texture.shape, 7, 7, 3, 7, 7, 7, 7, 7, 9};
+  EXPECT_EQ(driven.world->root.children[0].content, Content(sevens));
+  EXPECT_THROW(find_parameter(driven, "node[fire].hypertexture.octaves"), InputError);
+  EXPECT_THROW(find_parameter(driven, "node[fire].transform[0].scale.x"), InputError);
+}
+
+TEST(WorldFile, NamesTheFaultsOfAHypertexture) {
+  const std::string faults = faults_of(R"(world { node { name: "a" hypertexture { kind: "smoke" } }
+    node { name: "b" hypertexture { kind: "fur" sphere { radius: 0 } box { } softness: 0 } } })");
+  for (const char* part : {"node[a].hypertexture: expected one shape, got none",
+                           "node[a].hypertexture.kind: expected noise, turbulence, fur or flame, got \"smoke\"",
+                           "node[b].hypertexture: expected one shape, got several",
+                           "node[b].hypertexture.softness: expected a number above 0, got 0"}) {
+    EXPECT_THAT(faults, HasSubstr(part));
+  }
+}
+
 TEST(WorldFile, HasPartialVolumesIfItAsksForThem) {
   const std::string rest = " node { material: \"m\" sphere { } } } material { name: \"m\" }";
   EXPECT_EQ(parse_scene("world {" + rest, "a.scene", "").world->densities, Densities::kRamp);
@@ -218,13 +262,13 @@ TEST(WorldFile, ReportsAllFaultsByTheirFields) {
         "world.size: expected 8 to 1024 voxels, got 4",
         "node[a].sphere.radius: expected a number above 0, got -1",
         "node[a].material: expected a material of the scene, got \"steel\"",
-        "node[b]: expected children, one shape or one volume, got several",
+        "node[b]: expected children, one shape, one hypertexture or one volume, got several",
         "world.node[2].transform[0]: expected one of translate, rotate and scale, got none",
         "world.node[2].transform[1].scale: expected finite numbers other than 0, got 0 1 1",
         "world.node[2].transform[2].scale: expected all, or x, y and z, got both",
         "node[e].builtin: expected buckyball, buckyball_atoms, buckyball_bonds or head, got \"teapot\"",
         "node[d].transform[0].rotate.axis: expected a direction, got 0 0 0",
-        "node[f]: expected children, one shape or one volume, got nothing",
+        "node[f]: expected children, one shape, one hypertexture or one volume, got nothing",
         "node[g].mesh.file: expected a mesh, got none",
         "node[h].volume: expected a file, got a builtin",
         "material[gold]: expected one of solid, fog and transfer_function, got several",

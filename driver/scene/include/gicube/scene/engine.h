@@ -18,6 +18,7 @@ struct EngineKey {
 
 // Drives one number of the scene, named by its place:
 //   node[NAME].transform[I].translate.x   .rotate.degrees   .rotate.axis.x   .scale.x
+//   node[NAME].hypertexture.softness   .frequency   .amplitude   .time   .length   .curl   .stretch
 //   light[NAME or I].power  .towards.x  .position.x  .corner.x  .edge_u.x  .edge_v.x  .centre.x  .radius
 //   camera.eye.x   .look_at.x   .up.x   .fov_degrees   .orthographic_height      also camera[NAME].
 //   cut_plane[I].normal.x   .offset

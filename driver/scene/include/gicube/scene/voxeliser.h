@@ -102,6 +102,10 @@ GICUBE_API Affine scan_space(const Volume& scan);  // from the scan's voxels
 // The result has its own copy of the samples. `tag` and `visible` are left to the caller.
 GICUBE_API PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels);
 
+// The same of a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is nothing. It is called once
+// for each voxel, on several threads (0: one a core).
+GICUBE_API PlacedScan place_density(const Dims& dims, const ScanField& density, int threads = 0);
+
 // The same voxels for any number of threads (0 = one a core). Distances are evaluated near surfaces only. Under a map that scales
 // unequally the nearest point of a surface is searched for, which takes some thirty evaluations of the field a voxel in place of one.
 GICUBE_API VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids,

@@ -1,4 +1,4 @@
-// The scenegraph [P §4.1]: a hierarchy of transforms whose leaves are solids and scanned volumes.
+// The scenegraph [P §4.1]: a hierarchy of transforms whose leaves are solids, hypertextures and scanned volumes.
 //
 //   Node ring;
 //   ring.transforms = {Rotate{{1, 0, 0}, 90}, Translate{{0, 0, 0.5}}};   // applied in this order
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gicube/scene/affine.h"
+#include "gicube/scene/hypertexture.h"
 #include "gicube/scene/material.h"
 #include "gicube/scene/shape.h"
 #include "gicube/scene/volume_file.h"
@@ -47,7 +48,7 @@ struct Group {
   friend bool operator==(const Group&, const Group&) = default;
 };
 
-using Content = std::variant<Group, Shape, ScanContent>;
+using Content = std::variant<Group, Shape, ScanContent, Hypertexture>;
 
 struct Node {
   std::string name{};                   // for engines and messages
