@@ -200,6 +200,20 @@ TEST(WorldFile, HasHypertexturesWhoseNumbersEnginesDrive) {
   EXPECT_THROW(find_parameter(driven, "node[fire].transform[0].scale.x"), InputError);
 }
 
+TEST(WorldFile, OfTheSourceTreesHypertexturesAreBuilt) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/hypertexture")) {
+    Scene scene = read_scene(entry.path());
+    scene.world->size = 24;
+    const SceneSetup setup = set_up(at_time(scene, 1));
+    std::vector<float> densities = values_of(setup.volume);
+    std::ranges::sort(densities);
+    EXPECT_GT(std::ranges::unique(densities).begin() - densities.begin(), 100) << entry.path();
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 2);
+}
+
 TEST(WorldFile, NamesTheFaultsOfAHypertexture) {
   const std::string faults = faults_of(R"(world { node { name: "a" hypertexture { kind: "smoke" } }
     node { name: "b" hypertexture { kind: "fur" sphere { radius: 0 } box { } softness: 0 } } })");
