@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "gicube/v1/composition.pb.h"
 #include "scene/common/faults.h"
 #include "scene/common/whole_file.h"
@@ -19,13 +21,16 @@ struct Translator {
 
   Composition translate(const v1::Composition& source) {
     Composition out;
-    const int parts = source.volume_size() + source.surface_size();
-    faults.check(parts > 0, "volume", "at least one volume or surface", "none");
+    const int parts = source.volume_size() + source.surface_size() + source.shell_size();
+    faults.check(parts > 0, "volume", "at least one volume, surface or shell", "none");
     for (int i = 0; i < source.volume_size(); ++i) {
       out.volumes.push_back(volume(fmt::format("volume[{}]", i), source.volume(i)));
     }
     for (int i = 0; i < source.surface_size(); ++i) {
       out.surfaces.push_back(surface(fmt::format("surface[{}]", i), source.surface(i)));
+    }
+    for (int i = 0; i < source.shell_size(); ++i) {
+      out.shells.push_back(shell(fmt::format("shell[{}]", i), source.shell(i)));
     }
     if (source.has_camera()) out.camera = read_camera(faults, "camera", source.camera());
     if (source.has_phong()) out.phong = read_phong(faults, source.phong());
@@ -57,8 +62,9 @@ struct Translator {
     return out;
   }
 
-  // What it throws names the field.
-  Scene scene(const v1::PlacedVolume& source) const {
+  // Of a volume or shell. What it throws names the field.
+  template <typename Part>
+  Scene scene(const Part& source) const {
     constexpr std::string_view kBuiltin = "builtin:";
     Scene scene;
     const std::string& input = source.input();
@@ -94,13 +100,34 @@ struct Translator {
     out.name = source.name().empty() ? field : source.name();
     if (source.has_colour()) out.colour = read_colour(faults, field + ".colour", source.colour());
     out.opacity = faults.check_range(field + ".opacity", source.opacity(), 0, 1);
+    out.mesh = mesh(field, source);
+    return out;
+  }
+
+  PlacedShell shell(const std::string& field, const v1::Shell& source) {
+    constexpr int kMaxRepeat = 1000;  // chosen: each copy that a ray meets is a segment
+    PlacedShell out;
+    out.name = source.name().empty() ? field : source.name();
+    faults.gather_part(field, [&] { out.scene = scene(source); });
+    out.mesh = mesh(field, source);
+    faults.check(source.thickness() > 0 && std::isfinite(source.thickness()), field + ".thickness", "a number above 0",
+                 shown(source.thickness()));
+    out.settings = {source.thickness(), faults.check_whole(field + ".repeat_u", source.repeat_u(), 1, kMaxRepeat),
+                    faults.check_whole(field + ".repeat_v", source.repeat_v(), 1, kMaxRepeat)};
+    return out;
+  }
+
+  // In the common space.
+  template <typename Part>
+  Mesh mesh(const std::string& field, const Part& source) {
+    Mesh mesh;
     const Affine map = placement(field, source);
     faults.gather_part(field, [&] {
       if (source.file().empty()) throw InputError("file", "a mesh, .obj or .ply", "none");
-      out.mesh = read_mesh(folder / source.file());
+      mesh = read_mesh(folder / source.file());
     });
-    for (Vec3& point : out.mesh.points) point = map.point(point);
-    return out;
+    for (Vec3& point : mesh.points) point = map.point(point);
+    return mesh;
   }
 };
 

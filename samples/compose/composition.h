@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compose/shell.h"
 #include "gicube/scene/mesh.h"
 #include "gicube/scene/scene.h"
 #include "scene/names.h"
@@ -25,8 +26,17 @@ struct PlacedSurface {
   double opacity = 1;  // of one crossing
 };
 
+// A mesh that is covered by a thick layer of a volume (compose/shell.h).
+struct PlacedShell {
+  std::string name;
+  Scene scene;
+  Mesh mesh;  // in the common space, with texture coordinates
+  ShellSettings settings;
+};
+
 struct Composition {
   std::vector<PlacedVolume> volumes;
+  std::vector<PlacedShell> shells;
   std::vector<PlacedSurface> surfaces;
   CameraSettings camera;      // what is not set is chosen to show everything
   Phong phong;                // of volumes and surfaces

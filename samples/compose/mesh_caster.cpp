@@ -102,9 +102,9 @@ Vec3 MeshCaster::normal(const Crossing& crossing) const {
   return length(area) > 0 ? normalise(area) : Vec3{};
 }
 
-void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const {
-  found.clear();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> triangles;
+void MeshCaster::meet(Vec3 from, Vec3 direction,
+                      std::vector<std::pair<std::uint32_t, std::uint32_t>>& triangles) const {
+  triangles.clear();
   Collector collector;
   rtcInitIntersectContext(&collector);
   collector.filter = collect;
@@ -118,6 +118,12 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
   ray.ray.mask = ~0u;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene_->scene, &collector, &ray);
+}
+
+void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const {
+  found.clear();
+  thread_local std::vector<std::pair<std::uint32_t, std::uint32_t>> triangles;
+  meet(from, direction, triangles);
 
   for (const auto& [mesh, triangle] : triangles) {
     Crossing crossing{0, mesh, triangle, false};

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "gicube/scene/mesh.h"
@@ -26,6 +27,8 @@ class MeshCaster {
   // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner of triangles of
   // one mesh crosses the surface once there.
   void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
+  // Those triangles alone, each a mesh and its triangle, in no order.
+  void meet(Vec3 from, Vec3 direction, std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
   // Of unit length, to the side from which the corners are counter-clockwise; zero of a triangle without area.
   Vec3 normal(const Crossing& crossing) const;
   const std::vector<Mesh>& meshes() const;

@@ -32,16 +32,25 @@ Affine own_space(const SceneSetup& setup, bool world) {
   return compose(translation(setup.grid.low), scaling({voxel, voxel, voxel}));
 }
 
-Medium set_up(const PlacedVolume& placed, const View& sampling, int threads) {
+void place(const PlacedVolume& placed, Medium& medium) {
+  const Affine map = compose(placed.to_space, own_space(medium.setup, placed.scene.world.has_value()));
+  require(std::abs(determinant(map)) > std::numeric_limits<double>::min(), "transform", "one that keeps a volume",
+          determinant(map));
+  medium.to_voxels = inverse(map);
+}
+
+// The light is the mesh's own: the volume's axes turn from place to place.
+void place(const PlacedShell& placed, Medium& medium) {
+  medium.setup.view.shade = false;
+  medium.shell = std::make_shared<const Shell>(placed.mesh, placed.settings, medium.setup.volume.dims);
+}
+
+template <typename Placed>
+Medium set_up(const Placed& placed, int threads) {
   Medium medium{placed.name, {}, {}};
   try {
-    Scene scene = placed.scene;
-    scene.view.step = sampling.step;
-    medium.setup = set_up(scene, threads);
-    const Affine map = compose(placed.to_space, own_space(medium.setup, scene.world.has_value()));
-    require(std::abs(determinant(map)) > std::numeric_limits<double>::min(), "transform", "one that keeps a volume",
-            determinant(map));
-    medium.to_voxels = inverse(map);
+    medium.setup = set_up(placed.scene, threads);
+    place(placed, medium);
   } catch (const FileError&) {
     throw;
   } catch (const InputError& error) {
@@ -60,6 +69,10 @@ SceneBox box_of(const Stage& stage) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   SceneBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
   for (const Medium& medium : stage.media) {
+    if (medium.shell) {
+      for (const Vec3& p : medium.shell->faces().points) include(box, p);
+      continue;
+    }
     const Affine to_space = inverse(medium.to_voxels);
     const auto& [low, high] = medium.setup.box;
     for (int i = 0; i < 8; ++i) {
@@ -164,9 +177,13 @@ std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, M
   RayPlan plan;
   each_sample(stage.view, [&](double x, double y) {
     plan_ray(stage, eye_ray(stage.view, x, y), plan);
+    bool met = false;
     for (const Segment& segment : plan.segments) {
-      if (segment.volume == index) tracer.add(segment, medium.setup.volume.dims);
+      if (segment.volume != index) continue;
+      tracer.add(segment, medium.setup.volume.dims);
+      met = true;
     }
+    cost.rays += met ? 1 : 0;
   });
   std::vector<Result> results = tracer.finish();
   cost.segments = results.size();
@@ -193,8 +210,9 @@ void check_segments(const Stage& stage) {
 Stage set_up(const Composition& composition, int threads) {
   Stage stage;
   for (const PlacedVolume& volume : composition.volumes) {
-    stage.media.push_back(set_up(volume, composition.view, threads));
+    stage.media.push_back(set_up(volume, threads));
   }
+  for (const PlacedShell& shell : composition.shells) stage.media.push_back(set_up(shell, threads));
   std::vector<Mesh> meshes;
   for (const PlacedSurface& surface : composition.surfaces) {
     stage.surfaces.push_back({surface.name, {}, surface.colour, surface.opacity});
@@ -227,6 +245,10 @@ void plan_ray(const Stage& stage, const EyeRay& ray, RayPlan& plan) {
   spans.clear(), surfaces.clear();
   for (std::size_t i = 0; i < stage.media.size(); ++i) {
     const Medium& medium = stage.media[i];
+    if (medium.shell) {
+      medium.shell->add_spans(ray.origin, ray.direction, i, normalise(stage.light), stage.phong, spans);
+      continue;
+    }
     Span span{i, 0, 0, medium.to_voxels.point(ray.origin), medium.to_voxels.vector(ray.direction)};
     const HostRay whole{.id = 0,
                         .position = span.origin,
@@ -279,7 +301,8 @@ Picture compose(const Stage& stage, std::vector<Board>& boards, std::vector<Medi
       media.clear();
       for (std::size_t i = 0; i < layer.segments; ++i, ++segment) {
         const Result& result = results[segment->volume][next[segment->volume]++];
-        media.push_back({{result.colour[0], result.colour[1], result.colour[2]}, result.opacity});
+        media.push_back({{}, result.opacity});
+        for (std::size_t c = 0; c < 3; ++c) media.back().colour[c] = segment->shade * result.colour[c];
       }
       ray = over(ray, layer.segments > 0 ? mixed(media) : layer.surface);
     }

@@ -16,11 +16,12 @@
 
 namespace gicube::samples {
 
-// A volume with its voxels, and where it is.
+// A volume with its voxels, and where it is: in a box, or all over a shell.
 struct Medium {
   std::string name;
   SceneSetup setup;
-  Affine to_voxels;  // from the common space
+  Affine to_voxels;  // from the common space, unless it is a shell's
+  std::shared_ptr<const Shell> shell{};
 };
 
 // A composition as voxels and triangles.
@@ -49,6 +50,7 @@ void plan_ray(const Stage& stage, const EyeRay& ray, RayPlan& plan);
 // What a volume cost.
 struct MediumCost {
   std::size_t board = 0;            // which board traced it
+  std::uint64_t rays = 0;           // viewing rays that meet it
   std::uint64_t segments = 0;       // host rays
   Picoseconds load = 0, trace = 0;  // simulated, of that board: the volume and its tables; its segments there and back
 };

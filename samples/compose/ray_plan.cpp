@@ -45,7 +45,7 @@ void plan_ray(std::span<const Span> spans, std::span<const SurfacePoint> surface
     const double pieces = here.size() > 1 ? std::max(1.0, std::ceil(voxels / overlap_step)) : 1;
     for (double piece = 0; piece < pieces; ++piece) {
       const double near = begin + way * piece / pieces, far = begin + way * (piece + 1) / pieces;
-      for (const Span* span : here) plan.segments.push_back({span->volume, span->at(near), span->at(far)});
+      for (const Span* span : here) plan.segments.push_back({span->volume, span->at(near), span->at(far), span->shade});
       plan.layers.push_back({here.size(), {}});
     }
   }

@@ -23,6 +23,7 @@ struct Span {
   std::size_t volume = 0;
   double near = 0, far = 0;
   Vec3 origin, direction;
+  double shade = 1;  // of its light, 0..1
 
   Vec3 at(double distance) const { return origin + distance * direction; }
 };
@@ -36,6 +37,7 @@ struct SurfacePoint {
 struct Segment {
   std::size_t volume = 0;
   Vec3 from, to;
+  double shade = 1;
 };
 
 // A surface, or segments that fill the same piece of the ray.

@@ -139,6 +139,12 @@ def form_factors(folder):
         draw(folder, f"form_factors_trade_{cost}", lines, log_x=True, log_y=True)
 
 
+def volume_texture(folder):
+    names = {"pci33": "PCI", "agp1x": "AGP", "agp2x": "AGP 2x", "agp4x": "AGP 4x"}
+    lines = [series(names[bus], rows, "rays_a_pixel", "hz") for bus, rows in grouped(rows_of(folder / "volume_texture.csv"), "bus").items()]
+    draw(folder, "volume_texture", lines, log_x=True, log_y=True, lines_y=[(30, "30 Hz")])
+
+
 def by_time(groups, **of_panel):
     """Of a sweep's series: error by the board's time and by the bus's."""
     lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look, boxed=True)
@@ -233,5 +239,5 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, emulator, held_out, scaling)} | {
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, volume_texture, emulator, held_out, scaling)} | {
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

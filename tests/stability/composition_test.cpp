@@ -140,6 +140,43 @@ TEST(StabilityOfCompositions, AnOpaqueWallInAnOverlapHidesAtMostOnePieceBeforeIt
   }
 }
 
+// A cube seen from within: its layer grows towards its middle, and beyond that prisms turn inside out.
+TEST(StabilityOfCompositions, AShellThickerThanAHollowIsTornButNothingOfItCountsTwice) {
+  scene::Mesh hollow = cube(1);
+  for (auto& triangle : hollow.triangles) std::swap(triangle[1], triangle[2]);
+  for (const Vec3& p : hollow.points) hollow.texture.push_back({0.5 + p.x / 3, 0.5 + p.y / 3});
+  hollow.texture_triangles = hollow.triangles;
+  const Dims dims{8, 8, 8};
+  const auto torn = [&](double thickness) {  // of the places where a ray goes from one tetrahedron to the next
+    const Shell shell(hollow, {.thickness = thickness}, dims);
+    std::vector<Span> spans;
+    int jumps = 0, places = 0;
+    for (int i = 0; i < 400; ++i) {
+      spans.clear();
+      shell.add_spans({-0.95 + 0.1 * (i % 20), -0.95 + 0.1 * (i / 20), -3}, {0, 0, 1}, 0, {0, 0, 1}, {}, spans);
+      for (std::size_t k = 1; k < spans.size(); ++k) {
+        EXPECT_GE(spans[k].near, spans[k - 1].far);
+        if (spans[k].near - spans[k - 1].far > 1e-9) continue;
+        ++places;
+        jumps += length(spans[k].at(spans[k].near) - spans[k - 1].at(spans[k - 1].far)) > 0.5 ? 1 : 0;
+      }
+    }
+    return static_cast<double>(jumps) / places;
+  };
+  EXPECT_EQ(torn(0.5), 0);
+  const double thick = torn(4);
+  EXPECT_GT(thick, 0.05);
+  record("torn_places_of_a_shell_thicker_than_its_hollow", thick);
+  Stage stage = stage_of({fog(dims, {1, 1, 1}, 0.1)}, {}, {0, 0, -3}, 8, 8);
+  stage.view.orthographic_height = 2;
+  stage.media[0].shell = std::make_shared<const Shell>(hollow, ShellSettings{.thickness = 4}, dims);
+  for (const Premultiplied& pixel : picture_of(stage, kWide).pixels) {
+    EXPECT_GT(pixel.opacity, 0.05);
+    EXPECT_LE(pixel.opacity, 1);
+    EXPECT_LE(pixel.colour[0], pixel.opacity + 1e-3);
+  }
+}
+
 TEST(StabilityOfCompositions, MeshesFarFromTheOriginAreMissedOrMetByTheirSinglePrecision) {
   constexpr double kFar = 1e5, kPrecision = kFar * 0x1p-23;
   scene::Mesh mesh = cube(1);

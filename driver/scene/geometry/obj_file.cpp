@@ -20,9 +20,11 @@ struct ObjReader {
       ++line_number;
       const Words words = words_of(line.substr(0, line.find('#')));
       if (!words.empty() && words[0] == "v") point(words);
+      if (!words.empty() && words[0] == "vt") texture_point(words);
       if (!words.empty() && words[0] == "f") face(words);
     }
     if (mesh.triangles.empty()) throw FileError(file, "faces", "at least one", "none");
+    if (mesh.texture_triangles.size() != mesh.triangles.size()) mesh.texture = {}, mesh.texture_triangles = {};
     return std::move(mesh);
   }
 
@@ -30,32 +32,51 @@ struct ObjReader {
     throw FileError(file, fmt::format("line {}: {}", line_number, field), expected, got);
   }
 
-  void point(const Words& words) {
-    double values[3];
-    for (std::size_t i = 0; i < 3; ++i) {  // a fourth one, the weight, and vertex colours are of no use here
+  // The first ones of a statement; a point's weight and colour, and a texture's third coordinate, are of no use here.
+  template <std::size_t Count>
+  std::array<double, Count> numbers(const Words& words, const char* expected) const {
+    std::array<double, Count> values{};
+    for (std::size_t i = 0; i < Count; ++i) {
       const std::string_view word = i + 1 < words.size() ? words[i + 1] : "";
       const auto number = parse_number<double>(word);
-      if (!number || !std::isfinite(*number)) fail("v", "three finite numbers", in_quotes(word));
+      if (!number || !std::isfinite(*number)) fail(std::string(words[0]), expected, in_quotes(word));
       values[i] = *number;
     }
-    mesh.points.push_back({values[0], values[1], values[2]});
+    return values;
   }
 
-  // "7", "7/1", "7//3" or "-1/..."; only the first number counts.
-  std::uint32_t corner(std::string_view word) const {
-    const auto number = parse_number<std::int64_t>(word.substr(0, word.find('/')));
-    const auto points = static_cast<std::int64_t>(mesh.points.size());
-    if (!number || *number == 0 || *number > points || *number < -points) {
-      fail("f", fmt::format("a point from 1 to {}", points), in_quotes(word));
+  void point(const Words& words) {
+    const auto [x, y, z] = numbers<3>(words, "three finite numbers");
+    mesh.points.push_back({x, y, z});
+  }
+  void texture_point(const Words& words) { mesh.texture.push_back(numbers<2>(words, "two finite numbers")); }
+
+  // "7" or "-1" as an index among `count`, in a corner's `word`.
+  std::uint32_t index(std::string_view part, std::size_t count, const char* what, std::string_view word) const {
+    const auto number = parse_number<std::int64_t>(part);
+    const auto all = static_cast<std::int64_t>(count);
+    if (!number || *number == 0 || *number > all || *number < -all) {
+      fail("f", fmt::format("a {} from 1 to {}", what, all), in_quotes(word));
     }
-    return static_cast<std::uint32_t>(*number > 0 ? *number - 1 : points + *number);
+    return static_cast<std::uint32_t>(*number > 0 ? *number - 1 : all + *number);
   }
 
+  // Corners are "7", "7/1", "7/1/3" or "7//3": point, texture coordinates, normal.
   void face(const Words& words) {
-    std::vector<std::uint32_t> corners;
-    for (const std::string_view word : words | std::views::drop(1)) corners.push_back(corner(word));
+    std::vector<std::uint32_t> corners, texture;
+    for (const std::string_view word : words | std::views::drop(1)) {
+      const std::size_t slash = std::min(word.find('/'), word.size());
+      corners.push_back(index(word.substr(0, slash), mesh.points.size(), "point", word));
+      std::string_view second = word.substr(std::min(slash + 1, word.size()));
+      second = second.substr(0, second.find('/'));
+      if (!second.empty()) texture.push_back(index(second, mesh.texture.size(), "texture coordinate", word));
+    }
     if (corners.size() < 3) fail("f", "at least 3 corners", std::to_string(corners.size()));
     if (!add_fan(corners, mesh)) fail("f", fmt::format("at most {}", kMaxTriangles), "more");
+    if (texture.size() != corners.size()) return;
+    for (std::size_t i = 2; i < texture.size(); ++i) {
+      mesh.texture_triangles.push_back({texture[0], texture[i - 1], texture[i]});
+    }
   }
 };
 

@@ -35,20 +35,22 @@ std::uint64_t stage_hash(const Stage& stage) {
 
 void print(const Stage& stage, const std::vector<MediumCost>& costs) {
   for (std::size_t i = 0; i < costs.size(); ++i) {
-    fmt::print("{}: {} segments, {:.3f} ms to load, {:.3f} ms to trace, board {}\n", stage.media[i].name,
-               costs[i].segments, to_ms(costs[i].load), to_ms(costs[i].trace), costs[i].board);
+    fmt::print("{}: {} rays meet it, {} segments, {:.3f} ms to load, {:.3f} ms to trace, board {}\n",
+               stage.media[i].name, costs[i].rays, costs[i].segments, to_ms(costs[i].load), to_ms(costs[i].trace),
+               costs[i].board);
   }
   fmt::print("picture: {:.3f} ms simulated, {:.3f} ms a further one\n", to_ms(time_of(costs, false)),
              to_ms(time_of(costs, true)));
 }
 
-// Keys: volumes (name, board, segments, load_ms, trace_ms), surfaces, frame_ms, further_frame_ms, step, overlap_step, boards (each as
+// Keys: volumes (name, board, rays, segments, load_ms, trace_ms), surfaces, frame_ms, further_frame_ms, step, overlap_step, boards (each as
 // cost_json()).
 Json statistics_of(const Stage& stage, const std::vector<MediumCost>& costs) {
   Json volumes = Json::array();
   for (std::size_t i = 0; i < costs.size(); ++i) {
     volumes.push_back({{"name", stage.media[i].name},
                        {"board", costs[i].board},
+                       {"rays", costs[i].rays},
                        {"segments", costs[i].segments},
                        {"load_ms", to_ms(costs[i].load)},
                        {"trace_ms", to_ms(costs[i].trace)}});

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
+#include "../../driver/scene/damage.h"
+
 namespace gicube::samples {
 namespace {
 
@@ -49,6 +53,48 @@ TEST(Composition, PlacesVolumesAndSurfaces) {
   EXPECT_EQ(read.light, (Vec3{1, 0, 0}));
 }
 
+TEST(Composition, CoversMeshesWithVolumes) {
+  const Composition read = parsed_composition(R"(
+    shell { name: "hair" file: "compose/knot.obj" input: "compose/hairs.scene" volume_size: 24 thickness: 0.2 repeat_u: 30 repeat_v: 4
+            transform { scale { all: 2 } } })");
+  ASSERT_EQ(read.shells.size(), 1u);
+  const PlacedShell& shell = read.shells[0];
+  EXPECT_EQ(shell.name, "hair");
+  EXPECT_EQ(shell.scene.world->size, 24);
+  EXPECT_EQ(shell.mesh.points.front(), 2 * read_mesh(kScenes / "compose/knot.obj").points.front());
+  EXPECT_EQ(shell.mesh.texture_triangles.size(), shell.mesh.triangles.size());
+  EXPECT_EQ(shell.settings.thickness, 0.2);
+  EXPECT_EQ(shell.settings.repeat_u, 30);
+  EXPECT_EQ(shell.settings.repeat_v, 4);
+  const std::string fault =
+      fault_of("shell { repeat_u: 0 repeat_v: 2000 } shell { file: \"gem.obj\" input: \"x.nrrd\" thickness: -1 }");
+  for (const char* part :
+       {"shell[0].input: expected a scene, a volume file or builtin:buckyball, got none",
+        "shell[0].file: expected a mesh, .obj or .ply, got none",
+        "shell[0].thickness: expected a number above 0, got 0", "shell[0].repeat_u: expected 1 to 1000, got 0",
+        "shell[0].repeat_v: expected 1 to 1000, got 2000", "shell[1].thickness: expected a number above 0, got -1"}) {
+    EXPECT_THAT(fault, HasSubstr(part));
+  }
+}
+
+TEST(Composition, IsReadOrRefusedHoweverItIsDamaged) {
+  const std::string whole =
+      R"(volume { name: "a" input: "golden_ring.scene" volume_size: 32 transform { translate { x: 2 } } }
+    surface { file: "gem.obj" opacity: 0.5 colour { red: 0.5 } transform { scale { z: 2 } } }
+    shell { file: "compose/knot.obj" input: "glass.scene" thickness: 0.1 repeat_u: 3 } camera { eye { z: 5 } } step: 0.25)";
+  EXPECT_NO_THROW(parsed_composition(whole));
+  std::mt19937 random(3);
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    try {
+      parsed_composition(damaged(whole, "0123456789-. {}:\"#_", random));
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
 TEST(Composition, NamesAllItsFaultsByField) {
   const std::string fault = fault_of(R"(
     volume { } volume { input: "none.scene" } volume { input: "a.nrrd" volume_size: 32 }
@@ -65,7 +111,7 @@ TEST(Composition, NamesAllItsFaultsByField) {
         "light: expected a direction, got 0 0 0", "opacity_threshold: expected 1e-06 to 1, got 0"}) {
     EXPECT_THAT(fault, HasSubstr(part));
   }
-  EXPECT_THAT(fault_of(""), HasSubstr("volume: expected at least one volume or surface, got none"));
+  EXPECT_THAT(fault_of(""), HasSubstr("volume: expected at least one volume, surface or shell, got none"));
   EXPECT_THAT(fault_of("surfaces { }"), HasSubstr("x:1:10: "));
 }
 

@@ -177,6 +177,7 @@ TEST(ComposedPicture, IsChargedForLoadsAndRays) {
   for (const MediumCost& cost : costs) {
     // 4.5 bytes a voxel on a bus of 132 MB/s at most, and 31 pieces of 32 bytes for each of 256 rays down and up.
     EXPECT_GT(cost.load, 4.5 * 24 * 24 * 32 / 132e6 * 1e12);
+    EXPECT_EQ(cost.rays, 256u);
     EXPECT_EQ(cost.segments, 256u * 31u);
     EXPECT_GT(cost.trace, 2 * 32 * 256 * 31 / 132e6 * 1e12);
     all += cost.load + cost.trace;

@@ -10,10 +10,10 @@ import pytest
 BIN = os.environ["GICUBE_BIN_DIR"]
 os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 
-from studies import charts, cone_beam, form_factors, lighting, points  # noqa: E402
+from studies import charts, cone_beam, form_factors, lighting, points, volume_texture  # noqa: E402
 from studies.points import Kept, Table, measure, text_of  # noqa: E402
 
-MODULES = {"lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors}
+MODULES = {"lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
 
 
 @pytest.fixture(autouse=True)
@@ -234,3 +234,14 @@ def test_a_reconstruction_is_compared_with_its_phantom_and_costs_what_its_views_
 def test_a_program_that_fails_is_named_with_what_it_said(kept):
     with pytest.raises(Exception, match="exit code 2: .*os-sart"):
         cone_beam.Case(cone_beam.HEAD, cone_beam.chart_scan(16, 24, 12), {"method": "none"}).reconstruct()
+
+
+# ---- volumetric textures
+
+
+def test_a_volumetric_texture_is_bound_by_the_bus_that_its_rays_cross_twice():
+    pci, agp = (volume_texture.measured(bus, 1, "24x24", "functional") for bus in ("pci33", "agp4x"))
+    assert pci["rays"] == agp["rays"] > 3 * pci["pixels"] > 300
+    least = 2 * 32 * pci["rays"] / 132e6 * 1e3  # ms, at the paper's 132 MB/s
+    assert least < pci["ms"] < 1.3 * least
+    assert agp["ms"] < 0.5 * pci["ms"]

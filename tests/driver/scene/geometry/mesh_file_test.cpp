@@ -129,18 +129,32 @@ TEST(ObjFile, IsReadWithEveryFormOfACorner) {
       "s off\nf 1/1/1 2//1 3/1\nf -1 -2 -3 -4 # back\n",
       "a.obj");
   expect_the_plys_mesh(mesh);
+  EXPECT_TRUE(mesh.texture.empty());  // not all corners have coordinates
+  EXPECT_TRUE(mesh.texture_triangles.empty());
+}
+
+TEST(ObjFile, HasTextureCoordinatesIfAllCornersHave) {
+  const Mesh mesh = parse_obj(
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0.5\nvt 0.25 1\nf 1/1 2/2/7 3/3 4/-2\nf -1/3 -2/2 -3/1\n",
+      "a.obj");
+  EXPECT_EQ(mesh.texture, (std::vector<std::array<double, 2>>{{0, 0}, {1, 0}, {0.25, 1}}));
+  EXPECT_EQ(mesh.texture_triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 1}, {2, 1, 0}}));
+  EXPECT_EQ(mesh.triangles.size(), 3u);
 }
 
 TEST(ObjFile, NamesLineAndWhatIsWrong) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  const std::pair<std::string, const char*> cases[] = {{"v 0 0\n", "line 1: v: expected three finite numbers"},
-                                                       {"v 0 0 inf\n", "got \"inf\""},
-                                                       {points + "f 1 2\n", "line 4: f: expected at least 3 corners"},
-                                                       {points + "f 1 2 4\n", "a point from 1 to 3, got \"4\""},
-                                                       {points + "f 1 2 0\n", "got \"0\""},
-                                                       {points + "f 1 2 -4\n", "got \"-4\""},
-                                                       {points + "f 1 2 x\n", "got \"x\""},
-                                                       {points + "f 1 2 99999999999999999999\n", "got \"9999"}};
+  const std::pair<std::string, const char*> cases[] = {
+      {"v 0 0\n", "line 1: v: expected three finite numbers"},
+      {"v 0 0 inf\n", "got \"inf\""},
+      {points + "f 1 2\n", "line 4: f: expected at least 3 corners"},
+      {points + "f 1 2 4\n", "a point from 1 to 3, got \"4\""},
+      {points + "f 1 2 0\n", "got \"0\""},
+      {points + "f 1 2 -4\n", "got \"-4\""},
+      {points + "f 1 2 x\n", "got \"x\""},
+      {"vt 1\n", "line 1: vt: expected two finite numbers, got \"\""},
+      {points + "vt 0 0\nf 1/1 2/2 3/1\n", "a texture coordinate from 1 to 1, got \"2/2\""},
+      {points + "f 1 2 99999999999999999999\n", "got \"9999"}};
   for (const auto& [text, fault] : cases) EXPECT_THAT(obj_fault(text), HasSubstr(fault));
 }
 

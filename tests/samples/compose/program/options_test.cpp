@@ -48,10 +48,10 @@ TEST(ComposeOptions, RefuseWhatCanNotBeDone) {
 }
 
 TEST(TimeOf, APictureIsThatOfTheBusiestBoard) {
-  const std::vector<MediumCost> costs{{0, 1, 10, 1}, {1, 1, 20, 5}, {0, 1, 30, 2}};
+  const std::vector<MediumCost> costs{{0, 1, 1, 10, 1}, {1, 1, 1, 20, 5}, {0, 1, 1, 30, 2}};
   EXPECT_EQ(time_of(costs, false), 43u);
   EXPECT_EQ(time_of(costs, true), 43u);  // the first board still loads two volumes by turns
-  EXPECT_EQ(time_of({{0, 1, 10, 1}, {1, 1, 20, 5}}, true), 5u);
+  EXPECT_EQ(time_of({{0, 1, 1, 10, 1}, {1, 1, 1, 20, 5}}, true), 5u);
   EXPECT_EQ(time_of({}, false), 0u);
 }
 

@@ -1,6 +1,6 @@
 // Triangle meshes, in memory or from Wavefront OBJ and PLY files.
 //
-//   .obj   `v` and `f` statements (also v/vt/vn and negative indices); normals, textures, groups and materials are ignored
+//   .obj   `v`, `vt` and `f` statements (also v/vt/vn and negative indices); normals, groups and materials are ignored
 //   .ply   ascii, binary_little_endian, binary_big_endian 1.0: element vertex with x y z, element face with the list
 //          vertex_indices or vertex_index; other elements and properties are skipped
 //
@@ -20,6 +20,9 @@ namespace gicube::scene {
 struct Mesh {
   std::vector<Vec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of points, counter-clockwise as seen from outside
+  // Texture coordinates u, v, and each triangle's indices of them; both empty unless all corners of all faces have some (.obj).
+  std::vector<std::array<double, 2>> texture{};
+  std::vector<std::array<std::uint32_t, 3>> texture_triangles{};
 };
 
 constexpr std::uintmax_t kMaxMeshMib = 512;      // chosen: of the file
