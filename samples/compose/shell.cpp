@@ -1,12 +1,11 @@
 #include "compose/shell.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 
 namespace gicube::samples {
 namespace {
@@ -26,6 +25,21 @@ std::vector<Vec3> corner_normals(const Mesh& mesh) {
   return sums;
 }
 
+// chosen: of a triangle. A ray may have a segment for each copy.
+constexpr double kMaxCopies = 1000;
+
+void check_copies(const Mesh& mesh, const ShellSettings& settings) {
+  for (const auto& triangle : mesh.texture_triangles) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const auto [low, high] = std::ranges::minmax(
+          {mesh.texture[triangle[0]][axis], mesh.texture[triangle[1]][axis], mesh.texture[triangle[2]][axis]});
+      const double copies = (high - low) * (axis == 0 ? settings.repeat_u : settings.repeat_v);
+      require(copies <= kMaxCopies, axis == 0 ? "repeat_u" : "repeat_v",
+              "at most 1000 copies of the volume on a triangle", copies);
+    }
+  }
+}
+
 // A prism's corner: of the triangle's corner `which`, on the mesh or outside.
 struct PrismCorner {
   std::size_t which;
@@ -39,6 +53,7 @@ Shell::Shell(const Mesh& mesh, const ShellSettings& settings, const Dims& dims)
   if (mesh.texture_triangles.size() != mesh.triangles.size()) {
     throw InputError("file", "a mesh whose faces all have texture coordinates (.obj, vt)", "others");
   }
+  check_copies(mesh, settings);
   const std::vector<Vec3> normals = corner_normals(mesh);
   Mesh faces;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

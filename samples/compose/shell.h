@@ -23,7 +23,7 @@ struct ShellSettings {
 // The volume's x and y lie along the texture coordinates u and v, its z from the mesh outwards.
 class Shell {
  public:
-  // Throws InputError: a mesh without texture coordinates.
+  // Throws InputError: a mesh without texture coordinates, more than 1000 copies of the volume on one of its triangles.
   Shell(const Mesh& mesh, const ShellSettings& settings, const Dims& dims);
 
   // Adds the spans of a ray, of unit direction, through the shell: one for each tetrahedron and copy of the volume. They do not overlap: where

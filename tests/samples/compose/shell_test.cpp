@@ -131,7 +131,23 @@ TEST(Shell, IsShadedByTheMeshsNormals) {
   }
 }
 
-TEST(Shell, NeedsTextureCoordinates) { EXPECT_THROW(Shell(square(1, 0), {.thickness = 1}, kTile), InputError); }
+TEST(Shell, NeedsTextureCoordinatesThatStayWithinBounds) {
+  const auto refusal = [](const Mesh& mesh, const ShellSettings& settings) -> std::string {
+    try {
+      const Shell shell(mesh, settings, kTile);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(refusal(square(1, 0), {.thickness = 1}),
+            "file: expected a mesh whose faces all have texture coordinates (.obj, vt), got others");
+  Mesh wide = flat();
+  wide.texture[1][0] = 100;
+  EXPECT_EQ(refusal(wide, {.thickness = 1, .repeat_u = 10}), "none");
+  EXPECT_EQ(refusal(wide, {.thickness = 1, .repeat_u = 11}),
+            "repeat_u: expected at most 1000 copies of the volume on a triangle, got 1100");
+}
 
 }  // namespace
 }  // namespace gicube::samples
