@@ -1,7 +1,8 @@
-// Scenes, transfer functions with the LUT that they become, and meshes with their distances.
+// Scenes, compositions, transfer functions with the LUT that they become, and meshes with their distances.
 #include <algorithm>
 #include <cmath>
 
+#include "compose/composition.h"
 #include "encode/look_up_tables.h"
 #include "gicube/error.h"
 #include "gicube/scene/error.h"
@@ -22,6 +23,16 @@ constexpr std::size_t kMaxTriangles = 500;  // chosen: keeps an input's distance
 void scene(Bytes input) {
   try {
     samples::parse_scene(std::string(text_of(input)), "input", "no/such/folder");
+  } catch (const samples::InputError& error) {
+    expect(std::string_view(error.what()).starts_with("input"), "a fault names its file first");
+  }
+}
+
+void composition(Bytes input) {
+  try {
+    const auto read = samples::parse_composition(std::string(text_of(input)), "input", "no/such/folder");
+    expect(read.volumes.size() + read.surfaces.size() + read.shells.size() > 0, "a composition has a part");
+    expect(read.overlap_step > 0, "pieces of an overlap have a length");
   } catch (const samples::InputError& error) {
     expect(std::string_view(error.what()).starts_with("input"), "a fault names its file first");
   }
@@ -49,6 +60,9 @@ void mesh(Bytes input) {
     expect(!mesh.triangles.empty(), "a mesh has a triangle");
     for (const auto& triangle : mesh.triangles) {
       for (const std::uint32_t corner : triangle) expect(corner < mesh.points.size(), "a corner is a point");
+    }
+    for (const auto& triangle : mesh.texture_triangles) {
+      for (const std::uint32_t corner : triangle) expect(corner < mesh.texture.size(), "a corner has its coordinates");
     }
     if (mesh.triangles.size() > kMaxTriangles) return;
     const samples::MeshDistance distance(mesh, "input");

@@ -9,6 +9,7 @@ const std::vector<Target>& targets() {
       {"c_api", c_api},
       {"capture", capture},
       {"checkpoint", checkpoint},
+      {"composition", composition},
       {"cone_scan", cone_scan},
       {"config", config},
       {"ctsimu", ctsimu},

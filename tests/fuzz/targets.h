@@ -17,6 +17,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 // Files.
 void capture(Bytes input);
+void composition(Bytes input);
 void cone_scan(Bytes input);
 void config(Bytes input);
 void ctsimu(Bytes input);
