@@ -1,0 +1,203 @@
+#include "extinction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reference/camera.h"
+
+namespace gicube::reference::paths {
+
+namespace {
+
+constexpr int kCube = 4;  // voxels
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Where, from 0 on, a line is inside the box and on the kept side of all planes.
+Interval kept(Vec3 origin, Vec3 direction, Vec3 high, Vec3 spacing, const std::vector<CutPlane>& planes) {
+  Interval out{0, kInfinity};
+  const auto keep = [&](Vec3 normal, double offset) {  // normal . p >= offset
+    const double slope = dot(normal, direction), above = dot(normal, origin) - offset;
+    if (slope > 0) out.begin = std::max(out.begin, -above / slope);
+    if (slope < 0) out.end = std::min(out.end, -above / slope);
+    if (slope == 0 && above < 0) out.end = -1;
+  };
+  keep({1, 0, 0}, 0), keep({0, 1, 0}, 0), keep({0, 0, 1}, 0);
+  keep({-1, 0, 0}, -high.x), keep({0, -1, 0}, -high.y), keep({0, 0, -1}, -high.z);
+  for (const CutPlane& plane : planes) {
+    keep({plane.normal.x / spacing.x, plane.normal.y / spacing.y, plane.normal.z / spacing.z}, plane.offset);
+  }
+  return out;
+}
+
+bool reflects(Bsdf bsdf) { return bsdf == Bsdf::kSpecular || bsdf == Bsdf::kDullReflection || bsdf == Bsdf::kDiffuse; }
+
+bool depends_on_normal(const Material& material) {
+  return reflects(material.bsdf) || (material.bsdf == Bsdf::kTrap && material.routine == kFresnelRoutine);
+}
+
+// The greatest opacity of the values from `low` to `high`: at an end, at a point between them, or on either side of a step.
+double max_opacity(const TransferFunction& function, double low, double high) {
+  if (function.opacities.empty()) return 0;
+  double most = std::max(function.opacity_at(low), function.opacity_at(high));
+  for (const OpacityPoint& point : function.opacities) {
+    if (point.value >= low && point.value <= high) most = std::max(most, point.opacity);
+  }
+  return most;
+}
+
+}  // namespace
+
+Extinction::Extinction(const PathScene& scene, const Field& field)
+    : scene_(scene), field_(field), spacing_(field.spacing()) {
+  const Dims dims = field.volume().dims;
+  for (std::size_t axis = 0; axis < 3; ++axis) cubes_[axis] = (dims[axis] - 2) / kCube + 1;
+  for (int z = 0; z < cubes_[2]; ++z) {
+    for (int y = 0; y < cubes_[1]; ++y) {
+      for (int x = 0; x < cubes_[0]; ++x) bounds_.push_back(bound_of_cube({kCube * x, kCube * y, kCube * z}));
+    }
+  }
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), depends_on_normal)) return;
+  for (int z = 0; z < dims[2]; ++z) {
+    for (int y = 0; y < dims[1]; ++y) {
+      for (int x = 0; x < dims[0]; ++x) {
+        const Vec3 g = field.voxel_gradient(x, y, z);
+        gradients_.push_back({static_cast<float>(g.x), static_cast<float>(g.y), static_cast<float>(g.z)});
+      }
+    }
+  }
+}
+
+Vec3 Extinction::gradient(Vec3 position) const {
+  if (gradients_.empty()) return {};
+  const Dims dims = field_.volume().dims;
+  const Vec3 voxel = voxel_of(position);
+  const std::array<double, 3> place{voxel.x, voxel.y, voxel.z};
+  std::array<std::array<double, 2>, 3> weights{};
+  std::array<std::size_t, 3> first{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double at = std::clamp(place[axis], 0.0, dims[axis] - 1.0);
+    first[axis] = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(dims[axis]) - 2);
+    weights[axis][1] = at - static_cast<double>(first[axis]);
+    weights[axis][0] = 1 - weights[axis][1];
+  }
+  Vec3 sum;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::size_t x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+    const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
+    const auto& [gx, gy, gz] = gradients_[((first[2] + z) * ny + first[1] + y) * nx + first[0] + x];
+    sum = sum + weights[0][x] * weights[1][y] * weights[2][z] * Vec3{gx, gy, gz};
+  }
+  return sum;
+}
+
+double Extinction::bound_of_cube(const std::array<int, 3>& low) const {
+  const Dims dims = field_.volume().dims;
+  double least = kInfinity, most = -kInfinity;
+  std::array<bool, 4> tags{};
+  for (int z = low[2]; z <= std::min(low[2] + kCube, dims[2] - 1); ++z) {
+    for (int y = low[1]; y <= std::min(low[1] + kCube, dims[1] - 1); ++y) {
+      for (int x = low[0]; x <= std::min(low[0] + kCube, dims[0] - 1); ++x) {
+        const Vec3 voxel{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        const double value = field_.sample(voxel).value;
+        least = std::min(least, value), most = std::max(most, value);
+        tags[static_cast<std::size_t>(field_.tag(voxel))] = true;
+      }
+    }
+  }
+  double opacity = 0;
+  for (std::size_t tag = 0; tag < tags.size(); ++tag) {
+    // A hair more on both sides: interpolation rounds.
+    const double hair = 1e-9 * (std::abs(least) + std::abs(most));
+    if (tags[tag]) opacity = std::max(opacity, max_opacity(scene_.scene.functions[tag], least - hair, most + hair));
+  }
+  return extinction_of(opacity);
+}
+
+double Extinction::extinction_of(double opacity) const {
+  return opacity < 1 ? std::min(-std::log1p(-opacity), scene_.max_extinction) : scene_.max_extinction;
+}
+
+Extinction::Site Extinction::site(Vec3 position) const {
+  const Dims dims = field_.volume().dims;
+  Vec3 voxel = voxel_of(position);
+  voxel = {std::clamp(voxel.x, 0.0, dims[0] - 1.0), std::clamp(voxel.y, 0.0, dims[1] - 1.0),
+           std::clamp(voxel.z, 0.0, dims[2] - 1.0)};
+  const int tag = field_.tag(voxel);
+  const auto index = static_cast<std::size_t>(tag);
+  const TransferFunction& function = scene_.scene.functions[index];
+  if (function.opacities.empty()) return {0, tag};
+  const Material& material = scene_.materials[index];
+  const double all = extinction_of(function.opacity_at(field_.sample(voxel).value));
+  return {material.bsdf == Bsdf::kNone ? (1 - material.scattering) * all : all, tag};
+}
+
+double Extinction::real_share(Flight& flight, Vec3 position, double bound, int& tag) const {
+  const Site here = site(position);
+  tag = here.tag;
+  const Bsdf bsdf = scene_.materials[static_cast<std::size_t>(tag)].bsdf;
+  if (here.extinction == 0 || bsdf != Bsdf::kTrap) flight.at_surface = false;
+  if (here.extinction == 0 || flight.at_surface) return 0;
+  if (flight.scattered && reflects(bsdf) && dot(flight.direction, gradient(position)) < 0) return 0;
+  return here.extinction / bound;
+}
+
+// Calls visit(distance, position, bound) for each tentative collision until it returns false.
+template <typename Visit>
+void Extinction::track(Flight& flight, double limit, CounterRandom& random, const Visit& visit) const {
+  const Dims dims = field_.volume().dims;
+  const Vec3 high = place_of({dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0});
+  const Interval inside = kept(flight.origin, flight.direction, high, spacing_, scene_.scene.view.cut_planes);
+  const double end = std::min(inside.end, limit);
+  if (!(inside.begin < end)) return;
+  const Vec3 start = voxel_of(flight.origin + inside.begin * flight.direction), along = voxel_of(flight.direction);
+  const std::array<double, 3> from{start.x, start.y, start.z}, step{along.x, along.y, along.z};
+  std::array<int, 3> cube{};
+  std::array<double, 3> next{kInfinity, kInfinity, kInfinity};  // distance of the cube's face ahead
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    cube[axis] = std::clamp(static_cast<int>(std::floor(from[axis] / kCube)), 0, cubes_[axis] - 1);
+    if (step[axis] == 0) continue;
+    const double face = kCube * (cube[axis] + (step[axis] > 0 ? 1 : 0));
+    next[axis] = inside.begin + (face - from[axis]) / step[axis];
+  }
+  for (double distance = inside.begin; distance < end;) {
+    const auto axis = static_cast<std::size_t>(std::min_element(next.begin(), next.end()) - next.begin());
+    const double border = std::min(next[axis], end);
+    const double bound = bounds_[static_cast<std::size_t>((cube[2] * cubes_[1] + cube[1]) * cubes_[0] + cube[0])];
+    if (bound == 0) {
+      flight.at_surface = false;
+    } else {
+      for (double t = distance + random.exponential() / bound; t < border; t += random.exponential() / bound) {
+        if (!visit(t, flight.origin + t * flight.direction, bound)) return;
+      }
+    }
+    distance = border;
+    cube[axis] += step[axis] > 0 ? 1 : -1;
+    if (cube[axis] < 0 || cube[axis] >= cubes_[axis]) return;
+    next[axis] += kCube / std::abs(step[axis]);
+  }
+}
+
+std::optional<Collision> Extinction::collide(Flight flight, double limit, CounterRandom& random) const {
+  std::optional<Collision> found;
+  track(flight, limit, random, [&](double distance, Vec3 position, double bound) {
+    int tag = 0;
+    const double share = real_share(flight, position, bound, tag);
+    if (share == 0 || random.uniform() >= share) return true;
+    found = Collision{position, distance, tag};
+    return false;
+  });
+  return found;
+}
+
+double Extinction::transmittance(Flight flight, double distance, CounterRandom& random) const {
+  double passes = 1;
+  track(flight, distance, random, [&](double, Vec3 position, double bound) {
+    int tag = 0;
+    passes *= 1 - real_share(flight, position, bound, tag);
+    return passes > 0;
+  });
+  return passes;
+}
+
+}  // namespace gicube::reference::paths
