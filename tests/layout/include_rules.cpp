@@ -207,6 +207,11 @@ const std::vector<Rule>& rules() {
       program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
       program("samples/form_factors", {}, {kAnything}),
+      // Paths of light know neither files nor the program.
+      program("samples/transport", {}, {"fmt"}),
+      program("samples/transport/program", {"samples/transport"}, {kAnything}),
+      program("samples/path", {"samples/transport"}, {"fmt"}),
+      program("samples/path/program", {"samples/path", "samples/transport"}, {kAnything}),
       program("samples/render", {}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
       program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),

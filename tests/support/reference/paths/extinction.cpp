@@ -10,7 +10,6 @@ namespace gicube::reference::paths {
 
 namespace {
 
-constexpr int kCube = 4;  // voxels
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Where, from 0 on, a line is inside the box and on the kept side of all planes.
@@ -51,10 +50,18 @@ double max_opacity(const TransferFunction& function, double low, double high) {
 Extinction::Extinction(const PathScene& scene, const Field& field)
     : scene_(scene), field_(field), spacing_(field.spacing()) {
   const Dims dims = field.volume().dims;
-  for (std::size_t axis = 0; axis < 3; ++axis) cubes_[axis] = (dims[axis] - 2) / kCube + 1;
+  std::vector<double> values;
+  for (int z = 0; z < dims[2]; ++z) {
+    for (int y = 0; y < dims[1]; ++y) {
+      for (int x = 0; x < dims[0]; ++x) {
+        values.push_back(field.sample({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}).value);
+      }
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) cubes_[axis] = dims[axis] - 1;
   for (int z = 0; z < cubes_[2]; ++z) {
     for (int y = 0; y < cubes_[1]; ++y) {
-      for (int x = 0; x < cubes_[0]; ++x) bounds_.push_back(bound_of_cube({kCube * x, kCube * y, kCube * z}));
+      for (int x = 0; x < cubes_[0]; ++x) bounds_.push_back(bound_of_cube({x, y, z}, values));
     }
   }
   if (std::none_of(scene.materials.begin(), scene.materials.end(), depends_on_normal)) return;
@@ -91,30 +98,29 @@ Vec3 Extinction::gradient(Vec3 position) const {
   return sum;
 }
 
-double Extinction::bound_of_cube(const std::array<int, 3>& low) const {
+// Of the cube whose voxel of least coordinates is `low`.
+double Extinction::bound_of_cube(const std::array<int, 3>& low, const std::vector<double>& values) const {
   const Dims dims = field_.volume().dims;
   double least = kInfinity, most = -kInfinity;
   std::array<bool, 4> tags{};
-  for (int z = low[2]; z <= std::min(low[2] + kCube, dims[2] - 1); ++z) {
-    for (int y = low[1]; y <= std::min(low[1] + kCube, dims[1] - 1); ++y) {
-      for (int x = low[0]; x <= std::min(low[0] + kCube, dims[0] - 1); ++x) {
-        const Vec3 voxel{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        const double value = field_.sample(voxel).value;
-        least = std::min(least, value), most = std::max(most, value);
-        tags[static_cast<std::size_t>(field_.tag(voxel))] = true;
-      }
-    }
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = low[0] + (corner & 1), y = low[1] + (corner >> 1 & 1), z = low[2] + (corner >> 2);
+    const double value = values[static_cast<std::size_t>((z * dims[1] + y) * dims[0] + x)];
+    least = std::min(least, value), most = std::max(most, value);
+    tags[static_cast<std::size_t>(
+        field_.tag({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}))] = true;
   }
+  // A hair more on both sides: interpolation rounds.
+  const double hair = 1e-9 * (std::abs(least) + std::abs(most));
   double opacity = 0;
   for (std::size_t tag = 0; tag < tags.size(); ++tag) {
-    // A hair more on both sides: interpolation rounds.
-    const double hair = 1e-9 * (std::abs(least) + std::abs(most));
     if (tags[tag]) opacity = std::max(opacity, max_opacity(scene_.scene.functions[tag], least - hair, most + hair));
   }
   return extinction_of(opacity);
 }
 
 double Extinction::extinction_of(double opacity) const {
+  if (opacity == 0) return 0;
   return opacity < 1 ? std::min(-std::log1p(-opacity), scene_.max_extinction) : scene_.max_extinction;
 }
 
@@ -155,9 +161,9 @@ void Extinction::track(Flight& flight, double limit, CounterRandom& random, cons
   std::array<int, 3> cube{};
   std::array<double, 3> next{kInfinity, kInfinity, kInfinity};  // distance of the cube's face ahead
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    cube[axis] = std::clamp(static_cast<int>(std::floor(from[axis] / kCube)), 0, cubes_[axis] - 1);
+    cube[axis] = std::clamp(static_cast<int>(std::floor(from[axis])), 0, cubes_[axis] - 1);
     if (step[axis] == 0) continue;
-    const double face = kCube * (cube[axis] + (step[axis] > 0 ? 1 : 0));
+    const double face = cube[axis] + (step[axis] > 0 ? 1.0 : 0.0);
     next[axis] = inside.begin + (face - from[axis]) / step[axis];
   }
   for (double distance = inside.begin; distance < end;) {
@@ -174,7 +180,7 @@ void Extinction::track(Flight& flight, double limit, CounterRandom& random, cons
     distance = border;
     cube[axis] += step[axis] > 0 ? 1 : -1;
     if (cube[axis] < 0 || cube[axis] >= cubes_[axis]) return;
-    next[axis] += kCube / std::abs(step[axis]);
+    next[axis] += 1 / std::abs(step[axis]);
   }
 }
 

@@ -1,6 +1,6 @@
 // Collisions of rays in a heterogeneous medium by delta tracking (Woodcock 1965): tentative collisions are drawn from an
-// extinction that is nowhere exceeded, and each is real with the share of the true extinction there. No steps, no bias. The
-// bound is one for each cube of four voxels, so empty space costs nothing.
+// extinction that is nowhere exceeded, and each is real with the share of the true extinction there. No steps, no bias. Each
+// cube between eight voxels has a bound of its own, so empty space costs nothing.
 //
 // Space is physical: voxel positions times the spacing, in smallest voxel edges.
 #pragma once
@@ -52,7 +52,7 @@ class Extinction {
     int tag = 0;
   };
   Site site(Vec3 position) const;
-  double bound_of_cube(const std::array<int, 3>& low) const;
+  double bound_of_cube(const std::array<int, 3>& low, const std::vector<double>& values) const;
   double extinction_of(double opacity) const;
   // What a tentative collision there is worth to this ray, 0..1 of `bound`.
   double real_share(Flight& flight, Vec3 position, double bound, int& tag) const;

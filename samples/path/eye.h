@@ -1,0 +1,31 @@
+// The eye of a view, as the board's pictures have it: pixels of a perspective image.
+#pragma once
+
+#include <optional>
+
+#include "gicube/view.h"
+#include "transport/medium.h"
+
+namespace gicube::samples {
+
+class Eye {
+ public:
+  // Throws InputError for a parallel view, which light can't be connected with.
+  Eye(const View& view, const Medium& medium);
+
+  Vec3 place() const { return eye_; }
+  // Through image point (x, y), pixels from the top left corner; unit.
+  Vec3 direction(double x, double y) const;
+  std::optional<std::size_t> pixel_of(Vec3 direction) const;
+  // Density of a direction whose image point is even over a pixel, per solid angle.
+  double density(Vec3 direction) const;
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  int width_, height_;
+  Vec3 eye_, forward_, right_, up_;
+  double pixel_;  // its edge at distance 1
+};
+
+}  // namespace gicube::samples

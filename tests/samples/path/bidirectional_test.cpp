@@ -1,0 +1,116 @@
+// Paths by the board against the double-precision path tracer of tests/support.
+#include "path/bidirectional.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../../driver/board/test_board.h"
+#include "light_scenes.h"
+#include "reference/paths/path_tracer.h"
+
+namespace gicube::samples {
+namespace {
+
+// What is compared of a picture: the means of its quarters, by channel.
+constexpr std::size_t kParts = 12;
+using Parts = std::array<double, kParts>;
+
+std::size_t part_of(std::size_t x, std::size_t y, std::size_t size, std::size_t channel) {
+  return 3 * (2 * (2 * y / size) + 2 * x / size) + channel;
+}
+
+struct Estimates {
+  Parts mean{}, error{};
+};
+
+// Of independent pictures.
+Estimates together(const std::vector<Parts>& pictures) {
+  Estimates out;
+  const auto n = static_cast<double>(pictures.size());
+  for (std::size_t k = 0; k < kParts; ++k) {
+    double squares = 0;
+    for (const Parts& one : pictures) out.mean[k] += one[k] / n;
+    for (const Parts& one : pictures) squares += std::pow(one[k] - out.mean[k], 2);
+    out.error[k] = std::sqrt(squares / (n - 1) / n);
+  }
+  return out;
+}
+
+class PathScenes : public testing::Test {
+ protected:
+  static Estimates by_board(const LightScene& scene, int light_scatterings, std::uint64_t pictures, int passes) {
+    const SceneSetup setup = setup_of(scene);
+    Board board = reference::open_board();
+    const Medium medium(board, setup);
+    const Lights lights(setup, medium);
+    std::vector<Parts> all;
+    for (std::uint64_t seed = 0; seed < pictures; ++seed) {
+      Bidirectional paths(board, medium, lights, setup.view,
+                          {.light_scatterings = light_scatterings, .max_scatterings = 24, .seed = 177 + seed});
+      for (int pass = 0; pass < passes; ++pass) paths.pass();
+      const PathPicture picture = paths.picture();
+      Parts parts{};
+      const auto size = static_cast<std::size_t>(picture.width);
+      for (std::size_t i = 0; i < picture.mean.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          parts[part_of(i % size, i / size, size, c)] += picture.mean[i][c] * 4 / static_cast<double>(size * size);
+        }
+      }
+      all.push_back(parts);
+    }
+    return together(all);
+  }
+
+  static Estimates by_reference(const LightScene& scene, std::uint64_t paths) {
+    const SceneSetup setup = setup_of(scene);
+    reference::paths::PathScene wanted = to_paths(setup);
+    wanted.max_scatterings = 24;
+    wanted.max_extinction = scene.name.starts_with("glass") ? 60 : 20;
+    const reference::paths::PathTracer tracer(wanted);
+    const auto picture = tracer.render(paths, 7);
+    Estimates out;
+    const auto size = static_cast<std::size_t>(picture.width);
+    const double share = 4 / static_cast<double>(size * size);
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t part = part_of(i % size, i / size, size, c);
+        out.mean[part] += picture.pixels[i][c].mean * share;
+        out.error[part] += std::pow(picture.pixels[i][c].error * share, 2);
+      }
+    }
+    for (double& error : out.error) error = std::sqrt(error);
+    return out;
+  }
+
+  // Three standard errors; of 24 pictures, so that Student's law is near enough to the normal one.
+  static void expect_alike(const LightScene& scene, int light_scatterings, std::uint64_t reference_paths) {
+    const Estimates found = by_board(scene, light_scatterings, 24, 1);
+    const Estimates truth = by_reference(scene, reference_paths);
+    for (std::size_t k = 0; k < kParts; ++k) {
+      const double error = std::hypot(found.error[k], truth.error[k]);
+      EXPECT_NEAR(found.mean[k], truth.mean[k], 3 * error) << scene.name << ", part " << k << ", error " << error;
+      EXPECT_LT(error, 0.1 * truth.mean[k]) << scene.name << ", part " << k;
+    }
+  }
+};
+
+TEST_F(PathScenes, OfALampInFogHaveTheReferencesLight) { expect_alike(fog_scene(), 3, 60); }
+TEST_F(PathScenes, OfForwardScatteringFogInTheSunHaveTheReferencesLight) { expect_alike(forward_scene(), 2, 60); }
+TEST_F(PathScenes, OfColouredWallsInFogHaveTheReferencesLight) { expect_alike(room_scene(), 3, 40); }
+TEST_F(PathScenes, OfAMirrorAndItsCausticHaveTheReferencesLight) { expect_alike(mirror_scene(), 3, 100); }
+TEST_F(PathScenes, OfGlassAndItsCausticHaveTheReferencesLight) { expect_alike(glass_scene(), 3, 20); }
+
+// Without paths from lights the same light comes with more noise.
+TEST_F(PathScenes, HaveTheSameLightFromTheEyeAlone) { expect_alike(room_scene(), 0, 40); }
+
+TEST_F(PathScenes, HaveAVarianceThatFallsWithTheNumberOfPaths) {
+  const Estimates few = by_board(fog_scene(), 1, 24, 1), many = by_board(fog_scene(), 1, 24, 4);
+  double ratio = 0;
+  for (std::size_t k = 0; k < kParts; ++k) ratio += std::pow(few.error[k] / many.error[k], 2) / kParts;
+  EXPECT_GT(ratio, 4 / 1.7);  // 24 pictures tell a variance to 30%, and channels are alike
+  EXPECT_LT(ratio, 4 * 1.7);
+}
+
+}  // namespace
+}  // namespace gicube::samples
