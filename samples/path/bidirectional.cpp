@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace gicube::samples {
 namespace {
@@ -34,8 +33,7 @@ Bidirectional::Bidirectional(Board& board, const Medium& medium, const Lights& l
       settings_(settings),
       flights_(board, medium, settings.step, settings.seed),
       paths_(medium, lights, flights_),
-      mean_(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height)),
-      squares_(mean_.size()) {}
+      sum_(view.width, view.height) {}
 
 double Bidirectional::density_of(const Vertex& at, Vec3 came, Vec3 goes) const {
   return density(medium_.optics(at.tag), came, at.normal, goes);
@@ -52,7 +50,8 @@ Path Bidirectional::from_eye(std::size_t pixel, PathRandom random) const {
   const double x = static_cast<double>(pixel % width) + path.random.uniform();
   const double y = static_cast<double>(pixel / width) + path.random.uniform();
   path.flight = {eye_.place(), eye_.direction(x, y)};
-  path.density = eye_.density(path.flight.direction) / static_cast<double>(mean_.size());  // of the whole image's paths
+  path.density =
+      eye_.density(path.flight.direction) / static_cast<double>(sum_.pixels());  // of the whole image's paths
   path.weight = {1, 1, 1};
   path.vertices.push_back({.place = eye_.place(), .weight = path.weight});
   return path;
@@ -65,7 +64,8 @@ double Bidirectional::balance(const std::vector<Node>& nodes, std::size_t s, boo
     const std::size_t from_eye = nodes.size() - from_light;
     if (from_light > static_cast<std::size_t>(settings_.light_scatterings) + 1) return false;
     if (from_eye > static_cast<std::size_t>(settings_.max_scatterings) + 1) return false;
-    if (from_light == 0) return area_light && from_eye > 2;  // the light is met by chance, and not straight from the eye
+    if (from_light == 0)
+      return area_light && from_eye > 2;  // the light is met by chance, and not straight from the eye
     return !nodes[from_light - 1].sharp && !nodes[from_light].sharp;
   };
   const auto or_one = [](double density) { return density > 0 ? density : 1; };
@@ -135,7 +135,7 @@ void Bidirectional::connect(const Path& eye, std::size_t t, const Path& light, s
     const auto target = eye_.pixel_of(direction);
     if (!target) return;
     pixel = *target;
-    seen = eye_.density(direction) / static_cast<double>(mean_.size());
+    seen = eye_.density(direction) / static_cast<double>(sum_.pixels());
     from_eye = {seen, seen, seen};  // of all the pass's light paths this is one
   } else {
     seen = density_of(a, a.direction, direction);
@@ -162,7 +162,7 @@ void Bidirectional::connect(const Path& eye, std::size_t t, const Path& light, s
 void Bidirectional::trace(std::size_t first, std::size_t count, std::vector<Rgb>& pixels) {
   std::vector<Path> eyes, lights;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t number = 2 * (passes_ * mean_.size() + first + i);
+    const std::uint64_t number = 2 * (sum_.passes() * sum_.pixels() + first + i);
     eyes.push_back(from_eye(first + i, {settings_.seed, number}));
     if (settings_.light_scatterings > 0) lights.push_back(paths_.from_light({settings_.seed, number + 1}));
   }
@@ -192,30 +192,12 @@ void Bidirectional::trace(std::size_t first, std::size_t count, std::vector<Rgb>
 }
 
 void Bidirectional::pass() {
-  std::vector<Rgb> pixels(mean_.size());
+  std::vector<Rgb> pixels(sum_.pixels());
   for (std::size_t first = 0; first < pixels.size(); first += kPathsAtOnce) {
     trace(first, std::min(kPathsAtOnce, pixels.size() - first), pixels);
   }
-  ++passes_;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {  // Welford's
-      const double off = pixels[i][c] - mean_[i][c];
-      mean_[i][c] += off / static_cast<double>(passes_);
-      squares_[i][c] += off * (pixels[i][c] - mean_[i][c]);
-    }
-  }
+  sum_.add(pixels);
   statistics_.rays = flights_.rays();
-}
-
-PathPicture Bidirectional::picture() const {
-  PathPicture out{eye_.width(), eye_.height(), passes_, mean_, squares_};
-  const auto n = static_cast<double>(passes_);
-  for (Rgb& pixel : out.error) {
-    for (double& part : pixel) {
-      part = passes_ < 2 ? std::numeric_limits<double>::infinity() : std::sqrt(part / (n - 1) / n);
-    }
-  }
-  return out;
 }
 
 }  // namespace gicube::samples

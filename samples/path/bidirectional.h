@@ -6,8 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "path/eye.h"
+#include "transport/eye.h"
 #include "transport/paths.h"
+#include "transport/radiance.h"
 
 namespace gicube::samples {
 
@@ -17,14 +18,6 @@ struct BidirectionalSettings {
   int max_scatterings = 32;  // of a whole path: light that was scattered more often is missing
   double step = 0.5;         // voxels between the board's samples
   std::uint64_t seed = 0;
-};
-
-// Radiance of each pixel, rows from the top: L shows a white surface on which pi L of power falls on a unit of area (a square of
-// the smallest voxel edge).
-struct PathPicture {
-  int width = 0, height = 0;
-  std::uint64_t passes = 0;
-  std::vector<Rgb> mean, error;  // standard errors from the passes' scatter; infinite for one pass
 };
 
 struct PathStatistics {
@@ -41,7 +34,7 @@ class Bidirectional {
 
   // One more path for each pixel.
   void pass();
-  PathPicture picture() const;
+  RadiancePicture picture() const { return sum_.picture(); }
   const PathStatistics& statistics() const { return statistics_; }
 
  private:
@@ -73,8 +66,7 @@ class Bidirectional {
   BidirectionalSettings settings_;
   Flights flights_;
   Paths paths_;
-  std::uint64_t passes_ = 0;
-  std::vector<Rgb> mean_, squares_;
+  RadianceSum sum_;
   PathStatistics statistics_;
 };
 

@@ -55,7 +55,8 @@ double Lights::area(std::size_t light) const {
   if (const auto* rectangle = std::get_if<RectangleLight>(&lights_[light])) {
     return length(cross(rectangle->edge_u, rectangle->edge_v));
   }
-  if (const auto* sphere = std::get_if<SphereLight>(&lights_[light])) return 4 * kHalfTurn * sphere->radius * sphere->radius;
+  if (const auto* sphere = std::get_if<SphereLight>(&lights_[light]))
+    return 4 * kHalfTurn * sphere->radius * sphere->radius;
   return 1;
 }
 
@@ -96,7 +97,8 @@ LightPoint Lights::point(PathRandom& random) const {
 Rgb Lights::emitted(const LightPoint& point, Vec3 direction) const {
   if (is_distant(point.light)) return power(point.light, 1 / point.density);
   if (!has_area(point.light)) return power(point.light, 1 / (4 * kHalfTurn * point.density));
-  return power(point.light, std::max(0.0, dot(point.normal, direction)) / (kHalfTurn * area(point.light) * point.density));
+  return power(point.light,
+               std::max(0.0, dot(point.normal, direction)) / (kHalfTurn * area(point.light) * point.density));
 }
 
 double Lights::emission_density(const LightPoint& point, Vec3 direction) const {

@@ -212,6 +212,9 @@ const std::vector<Rule>& rules() {
       program("samples/transport/program", {"samples/transport"}, {kAnything}),
       program("samples/path", {"samples/transport"}, {"fmt"}),
       program("samples/path/program", {"samples/path", "samples/transport"}, {kAnything}),
+      program("samples/photon_map", {"samples/transport"}, {}),
+      program("samples/photon_map/photon_tree.cpp", {"samples/photon_map", "samples/transport"}, {"nanoflann.hpp"}),
+      program("samples/photon_map/program", {"samples/photon_map", "samples/transport"}, {kAnything}),
       program("samples/render", {}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
       program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),

@@ -18,7 +18,7 @@ cmake --install "$build" --prefix "$scratch/prefix" >"$scratch/install.log"
 mkdir "$scratch/moved"
 mv "$scratch/prefix" "$prefix"
 
-for program in board compose cone-beam form-factors -x path render replay smi; do test -x "$prefix/bin/gicube-$program"; done
+for program in board compose cone-beam form-factors path photon-map render replay smi; do test -x "$prefix/bin/gicube-$program"; done
 
 cmake -S "$source/samples/installed" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror"

@@ -16,8 +16,6 @@ std::optional<PathOptions> parse_path_options(int argc, const char* const* argv,
                 "of a light's path, at most; 0: paths from the eye alone, connected with the lights");
   method.number("--max-scatterings", options.settings.max_scatterings, CLI::Range(1, 1024),
                 "of a whole path: light that was scattered more often is missing");
-  OptionGroup picture(app, "Picture");
-  picture.file("--pixels", options.pixels, "radiance of each pixel and its standard error, CSV");
   add_board_options(app, options.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check(options.light);

@@ -16,7 +16,6 @@ struct PathOptions {
   LightInput light;
   BidirectionalSettings settings;
   int passes = 16;
-  std::filesystem::path pixels;  // empty: none
   BoardOptions board;
 };
 

@@ -25,6 +25,7 @@ void add_light_input(CLI::App& app, LightInput& input) {
   scene.flag("--allow-outside", input.allow_outside, "let headers name data files outside of their folders");
   OptionGroup picture(app, "Picture");
   picture.file("-o,--output", input.output, "the picture, PNG or EXR");
+  picture.file("--pixels", input.pixels, "radiance of each pixel and its standard error, CSV");
   picture.value("--camera", input.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
   picture.parsed("--size", "WxH", "pixels of the picture (the scene's)",
                  [&input](const std::string& name, const std::string& text) {

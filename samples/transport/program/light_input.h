@@ -25,8 +25,8 @@ struct LightInput {
   double step = 0.5;
   std::string camera_name;
   std::optional<std::array<int, 2>> size;
-  double exposure = 0;           // 0: chosen
-  std::filesystem::path output;  // empty: none
+  double exposure = 0;                   // 0: chosen
+  std::filesystem::path output, pixels;  // empty: none
 };
 
 void add_light_input(CLI::App& app, LightInput& input);

@@ -49,7 +49,7 @@ class PathScenes : public testing::Test {
       Bidirectional paths(board, medium, lights, setup.view,
                           {.light_scatterings = light_scatterings, .max_scatterings = 24, .seed = 177 + seed});
       for (int pass = 0; pass < passes; ++pass) paths.pass();
-      const PathPicture picture = paths.picture();
+      const RadiancePicture picture = paths.picture();
       Parts parts{};
       const auto size = static_cast<std::size_t>(picture.width);
       for (std::size_t i = 0; i < picture.mean.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "path/eye.h"
+#include "transport/eye.h"
 
 #include <cmath>
 #include <numbers>
