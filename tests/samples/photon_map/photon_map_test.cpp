@@ -128,17 +128,17 @@ void expect_alike(const Estimates& found, const Estimates& truth, double bias) {
 }
 
 TEST(PhotonMaps, OfFogHaveTheReferencesLight) {
-  expect_alike(by_photons(fog_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 16),
+  expect_alike(by_photons(fog_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
                by_reference(fog_scene(), 60, 20), 0.05);
 }
 
 TEST(PhotonMaps, OfWallsInFogHaveTheReferencesLight) {
-  expect_alike(by_photons(room_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 16),
+  expect_alike(by_photons(room_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
                by_reference(room_scene(), 30, 20), 0.05);
 }
 
 TEST(PhotonMaps, OfGlassHaveTheReferencesCaustic) {
-  expect_alike(by_photons(glass_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 16),
+  expect_alike(by_photons(glass_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
                by_reference(glass_scene(), 20, 60), 0.05);
 }
 
