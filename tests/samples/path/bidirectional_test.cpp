@@ -37,6 +37,17 @@ Estimates together(const std::vector<Parts>& pictures) {
   return out;
 }
 
+Parts parts_of(const RadiancePicture& picture) {
+  Parts out{};
+  const auto size = static_cast<std::size_t>(picture.width);
+  for (std::size_t i = 0; i < picture.mean.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[part_of(i % size, i / size, size, c)] += picture.mean[i][c] * 4 / static_cast<double>(size * size);
+    }
+  }
+  return out;
+}
+
 class PathScenes : public testing::Test {
  protected:
   static Estimates by_board(const LightScene& scene, int light_scatterings, std::uint64_t pictures, int passes) {
@@ -49,15 +60,7 @@ class PathScenes : public testing::Test {
       Bidirectional paths(board, medium, lights, setup.view,
                           {.light_scatterings = light_scatterings, .max_scatterings = 24, .seed = 177 + seed});
       for (int pass = 0; pass < passes; ++pass) paths.pass();
-      const RadiancePicture picture = paths.picture();
-      Parts parts{};
-      const auto size = static_cast<std::size_t>(picture.width);
-      for (std::size_t i = 0; i < picture.mean.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c) {
-          parts[part_of(i % size, i / size, size, c)] += picture.mean[i][c] * 4 / static_cast<double>(size * size);
-        }
-      }
-      all.push_back(parts);
+      all.push_back(parts_of(paths.picture()));
     }
     return together(all);
   }
@@ -103,12 +106,39 @@ TEST_F(PathScenes, OfGlassAndItsCausticHaveTheReferencesLight) { expect_alike(gl
 
 TEST_F(PathScenes, HaveTheSameLightFromTheEyeAlone) { expect_alike(room_scene(), 0, 40); }
 
+// Means of four passes that follow one another have a quarter of the variance of single ones.
 TEST_F(PathScenes, HaveAVarianceThatFallsWithTheNumberOfPaths) {
-  const Estimates few = by_board(fog_scene(), 1, 16, 1), many = by_board(fog_scene(), 1, 16, 3);
+  const SceneSetup setup = setup_of(forward_scene());
+  Board board = reference::open_board();
+  const Medium medium(board, setup);
+  const Lights lights(setup, medium);
+  Bidirectional paths(board, medium, lights, setup.view, {.light_scatterings = 1, .max_scatterings = 8, .seed = 5});
+  std::vector<Parts> single, four;
+  Parts before{};
+  constexpr int kPasses = 96, kTogether = 4;
+  for (int pass = 1; pass <= kPasses; ++pass) {
+    paths.pass();
+    Parts sum = parts_of(paths.picture()), alone{};
+    for (std::size_t k = 0; k < kParts; ++k) {
+      sum[k] *= pass;
+      alone[k] = sum[k] - before[k];
+    }
+    single.push_back(alone);
+    before = sum;
+    if (pass % kTogether != 0) continue;
+    Parts& mean = four.emplace_back();
+    for (std::size_t i = single.size() - kTogether; i < single.size(); ++i) {
+      for (std::size_t k = 0; k < kParts; ++k) mean[k] += single[i][k] / kTogether;
+    }
+  }
+  // Variances, of standard errors of as many as there are.
+  const Estimates one = together(single), mean = together(four);
   double ratio = 0;
-  for (std::size_t k = 0; k < kParts; ++k) ratio += std::pow(few.error[k] / many.error[k], 2) / kParts;
-  EXPECT_GT(ratio, 3 / 1.8);  // 16 pictures tell a variance to 37%, and channels are alike
-  EXPECT_LT(ratio, 3 * 1.8);
+  for (std::size_t k = 0; k < kParts; ++k) {
+    ratio += std::pow(one.error[k], 2) * kPasses / (std::pow(mean.error[k], 2) * kPasses / kTogether) / kParts;
+  }
+  EXPECT_GT(ratio, 4 / 1.8);  // 24 means tell a variance to 30%
+  EXPECT_LT(ratio, 4 * 1.8);
 }
 
 }  // namespace
