@@ -1,0 +1,160 @@
+// Flights and visibility by the board against closed forms, and the lights that paths begin at.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../../driver/board/test_board.h"
+#include "gicube/scene/scene.h"
+#include "transport/flights.h"
+#include "transport/lights.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Loaded {
+  explicit Loaded(const std::string& text)
+      : board(reference::open_board()), setup(set_up_of(text)), medium(board, setup) {}
+  static SceneSetup set_up_of(const std::string& text) {
+    Scene scene = parse_scene(text, "scene", ".");
+    scene.lighting.on = true;
+    return set_up(scene, 1);
+  }
+  Board board;
+  SceneSetup setup;
+  Medium medium;
+};
+
+// 16 voxels an edge, 15 edges across, of this extinction an edge.
+std::string fog(double extinction) {
+  return "world { low { } high { x: 15 y: 15 z: 15 } size: 16 node { material: \"fog\" box { low { x: -9 y: -9 z: -9 } "
+         "high { x: 99 y: 99 z: 99 } } } }"
+         "material { name: \"fog\" fog { extinction: " +
+         std::to_string(extinction) + " } scattering: 0.5 bsdf: \"isotropic\" }";
+}
+
+std::string ball(const std::string& material) {
+  return "world { low { x: -12 y: -12 z: -12 } high { x: 12 y: 12 z: 12 } size: 25 node { material: \"a\" sphere { "
+         "radius: 6 } } }"
+         "material { name: \"a\" solid { opacity: 0.6 } " +
+         material + " }";
+}
+
+TEST(Flights, EndInFogAsBeerAndLambertSayWhateverTheStep) {
+  Loaded loaded(fog(0.1));
+  for (const double step : {0.3, 0.5, 2.0}) {
+    Flights board(loaded.board, loaded.medium, step, 1);
+    const std::vector<Flight> flights(20000, Flight{{-3, 4.3, 5.2}, normalise({15, 3, 2})});
+    const double across = 15 / flights[0].direction.x;
+    int hits = 0, early = 0;
+    for (const auto& hit : board.first_hits(flights)) {
+      if (!hit) continue;
+      ++hits;
+      EXPECT_GE(hit->place.x, 0);
+      EXPECT_LE(hit->place.x, 15);
+      EXPECT_EQ(hit->normal, Vec3{});
+      early += hit->distance - 3 / flights[0].direction.x < 4.1 ? 1 : 0;  // from where the volume begins
+    }
+    const auto off = [](double p) { return 3 * std::sqrt(p * (1 - p) * 20000); };  // strata make it less
+    const double all = 1 - std::exp(-0.1 * across), near = 1 - std::exp(-0.41);
+    EXPECT_NEAR(hits, 20000 * all, off(all)) << step;
+    EXPECT_NEAR(early, 20000 * near, off(near)) << step;
+  }
+}
+
+TEST(Flights, EndAtSurfacesWhereHalfOfTheOpacityIs) {
+  Loaded loaded(ball("scattering: 0.5 bsdf: \"diffuse\""));
+  Flights board(loaded.board, loaded.medium, 0.5, 1);
+  const Vec3 middle{12, 12, 12};
+  std::vector<Flight> flights;
+  PathRandom random(2, 0);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 from = random.direction();
+    flights.push_back({middle + 30 * from, -1.0 * from});
+  }
+  for (const auto& hit : board.first_hits(flights)) {
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(length(hit->place - middle), 6, 0.1);  // voxels between which a ball is not quite linear
+    EXPECT_GT(dot(hit->normal, normalise(hit->place - middle)), 0.98);
+  }
+  const std::vector<Flight> past(10, Flight{{12, 12, -4}, normalise({0, 7, 16})});
+  for (const auto& hit : board.first_hits(past)) EXPECT_FALSE(hit);
+}
+
+TEST(Flights, LeaveGlassAtItsSurface) {
+  Loaded loaded(ball("scattering: 1 bsdf: \"trap\" routine: \"fresnel\" surface: true"));
+  Flights board(loaded.board, loaded.medium, 0.5, 1);
+  const Vec3 middle{12, 12, 12};
+  std::vector<Flight> flights;
+  PathRandom random(3, 0);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 start = random.direction(), out = random.direction();
+    flights.push_back({middle + 5.9 * start, dot(start, out) < 0 ? out : -1.0 * out, true});
+  }
+  const auto hits = board.first_hits(flights);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    ASSERT_TRUE(hits[i]) << i;
+    EXPECT_NEAR(length(hits[i]->place - middle), 6, 0.1) << i;
+    EXPECT_GT(dot(hits[i]->normal, flights[i].direction), -0.2) << i;
+  }
+}
+
+TEST(Flights, TellWhatPassesBetweenPointsInsideAndOutside) {
+  Loaded loaded(fog(0.2));
+  Flights board(loaded.board, loaded.medium, 0.5, 1);
+  const std::vector<Segment> segments{
+      {{2, 3, 4}, {12, 3, 4}}, {{-20, 3, 4}, {40, 3, 4}}, {{-1, -1, -1}, {-5, 20, 3}}, {{7, 7, 7}, {7, 7, 99}}};
+  const std::vector<double> through = board.transmittances(segments);
+  EXPECT_NEAR(through[0], std::exp(-2), 1e-4);
+  EXPECT_NEAR(through[1], std::exp(-3), 1e-4);
+  EXPECT_EQ(through[2], 1);
+  EXPECT_NEAR(through[3], std::exp(-1.6), 1e-4);
+}
+
+TEST(Optics, DrawDirectionsOfTheirMeanCosine) {
+  PathRandom random(4, 0);
+  for (const double g : {-0.4, 0.0, 0.8}) {
+    const Optics optics{.bsdf = Bsdf::kIsotropic, .g = g};
+    double sum = 0, all = 0;
+    for (int i = 0; i < 100000; ++i) {
+      sum += scatter(optics, {0, 0, 1}, {}, random).z;
+      all += 4 * kPi * density(optics, {0, 0, 1}, {}, random.direction());
+    }
+    EXPECT_NEAR(sum / 1e5, g, 3 * 0.58 / std::sqrt(1e5));
+    EXPECT_NEAR(all / 1e5, 1, 0.03);
+  }
+}
+
+// What lights send out is their power; what they send to a point is its irradiance.
+TEST(Lights, SendTheirPower) {
+  const auto light = [](const std::string& text) { return fog(0.1) + "light { " + text + " power: 12 }"; };
+  const double r2 = 10 * 10;
+  for (const auto& [text, power, irradiance] :
+       {std::tuple{"point { position { x: 7 y: 7 z: 12 } }", 12.0, 12 / (4 * kPi * r2)},
+        std::tuple{"sphere { centre { x: 7 y: 7 z: 12 } radius: 2 }", 12.0, 12 / (4 * kPi * r2)},
+        // Small beside its distance: 12 / pi times the cosines over the squared distance.
+        std::tuple{"rectangle { corner { x: 6.9 y: 6.9 z: 12 } edge_u { y: 0.2 } edge_v { x: 0.2 } }", 12.0,
+                   12 / (kPi * r2)}}) {
+    Loaded loaded(light(text));
+    const Lights lights(loaded.setup, loaded.medium);
+    PathRandom random(5, 0);
+    double sent = 0, fallen = 0, squares = 0;
+    constexpr int kSamples = 40000;
+    const Vec3 place{7, 7, 2};
+    for (int i = 0; i < kSamples; ++i) {
+      sent += lights.emit(random).power[0] / kSamples;
+      const LightPoint point = lights.point(random);
+      const Vec3 way = point.place - place, direction = normalise(way);
+      const double one = lights.emitted(point, -1.0 * direction)[0] * direction.z / dot(way, way);
+      fallen += one / kSamples, squares += one * one / kSamples;
+    }
+    const double error = std::sqrt(std::max(0.0, squares - fallen * fallen) / kSamples);
+    EXPECT_NEAR(sent, power, 1e-6 * power) << text;
+    EXPECT_NEAR(fallen, irradiance, 3 * error + 1e-3 * irradiance) << text;
+  }
+}
+
+}  // namespace
+}  // namespace gicube::samples
