@@ -7,9 +7,10 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kCommands = 64;  // chosen: strata of the opacities at which flights end
-constexpr double kOff = 0.02;          // chosen: edges off a surface; the board's positions have 1/16384 voxel
-constexpr double kFine = 0.05;         // chosen: edges between the host's own samples in the skin of glass
+constexpr std::size_t kCommands = 64,
+                      kRaysOfOne = 32;  // chosen: strata of the opacities at which flights end, and their least rays
+constexpr double kOff = 0.02;           // chosen: edges off a surface; the board's positions have 1/16384 voxel
+constexpr double kFine = 0.05;          // chosen: edges between the host's own samples in the skin of glass
 
 }  // namespace
 
@@ -146,7 +147,7 @@ std::vector<std::optional<Hit>> Flights::first_hits(std::span<const Flight> flig
     Ticket ticket;
   };
   std::vector<Command> commands;
-  const std::size_t count = std::min(kCommands, free.size());
+  const std::size_t count = std::min(kCommands, (free.size() + kRaysOfOne - 1) / kRaysOfOne);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t from = free.size() * k / count, to = free.size() * (k + 1) / count;
     constexpr double kOne = (1 << 24) - 1;  // the board's opacities

@@ -69,7 +69,7 @@ class PathScenes : public testing::Test {
     const SceneSetup setup = setup_of(scene);
     reference::paths::PathScene wanted = to_paths(setup);
     wanted.max_scatterings = 24;
-    wanted.max_extinction = scene.name.starts_with("glass") ? 60 : 20;
+    wanted.max_extinction = scene.name.starts_with("glass") ? 40 : 20;
     const reference::paths::PathTracer tracer(wanted);
     const auto picture = tracer.render(paths, 7);
     Estimates out;

@@ -139,7 +139,7 @@ TEST(PhotonMaps, OfWallsInFogHaveTheReferencesLight) {
 
 TEST(PhotonMaps, OfGlassHaveTheReferencesCaustic) {
   expect_alike(by_photons(glass_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
-               by_reference(glass_scene(), 20, 60), 0.05);
+               by_reference(glass_scene(), 20, 40), 0.05);
 }
 
 }  // namespace
