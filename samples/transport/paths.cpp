@@ -34,10 +34,6 @@ Path Paths::from_light(PathRandom random) const {
   return path;
 }
 
-double Paths::direction_density(const Vertex& at, Vec3 came, Vec3 goes) const {
-  return density(medium_.optics(at.tag), came, at.normal, goes);
-}
-
 void Paths::walk(std::span<Path> paths, int max_scatterings,
                  const std::function<void(const Path&, double)>& seen) const {
   std::vector<double> heaviest;
@@ -68,10 +64,8 @@ void Paths::walk(std::span<Path> paths, int max_scatterings,
                     .sharp = optics.sharp(),
                     .weight = path.weight};
       vertex.forward = density_at(path.density, path.vertices.back(), vertex);
-      // The direction out is drawn here, so that it is known what the way back is worth.
-      double survives = 1;
       for (std::size_t c = 0; c < 3; ++c) path.weight[c] *= optics.albedo[c];
-      survives = std::min(1.0, std::ranges::max(path.weight) / (kRouletteBelow * heaviest[whose[k]]));
+      const double survives = std::min(1.0, std::ranges::max(path.weight) / (kRouletteBelow * heaviest[whose[k]]));
       const Vec3 out = scatter(optics, path.flight.direction, hit.normal, path.random);
       Vertex& before = path.vertices.back();
       before.backward =

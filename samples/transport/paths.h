@@ -47,9 +47,6 @@ class Paths {
   void walk(std::span<Path> paths, int max_scatterings,
             const std::function<void(const Path&, double)>& seen = {}) const;
 
-  // Of the direction from `at` to `to` for a path that comes from `before`; nullptr: that begins there.
-  double direction_density(const Vertex& at, Vec3 came, Vec3 goes) const;
-
  private:
   const Medium& medium_;
   const Lights& lights_;
