@@ -1,0 +1,311 @@
+// One pass of lighting and of scattered rays, side by side: what a sample does where it lets its ray go on.
+
+// Included once for each instruction set.
+#if defined(GICUBE_FLIGHT_SAMPLE) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_FLIGHT_SAMPLE
+#undef GICUBE_FLIGHT_SAMPLE
+#else
+#define GICUBE_FLIGHT_SAMPLE
+#endif
+
+#include "gradient-inl.h"
+#include "march-inl.h"
+#include "shading_queue-inl.h"
+#include "whole_part-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+// What the lanes hold of their rays.
+struct FlightLanes {
+  std::array<Word, 3> position, step, rest, step_rest;
+  std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and one by it; 0: the ray stands on this axis
+  Word exponent;
+  Word left, more;  // as those of Lanes
+  Word taken;       // steps since the ray was put here
+  Word begun;       // all ones: this flight has taken a step
+  Word trapped;     // all ones: the ray is still at the surface at which it was
+  Word stands;      // all ones: the plain way must take its sample
+  std::array<Word, 3> direction;
+  Word scattered;          // all ones: the ray has been
+  Word interacted, value;  // and interaction_value()
+  Word flight, opacity;    // of rendering rays: its place among those that fly together
+  // Of lighting rays:
+  std::array<Word, 2> energy;  // 24 bits, and 12
+  Word phase;                  // energy_phase()
+  std::array<Word, 2> loss;    // the flight's part of the draws for the loss: 32 bits each
+};
+
+// What the energy of a ray is after a loss of `lost`, of 24 bits: interact_bundle(). 64-bit lanes.
+HWY_INLINE VU64 energy_after(VU64 before, VU64 lost, VU64 chance) {
+  constexpr std::uint64_t kLow = (1 << 24) - 1;
+  static_assert(wire::kOpacityOne == kLow);
+  const VU64 dither = hn::ShiftRight<24>(product(hn::ShiftRight<40>(chance), set64(wire::kOpacityOne)));
+  const VU64 low = product(hn::And(before, set64(kLow)), lost);
+  const VU64 high = product(hn::ShiftRight<24>(before), lost);
+  // Divided by 2^24 - 1: x = h 2^24 + l is h times that and h + l, and h + l < 2^48 divides by one more round.
+  const VU64 x = hn::Add(hn::Add(low, dither), hn::ShiftLeft<24>(high));
+  const VU64 rounds = hn::ShiftRight<24>(x), rest = hn::Add(rounds, hn::And(x, set64(kLow)));
+  const VU64 more = hn::ShiftRight<24>(hn::Add(hn::Add(rest, hn::ShiftRight<24>(rest)), set64(1)));
+  return hn::Sub(before, hn::Add(rounds, more));
+}
+
+// draw_at() for the losses of rays at `position`.
+HWY_INLINE VU64 draw_here(const std::array<VU64, 3>& position, VU64 of_flight) {
+  const VU64 low = hn::Or(position[0], hn::ShiftLeft<32>(position[1]));
+  return mix64(hn::Xor(mix64(hn::Xor(mix64(low), position[2])), of_flight));
+}
+
+struct Energy {
+  std::array<V, 2> words;
+  Mask same_units;  // it has as many whole units as before, and more than none
+};
+
+HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& position, const std::array<V, 2>& energy,
+                       V lost) {
+  const V phase = lanes.phase.load(), loss_low = lanes.loss[0].load(), loss_high = lanes.loss[1].load();
+  struct Half {
+    VU64 energy, same;
+  };
+  const auto half = [&](auto of) {
+    const VU64 before = hn::Or(of(energy[0]), hn::ShiftLeft<24>(of(energy[1])));
+    const VU64 flight = hn::Or(of(loss_low), hn::ShiftLeft<32>(of(loss_high)));
+    const VU64 after =
+        energy_after(before, of(lost), draw_here({of(position[0]), of(position[1]), of(position[2])}, flight));
+    const auto units = [&](VU64 of_energy) {
+      return hn::ShiftRight<kEnergyFractionBits>(hn::Add(of_energy, of(phase)));
+    };
+    const VU64 left = units(after), zero = hn::Zero(DU64());
+    return Half{after, hn::VecFromMask(DU64(), hn::AndNot(hn::Eq(left, zero), hn::Eq(left, units(before))))};
+  };
+  const Half even = half([](V v) { return evens(v); }), odd = half([](V v) { return odds(v); });
+  const VU64 low = set64((1 << 24) - 1);
+  Energy out;
+  out.words[0] = together(hn::And(even.energy, low), hn::And(odd.energy, low));
+  out.words[1] = together(hn::ShiftRight<24>(even.energy), hn::ShiftRight<24>(odd.energy));
+  out.same_units = hn::MaskFromVec(together(even.same, odd.same));
+  return out;
+}
+
+// What samples do, apart from the step.
+struct Quietly {
+  Mask goes_on;  // nothing else happens
+  Mask waits;    // it has not been found out
+  Mask visible;
+  Mask trapped;  // the ray is still at the surface at which it was
+  std::array<V, 2> energy;
+  V interacted;
+  V weight;  // in the ray's colour
+};
+
+enum class FlightKind : std::uint8_t { kBundle, kPhoton, kRendering };
+
+struct SampleLanes {
+  Place at;
+  V entry, depth;  // of the segmentation LUT; of its opacity, 0: none (PacketField::opacities)
+  Corners corners;
+};
+
+HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, const PacketField& field) {
+  SampleLanes out;
+  std::array<V, 3> voxel;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
+    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
+    out.at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
+    out.at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(out.at.fraction[axis]);
+  }
+  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
+  out.at.index = hn::IfThenElseZero(samples, hn::Add(first, hn::Add(voxel[0], hn::Mul(rows, set(field.edge)))));
+  out.corners = corners_of(field.densities, out.at.index, field.edge);
+  out.entry = classify(density_of(out.corners, out.at.weight), out.at, field);
+  out.depth = hn::IfThenElseZero(samples, gather(field.opacities, hn::ShiftLeft<2>(out.entry)));
+  return out;
+}
+
+struct PartOpacity {
+  V alpha;
+  Mask known;
+};
+
+// The opacities of the parts of samples in a medium, with the conserving rules. `even`: all eight voxels round have one.
+template <bool kWide>
+HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneState& ray, V begun,
+                                        const SampleLanes& sample, Mask even, Mask in_medium,
+                                        const PacketField& field) {
+  const D32 d;
+  const auto doubles = [](const std::array<DoubleWord, 3>& words) {
+    return std::array<Doubles, 3>{words[0].load(), words[1].load(), words[2].load()};
+  };
+  const WayLanes way = way_of<kWide>(ray, doubles(lanes.slope), doubles(lanes.inverse), begun, field);
+  const PartLanes low = part_of_way(way, LowerLanes()), high = part_of_way(way, UpperLanes());
+  const Exponent part = exponent_of({low.begin, high.begin}, {low.end, high.end}, ray.exponent);
+  const V word = sample.depth;
+  const V alpha =
+      together(corrected(evens(word), evens(part.word), field), corrected(odds(word), odds(part.word), field));
+  const Mask even_parts = hn::And(hn::And(in_medium, even), part.holds), mixed = hn::AndNot(even, in_medium);
+  PartOpacity out{hn::IfThenElseZero(even_parts, alpha), even_parts};
+  if (hn::AllFalse(d, mixed)) return out;
+  const V tag = hn::And(sample.entry, set(~0xFFF));
+  const auto depth = [&](const PartLanes& of, auto half) {
+    return depth_of_part(of, way, sample.corners, sample.at.fraction, tag, ray.exponent, *field.light, half);
+  };
+  const DepthLanes below = depth(low, LowerLanes()), above = depth(high, UpperLanes());
+  const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
+  const V opaque = gather(field.light->opaque_up, hn::ShiftLeft<2>(hn::IfThenElseZero(mixed, least)));
+  const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: there is none
+  const Mask seen_through = hn::AndNot(wall, mixed);
+  out.known = hn::Or(out.known, seen_through);
+  out.alpha = hn::IfThenElse(seen_through, opacity_of({below.depth, above.depth}, seen_through), out.alpha);
+  return out;
+}
+
+// Which of the rays that meet a reflecting surface leave it: leaves().
+HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask reflecting, const PacketField& field) {
+  const Mask scattered = hn::And(reflecting, hn::MaskFromVec(lanes.scattered.load()));
+  if (hn::AllFalse(D32(), scattered)) return scattered;
+  SmallPlace at = small(sample.at);
+  at.index = hn::IfThenElseZero(scattered, at.index);  // no line is read for the others
+  const std::array<V, 3> gradient = resample_gradient(at, field);
+  V along = hn::Zero(D32());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    along = hn::Add(along, hn::Mul(lanes.direction[axis].load(), gradient[axis]));
+  }
+  return hn::And(hn::Lt(along, hn::Zero(D32())), scattered);
+}
+
+// Takes those out of `in_medium` that are at a surface and do not meet it; those that meet one which traps stand, in `stands`.
+HWY_INLINE void pass_surfaces(Quietly& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
+                              const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
+  const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
+  out.trapped = hn::And(traps, hn::MaskFromVec(trapped));
+  stands = hn::AndNot(out.trapped, traps);
+  in_medium = hn::AndNot(traps, in_medium);
+  if (hn::AllFalse(D32(), reflecting)) return;
+  if (field.light->cubes) {
+    in_medium = hn::AndNot(leave(lanes, sample, reflecting, field), in_medium);
+  } else {
+    stands = hn::Or(stands, reflecting);
+  }
+}
+
+// What samples of the medium do to lighting rays.
+template <FlightKind kKind>
+HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha, Mask in_medium,
+                     const SampleLanes& sample, const PacketField& field) {
+  const LightField& light = *field.light;
+  const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
+  Mask stands;
+  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+  const std::array<V, 2> energy = out.energy;
+  const V interacted = out.interacted;
+  V opacity = alpha;
+  if constexpr (kKind == FlightKind::kBundle) {
+    const bool printed = light.runs == nullptr;
+    const Energy after = lose(lanes, ray.position, energy, printed ? alpha : absorption_opacity(alpha, material));
+    opacity = hn::IfThenZeroElse(material.straight, printed ? alpha : scattering_opacity(alpha, material));
+    for (std::size_t i = 0; i < 2; ++i) out.energy[i] = hn::IfThenElse(in_medium, after.words[i], energy[i]);
+    stands = hn::Or(stands, hn::AndNot(after.same_units, in_medium));
+  } else {
+    opacity = hn::IfThenElse(material.straight, absorption_opacity(alpha, material), alpha);
+  }
+  const V so_far =
+      hn::Add(interacted, together(behind(evens(interacted), evens(opacity)), behind(odds(interacted), odds(opacity))));
+  const Mask interacts = hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, interacted));
+  stands = hn::Or(stands, hn::And(in_medium, interacts));
+  out.goes_on = hn::AndNot(stands, out.goes_on);
+  out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
+}
+
+// What samples of the medium do to rendering rays.
+HWY_INLINE void gather_light(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, Mask in_medium,
+                             const SampleLanes& sample, const PacketField& field) {
+  const LightField& light = *field.light;
+  const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
+  Mask stands;
+  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+  if (field.wide) {  // floats are summed in the order of samples
+    out.goes_on = hn::AndNot(hn::Or(stands, in_medium), out.goes_on);
+    return;
+  }
+  const V word = sample.depth, exponent = ray.exponent, interacted = out.interacted;
+  const V alpha =
+      together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
+  if (light.high_albedo || light.scatters) {
+    const V opacity = light.high_albedo ? alpha : scattering_opacity(alpha, material);
+    const V so_far = hn::Add(
+        interacted, together(behind(evens(interacted), evens(opacity)), behind(odds(interacted), odds(opacity))));
+    const Mask interacts = hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, interacted));
+    stands = hn::Or(stands, hn::And(in_medium, interacts));
+    out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
+  }
+  out.goes_on = hn::AndNot(stands, out.goes_on);
+  if (light.high_albedo) return;  // colour is taken where the ray is absorbed
+  const V part = absorption_opacity(alpha, material);
+  const V weight = together(behind(evens(ray.opacity), evens(part)), behind(odds(ray.opacity), odds(part)));
+  out.weight = hn::IfThenElseZero(hn::And(in_medium, out.goes_on), weight);
+}
+
+// The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
+template <FlightKind kKind, bool kWide>
+HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
+                                const std::array<V, 2>& energy, V interacted, const SampleLanes& sample, Mask samples,
+                                const PacketField& field) {
+  const D32 d;
+  const V zero = hn::Zero(d);
+  const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);
+  Quietly out{samples, none, visible, none, energy, interacted, zero};
+  if constexpr (kKind == FlightKind::kRendering) {
+    if (!hn::AllFalse(d, visible)) gather_light(out, lanes, ray, trapped, visible, sample, field);
+  } else {
+    const LightField& light = *field.light;
+    Mask in_medium = visible, even = none;
+    if (light.runs != nullptr) {
+      even = is_even(sample.corners, sample.entry, light);
+      in_medium = hn::And(samples, hn::Or(visible, hn::Not(even)));
+    }
+    const std::size_t dense = hn::CountTrue(d, in_medium);
+    if (dense == 0) return out;
+    if (dense < hn::Lanes(d) / 2 && dense < hn::CountTrue(d, samples)) {
+      out.goes_on = hn::AndNot(in_medium, samples);
+      out.waits = in_medium;
+      return out;
+    }
+    V alpha;
+    if (light.runs != nullptr) {
+      const PartOpacity part = opacity_of_parts<kWide>(lanes, ray, begun, sample, even, in_medium, field);
+      out.goes_on = hn::AndNot(hn::AndNot(part.known, in_medium), samples);
+      in_medium = hn::And(hn::And(in_medium, part.known), hn::Ne(part.alpha, zero));
+      alpha = part.alpha;
+    } else {
+      const V word = sample.depth, exponent = ray.exponent;
+      alpha = together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
+    }
+    meet<kKind>(out, lanes, ray, trapped, alpha, in_medium, sample, field);
+  }
+  return out;
+}
+
+// Their colour waits in `seen`.
+HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const Quietly& taken, V first,
+                              const LaneState& ray, const FlightLanes& lanes, const PacketField& field) {
+  const Mask coloured = hn::Ne(taken.weight, hn::Zero(D32()));
+  if (hn::AllFalse(D32(), coloured)) return;
+  V lit = taken.weight;
+  if (field.irradiance != nullptr) {
+    const auto along = [&](std::size_t axis) {
+      return hn::ShiftRightSame(hn::IfThenElseZero(coloured, ray.position[axis]), field.block_shift);
+    };
+    const V block =
+        hn::Add(along(0), hn::Add(hn::Mul(along(1), set(field.across)), hn::Mul(along(2), set(field.slice))));
+    lit = irradiance_index(block, hn::IfThenElseZero(coloured, hn::Sub(sample.at.index, first)), field);
+  }
+  seen.add<false>(sample.at, sample.entry, lanes.flight.load(), taken.weight, lit, coloured, field);
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
