@@ -22,18 +22,7 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
                       RayCounters& counters) {
   const D32 d;
   const V zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
-  LaneState ray;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.position[axis] = lanes.position[axis].load();
-    ray.step[axis] = lanes.step[axis].load();
-    if constexpr (kWide) {
-      ray.rest[axis] = lanes.rest[axis].load();
-      ray.step_rest[axis] = lanes.step_rest[axis].load();
-    }
-  }
-  ray.exponent = lanes.exponent.load();
-  ray.left = lanes.left.load();
-  ray.opacity = lanes.opacity.load();
+  LaneState ray = begin<kWide>(lanes);
   std::array<V, 2> energy{lanes.energy[0].load(), lanes.energy[1].load()};
   V interacted = lanes.interacted.load(), begun = lanes.begun.load(), taken = lanes.taken.load();
   V trapped = lanes.trapped.load();
@@ -45,11 +34,7 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
     const Mask going = hn::AndNot(stands, hn::Gt(ray.left, zero));
     if (hn::Lanes(d) - hn::CountTrue(d, going) >= enough) break;
     constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
-    const auto along = [&](std::size_t axis) {
-      return hn::ShiftRight<kCellShift>(hn::IfThenElseZero(going, ray.position[axis]));
-    };
-    const V cell = hn::Add(
-        along(0), hn::Add(hn::Mul(along(1), set(field.cells_across)), hn::Mul(along(2), set(field.cells_slice))));
+    const V cell = cube_index(ray, going, kCellShift, field.cells_across, field.cells_slice);
     const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = zero;
@@ -57,33 +42,28 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
     if (!hn::AllFalse(d, skips)) {
       const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver)));
       const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
-      V out;
-      if constexpr (kWide) {
-        out = steps_out(ray.position, ray.rest, mask, pace, 1 << field.block_shift);
-      } else {
-        out = steps_out(ray.position, mask, pace, 1 << field.block_shift);
-      }
-      out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
+      const V most = hn::Add(ray.left, hn::IfThenElseZero(leaps, more));
+      const V out = hn::Min(steps_out<kWide>(ray, mask, pace, field), most);
       steps = hn::IfThenElseZero(skips, out);
       counters.leaps += hn::CountTrue(d, leaps);
       passed = hn::Add(passed, hn::IfThenElseZero(hn::AndNot(leaps, skips), out));
     }
     if (!hn::AllFalse(d, samples)) {
       const SampleLanes at = sample_at(ray, first, samples, field);
-      const Quietly sample =
-          take_quietly<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, at, samples, field);
-      const Mask quiet = sample.goes_on;
-      stands = hn::Or(stands, hn::AndNot(hn::Or(quiet, sample.waits), samples));
-      counters.samples += hn::CountTrue(d, quiet);
-      counters.visible_samples += hn::CountTrue(d, hn::And(quiet, sample.visible));
-      for (std::size_t i = 0; i < 2; ++i) energy[i] = hn::IfThenElse(quiet, sample.energy[i], energy[i]);
-      interacted = hn::IfThenElse(quiet, sample.interacted, interacted);
-      steps = hn::Add(steps, hn::IfThenElseZero(quiet, one));
+      const SampleResult sample =
+          try_samples<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, at, samples, field);
+      const Mask goes_on = sample.goes_on;
+      stands = hn::Or(stands, hn::AndNot(hn::Or(goes_on, sample.waits), samples));
+      counters.samples += hn::CountTrue(d, goes_on);
+      counters.visible_samples += hn::CountTrue(d, hn::And(goes_on, sample.visible));
+      for (std::size_t i = 0; i < 2; ++i) energy[i] = hn::IfThenElse(goes_on, sample.energy[i], energy[i]);
+      interacted = hn::IfThenElse(goes_on, sample.interacted, interacted);
+      steps = hn::Add(steps, hn::IfThenElseZero(goes_on, one));
       still_trapped = sample.trapped;
       if constexpr (kKind == FlightKind::kRendering && !kWide) {
-        gather_colour(seen, at, sample, first, ray, lanes, field);
+        gather_colour(seen, at, sample, ray, lanes, field);
         ray.opacity = hn::Add(ray.opacity, sample.weight);
-        stands = hn::Or(stands, hn::And(quiet, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));
+        stands = hn::Or(stands, hn::And(goes_on, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));
       }
     }
     const Mask stepped = hn::Gt(steps, zero);

@@ -10,27 +10,23 @@
 
 #include "gradient-inl.h"
 #include "march-inl.h"
+#include "ray_part-inl.h"
 #include "shading_queue-inl.h"
-#include "whole_part-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// What the lanes hold of their rays.
-struct FlightLanes {
-  std::array<Word, 3> position, step, rest, step_rest;
+// What lanes hold of rays that fly, beyond what they hold of others. `taken` counts the steps since a ray was put there, and `ray` is
+// its place among those that fly together.
+struct FlightLanes : Lanes {
   std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and one by it; 0: the ray stands on this axis
-  Word exponent;
-  Word left, more;  // as those of Lanes
-  Word taken;       // steps since the ray was put here
-  Word begun;       // all ones: this flight has taken a step
-  Word trapped;     // all ones: the ray is still at the surface at which it was
-  Word stands;      // all ones: the plain way must take its sample
-  std::array<Word, 3> direction;
-  Word scattered;          // all ones: the ray has been
-  Word interacted, value;  // and interaction_value()
-  Word flight, opacity;    // of rendering rays: its place among those that fly together
+  Word interacted, value;                    // and interaction_value()
+  // All ones:
+  Word begun;      // this flight has taken a step
+  Word scattered;  // the ray has been
+  Word trapped;    // it is still at the surface at which it was
+  Word stands;     // the plain way must take its sample
   // Of lighting rays:
   std::array<Word, 2> energy;  // 24 bits, and 12
   Word phase;                  // energy_phase()
@@ -88,10 +84,10 @@ HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& positio
   return out;
 }
 
-// What samples do, apart from the step.
-struct Quietly {
-  Mask goes_on;  // nothing else happens
-  Mask waits;    // it has not been found out
+// What samples do to their rays, apart from the step.
+struct SampleResult {
+  Mask goes_on;  // no more than this
+  Mask waits;    // for others in a medium
   Mask visible;
   Mask trapped;  // the ray is still at the surface at which it was
   std::array<V, 2> energy;
@@ -103,23 +99,18 @@ enum class FlightKind : std::uint8_t { kBundle, kPhoton, kRendering };
 
 struct SampleLanes {
   Place at;
+  V cell;          // in its block
   V entry, depth;  // of the segmentation LUT; of its opacity, 0: none (PacketField::opacities)
   Corners corners;
 };
 
 HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, const PacketField& field) {
   SampleLanes out;
-  std::array<V, 3> voxel;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
-    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
-    out.at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
-    out.at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(out.at.fraction[axis]);
-  }
-  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
-  out.at.index = hn::IfThenElseZero(samples, hn::Add(first, hn::Add(voxel[0], hn::Mul(rows, set(field.edge)))));
+  const auto place = place_in_block(ray, first, samples, field);
+  out.at = place.at;
+  out.cell = place.cell;
   out.corners = corners_of(field.densities, out.at.index, field.edge);
-  out.entry = classify(density_of(out.corners, out.at.weight), out.at, field);
+  out.entry = classify(resample_words(out.corners, out.at.weight), out.at, field);
   out.depth = hn::IfThenElseZero(samples, gather(field.opacities, hn::ShiftLeft<2>(out.entry)));
   return out;
 }
@@ -141,9 +132,7 @@ HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneStat
   const WayLanes way = way_of<kWide>(ray, doubles(lanes.slope), doubles(lanes.inverse), begun, field);
   const PartLanes low = part_of_way(way, LowerLanes()), high = part_of_way(way, UpperLanes());
   const Exponent part = exponent_of({low.begin, high.begin}, {low.end, high.end}, ray.exponent);
-  const V word = sample.depth;
-  const V alpha =
-      together(corrected(evens(word), evens(part.word), field), corrected(odds(word), odds(part.word), field));
+  const V alpha = corrected(sample.depth, part.word, field);
   const Mask even_parts = hn::And(hn::And(in_medium, even), part.holds), mixed = hn::AndNot(even, in_medium);
   PartOpacity out{hn::IfThenElseZero(even_parts, alpha), even_parts};
   if (hn::AllFalse(d, mixed)) return out;
@@ -168,7 +157,7 @@ HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask 
   SmallPlace at = small(sample.at);
   at.index = hn::IfThenElseZero(scattered, at.index);  // no line is read for the others
   const std::array<V, 3> gradient = resample_gradient(at, field);
-  V along = hn::Zero(D32());
+  V along = hn::Zero(D32());  // a unit vector of 14 bits times words of 16
   for (std::size_t axis = 0; axis < 3; ++axis) {
     along = hn::Add(along, hn::Mul(lanes.direction[axis].load(), gradient[axis]));
   }
@@ -176,7 +165,7 @@ HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask 
 }
 
 // Takes those out of `in_medium` that are at a surface and do not meet it; those that meet one which traps stand, in `stands`.
-HWY_INLINE void pass_surfaces(Quietly& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
+HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
                               const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
   const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
   out.trapped = hn::And(traps, hn::MaskFromVec(trapped));
@@ -190,16 +179,22 @@ HWY_INLINE void pass_surfaces(Quietly& out, Mask& in_medium, Mask& stands, const
   }
 }
 
+// Accumulates the opacity, of the samples of `in_medium`; returns which interact: interacts().
+HWY_INLINE Mask accumulate(SampleResult& out, V opacity, Mask in_medium, const FlightLanes& lanes) {
+  const V before = out.interacted, so_far = hn::Add(before, behind(before, opacity));
+  out.interacted = hn::IfThenElse(in_medium, so_far, before);
+  return hn::And(in_medium, hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, before)));
+}
+
 // What samples of the medium do to lighting rays.
 template <FlightKind kKind>
-HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha, Mask in_medium,
-                     const SampleLanes& sample, const PacketField& field) {
+HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha,
+                     Mask in_medium, const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
   Mask stands;
   pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
   const std::array<V, 2> energy = out.energy;
-  const V interacted = out.interacted;
   V opacity = alpha;
   if constexpr (kKind == FlightKind::kBundle) {
     const bool printed = light.runs == nullptr;
@@ -210,17 +205,13 @@ HWY_INLINE void meet(Quietly& out, const FlightLanes& lanes, const LaneState& ra
   } else {
     opacity = hn::IfThenElse(material.straight, absorption_opacity(alpha, material), alpha);
   }
-  const V so_far =
-      hn::Add(interacted, together(behind(evens(interacted), evens(opacity)), behind(odds(interacted), odds(opacity))));
-  const Mask interacts = hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, interacted));
-  stands = hn::Or(stands, hn::And(in_medium, interacts));
+  stands = hn::Or(stands, accumulate(out, opacity, in_medium, lanes));
   out.goes_on = hn::AndNot(stands, out.goes_on);
-  out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
 }
 
 // What samples of the medium do to rendering rays.
-HWY_INLINE void gather_light(Quietly& out, const FlightLanes& lanes, const LaneState& ray, V trapped, Mask in_medium,
-                             const SampleLanes& sample, const PacketField& field) {
+HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped,
+                             Mask in_medium, const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
   Mask stands;
@@ -229,33 +220,26 @@ HWY_INLINE void gather_light(Quietly& out, const FlightLanes& lanes, const LaneS
     out.goes_on = hn::AndNot(hn::Or(stands, in_medium), out.goes_on);
     return;
   }
-  const V word = sample.depth, exponent = ray.exponent, interacted = out.interacted;
-  const V alpha =
-      together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
+  const V alpha = corrected(sample.depth, ray.exponent, field);
   if (light.high_albedo || light.scatters) {
     const V opacity = light.high_albedo ? alpha : scattering_opacity(alpha, material);
-    const V so_far = hn::Add(
-        interacted, together(behind(evens(interacted), evens(opacity)), behind(odds(interacted), odds(opacity))));
-    const Mask interacts = hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, interacted));
-    stands = hn::Or(stands, hn::And(in_medium, interacts));
-    out.interacted = hn::IfThenElse(in_medium, so_far, interacted);
+    stands = hn::Or(stands, accumulate(out, opacity, in_medium, lanes));
   }
   out.goes_on = hn::AndNot(stands, out.goes_on);
   if (light.high_albedo) return;  // colour is taken where the ray is absorbed
-  const V part = absorption_opacity(alpha, material);
-  const V weight = together(behind(evens(ray.opacity), evens(part)), behind(odds(ray.opacity), odds(part)));
+  const V weight = behind(ray.opacity, absorption_opacity(alpha, material));
   out.weight = hn::IfThenElseZero(hn::And(in_medium, out.goes_on), weight);
 }
 
 // The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
 template <FlightKind kKind, bool kWide>
-HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
-                                const std::array<V, 2>& energy, V interacted, const SampleLanes& sample, Mask samples,
-                                const PacketField& field) {
+HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
+                                    const std::array<V, 2>& energy, V interacted, const SampleLanes& sample,
+                                    Mask samples, const PacketField& field) {
   const D32 d;
   const V zero = hn::Zero(d);
   const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);
-  Quietly out{samples, none, visible, none, energy, interacted, zero};
+  SampleResult out{samples, none, visible, none, energy, interacted, zero};
   if constexpr (kKind == FlightKind::kRendering) {
     if (!hn::AllFalse(d, visible)) gather_light(out, lanes, ray, trapped, visible, sample, field);
   } else {
@@ -279,8 +263,7 @@ HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, 
       in_medium = hn::And(hn::And(in_medium, part.known), hn::Ne(part.alpha, zero));
       alpha = part.alpha;
     } else {
-      const V word = sample.depth, exponent = ray.exponent;
-      alpha = together(corrected(evens(word), evens(exponent), field), corrected(odds(word), odds(exponent), field));
+      alpha = corrected(sample.depth, ray.exponent, field);
     }
     meet<kKind>(out, lanes, ray, trapped, alpha, in_medium, sample, field);
   }
@@ -288,20 +271,16 @@ HWY_INLINE Quietly take_quietly(const FlightLanes& lanes, const LaneState& ray, 
 }
 
 // Their colour waits in `seen`.
-HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const Quietly& taken, V first,
+HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const SampleResult& taken,
                               const LaneState& ray, const FlightLanes& lanes, const PacketField& field) {
   const Mask coloured = hn::Ne(taken.weight, hn::Zero(D32()));
   if (hn::AllFalse(D32(), coloured)) return;
   V lit = taken.weight;
   if (field.irradiance != nullptr) {
-    const auto along = [&](std::size_t axis) {
-      return hn::ShiftRightSame(hn::IfThenElseZero(coloured, ray.position[axis]), field.block_shift);
-    };
-    const V block =
-        hn::Add(along(0), hn::Add(hn::Mul(along(1), set(field.across)), hn::Mul(along(2), set(field.slice))));
-    lit = irradiance_index(block, hn::IfThenElseZero(coloured, hn::Sub(sample.at.index, first)), field);
+    const V block = cube_index(ray, coloured, field.block_shift, field.across, field.slice);
+    lit = irradiance_index(block, hn::IfThenElseZero(coloured, sample.cell), field);
   }
-  seen.add<false>(sample.at, sample.entry, lanes.flight.load(), taken.weight, lit, coloured, field);
+  seen.add<false>(sample.at, sample.entry, lanes.ray.load(), taken.weight, lit, coloured, field);
 }
 
 #endif

@@ -144,7 +144,7 @@ class FlightScheduler {
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
     lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
     lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
-    lanes.flight.lane[lane] = static_cast<std::int32_t>(slots_[lane].flight - flights_.data());
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(slots_[lane].flight - flights_.data());
     if (kind_ == FlightKind::kRendering) return;
     lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
     const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);

@@ -147,7 +147,8 @@ HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
 HWY_INLINE V irradiance(const SmallPlace& at, V index, const PacketField& field) {
   const Mask has = hn::Gt(index, set(-1));
   const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};
-  return hn::IfThenElseZero(has, resample_words(field.irradiance, hn::IfThenElseZero(has, index), weight, field.edge));
+  return hn::IfThenElseZero(
+      has, resample_words(corners_of(field.irradiance, hn::IfThenElseZero(has, index), field.edge), weight));
 }
 
 // The diffuse part of illuminated(): irradiance * gain * exposure, 15 fraction bits, at most 8.

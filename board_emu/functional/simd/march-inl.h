@@ -204,23 +204,52 @@ HWY_INLINE void composite(LaneState& ray, V rays, const Place& at, V density, Ma
   }
 }
 
+// Where the volume's cubes of 1 << `shift` units stand in which the rays of `which` are; `across`, `slice`: cubes in a row and a slice.
+HWY_INLINE V cube_index(const LaneState& ray, Mask which, int shift, std::int32_t across, std::int32_t slice) {
+  const auto along = [&](std::size_t axis) {
+    return hn::ShiftRightSame(hn::IfThenElseZero(which, ray.position[axis]), shift);
+  };
+  return hn::Add(along(0), hn::Add(hn::Mul(along(1), set(across)), hn::Mul(along(2), set(slice))));
+}
+
+// steps_out() on either datapath.
+template <bool kWide, class Pace>
+HWY_INLINE V steps_out(const LaneState& ray, V mask, const Pace& pace, const PacketField& field) {
+  if constexpr (kWide) {
+    return steps_out(ray.position, ray.rest, mask, pace, 1 << field.block_shift);
+  } else {
+    return steps_out(ray.position, mask, pace, 1 << field.block_shift);
+  }
+}
+
+// Samples' places, and their cells' in their blocks, whose `first` voxels stand there among the decoded ones.
+struct PlaceInBlock {
+  Place at;
+  V cell;
+};
+
+HWY_INLINE PlaceInBlock place_in_block(const LaneState& ray, V first, Mask samples, const PacketField& field) {
+  PlaceInBlock out;
+  std::array<V, 3> voxel;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
+    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
+    out.at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
+    out.at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(out.at.fraction[axis]);
+  }
+  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
+  out.cell = hn::Add(voxel[0], hn::Mul(rows, set(field.edge)));
+  out.at.index = hn::IfThenElseZero(samples, hn::Add(first, out.cell));
+  return out;
+}
+
 // Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
 template <Gathers kGathers, bool kWide>
 HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samples, Mask taking, ShadingQueue& seen,
                              const PacketField& field, RayCounters& counters) {
   const D32 d;
-  Place at{};
-  std::array<V, 3> voxel{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
-    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
-    at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
-    at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(at.fraction[axis]);
-  }
-  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
-  const V cell = hn::Add(voxel[0], hn::Mul(rows, set(field.edge)));
-  at.index = hn::IfThenElseZero(samples, hn::Add(first, cell));
-  const V density = resample_words(field.densities, at.index, at.weight, field.edge);
+  const auto [at, cell] = place_in_block(ray, first, samples, field);
+  const V density = resample_words(corners_of(field.densities, at.index, field.edge), at.weight);
   counters.samples += hn::CountTrue(d, taking);
   if constexpr (kGathers == Gathers::kIntegral) {
     const V sum = hn::Add(ray.sum[0], hn::IfThenElseZero(taking, density));
@@ -255,14 +284,9 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     const Mask going = kJitter ? running : stepping;
 
     constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
-    const auto index_in = [&](int shift, std::int32_t across, std::int32_t slice) {
-      const auto along = [&](std::size_t axis) {
-        return hn::ShiftRightSame(hn::IfThenElseZero(going, ray.position[axis]), shift);
-      };
-      return hn::Add(along(0), hn::Add(hn::Mul(along(1), set(across)), hn::Mul(along(2), set(slice))));
-    };
-    const V cell = index_in(kCellShift, field.cells_across, field.cells_slice);
-    const V block = field.irradiance != nullptr ? index_in(field.block_shift, field.across, field.slice) : zero;
+    const V cell = cube_index(ray, going, kCellShift, field.cells_across, field.cells_slice);
+    const V block =
+        field.irradiance != nullptr ? cube_index(ray, going, field.block_shift, field.across, field.slice) : zero;
     const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = hn::IfThenElseZero(going, one);
@@ -270,12 +294,7 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
       const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver))), unseen = hn::AndNot(leaps, skips);
       if constexpr (kJitter) pace = pace_of<kWide>(ray);
       const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
-      V out;
-      if constexpr (kWide) {
-        out = steps_out(ray.position, ray.rest, mask, pace, 1 << field.block_shift);
-      } else {
-        out = steps_out(ray.position, mask, pace, 1 << field.block_shift);
-      }
+      V out = steps_out<kWide>(ray, mask, pace, field);
       if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
       steps = hn::IfThenElse(skips, out, steps);
       counters.leaps += hn::CountTrue(d, hn::And(leaps, running));

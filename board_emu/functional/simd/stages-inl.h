@@ -95,12 +95,21 @@ HWY_INLINE SmallPlace small(const Place& at) {
   return {at.index, hn::Or(at.weight[0], hn::ShiftLeft<16>(at.weight[1])), at.weight[2]};
 }
 
-// resample() of 16-bit words that stand alone: densities, 12.3, or irradiance.
-HWY_INLINE V resample_words(const std::int16_t* words, V index, const std::array<V, 3>& weight, std::int32_t edge) {
+// The eight words round a sample, of 16 bits, two neighbours along x in one.
+struct Corners {
+  std::array<V, 4> row;
+};
+
+HWY_INLINE Corners corners_of(const std::int16_t* words, V index, std::int32_t edge) {
   const V two = hn::ShiftLeft<1>(index);
   const std::ptrdiff_t down = edge, deep = std::ptrdiff_t{edge} * edge;
-  const auto row = [&](std::ptrdiff_t offset) { return along_x(gather(words + offset, two), weight[0]); };
-  const V near = lerp(row(0), row(down), weight[1]), far = lerp(row(deep), row(deep + down), weight[1]);
+  return {{gather(words, two), gather(words + down, two), gather(words + deep, two), gather(words + deep + down, two)}};
+}
+
+// resample() of words that stand alone: densities, 12.3, or irradiance.
+HWY_INLINE V resample_words(const Corners& corners, const std::array<V, 3>& weight) {
+  const auto row = [&](std::size_t i) { return along_x(corners.row[i], weight[0]); };
+  const V near = lerp(row(0), row(1), weight[1]), far = lerp(row(2), row(3), weight[1]);
   return hn::And(lerp(near, far, weight[2]), set(0xFFFF));
 }
 
@@ -133,18 +142,23 @@ HWY_INLINE VU64 corrected(VU64 depth, VU64 exponent, const PacketField& field) {
   return hn::IfThenElse(hn::Eq(depth, set64(0xFFFF'FFFF)), one, hn::Sub(one, through));
 }
 
+HWY_INLINE V corrected(V depth, V exponent, const PacketField& field) {
+  return together(corrected(evens(depth), evens(exponent), field), corrected(odds(depth), odds(exponent), field));
+}
+
 // The weight of a sample of opacity `alpha` behind `opacity`: the first line of over(). 64-bit lanes.
 HWY_INLINE VU64 behind(VU64 opacity, VU64 alpha) {
   const VU64 t = hn::Add(product(hn::Sub(set64(wire::kOpacityOne), opacity), alpha), set64(std::uint64_t{1} << 23));
   return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));  // divide_by_full_scale<24>
 }
 
+HWY_INLINE V behind(V opacity, V alpha) {
+  return together(behind(evens(opacity), evens(alpha)), behind(odds(opacity), odds(alpha)));
+}
+
 // The same of what the field has of an entry's opacity (PacketField::opacities).
 HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) {
-  if (field.corrected) {
-    const V alpha = hn::Max(hn::Sub(word, set(1)), hn::Zero(D32()));
-    return together(behind(evens(opacity), evens(alpha)), behind(odds(opacity), odds(alpha)));
-  }
+  if (field.corrected) return behind(opacity, hn::Max(hn::Sub(word, set(1)), hn::Zero(D32())));
   return together(behind(evens(opacity), corrected(evens(word), evens(exponent), field)),
                   behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
 }

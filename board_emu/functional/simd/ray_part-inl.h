@@ -1,13 +1,13 @@
-// The part of its ray that a sample of a lighting ray stands for, where it lies in a medium of one opacity, and what the medium
-// does to it, for lanes of rays: as datapath/ray_part.h and datapath/interaction.h. Doubles take the same operations in the same
-// order, so that their bits are the same; a quotient by a power of two is a product.
+// The part of its ray that a sample of a lighting ray stands for, and what the medium there does to it, for lanes of rays: as
+// datapath/ray_part.h and datapath/interaction.h, but for parts that meet an opaque entry. Doubles take the same operations in the
+// same order, so that their bits are the same; a quotient by a power of two is a product.
 
 // Included once for each instruction set.
-#if defined(GICUBE_WHOLE_PART) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_WHOLE_PART
-#undef GICUBE_WHOLE_PART
+#if defined(GICUBE_RAY_PART) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_RAY_PART
+#undef GICUBE_RAY_PART
 #else
-#define GICUBE_WHOLE_PART
+#define GICUBE_RAY_PART
 #endif
 
 #include <limits>
@@ -28,23 +28,26 @@ struct alignas(64) DoubleWord {
   Doubles load() const { return {hn::Load(DD(), lane.data()), hn::Load(DD(), lane.data() + hn::Lanes(DD()))}; }
 };
 
-// What `make` makes of the lower and of the upper lanes: it gets a function that takes its half of a V or of Doubles.
-struct LowerLanes {
-  HWY_INLINE VD operator()(V v) const { return hn::PromoteTo(DD(), hn::LowerHalf(DHalf(), v)); }
-  HWY_INLINE VD operator()(const Doubles& v) const { return v.lower; }
+// Takes the lower or the upper lanes, as doubles.
+template <bool kUpper>
+struct HalfLanes {
+  static HWY_INLINE auto part(V v) {
+    if constexpr (kUpper) {
+      return hn::UpperHalf(DHalf(), v);
+    } else {
+      return hn::LowerHalf(DHalf(), v);
+    }
+  }
+  HWY_INLINE VD operator()(V v) const { return hn::PromoteTo(DD(), part(v)); }
+  HWY_INLINE VD operator()(const Doubles& v) const { return kUpper ? v.upper : v.lower; }
   HWY_INLINE MaskD operator()(Mask m) const {
-    const V v = hn::VecFromMask(D32(), m);
-    return hn::RebindMask(DD(), hn::MaskFromVec(hn::PromoteTo(DI64(), hn::LowerHalf(DHalf(), v))));
+    return hn::RebindMask(DD(), hn::MaskFromVec(hn::PromoteTo(DI64(), part(hn::VecFromMask(D32(), m)))));
   }
 };
-struct UpperLanes {
-  HWY_INLINE VD operator()(V v) const { return hn::PromoteTo(DD(), hn::UpperHalf(DHalf(), v)); }
-  HWY_INLINE VD operator()(const Doubles& v) const { return v.upper; }
-  HWY_INLINE MaskD operator()(Mask m) const {
-    const V v = hn::VecFromMask(D32(), m);
-    return hn::RebindMask(DD(), hn::MaskFromVec(hn::PromoteTo(DI64(), hn::UpperHalf(DHalf(), v))));
-  }
-};
+using LowerLanes = HalfLanes<false>;
+using UpperLanes = HalfLanes<true>;
+
+// What `make` makes of both: it gets one of them at a time.
 template <class Make>
 HWY_INLINE Doubles in_doubles(const Make& make) {
   return {make(LowerLanes()), make(UpperLanes())};
@@ -60,24 +63,6 @@ HWY_INLINE V rounded(const Doubles& x) {
 }
 HWY_INLINE V truncated(const Doubles& x) {
   return hn::Combine(D32(), hn::DemoteTo(DHalf(), x.upper), hn::DemoteTo(DHalf(), x.lower));
-}
-
-// The eight densities round a sample, two neighbours along x in a word.
-struct Corners {
-  std::array<V, 4> row;
-};
-
-HWY_INLINE Corners corners_of(const std::int16_t* words, V index, std::int32_t edge) {
-  const V two = hn::ShiftLeft<1>(index);
-  const std::ptrdiff_t down = edge, deep = std::ptrdiff_t{edge} * edge;
-  return {{gather(words, two), gather(words + down, two), gather(words + deep, two), gather(words + deep + down, two)}};
-}
-
-// resample_words() of them.
-HWY_INLINE V density_of(const Corners& corners, const std::array<V, 3>& weight) {
-  const auto row = [&](std::size_t i) { return along_x(corners.row[i], weight[0]); };
-  const V near = lerp(row(0), row(1), weight[1]), far = lerp(row(2), row(3), weight[1]);
-  return hn::And(lerp(near, far, weight[2]), set(0xFFFF));
 }
 
 // DepthTable::uniform() of the densities round samples whose entry of the segmentation LUT is `entry`.
@@ -107,14 +92,10 @@ struct MaterialLanes {
 HWY_INLINE MaterialLanes material_of(V tag, const LightField& light) {
   const V kind = gather(light.kind.data(), hn::ShiftLeft<2>(tag));
   const auto is = [&](std::int32_t what) { return hn::Eq(kind, set(what)); };
-  const auto half = [&](auto part) {
-    return hn::GatherIndex(DD(), light.scattering.data(), hn::PromoteTo(DI64(), part));
-  };
-  return {is(LightField::kTrap),
-          is(LightField::kSurface),
-          is(LightField::kStraight),
-          gather(light.kept.data(), hn::ShiftLeft<2>(tag)),
-          {half(hn::LowerHalf(DHalf(), tag)), half(hn::UpperHalf(DHalf(), tag))}};
+  return {is(LightField::kTrap), is(LightField::kSurface), is(LightField::kStraight),
+          gather(light.kept.data(), hn::ShiftLeft<2>(tag)), in_doubles([&](auto half) {
+            return hn::GatherIndex(DD(), light.scattering.data(), hn::PromoteTo(DI64(), half.part(tag)));
+          })};
 }
 
 // absorption_opacity().
@@ -155,7 +136,7 @@ struct PartLanes {
   ReachLanes own;
 };
 
-// What of a ray tells its parts.
+// What tells the part of a sample: where the samples before and after it lie.
 struct WayLanes {
   std::array<V, 3> here, before, after;  // in the cells of the sample, and of those before and after it
   std::array<V, 3> ahead;                // to the volume's face, signed as the step
@@ -217,12 +198,12 @@ HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
     }
     return out;
   };
-  const VD middle = hn::Set(d, 0.5);
+  const VD a_half = hn::Set(d, 0.5);
   PartLanes out;
   out.own = reach(way.here, 0);
   const VD last_exit = reach(way.before, -1).exit, next_entry = reach(way.after, 1).entry;
-  const VD begin = hn::Mul(hn::Add(hn::Min(last_exit, out.own.entry), out.own.entry), middle);
-  const VD end = hn::Mul(hn::Add(out.own.exit, hn::Max(out.own.exit, next_entry)), middle);
+  const VD begin = hn::Mul(hn::Add(hn::Min(last_exit, out.own.entry), out.own.entry), a_half);
+  const VD end = hn::Mul(hn::Add(out.own.exit, hn::Max(out.own.exit, next_entry)), a_half);
   out.begin = hn::IfThenZeroElse(half(way.first), hn::IfThenElse(half(way.begins_here), hn::Set(d, -0.5), begin));
   out.end = hn::IfThenElse(half(way.ends_here), hn::Set(d, 0.5), end);
   VD to_the_face = hn::Set(d, 1);
