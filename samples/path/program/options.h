@@ -1,23 +1,16 @@
 // What gicube-path is asked for.
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
 #include <optional>
 
 #include "path/bidirectional.h"
-#include "scene/program/board_options.h"
 #include "scene/program/progress.h"
-#include "transport/program/light_input.h"
+#include "transport/program/light_options.h"
 
 namespace gicube::samples {
 
-struct PathOptions {
-  LightInput light;
-  BidirectionalSettings settings;
-  int passes = 16;
-  BoardOptions board;
-};
+using PathOptions = LightOptions<BidirectionalSettings>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<PathOptions> parse_path_options(int argc, const char* const* argv, std::ostream& out);

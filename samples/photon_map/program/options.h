@@ -1,23 +1,16 @@
 // What gicube-photon-map is asked for.
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
 #include <optional>
 
 #include "photon_map/photon_map.h"
-#include "scene/program/board_options.h"
 #include "scene/program/progress.h"
-#include "transport/program/light_input.h"
+#include "transport/program/light_options.h"
 
 namespace gicube::samples {
 
-struct PhotonOptions {
-  LightInput light;
-  PhotonSettings settings;
-  int passes = 8;
-  BoardOptions board;
-};
+using PhotonOptions = LightOptions<PhotonSettings>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<PhotonOptions> parse_photon_options(int argc, const char* const* argv, std::ostream& out);
