@@ -1,5 +1,5 @@
 // A checkpoint is all that a board is: who goes on from it can't tell that the board was ever another.
-#include "board/checkpoint.h"
+#include "saved_board.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,11 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "board/board_observer.h"
-#include "cycle/observer.h"
 #include "gicube/wire/checksum.h"
 #include "random_session.h"
-#include "server/faults/fault_point.h"
 #include "temporary_directory.h"
 
 namespace gicube::emu {
@@ -24,67 +21,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kBlock = 8;
-
-std::string saved(Board& board) {
-  std::string bytes;
-  save_checkpoint(board, [&bytes](std::string_view more) { bytes += more; });
-  return bytes;
-}
-
-// With the fault plan of the link to it.
-std::string saved(Board& board, const FaultPoint& link) {
-  std::string bytes;
-  SavedFaults faults = link.saved();
-  save_checkpoint(
-      board, [&bytes](std::string_view more) { bytes += more; },
-      [&faults](Archive& archive) { archive("host.faults", faults); });
-  return bytes;
-}
-
-std::unique_ptr<Board> board_of(const v1::BoardConfig& config, BoardObserver* observer = nullptr) {
-  return std::make_unique<Board>(config, config_hash(config), observer);
-}
-
-std::unique_ptr<Board> restored(const std::string& bytes, BoardObserver* observer = nullptr) {
-  const Checkpoint checkpoint(bytes);
-  auto board = board_of(checkpoint.header().config(), observer);
-  checkpoint.restore(*board);
-  return board;
-}
-
-// Saves a board in the middle of a command.
-class Saver : public BoardObserver, public Observer {
- public:
-  Observer* observer() override { return this; }
-  void transferred(const BusDelivery&) override {}
-  void served(const BusTransaction&, Picoseconds, Picoseconds) override {}
-
-  // So many cycles after the next run of the machine begins or goes on, if it is not over by then.
-  void save_in(Cycle cycles, Board& board) {
-    cycles_ = cycles;
-    board_ = &board;
-    at_ = kNoCycle;
-    bytes_.clear();
-  }
-  const std::string& bytes() const { return bytes_; }
-
-  void begins(Cycle now, Machine&) override {
-    at_ = board_ != nullptr && at_ == kNoCycle ? now + cycles_ : kNoCycle;
-    if (at_ == kNoCycle) board_ = nullptr;
-  }
-  Cycle next(Cycle from) override { return board_ == nullptr ? kNoCycle : std::max(from, at_); }
-  void see(Cycle now, const Machine&) override {
-    if (board_ == nullptr || now < at_) return;
-    bytes_ = saved(*board_);
-    board_ = nullptr;
-  }
-
- private:
-  Board* board_ = nullptr;
-  Cycle cycles_ = 0;
-  Cycle at_ = kNoCycle;
-  std::string bytes_;
-};
 
 std::vector<std::string> texts(const Board::Snapshot& snapshot) {
   std::vector<std::string> out{std::to_string(snapshot.simulated_ps), std::to_string(snapshot.machine.cycle)};

@@ -1,0 +1,318 @@
+// The calls of the management plane. gRPC's headers are heavy: management.cpp alone includes this.
+#pragma once
+
+#include <fmt/format.h>
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "describe.h"
+#include "gicube/v1/management.grpc.pb.h"
+#include "management.h"
+#include "token_check.h"
+#include "words/finally.h"
+
+namespace gicube::emu {
+
+using grpc::ServerContext;
+using grpc::Status;
+using grpc::StatusCode;
+
+inline constexpr int kMaxWatchers = 16;  // chosen: each holds a thread
+inline constexpr std::uint32_t kMinIntervalMs = 10, kMaxIntervalMs = 60'000, kDefaultIntervalMs = 1000;
+inline constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: how late a cancelled watch is noticed
+
+class Service final : public v1::BoardManagement::Service {
+ public:
+  using DebugStream = grpc::ServerReaderWriter<v1::DebugAnswer, v1::DebugRequest>;
+
+  // `tokens`: null if nobody is asked for one.
+  Service(std::vector<BoardSlot*> boards, const ManagementOptions& options, std::shared_ptr<const TokenCheck> tokens)
+      : boards_(std::move(boards)),
+        trace_folder_(options.trace_folder),
+        audit_(options.audit),
+        tokens_(std::move(tokens)) {}
+
+  Status ListBoards(ServerContext*, const v1::ListBoardsRequest*, v1::ListBoardsResponse* response) override {
+    for (const BoardSlot* slot : boards_) describe(*slot, *response->add_boards());
+    return Status::OK;
+  }
+
+  Status GetInfo(ServerContext*, const v1::GetInfoRequest* in, v1::BoardInfo* out) override { return show(in, out); }
+
+  Status Configure(ServerContext* context, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) {
+      std::string reason;
+      const auto result = slot.configure(request->config_text(), reason, given_up(*context));
+      const bool is_done = result == BoardSlot::Configured::kDone;
+      return noted(AuditEvent::kConfigured, *context, slot,
+                   is_done ? shown(slot, *info) : refusal(result, slot, reason));
+    });
+  }
+
+  Status Reset(ServerContext* context, const v1::ResetRequest* request, v1::BoardInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      std::string reason;
+      const auto result = slot.power_reset(reason, given_up(*context));
+      Status status{StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+      if (result == BoardSlot::Configured::kDone) {
+        status = shown(slot, *info);
+      } else if (result != BoardSlot::Configured::kInUse) {
+        status = refusal(result, slot, reason);
+      }
+      return noted(AuditEvent::kReset, *context, slot, status);
+    });
+  }
+
+  Status GetCounters(ServerContext*, const v1::GetCountersRequest* in, v1::CounterSnapshot* out) override {
+    return show(in, out);
+  }
+
+  Status SetTrace(ServerContext* context, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      std::string reason, path;
+      try {
+        if (!request->file().empty()) path = trace_path(trace_folder_, request->file());
+      } catch (const std::invalid_argument& error) {
+        return noted(AuditEvent::kTraced, *context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
+      }
+      const auto result = slot.set_trace_file(path, reason, given_up(*context));
+      const bool is_done = result == BoardSlot::Configured::kDone;
+      return noted(AuditEvent::kTraced, *context, slot, is_done ? shown(slot, *info) : refusal(result, slot, reason),
+                   path.empty() ? "no trace" : path);
+    });
+  }
+
+  Status SaveCheckpoint(ServerContext* context, const v1::SaveCheckpointRequest* request,
+                        v1::CheckpointInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) { return save(*context, slot, request->file(), *info); });
+  }
+
+  Status GetTrace(ServerContext*, const v1::GetTraceRequest* in, v1::TraceInfo* out) override { return show(in, out); }
+
+  Status WatchCounters(ServerContext* context, const v1::WatchCountersRequest* request,
+                       grpc::ServerWriter<v1::CounterSnapshot>* writer) override {
+    return on_board(*request, [&](BoardSlot& slot) { return watch(*context, *request, slot, *writer); });
+  }
+
+  Status SetFaultPlan(ServerContext* context, const v1::SetFaultPlanRequest* request,
+                      v1::FaultPlanInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
+      const Status refused{StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
+      return noted(AuditEvent::kFaultsSet, *context, slot, found.empty() ? shown(slot, *info) : refused);
+    });
+  }
+
+  Status GetFaultPlan(ServerContext*, const v1::GetFaultPlanRequest* in, v1::FaultPlanInfo* out) override {
+    return show(in, out);
+  }
+
+  Status GetFaultLog(ServerContext* context, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
+    if (Status refused = lacks(*context, request->clear() ? Right::kControl : Right::kRead); !refused.ok())
+      return refused;
+    return on_board(*request, [&](BoardSlot& slot) {
+      log->set_board(slot.index());
+      FaultPoint::Log logged = slot.faults().log(request->clear());
+      log->set_left_out(logged.left_out);
+      for (v1::PlannedFault& fault : logged.faults) *log->add_faults() = std::move(fault);
+      return Status::OK;
+    });
+  }
+
+  Status Debug(ServerContext* context, DebugStream* stream) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    v1::DebugRequest first;
+    if (!stream->Read(&first)) return Status::OK;
+    return on_board(first, [&](BoardSlot& slot) { return debug(*context, first, slot, *stream); });
+  }
+
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    stopped_.notify_all();
+  }
+
+ private:
+  Status save(const ServerContext& context, BoardSlot& slot, const std::string& file, v1::CheckpointInfo& info) {
+    std::string reason, path;
+    try {
+      path = trace_path(trace_folder_, file);
+    } catch (const std::invalid_argument& error) {
+      return noted(AuditEvent::kSaved, context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
+    }
+    BoardSlot::Saved saved;
+    const auto result = slot.save(path, saved, reason, given_up(context));
+    if (result != BoardSlot::Configured::kDone) {
+      return noted(AuditEvent::kSaved, context, slot, refusal(result, slot, reason), path);
+    }
+    info.set_board(slot.index());
+    info.set_file(path);
+    info.set_simulated_ps(saved.simulated_ps);
+    info.set_bytes(saved.bytes);
+    return noted(AuditEvent::kSaved, context, slot, Status::OK, path);
+  }
+
+  // The line "checkpoint FILE" of a debugger.
+  Debugger::Answer save_in_debug(const ServerContext& context, BoardSlot& slot, const std::string& file) {
+    v1::CheckpointInfo info;
+    const Status status = save(context, slot, file, info);
+    const bool stands = slot.debugger().stands();
+    if (!status.ok()) return {"checkpoint: " + status.error_message() + '\n', true, stands};
+    return {fmt::format("board {} at {} ps is in {}, {} bytes\n", info.board(), info.simulated_ps(), info.file(),
+                        info.bytes()),
+            false, stands};
+  }
+
+  Status debug(const ServerContext& context, v1::DebugRequest& request, BoardSlot& slot, DebugStream& stream) {
+    Debugger& debugger = slot.debugger();
+    if (!debugger.attach()) {
+      return noted(AuditEvent::kDebugged, context, slot,
+                   {StatusCode::FAILED_PRECONDITION, fmt::format("another caller debugs board {}", slot.index())});
+    }
+    const Finally detached{[&debugger] { debugger.detach(); }};
+    noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
+    do {
+      constexpr std::string_view kCheckpoint = "checkpoint ";
+      const Debugger::Answer said = request.line().starts_with(kCheckpoint)
+                                        ? save_in_debug(context, slot, request.line().substr(kCheckpoint.size()))
+                                        : debugger.carry_out(request.line(), given_up(context));
+      // What changes values on the board is in the log.
+      if (!said.is_fault && request.line().starts_with("set ")) {
+        noted(AuditEvent::kDebugged, context, slot, Status::OK, request.line().substr(0, 80));
+      }
+      v1::DebugAnswer answer;
+      answer.set_text(said.text);
+      answer.set_is_fault(said.is_fault);
+      answer.set_stands(said.stands);
+      if (!stream.Write(answer)) break;
+    } while (stream.Read(&request));
+    return Status::OK;
+  }
+
+  void note(AuditEvent event, const ServerContext& context, const std::string& what) const {
+    if (audit_ != nullptr) audit_->note(event, "management caller " + context.peer(), what);
+  }
+  // What a call of this kind has come to.
+  Status noted(AuditEvent event, const ServerContext& context, const BoardSlot& slot, const Status& status,
+               const std::string& what = "") const {
+    const std::string result = status.ok() ? "done" : "refused: " + status.error_message();
+    note(event, context, fmt::format("board {}: {}{}{}", slot.index(), what, what.empty() ? "" : ": ", result));
+    return status;
+  }
+
+  // Why a caller may not do what needs this right.
+  Status lacks(const ServerContext& context, Right needed) const {
+    if (!tokens_) return Status::OK;
+    const std::optional<Right> right = tokens_->right_in(context.client_metadata());
+    if (right && *right >= needed) return Status::OK;
+    note(AuditEvent::kForbidden, context, fmt::format("asked for what needs the right to {}", name_of(needed)));
+    return {StatusCode::PERMISSION_DENIED,
+            fmt::format("expected a token with the right to {}, got one with the right to {}", name_of(needed),
+                        right ? name_of(*right) : "nothing")};
+  }
+
+  // Has `work` do what a request asks of the board that it names.
+  template <typename Request, typename Work>
+  Status on_board(const Request& request, const Work& work) const {
+    if (request.board() < boards_.size()) return work(*boards_[request.board()]);
+    return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, request.board())};
+  }
+
+  // What one may see of the board that a request names.
+  template <typename Request, typename Message>
+  Status show(const Request* request, Message* out) const {
+    return on_board(*request, [&](BoardSlot& slot) { return shown(slot, *out); });
+  }
+
+  static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
+    switch (result) {
+      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, in_short(reason)};
+      case BoardSlot::Configured::kFailed: return {StatusCode::RESOURCE_EXHAUSTED, reason};
+      case BoardSlot::Configured::kCancelled:
+        return {StatusCode::CANCELLED, "the caller has given up, or the process ends"};
+      default: return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
+    }
+  }
+
+  // gRPC refuses metadata of more than 8 KiB, in which a status travels percent-encoded.
+  static std::string in_short(std::string text) {
+    constexpr std::size_t kMaxBytes = 4096;  // chosen
+    if (text.size() <= kMaxBytes) return text;
+    text.resize(text.rfind('\n', kMaxBytes) == std::string::npos ? kMaxBytes : text.rfind('\n', kMaxBytes));
+    return text + "\nand more";
+  }
+
+  Cancelled given_up(const ServerContext& context) {
+    return [this, &context] {
+      const std::lock_guard lock(mutex_);
+      return stopping_ || context.IsCancelled();
+    };
+  }
+
+  Status watch(const ServerContext& context, const v1::WatchCountersRequest& request, const BoardSlot& slot,
+               grpc::ServerWriter<v1::CounterSnapshot>& writer) {
+    const std::uint32_t interval_ms = request.interval_ms() == 0 ? kDefaultIntervalMs : request.interval_ms();
+    if (interval_ms < kMinIntervalMs || interval_ms > kMaxIntervalMs) {
+      return {StatusCode::INVALID_ARGUMENT,
+              fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
+    }
+    const int number = ++watchers_;
+    const Finally left{[this] { --watchers_; }};
+    if (number > kMaxWatchers) {
+      return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
+    }
+    auto next = std::chrono::steady_clock::now();
+    do {
+      v1::CounterSnapshot snapshot;
+      describe(slot, snapshot);
+      if (!writer.Write(snapshot)) return Status::OK;
+      next += std::chrono::milliseconds(interval_ms);
+    } while (sleep_until(next, context));
+    if (context.IsCancelled()) return Status::CANCELLED;
+    return {StatusCode::UNAVAILABLE, "the board process ends"};
+  }
+
+  // What one may see of the board: describe.h has it all.
+  template <typename Slot, typename Message>
+  static Status shown(Slot& slot, Message& out) {
+    describe(slot, out);
+    return Status::OK;
+  }
+
+  // False if the call was cancelled or the service stops before that.
+  bool sleep_until(std::chrono::steady_clock::time_point time, const ServerContext& context) {
+    std::unique_lock lock(mutex_);
+    while (!stopping_ && !context.IsCancelled()) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now >= time) return true;
+      stopped_.wait_until(lock, std::min(time, now + kCancelCheck));
+    }
+    return false;
+  }
+
+  const std::vector<BoardSlot*> boards_;
+  const std::string trace_folder_;
+  Audit* const audit_;
+  const std::shared_ptr<const TokenCheck> tokens_;
+  std::atomic<int> watchers_{0};
+  std::mutex mutex_;
+  std::condition_variable stopped_;
+  bool stopping_ = false;
+};
+
+}  // namespace gicube::emu
