@@ -87,7 +87,8 @@ class PathScenes : public testing::Test {
   }
 
   // Three standard errors; of 24 pictures, so that Student's law is near enough to the normal one.
-  // With other seeds one of these means is now and then a little further off: there are 72, and lamps in fog have long tails.
+  // There are 72 means: with one seed in six one of them is expected further off. docs/guide/light_paths.md has longer runs, which
+  // find rooms up to 2.7% too dark.
   static void expect_alike(const LightScene& scene, int light_scatterings, std::uint64_t reference_paths) {
     const Estimates found = by_board(scene, light_scatterings, 24, 1);
     const Estimates truth = by_reference(scene, reference_paths);
