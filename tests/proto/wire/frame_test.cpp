@@ -43,13 +43,14 @@ RC_GTEST_PROP(FrameHeader, IsRefusedUnlessMagicAndTypeAreRight, ()) {
   if (*rc::gen::arbitrary<bool>()) store(std::span(bytes), 4, *rc::gen::inRange<std::uint16_t>(0, 20));
   const auto magic = load<std::uint32_t>(bytes, 0);
   const auto type = load<std::uint16_t>(bytes, 4);
-  RC_ASSERT(decode_frame_header(bytes).has_value() == (magic == 0x55434947 && type >= 1 && type <= 15));
+  RC_ASSERT(decode_frame_header(bytes).has_value() == (magic == 0x55434947 && type >= 1 && type <= 16));
 }
 
 TEST(FrameNumbers, AreTheOnesThatRecordedTrafficHolds) {
   EXPECT_EQ(static_cast<int>(FrameType::kVersion), 1);
   EXPECT_EQ(static_cast<int>(FrameType::kCommand), 9);
   EXPECT_EQ(static_cast<int>(FrameType::kProgress), 14);
+  EXPECT_EQ(static_cast<int>(FrameType::kCheckpoint), 16);
   EXPECT_EQ(static_cast<int>(ErrorCode::kProtocol), 1);
   EXPECT_EQ(static_cast<int>(ErrorCode::kBadAddress), 5);
   EXPECT_EQ(static_cast<int>(ErrorCode::kInternal), 9);

@@ -56,7 +56,7 @@ inline SegmentationEntry any_segmentation() {
 
 inline FrameHeader any_header() {
   FrameHeader header;
-  header.type = static_cast<FrameType>(*rc::gen::inRange(1, 15));
+  header.type = static_cast<FrameType>(*rc::gen::inRange(1, 17));
   header.flags = any_bits<std::uint16_t>(16);
   header.id = any_bits<std::uint32_t>(32);
   header.size = any_bits<std::uint32_t>(32);
