@@ -6,10 +6,16 @@
 #include "asic/ddr/layout.h"
 #include "asic/rdram/channel.h"
 #include "asic/rdram/layout.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube::emu {
 
 namespace {
+
+std::uint32_t packets_of_tile(const v1::BoardConfig& config) {
+  const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
+  return dram::packets_of_tile(static_cast<std::uint32_t>(wire::voxel_bits(format)));
+}
 
 dram::Standard rdram_standard(const v1::BoardConfig& config) {
   return {.name = "rdram",
@@ -20,13 +26,14 @@ dram::Standard rdram_standard(const v1::BoardConfig& config) {
           .sharing = config.rdram().processors_per_rdram(),
           .clocks_per_core_cycle = config.rdram().clocks_per_core_cycle(),
           .latency = config.rdram().rac_latency(),
-          .packet_clocks = rdram::kPacket,
+          .tile_clocks = packets_of_tile(config) * rdram::kPacket,
           .max_devices = 32};  // that the controller of a channel drives [Direct RDRAM data book]
 }
 
 std::unique_ptr<dram::Memory> make_rdram(const v1::BoardConfig& config, std::uint32_t blocks) {
   return std::make_unique<dram::LaidOut<rdram::Layout, rdram::Channel>>(
-      rdram::Layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit()), config.rdram());
+      rdram::Layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit(), packets_of_tile(config)),
+      config.rdram());
 }
 
 dram::Standard ddr_standard(const v1::BoardConfig& config) {
@@ -38,13 +45,13 @@ dram::Standard ddr_standard(const v1::BoardConfig& config) {
           .sharing = config.ddr().processors_per_channel(),
           .clocks_per_core_cycle = config.ddr().clocks_per_core_cycle(),
           .latency = config.ddr().controller_latency(),
-          .packet_clocks = ddr::kBurst,
+          .tile_clocks = packets_of_tile(config) * ddr::kBurst,
           .max_devices = 4};  // chosen: two modules of two ranks load the wires as a board of 2000 could bear
 }
 
 std::unique_ptr<dram::Memory> make_ddr(const v1::BoardConfig& config, std::uint32_t blocks) {
-  return std::make_unique<dram::LaidOut<ddr::Layout, ddr::Channel>>(ddr::Layout(blocks, config.asic().block_voxels()),
-                                                                    config.ddr());
+  return std::make_unique<dram::LaidOut<ddr::Layout, ddr::Channel>>(
+      ddr::Layout(blocks, config.asic().block_voxels(), packets_of_tile(config)), config.ddr());
 }
 
 struct Row {

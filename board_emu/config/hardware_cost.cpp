@@ -56,7 +56,8 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   const CostItem rays = product({{stages}, {kRayBits}}), others = product({{kOtherRegisters}, {kOtherRegisterBits}});
   HardwareCost cost;
   cost.ray_queues = product({{queues(config)}, {config.asic().queue_rays()}, {kRayBits}});
-  cost.volume_cache = product({{p}, {edge, 3}, {wire::kVoxelBits}});
+  const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
+  cost.volume_cache = product({{p}, {edge, 3}, {static_cast<std::uint64_t>(wire::voxel_bits(format))}});
   cost.gradient_lut = product({{p}, {wire::kGradientCodes}, {kGradientReaders}, {kGradientBits}});
   cost.registers = {rays.formula + " + " + others.formula, rays.bits + others.bits};
   cost.segmentation_lut = product({{p}, {wire::kSegmentationEntries}, {kSegmentationBits}});

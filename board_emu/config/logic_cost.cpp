@@ -22,9 +22,8 @@ constexpr Count multiplier(Count a, Count b) { return a * b * (kAnd + kAdder); }
 constexpr Count divider(Count quotient, Count divisor) { return quotient * divisor * (kAdder + kMultiplexer); }
 // a + (b - a) w of words of the pipeline (words/words.h).
 constexpr Count kInterpolator = multiplier(16, 15) + 2 * 16 * kAdder;
-constexpr Count kTrilinear = 7;                      // interpolators of a channel [P §3.4]
-constexpr Count kChannels = 4 + 1;                   // density, gradient, irradiance
-constexpr Count kPacketBits = 4 * wire::kVoxelBits;  // a tile
+constexpr Count kTrilinear = 7;     // interpolators of a channel [P §3.4]
+constexpr Count kChannels = 4 + 1;  // density, gradient, irradiance
 constexpr Count kPlaceBits = 8 * wire::kRayBytes;
 constexpr Count kFifosOfProcessor = 9;  // of whole rays, in cycle/processor.h
 
@@ -38,6 +37,8 @@ constexpr Count kShade = multiplier(8, 15) + 3 * multiplier(12, 18) + 3 * 18 * k
                          multiplier(15, 16) + multiplier(31, 32);  // irradiance by gain and exposure
 constexpr Count kOver = multiplier(24, 24) + 3 * multiplier(12, 24) + 4 * 24 * kAdder;
 constexpr Count kStep = 3 * multiplier(16, 24) + (3 + 6) * 24 * kAdder;  // three axes; six faces to compare with
+constexpr Count kTint = 3 * multiplier(12, 12);                          // by the LUT's colour
+constexpr Count kPremultiply = 8 * 3 * multiplier(8, 12) + 3 * divider(12, 15);  // eight voxels, and back at the sample
 constexpr Count kLeap = 3 * divider(10, 24);
 constexpr Count kSplit = 4 * multiplier(14, 14) + 8 * multiplier(28, 14) + 8 * multiplier(12, 28);  // weights, shares
 constexpr Count kPart = 2 * kTrilinear * kInterpolator + divider(24, 24);                           // a lighting ray's
@@ -82,12 +83,19 @@ std::vector<LogicItem> logic_cost(const v1::BoardConfig& config) {
                              {"Pipeline", "steps and leaps", processors, kStep + kLeap},
                              {"Pipeline", "splats", processors, kSplit},
                              {"Pipeline", "parts of lighting rays", processors, kPart}});
+  const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
+  if (wire::has_colours(format)) {
+    const Count alpha = format == wire::VoxelFormat::kRgba ? 1 : 0;
+    items.push_back({"Pipeline", "interpolators of colours", processors * kTrilinear * 3, kInterpolator});
+    items.push_back({"Pipeline", "colours", processors, kTint + alpha * kPremultiply});
+  }
   const Count links = processors > 1 ? 2 * processors : 0;
   items.push_back({"Control", "bits between parts",
                    (kFifosOfProcessor * processors + 2 * processors - 1) * kFifoPlaces * kPlaceBits, kRegister});
   items.push_back({"Control", "bits at links", links * config.link().rays() * kPlaceBits, kRegister});
+  const Count tile_bits = 4 * static_cast<Count>(wire::voxel_bits(format));
   items.push_back(
-      {"Control", "bits on their way to memory", processors * config.cache().write_packets() * kPacketBits, kRegister});
+      {"Control", "bits on their way to memory", processors * config.cache().write_packets() * tile_bits, kRegister});
   return items;
 }
 

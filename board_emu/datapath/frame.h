@@ -87,6 +87,7 @@ inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_
 inline VolumeReads reads(const Frame& frame) {
   VolumeReads out;
   out.gradients = !frame.plain() || (frame.shade && !frame.colourless() && !frame.integral());
+  out.colours = !(frame.lights() || frame.backprojects() || frame.colourless() || frame.integral());
   if (frame.plain() && frame.leap) out.leapt_over = frame.empty;
   return out;
 }

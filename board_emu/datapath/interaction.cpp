@@ -204,9 +204,10 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
 }
 
 Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& frame) {
+  const wire::SegmentationEntry entry = coloured(*sample.entry, site, frame);
   if (!frame.lit_by_irradiance) {
-    return frame.shade ? shade(*sample.entry, sample.gradient(), frame.reflectance_map)
-                       : Colour12{sample.entry->colour[0], sample.entry->colour[1], sample.entry->colour[2]};
+    return frame.shade ? shade(entry, sample.gradient(), frame.reflectance_map)
+                       : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
   std::uint32_t light = 0;
   if (const std::uint32_t* words = frame.irradiance->view(site.block)) {
@@ -215,7 +216,7 @@ Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& fr
     light = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
                        {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
   }
-  return illuminated(*sample.entry, light, frame.exposure, sample.gradient(), frame.reflectance_map);
+  return illuminated(entry, light, frame.exposure, sample.gradient(), frame.reflectance_map);
 }
 
 // Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.

@@ -13,6 +13,7 @@
 #include "datapath/jitter.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
+#include "datapath/tint.h"
 #include "datapath/wide.h"
 #include "words/block_grid.h"
 
@@ -270,6 +271,21 @@ struct SampleSite {
   std::size_t edge = 0;
 };
 
+// A sample's entry of the segmentation LUT, in the colour of its voxels if they have one.
+inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, const SampleSite& site,
+                                        const Frame& frame) {
+  if (site.view.colours == nullptr) [[likely]]
+    return entry;
+  const Cell& at = site.cell;
+  const std::size_t row = site.edge, slice = site.edge * site.edge;
+  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
+  const Channels words = resample_all({site.view.colours + first,
+                                       row,
+                                       slice,
+                                       {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}});
+  return tinted(entry, colour_of_words(words, frame.volume->format() == wire::VoxelFormat::kRgba));
+}
+
 // Resamples, classifies, shades and composites. False if the sample has no opacity. Inline, since each pass takes one: a call
 // would put the place into memory.
 [[gnu::always_inline]] inline bool take_sample(RayState& ray, const SampleSite& site, const Frame& frame) {
@@ -289,10 +305,10 @@ struct SampleSite {
     return sample[0] != 0;
   }
   const std::size_t index = segmentation_index(sample[0], tag);
-  const wire::SegmentationEntry& entry = frame.segmentation[index];
   if (!visible(index, frame)) return false;
   Colour12 colour{};
   if (!frame.colourless()) {
+    const wire::SegmentationEntry entry = coloured(frame.segmentation[index], site, frame);
     colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }

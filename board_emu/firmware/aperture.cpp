@@ -14,7 +14,7 @@ bool is(const wire::MemoryRegion* region, const wire::MemoryRegion& which) { ret
 
 }  // namespace
 
-Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
+Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::uint32_t max_irradiance)
     : segmentation_(wire::kSegmentationEntries, wire::decode<wire::SegmentationEntry>),
       gradients_(wire::kGradientCodes, decode_gradient),
       materials_(wire::kTags, wire::decode<wire::Material>),
@@ -23,7 +23,7 @@ Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       absent_flags_(wire::kAbsentFlags.bytes),
-      volume_(block_voxels) {}
+      volume_(block_voxels, format) {}
 
 bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes) {
   const wire::MemoryRegion* region = wire::find_region(address, bytes.size());
@@ -33,6 +33,9 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   if (is(region, wire::kVolume)) {
     if (offset + bytes.size() > volume_.bytes()) return false;
     volume_.write(offset, bytes);
+    ++volume_writes_;
+  } else if (is(region, wire::kColours)) {
+    if (!volume_.write_colours(offset, bytes)) return false;
     ++volume_writes_;
   } else if (is(region, wire::kIrradiance)) {
     if (offset + bytes.size() > irradiance_.bytes() || offset % 4 != 0 || bytes.size() % 4 != 0) return false;
@@ -59,6 +62,9 @@ Aperture::Bytes Aperture::bytes_of_write(std::uint64_t address, std::uint64_t le
   const wire::MemoryRegion* region = wire::find_region(address, length);
   if (region == nullptr) return {};
   if (is(region, wire::kVolume)) return {.volume = volume_.bytes_to_write(address - region->base, length)};
+  if (is(region, wire::kColours)) {
+    return {.volume = volume_.bytes_to_write_colours(address - region->base, length)};
+  }
   if (is(region, wire::kIrradiance)) return {.irradiance = irradiance_.bytes_to_write(length)};
   return {};
 }
@@ -84,6 +90,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     return out;
   };
   if (is(region, wire::kVolume)) return read_from(volume_, 1);
+  if (is(region, wire::kColours)) return read_from(volume_.colours(), 1);
   if (is(region, wire::kIrradiance)) return read_from(irradiance_, 4);
   if (is(region, wire::kSums)) return read_from(sums_, 9);
   const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)         ? materials_.bytes()

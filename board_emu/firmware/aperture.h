@@ -54,7 +54,7 @@ class Table {
 class Aperture {
  public:
   // `max_irradiance`: at which an irradiance word saturates.
-  Aperture(int block_voxels, std::uint32_t max_irradiance);
+  Aperture(int block_voxels, wire::VoxelFormat format, std::uint32_t max_irradiance);
 
   // False, and nothing written, if no writable memory is there.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);

@@ -162,6 +162,27 @@ bool decode_one_by_one(const BlockWords& from, std::span<const DecodedVoxel> cod
   });
 }
 
+void decode_colours(const BlockWords& from, const BlockColours& colours, bool premultiplied, DecodedColour* to) {
+  const std::size_t n = from.voxels, edge = n + 1;
+  for (std::size_t row = 0; row < edge * edge; ++row) {
+    const std::size_t y = row % edge, z = row / edge, first = (z % n * n + y % n) * n, begin = y / n * 2 + z / n * 4;
+    for (std::size_t x = 0; x < edge; ++x, ++to) {
+      const std::size_t block = begin + x / n, voxel = first + x % n;
+      const auto words = from.packed[block], bytes = colours.bytes[block];
+      int density = 0;
+      if (premultiplied && !words.empty()) {
+        density = wire::to_voxel(wire::load36(words, voxel)).density << kDensityFractionBits;
+      }
+      const int factor = premultiplied ? density : kDecodedColourOne;
+      for (std::size_t c = 0; c < wire::kColourBytes; ++c) {
+        const int byte = bytes.empty() ? 0 : bytes[wire::kColourBytes * voxel + c];
+        to->channel[c] = static_cast<std::int16_t>((byte * factor + 127) / 255);
+      }
+      to->channel[3] = static_cast<std::int16_t>(density);
+    }
+  }
+}
+
 HWY_EXPORT(decode);
 
 bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {

@@ -29,4 +29,11 @@ bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const D
 // The same, word by word.
 bool decode_one_by_one(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to);
 
+// The colours of the same blocks, three bytes a voxel. None: black.
+struct BlockColours {
+  std::array<std::span<const std::uint8_t>, 8> bytes;
+};
+// Makes (n+1)^3 colours. `premultiplied`: by the densities of `from`.
+void decode_colours(const BlockWords& from, const BlockColours& colours, bool premultiplied, DecodedColour* to);
+
 }  // namespace gicube::emu

@@ -13,6 +13,8 @@
 
 #include "gicube/archive.h"
 #include "gicube/wire/lut.h"
+#include "gicube/wire/voxel.h"
+#include "memory/block_bytes.h"
 #include "memory/blocked.h"
 #include "memory/large_array.h"
 #include "words/words.h"
@@ -24,43 +26,56 @@ struct BlockView {
   const DecodedVoxel* voxels = nullptr;
   const std::int16_t* densities = nullptr;  // 12.3
   const std::uint8_t* tags = nullptr;       // null: tag 0 everywhere
+  const DecodedColour* colours = nullptr;   // null: no voxel has a colour
 };
 
 // What a command's rays read of the volume.
 struct VolumeReads {
   bool gradients = true;                       // else densities and tags
+  bool colours = false;                        // if the volume has some
   std::span<const std::uint8_t> leapt_over{};  // one a block, nonzero: never; none: all blocks are read
 };
 
 class VolumeMemory : public Blocked {
  public:
-  explicit VolumeMemory(int block_voxels);
+  explicit VolumeMemory(int block_voxels, wire::VoxelFormat format = wire::VoxelFormat::kDensity);
+
+  wire::VoxelFormat format() const { return format_; }
 
   // Forgets everything; `size` in voxels, all at least 2, or all 0 for no volume.
   void resize(const std::array<int, 3>& size);
 
-  std::size_t block_count() const { return packed_.size(); }
-  std::uint64_t bytes() const { return block_count() * block_bytes_; }  // of the address range
-  std::size_t stored_blocks() const { return stored_; }
+  std::size_t block_count() const { return words_.count(); }
+  std::uint64_t bytes() const { return words_.bytes(); }  // of the address range
+  std::size_t stored_blocks() const { return words_.stored(); }
 
   // Memory of the host's: what it has, what a write of such bytes would add, and at most what decode() would while it works.
   std::uint64_t memory_bytes() const {
-    return stored_ * block_bytes_ + voxels_.capacity() * kBytesOfVoxel + densities_.capacity() * sizeof(std::int16_t) +
-           tags_.capacity();
+    return words_.stored() * words_.block_bytes() + colours_.stored() * colours_.block_bytes() +
+           voxels_.capacity() * kBytesOfVoxel + densities_.capacity() * sizeof(std::int16_t) + tags_.capacity() +
+           decoded_colours_.capacity() * sizeof(DecodedColour);
   }
-  std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const;
+  std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
+    return words_.bytes_to_write(offset, length);
+  }
+  std::uint64_t bytes_to_write_colours(std::uint64_t offset, std::uint64_t length) const {
+    return colours_.bytes_to_write(offset, length);
+  }
   std::uint64_t bytes_to_decode(const VolumeReads& reads) const;
   // What it has for each block, stored or not.
-  static constexpr std::uint64_t kBytesOfBlock = sizeof(std::vector<std::uint8_t>) + 1 + sizeof(std::size_t);
+  static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::vector<std::uint8_t>) + 1 + sizeof(std::size_t);
 
   // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading gives what was written, or 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const { words_.read(offset, out); }
+  // The same of their colours. False, and nothing written, if there are no bytes there, or of a block whose words are not stored.
+  bool write_colours(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  const BlockBytes& colours() const { return colours_; }
   // A block's words; empty if it was never written.
-  std::span<const std::uint8_t> packed(std::size_t block) const { return packed_[block]; }
-  std::size_t block_bytes() const { return block_bytes_; }
+  std::span<const std::uint8_t> packed(std::size_t block) const { return words_[block]; }
+  std::size_t block_bytes() const { return words_.block_bytes(); }
 
-  // A bit of a stored block's words.
+  // A bit of a stored block's words, or of its colours, which come after them.
   struct BitPlace {
     std::size_t block = 0;
     std::size_t bit = 0;
@@ -77,7 +92,8 @@ class VolumeMemory : public Blocked {
   BlockView view(std::size_t block) const {
     const std::size_t first = first_[block];
     return {voxels_.empty() ? nullptr : voxels_.data() + first,
-            densities_.empty() ? nullptr : densities_.data() + first, tags_.empty() ? nullptr : tags_.data() + first};
+            densities_.empty() ? nullptr : densities_.data() + first, tags_.empty() ? nullptr : tags_.data() + first,
+            decoded_colours_.empty() ? nullptr : decoded_colours_.data() + first};
   }
 
   // All decoded blocks in one array, for who reads many at once: block b's voxels begin at first()[b]. Blocks that were
@@ -85,6 +101,7 @@ class VolumeMemory : public Blocked {
   std::span<const DecodedVoxel> decoded() const { return voxels_; }
   std::span<const std::int16_t> decoded_densities() const { return densities_; }  // in its place; one more than voxels
   std::span<const std::uint8_t> decoded_tags() const { return tags_; }            // beside it; none if every tag is 0
+  std::span<const DecodedColour> decoded_colours() const { return decoded_colours_; }  // beside it; none: no colours
   std::span<const std::size_t> first() const { return first_; }
   // Counts the calls of decode() that changed anything, over all volumes.
   std::uint64_t decodings() const { return decodings_; }
@@ -99,19 +116,23 @@ class VolumeMemory : public Blocked {
   std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
   void take_form(bool gradients);
   void make_places(std::span<const std::uint8_t> leapt_over);
-  // True if one of the block's voxels has a tag. `only_tags`: the rest has been decoded.
-  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, bool only_tags);
+  // What decode() makes of a block.
+  struct Parts {
+    bool voxels = true, colours = true;  // else tags alone
+  };
+  // True if one of the block's voxels has a tag.
+  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, Parts parts);
   void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads,
-                     bool only_tags = false);
+                     Parts parts);
 
-  std::size_t block_bytes_;
-  std::size_t stored_ = 0;                         // blocks
-  std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
-  std::vector<std::uint8_t> stale_;                // one a block
-  std::vector<std::size_t> first_;                 // of each block in:
-  LargeArray<DecodedVoxel> voxels_;                // blocks with faces; the first one is zero
+  wire::VoxelFormat format_;
+  BlockBytes words_, colours_;
+  std::vector<std::uint8_t> stale_;     // one a block
+  std::vector<std::size_t> first_;      // of each block in:
+  LargeArray<DecodedVoxel> voxels_;     // blocks with faces; the first one is zero
   LargeArray<std::int16_t> densities_;  // the same, as long as there are no voxels; a pair is read at the last too
   LargeArray<std::uint8_t> tags_;       // empty while every tag is 0; four bytes may be read from any place
+  LargeArray<DecodedColour> decoded_colours_;  // empty until some are read
   std::uint64_t decodings_ = 0;
   bool resized_ = false;  // since the last of them
 };

@@ -24,6 +24,11 @@ struct alignas(8) DecodedVoxel {
   friend constexpr bool operator==(const DecodedVoxel&, const DecodedVoxel&) = default;
 };
 
+// A voxel's colour as memory hands it to the resampling unit: red, green, blue, 12.3 with 32760 = one. Where alpha is the voxel's
+// density (wire::VoxelFormat::kRgba) they are multiplied by it, and the fourth word is the density.
+using DecodedColour = DecodedVoxel;
+inline constexpr int kDecodedColourOne = 4095 << kDensityFractionBits;
+
 inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words
 
 // A word of the irradiance memory as the interpolator has it, 11.4. `narrow`: words have 16 bits more than the paper's 11 (the

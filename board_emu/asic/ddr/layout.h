@@ -19,14 +19,15 @@ using dram::Bricks, dram::Location;
 
 inline constexpr std::uint32_t kPacketsOfRow = 512;  // 1024 columns, two a packet
 
-inline Bricks cut_block(std::uint32_t block_voxels) {
-  return dram::cut_block("DDR", block_voxels, kPacketsOfRow, [](const Bricks&) { return true; });
+inline Bricks cut_block(std::uint32_t block_voxels, std::uint32_t packets = 1) {
+  return dram::cut_block("DDR", block_voxels, kPacketsOfRow / packets, [](const Bricks&) { return true; });
 }
 
 class Layout : public dram::LayoutBase {
  public:
-  // `blocks` of n = `block_voxels` in this channel (n even, 8..64).
-  Layout(std::uint32_t blocks, std::uint32_t block_voxels) : dram::LayoutBase(cut_block(block_voxels)) {
+  // `blocks` of n = `block_voxels` in this channel (n even, 8..64). `packets`: of a tile.
+  Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t packets = 1)
+      : dram::LayoutBase(cut_block(block_voxels, packets), packets) {
     const auto& count = bricks_.count;
     // Each brick takes the first page that is left in its bank.
     std::array<std::uint32_t, kBanksOfRank> next{0, 1, 2, 3};
@@ -43,7 +44,7 @@ class Layout : public dram::LayoutBase {
     for (std::uint32_t tile = 0; tile < bricks_.all_tiles(); ++tile) {
       const auto [brick, column] = bricks_.place(tile);
       const std::uint32_t page = page_of[brick[0] + count[0] * (brick[1] + count[1] * brick[2])];
-      places_.push_back({static_cast<std::uint16_t>(page), column});
+      places_.push_back({static_cast<std::uint16_t>(page), first_column(column)});
     }
   }
 

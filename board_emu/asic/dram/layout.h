@@ -11,6 +11,9 @@
 
 namespace gicube::emu::dram {
 
+// Packets in which a tile of 2 x 2 x 1 voxels goes: a packet has 144 bits, sixteen bytes of nine.
+constexpr std::uint32_t packets_of_tile(std::uint32_t voxel_bits) { return (4 * voxel_bits + 143) / 144; }
+
 struct Bricks {
   std::array<std::uint32_t, 3> tiles{};  // of the block, per axis: n/2 + 1, n/2 + 1, n + 1
   std::array<std::uint32_t, 3> size{};   // of a brick, in tiles
@@ -36,7 +39,7 @@ struct Bricks {
   }
 };
 
-// The cheapest bricks of those that `accepted`. `standard`: named where the block can't be cut; `row`: packets of a page.
+// The cheapest bricks of those that `accepted`. `standard`: named where the block can't be cut; `row`: tiles of a page.
 template <typename Accepted>
 Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t row, const Accepted& accepted) {
   if (block_voxels < 2 || block_voxels > 64 || block_voxels % 2 != 0) {
@@ -66,15 +69,21 @@ class LayoutBase {
   std::uint32_t devices() const { return devices_; }                                  // of a channel, at least 1
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(places_.size()); }  // of a block
   const Bricks& bricks() const { return bricks_; }
+  std::uint32_t packets_of_tile() const { return packets_; }
 
  protected:
   struct Place {
     std::uint16_t page;
     std::uint16_t column;
   };
-  explicit LayoutBase(const Bricks& bricks) : bricks_(bricks) {}
+  // `packets`: of a tile.
+  LayoutBase(const Bricks& bricks, std::uint32_t packets) : bricks_(bricks), packets_(packets) {}
+
+  // The column of a tile's first packet.
+  std::uint16_t first_column(std::uint16_t column) const { return static_cast<std::uint16_t>(column * packets_); }
 
   Bricks bricks_;
+  std::uint32_t packets_;
   std::uint32_t devices_ = 1;
   std::vector<Place> places_;  // by tile, x fastest
 };

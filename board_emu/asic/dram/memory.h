@@ -65,8 +65,9 @@ class Memory {
  public:
   virtual ~Memory() = default;
 
-  // The packet of tile `tile` of the channel's block `block`, asked for at clock `arrival`, which never decreases from
-  // call to call (reads and writes together).
+  // Tile `tile` of the channel's block `block`, asked for at clock `arrival`, which never decreases from call to call (reads and
+  // writes together). Its packets lie side by side in one row. The first has the four voxels' 36-bit words, the others their
+  // colours; only words are written.
   virtual Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
   virtual Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
 
@@ -89,7 +90,13 @@ class LaidOut final : public Memory {
   LaidOut(Layout layout, const Config& config) : layout_(std::move(layout)), channel_(config, layout_.devices()) {}
 
   Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
-    return channel_.read(layout_.locate(block, tile), arrival);
+    Location at = layout_.locate(block, tile);
+    Access access = channel_.read(at, arrival);
+    for (std::uint32_t more = layout_.packets_of_tile() - 1; more > 0; --more) {
+      ++at.column;
+      access.data_end = channel_.read(at, arrival).data_end;
+    }
+    return access;
   }
   Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
     return channel_.write(layout_.locate(block, tile), arrival);
@@ -116,7 +123,7 @@ struct Standard {
   std::uint32_t sharing = 1;                // processors on a channel
   std::uint32_t clocks_per_core_cycle = 1;  // of its clock
   std::uint32_t latency = 0;                // clocks from the last data to the fill queue
-  std::uint32_t packet_clocks = 1;          // of a packet on the data wires
+  std::uint32_t tile_clocks = 1;            // of a tile's packets on the data wires
   std::uint32_t max_devices = 1;            // of a channel
 };
 

@@ -79,19 +79,19 @@ std::uint32_t devices_needed(std::uint32_t blocks, std::uint32_t pages_of_block)
 
 }  // namespace
 
-Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit) {
-  return dram::cut_block("RDRAM", block_voxels, dualocts_of_row(device_mbit),
+Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit, std::uint32_t packets) {
+  return dram::cut_block("RDRAM", block_voxels, dualocts_of_row(device_mbit) / packets,
                          [](const Bricks& bricks) { return number_bricks(bricks).has_value(); });
 }
 
-Layout::Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit)
-    : dram::LayoutBase(cut_block(block_voxels, device_mbit)) {
+Layout::Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit, std::uint32_t packets)
+    : dram::LayoutBase(cut_block(block_voxels, device_mbit, packets), packets) {
   devices_ = devices_needed(blocks, bricks_.pages);
   reciprocal_ = ((std::uint64_t{1} << kReciprocalBits) + devices_ - 1) / devices_;
   const Stride stride = *number_bricks(bricks_);
   for (std::uint32_t tile = 0; tile < bricks_.all_tiles(); ++tile) {
     const auto [brick, column] = bricks_.place(tile);
-    places_.push_back({static_cast<std::uint16_t>(page_of(brick, stride)), column});
+    places_.push_back({static_cast<std::uint16_t>(page_of(brick, stride)), first_column(column)});
   }
 }
 

@@ -17,12 +17,12 @@ namespace gicube::emu::rdram {
 using dram::Bricks, dram::Location;
 
 // The cheapest bricks of those that keep the four-access rule.
-Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit);
+Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit, std::uint32_t packets = 1);
 
 class Layout : public dram::LayoutBase {
  public:
-  // `blocks` of n = `block_voxels` in this channel (n even, 8..64); `device_mbit` is 144 or 288.
-  Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit);
+  // `blocks` of n = `block_voxels` in this channel (n even, 8..64); `device_mbit` is 144 or 288. `packets`: of a tile.
+  Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit, std::uint32_t packets = 1);
 
   // Tile `tile` (x fastest) of the channel's block `block`, each counted from 0.
   Location locate(std::uint32_t block, std::uint32_t tile) const {

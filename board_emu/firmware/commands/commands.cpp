@@ -40,6 +40,11 @@ std::uint32_t max_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
 }
 
+Aperture make_aperture(const v1::BoardConfig& config) {
+  return Aperture(static_cast<int>(config.asic().block_voxels()),
+                  static_cast<wire::VoxelFormat>(config.asic().voxel_format()), max_irradiance(config));
+}
+
 }  // namespace
 
 DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& registers, Level& level)
@@ -47,7 +52,7 @@ DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& regi
       registers_(registers),
       level_(level),
       threads_(thread_count(config.threads())),
-      aperture_(static_cast<int>(config.asic().block_voxels()), max_irradiance(config)) {}
+      aperture_(make_aperture(config)) {}
 
 std::array<int, 3> DspCommands::volume_size() const {
   std::array<int, 3> size{};
@@ -80,7 +85,7 @@ void DspCommands::reset() {
   memory_errors_.clear();
   aperture_.resize_volume({});  // first: there may be no memory for both
   words_bytes_ = 0;
-  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), max_irradiance(config_));
+  aperture_ = make_aperture(config_);
   wide_depths_of_ = ~std::uint64_t{0};
 }
 

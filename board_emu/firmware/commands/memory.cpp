@@ -28,8 +28,13 @@ void DspCommands::meet_memory_error() {
   std::string text =
       std::string("the ") + memory_standard(config_).label + " reported an error that it could not correct";
   const auto place = aperture_.volume().find_bit(error.block, error.bit);
-  if (place)
-    text += ": block " + std::to_string(place->block) + ", word " + std::to_string(place->bit / wire::kVoxelBits);
+  if (place) {
+    const std::size_t word_bits = 8 * aperture_.volume().block_bytes();
+    const bool is_colour = place->bit >= word_bits;
+    const std::size_t voxel =
+        is_colour ? (place->bit - word_bits) / (8 * wire::kColourBytes) : place->bit / wire::kVoxelBits;
+    text += ": block " + std::to_string(place->block) + (is_colour ? ", colour " : ", word ") + std::to_string(voxel);
+  }
   throw CommandFault{wire::ErrorCode::kMemory, text};
 }
 
@@ -49,14 +54,17 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload, Progres
   for (std::size_t i = 0; i < count; ++i) {
     if (work.cancel) throw CommandFault{wire::ErrorCode::kCancelled, ""};
     const auto packed = volume.packed(first + i);
-    wire::store(std::span(result.payload), 4 * i, packed.empty() ? never_written : wire::crc32c(packed));
+    std::uint32_t sum = packed.empty() ? never_written : wire::crc32c(packed);
+    const BlockBytes& colours = volume.colours();
+    if (colours.count() != 0 && colours.is_stored(first + i)) sum ^= wire::crc32c(colours[first + i]);
+    wire::store(std::span(result.payload), 4 * i, sum);
   }
   return result;
 }
 
-// Every channel streams the stored blocks of its processors, a packet of four voxels at a time.
+// Every channel streams the stored blocks of its processors, a tile of four voxels at a time.
 Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) const {
-  constexpr std::uint64_t kPacketVoxels = 4;
+  constexpr std::uint64_t kTileVoxels = 4;
   const dram::Standard memory = memory_standard(config_);
   const VolumeMemory& volume = aperture_.volume();
   const unsigned processors = config_.asic().processors(), sharing = memory.sharing;
@@ -67,7 +75,7 @@ Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) cons
   }
   const auto n = static_cast<std::uint64_t>(volume.block_voxels());
   const std::uint64_t clocks =
-      *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kPacketVoxels) * memory.packet_clocks;
+      *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kTileVoxels) * memory.tile_clocks;
   const std::uint64_t per_core_cycle = memory.clocks_per_core_cycle;
   return cycles_to_ps((clocks + per_core_cycle - 1) / per_core_cycle, config_.asic().core_khz());
 }

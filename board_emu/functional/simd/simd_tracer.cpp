@@ -238,6 +238,8 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
   field.densities = copy_.densities();
   field.voxels = volume.decoded().data();
   field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
+  field.colours = volume.decoded_colours().empty() ? nullptr : volume.decoded_colours().data();
+  field.premultiplied = volume.format() == wire::VoxelFormat::kRgba;
   field.tables = &tables_;
   field.wide = frame.wide;
   field.corrected = !tables_.alpha.empty() && frame.gathers();

@@ -59,7 +59,8 @@ enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 struct PacketField {
   const std::int16_t* densities;
   const DecodedVoxel* voxels;
-  const std::uint8_t* tags;  // may be null
+  const std::uint8_t* tags;      // may be null
+  const DecodedColour* colours;  // null: none
   const PacketTables* tables;
   const void* opacities;  // 32 bits an entry of the segmentation LUT; 0: not seen
   bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
@@ -77,7 +78,7 @@ struct PacketField {
   std::span<const Plane> cut_planes;
   const LightField* light;  // of rays that fly
   Gathers gathers;
-  bool shaded, jitter, wide;
+  bool shaded, jitter, wide, premultiplied;
 };
 
 class SimdTracer {

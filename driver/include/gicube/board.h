@@ -44,6 +44,9 @@ constexpr const char* name_of(Fidelity level) {
   return level == Fidelity::kFunctional ? "functional" : level == Fidelity::kApproximate ? "approximate" : "cycle";
 }
 
+// What the card stores of a voxel (asic.voxel_format): the paper's 36 bits, or a colour besides (VolumeView::colours).
+enum class VoxelFormat { kDensity, kRgb, kRgba };
+
 // What the board said of itself when it was opened.
 struct BoardInfo {
   int protocol_major = 0;
@@ -60,6 +63,7 @@ struct BoardInfo {
   bool wide = false;       // the wide datapath (asic.datapath)
   bool agp = false;        // the card has an AGP capability
   bool host_rays = false;  // submit() is offered
+  VoxelFormat voxel_format = VoxelFormat::kDensity;
 };
 
 // What submit() does when OpenOptions::max_rays are under way.
@@ -74,7 +78,7 @@ struct OpenOptions {
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
-  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel, so that reopen() can load them again.
+  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel (7.5 with colours), so that reopen() can load them again.
   bool keep_volume = false;
   // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A resumed
   // call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
@@ -165,7 +169,7 @@ class GICUBE_API Board {
   // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: render() sends its blocks as rays need them,
   // also to a new board after reopen(), and the picture has the same bits. Edges have up to 1024 voxels then, and what else needs
   // a volume throws Unsupported: lighting, rays, pairs, reading and writing it (docs/guide/bricks.md).
-  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume. Throws Rejected
+  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags, colours): the board keeps its volume. Throws Rejected
   // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
   // On DeviceLost or TimedOut the volume is lost with the board.
   void load_volume(const VolumeView& volume, const Progress& progress = {});
@@ -178,7 +182,7 @@ class GICUBE_API Board {
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
   // transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read_volume(const VoxelBox& box);
-  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags do not change.
+  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags and colours do not change.
   // Gradients of the box and its neighbours are found again, unless load_volume() was told to find none; so are the empty
   // flags. The simulated host waits for the transfers, which are of whole blocks in both directions.
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.

@@ -74,6 +74,7 @@ enum {
 };
 
 /* gicube/board.h: BoardInfo */
+enum { GICUBE_VOXEL_DENSITY = 0, GICUBE_VOXEL_RGB = 1, GICUBE_VOXEL_RGBA = 2 };
 enum { GICUBE_FIDELITY_FUNCTIONAL = 0, GICUBE_FIDELITY_APPROXIMATE = 1, GICUBE_FIDELITY_CYCLE = 2 };
 typedef struct gicube_board_info {
   uint32_t size;
@@ -91,7 +92,7 @@ typedef struct gicube_board_info {
   int32_t wide;
   int32_t agp;
   int32_t host_rays;
-  int32_t reserved; /* 0 */
+  int32_t voxel_format; /* GICUBE_VOXEL_..., what the card stores of a voxel */
 } gicube_board_info;
 
 /* gicube/volume.h: VolumeView; everything pointed to must live until the call returns */
@@ -117,6 +118,8 @@ typedef struct gicube_volume {
   size_t tag_count;
   int32_t find_gradients; /* 0, without gradients: none are computed, and nothing of the volume is shaded */
   int32_t reserved;       /* 0 */
+  const uint8_t* colours; /* NULL, or red, green and blue of each voxel, 255 = 1: for cards whose voxels have colours */
+  size_t colour_bytes;
 } gicube_volume;
 
 /* A box of voxels, gicube/volume.h: VoxelBox */

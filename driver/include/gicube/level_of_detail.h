@@ -37,6 +37,7 @@ struct GICUBE_API DerivedVolume {
   std::vector<float> gradients;
   std::vector<std::uint8_t> tags;
   Placement placement;
+  std::vector<std::uint8_t> colours;
 
   VolumeView view() const;
 };
@@ -45,7 +46,7 @@ struct GICUBE_API DerivedVolume {
 GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 
 // One voxel for 2^level of them on each axis, at their centre. Its value is their mean, its tag that of most of them (the first
-// of equals), its gradient the sum of given ones; without given gradients the driver finds them from the means. Beyond the
+// of equals), its colour their mean, its gradient the sum of given ones; without given gradients the driver finds them from the means. Beyond the
 // faces values go on as they are on them. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
 // fewer than two voxels on an axis are left).
 //

@@ -54,13 +54,17 @@ struct VolumeView {
   std::span<const float> gradients{};
   // Empty: tag 0 everywhere. Else one material tag, 0..3, per voxel.
   std::span<const std::uint8_t> tags{};
+  // Empty: no colours. Else red, green and blue of each voxel, 255 = 1, for a card whose voxels have colours (BoardInfo::voxel_format):
+  // factors of the transfer function's, by which the samples still give opacity. With VoxelFormat::kRgba the samples are the
+  // colours' alpha, and colours are premultiplied by it before they are interpolated.
+  std::span<const std::uint8_t> colours{};
   // False, without `gradients`: no voxel gets a gradient, and nothing of the volume is shaded. For pictures with no
   // View::shade, where a third of load_volume()'s time would go into gradients.
   bool find_gradients = true;
 };
 
-// Reads the planes z = first .. first + planes - 1 into `out`: dims[0] * dims[1] * planes samples, x fastest, in the machine's byte
-// order. What it throws leaves load_volume(), and the board keeps its volume.
+// Reads the planes z = first .. first + planes - 1 into `out`: dims[0] * dims[1] * planes samples, or colours of three bytes, x fastest,
+// in the machine's byte order. What it throws leaves load_volume(), and the board keeps its volume.
 using PlaneReader = std::function<void(int first, int planes, std::span<std::byte> out)>;
 
 // A volume that is read while it is loaded: for one that is larger than the host's memory. Fields are those of VolumeView.
@@ -71,6 +75,7 @@ struct VolumeStream {
   Vec3 spacing{1, 1, 1};
   std::optional<ValueRange> range{};
   bool find_gradients = true;
+  PlaneReader read_colours{};  // empty: no colours. Else it is asked after `read`, for the same planes: 3 bytes a voxel
 };
 
 }  // namespace gicube

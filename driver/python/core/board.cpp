@@ -152,6 +152,9 @@ VolumeView view_of(py::handle volume) {
   read(volume.attr("find_gradients"), "find_gradients", view.find_gradients);
   const py::object gradients = volume.attr("gradients");
   if (!gradients.is_none()) view.gradients = items_of<float>(gradients, "gradients");
+  if (const py::object colours = volume.attr("colours"); !colours.is_none()) {
+    view.colours = items_of<std::uint8_t>(colours, "colours");
+  }
   if (const py::object tags = volume.attr("tags"); !tags.is_none()) view.tags = items_of<std::uint8_t>(tags, "tags");
   return view;
 }
@@ -163,13 +166,17 @@ VolumeStream stream_of(py::handle volume) {
   read(volume.attr("spacing"), "spacing", stream.spacing);
   read(volume.attr("range"), "range", stream.range);
   read(volume.attr("find_gradients"), "find_gradients", stream.find_gradients);
-  stream.read = [volume](int first, int planes, std::span<std::byte> out) {
-    const py::gil_scoped_acquire held;
-    const py::array made = volume.attr("_planes")(first, planes);
-    if (static_cast<std::size_t>(made.nbytes()) != out.size())
-      refuse("sample_type", "that of the planes", made.dtype());
-    std::memcpy(out.data(), made.data(), out.size());
+  const auto reader = [volume](const char* method) {
+    return [volume, method](int first, int planes, std::span<std::byte> out) {
+      const py::gil_scoped_acquire held;
+      const py::array made = volume.attr(method)(first, planes);
+      if (static_cast<std::size_t>(made.nbytes()) != out.size())
+        refuse("sample_type", "that of the planes", made.dtype());
+      std::memcpy(out.data(), made.data(), out.size());
+    };
   };
+  stream.read = reader("_planes");
+  if (!volume.attr("read_colours").is_none()) stream.read_colours = reader("_colours");
   return stream;
 }
 

@@ -13,6 +13,7 @@ py::object given_back(DerivedVolume&& volume) {
   const auto [x, y, z] = volume.dims;
   if (!volume.gradients.empty())
     fields["gradients"] = to_array(std::move(volume.gradients)).attr("reshape")(z, y, x, 3);
+  if (!volume.colours.empty()) fields["colours"] = to_array(std::move(volume.colours)).attr("reshape")(z, y, x, 3);
   if (!volume.tags.empty()) fields["tags"] = to_array(std::move(volume.tags)).attr("reshape")(z, y, x);
   return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
 }

@@ -48,7 +48,7 @@ GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime),
 GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(leap), F(made));
 GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
-              F(agp), F(host_rays));
+              F(agp), F(host_rays), F(voxel_format));
 GICUBE_RECORD(AnsweredCommand, F(command), F(count));
 GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));

@@ -39,6 +39,14 @@ class Fidelity(Enum):
     CYCLE = "cycle"
 
 
+class VoxelFormat(Enum):
+    """What a card stores of a voxel: the paper's 36 bits, or a colour besides (Volume.colours)."""
+
+    DENSITY = "density"
+    RGB = "rgb"
+    RGBA = "rgba"
+
+
 class BackPressure(Enum):
     """What submit() does when open(max_rays=...) are under way: wait for the oldest batch, or raise WouldBlock."""
 
@@ -434,6 +442,7 @@ class BoardInfo:
     wide: bool
     agp: bool
     host_rays: bool
+    voxel_format: VoxelFormat
 
 
 @dataclass

@@ -23,6 +23,9 @@ class Volume:
     range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
     gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
     tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
+    colours: None: none. Else uint8 [z, y, x, 3], red, green, blue, 255 = 1, for a card whose voxels have colours
+        (BoardInfo.voxel_format): factors of the transfer function's. With VoxelFormat.RGBA the samples are the colours' alpha, and
+        colours are premultiplied by it before they are interpolated.
     find_gradients: False, without `gradients`: nothing is shaded, and loading takes a third less time.
 
     Raises BadArgument with the field.
@@ -37,6 +40,7 @@ class Volume:
     find_gradients: bool = True
     source: str = ""  # the file it was read from, for messages
     placement: Optional[Placement] = None  # of one that coarser() or cropped() made
+    colours: Optional[Array] = None
 
     def __post_init__(self) -> None:
         array = np.asarray(self.samples)
@@ -54,6 +58,8 @@ class Volume:
             self.gradients = as_array(self.gradients, "gradients", "float32", (*array.shape, 3))
         if self.tags is not None:
             self.tags = as_array(self.tags, "tags", "uint8", array.shape)
+        if self.colours is not None:
+            self.colours = as_array(self.colours, "colours", "uint8", (*array.shape, 3))
 
     @property
     def dims(self) -> Tuple[int, int, int]:
@@ -77,6 +83,7 @@ class VolumeStream:
         volume.
     dims: voxels along x, y, z.
     spacing, range, find_gradients: as Volume's.
+    read_colours: None: no colours. Else it is asked after `read` for the same planes, and returns uint8 [z, y, x, 3].
     """
 
     read: Callable[[int, int], ArrayLike]
@@ -85,6 +92,12 @@ class VolumeStream:
     spacing: Vec3 = (1.0, 1.0, 1.0)
     range: Optional[ValueRange] = None
     find_gradients: bool = True
+    read_colours: Optional[Callable[[int, int], ArrayLike]] = None
+
+    def _colours(self, first: int, count: int) -> Array:
+        x, y, _ = self.dims
+        assert self.read_colours is not None
+        return as_array(self.read_colours(first, count), "read_colours", "uint8", (count, y, x, 3))
 
     def _planes(self, first: int, count: int) -> Array:
         x, y, _ = self.dims

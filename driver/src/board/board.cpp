@@ -71,6 +71,9 @@ BoardInfo read_info(Device& device) {
   info.queue_rays = read_sane(device, reg::kQueueRays, 1, 1 << 30);
   info.core_khz = device.read_register(reg::kCoreKhz);
   info.wide = device.read_register(reg::kDatapath) == static_cast<std::uint32_t>(wire::Datapath::kWide);
+  if (info.protocol_minor >= wire::kColoursMinor) {
+    info.voxel_format = static_cast<VoxelFormat>(read_sane(device, reg::kVoxelFormat, 1, 3) - 1);  // the same order
+  }
   const std::uint64_t hash_high = device.read_register(reg::kConfigHashHigh);
   info.config_hash = hash_high << 32 | device.read_register(reg::kConfigHashLow);
   return info;
@@ -187,7 +190,9 @@ void Board::State::restore() {
   if (volume) {
     begin_volume(*volume);
     if (bricks) bricks->begin(device);
-    for (const auto& [block, bytes] : kept_blocks) device.write_memory(block_address(block), bytes);
+    for (const auto& [block, bytes] : kept_blocks) {
+      write_packed_block(device, block, static_cast<std::size_t>(info.block_voxels), bytes);
+    }
     tables.send_segmentation(volume->range);
     tables.send_flags(volume->flags);
     check_fence();

@@ -39,6 +39,7 @@ LoadedVolume& Board::State::whole(const char* what) {
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
   check_volume(view, state_->max_edge());
+  state_->check_colours(!view.colours.empty());
   state_->load(Planes(view), progress);
 }
 
@@ -47,7 +48,13 @@ void Board::load_volume(const VolumeStream& stream, const Progress& progress) {
   expect(stream.read != nullptr, "read", "a function", "none");
   Planes planes(stream);
   check_shape(planes.shape(), state_->max_edge());
+  state_->check_colours(planes.have_colours());
   state_->load(std::move(planes), progress);
+}
+
+void Board::State::check_colours(bool given) const {
+  expect(!given || info.voxel_format != VoxelFormat::kDensity, "colours",
+         "none on a card whose voxels have none (asic.voxel_format is density)", "some");
 }
 
 int Board::State::max_edge() const {
@@ -63,13 +70,14 @@ void Board::State::load(Planes planes, const Progress& progress) {
   loaded.range = resolve_range(planes);
   loaded.relative_spacing = relative_spacing(shape.spacing);
   loaded.min_spacing = std::min({shape.spacing.x, shape.spacing.y, shape.spacing.z});
+  loaded.coloured = planes.have_colours();
   loaded.gradients = shape.find_gradients || !shape.gradients.empty();
   loaded.blocks = block_grid(shape.dims, n);
   if (voxel_count(loaded.blocks) <= capacity_blocks()) {
     const VolumeView view = planes.window(0, shape.dims[2]);
     const auto densities = to_densities(view, loaded.range);
     const auto codes = gradient_codes(view, loaded.range, tables.codebook(), threads);
-    const VoxelBlocks blocks(view.dims, n, densities, codes, view.tags);
+    const VoxelBlocks blocks(view.dims, n, {densities, codes, view.tags, view.colours});
     loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
     forget_volume();
     send_volume(blocks, loaded, watched(progress));
@@ -99,7 +107,7 @@ void Board::State::forget_volume() {
 // The blocks of a volume that the card does not store whole; finds their statistics.
 BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
   const std::size_t all = voxel_count(of.blocks), n = static_cast<std::size_t>(info.block_voxels);
-  BlockStore store(all, n * n * n * wire::kVoxelBits / 8,
+  BlockStore store(all, bytes_of_block(n, of.coloured),
                    planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory);
   std::vector<std::uint8_t> bytes;
   for_each_layer(planes, info.block_voxels, of.range, tables.codebook(), threads, [&](const BlockLayer& layer) {
@@ -133,9 +141,10 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
     if (blocks.stored(block)) stored.push_back(block);
   }
   const auto all = static_cast<std::uint32_t>(stored.size());
-  const auto n = static_cast<std::uint64_t>(info.block_voxels);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(n * n * n * wire::kVoxelBits / 8));
+  std::vector<std::uint8_t> bytes(bytes_of_words(static_cast<std::size_t>(info.block_voxels)));
   block_sums.assign(blocks.count(), wire::crc32c(bytes));  // zeros: what a block holds that is not sent
+  colour_sums.clear();
+  if (of.coloured) colour_sums.assign(blocks.count(), 0);
   for (std::uint32_t done = 0; done < all; ++done) {
     if (progress) progress(done, all);
     blocks.pack(stored[done], bytes);
@@ -165,7 +174,7 @@ std::vector<std::size_t> Board::verify_volume() {
   const auto lock = state_->begin();
   state_->whole("verify_volume()");
   Device& device = state_->device;
-  const std::vector<std::uint32_t>& sums = state_->block_sums;
+  const std::vector<std::uint32_t>&sums = state_->block_sums, &colour_sums = state_->colour_sums;
   const std::size_t max_blocks = std::min<std::size_t>(wire::kMaxVerifyBlocks, device.agreed().max_payload_bytes / 4);
   std::vector<std::size_t> damaged;
   for (std::size_t first = 0; first < sums.size(); first += max_blocks) {
@@ -175,7 +184,9 @@ std::vector<std::size_t> Board::verify_volume() {
     const std::size_t bytes = result.payload.size();
     if (bytes != 4 * count) device.give_up(fmt::format("the board summed up {} blocks in {} bytes", count, bytes));
     for (std::size_t i = 0; i < count; ++i) {
-      if (wire::load<std::uint32_t>(result.payload, 4 * i) != sums[first + i]) damaged.push_back(first + i);
+      const std::uint32_t of_colours = colour_sums.empty() ? 0 : colour_sums[first + i];
+      const auto found = wire::load<std::uint32_t>(result.payload, 4 * i);
+      if (found != (sums[first + i] ^ of_colours)) damaged.push_back(first + i);
     }
   }
   return damaged;

@@ -206,7 +206,7 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
     for_each_index(changed, changed, needed, [&](std::size_t, std::size_t at) { all_codes[at] = codes[at]; });
   }
 
-  const VoxelBlocks blocks(needed.size, n, all_densities, all_codes, tags);
+  const VoxelBlocks blocks(needed.size, n, {all_densities, all_codes, tags, {}});
   std::vector<std::uint8_t> bytes;
   for_each_block(written, volume.blocks, n, [&](const BlockPart& part) {
     const VoxelBox all{{}, blocks.blocks()};

@@ -7,6 +7,14 @@
 
 namespace gicube {
 
+void write_packed_block(Device& device, std::size_t block, std::size_t n, std::span<const std::uint8_t> packed) {
+  const std::size_t words = bytes_of_words(n);
+  device.write_memory(wire::kVolume.base + block * words, packed.first(words));
+  if (packed.size() > words) {
+    device.write_memory(wire::kColours.base + block * (packed.size() - words), packed.subspan(words));
+  }
+}
+
 void Bricks::forget_blocks() {
   on_card_.assign(store_.count(), 0);
   count_on_card_ = 0;
@@ -67,7 +75,7 @@ void Bricks::load(Device& device, const BlockOrder& order, std::span<const wire:
   for (const std::size_t block : words) {
     if (on_card_[block] != 0) continue;
     store_.read(block, bytes);
-    device.write_memory(wire::kVolume.base + block * bytes.size(), bytes);
+    write_packed_block(device, block, static_cast<std::size_t>(n_), bytes);
     on_card_[block] = 1;
     ++count_on_card_;
   }

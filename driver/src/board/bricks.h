@@ -12,8 +12,16 @@
 #include "device.h"
 #include "encode/volume/block_order.h"
 #include "gicube/vector.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
+
+// A block of n^3 voxels as VoxelBlocks::pack() makes it: its words, and their colours behind them if the volume has some.
+constexpr std::size_t bytes_of_words(std::size_t n) { return wire::packed36_bytes(n * n * n); }
+constexpr std::size_t bytes_of_block(std::size_t n, bool coloured) {
+  return bytes_of_words(n) + (coloured ? wire::kColourBytes * n * n * n : 0);
+}
+void write_packed_block(Device& device, std::size_t block, std::size_t n, std::span<const std::uint8_t> packed);
 
 class Bricks {
  public:

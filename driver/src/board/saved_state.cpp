@@ -50,6 +50,7 @@ void Remembered::state(Archive& archive, bool kept) {
   archive.field("info", [this](Archive::Record& record) {
     record(info.processors, info.block_voxels, info.max_volume_voxels, info.queue_rays, info.core_khz);
     record(info.vendor_id, info.device_id, info.wide);
+    record.at_most(info.voxel_format, VoxelFormat::kRgba);
   });
   const auto within = [&archive](const char* name, int value, int low, int high) {
     archive.expect(value >= low && value <= high, name, fmt::format("{}..{}", low, high),
@@ -86,6 +87,7 @@ void Remembered::state(Archive& archive, bool kept) {
     archive.field("shape", [&of](Archive::Record& record) {
       record(of.dims, of.blocks, of.range, of.relative_spacing, of.min_spacing, of.gradients);
     });
+    if (info.voxel_format != VoxelFormat::kDensity) archive("coloured", of.coloured);
     std::uint64_t blocks = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       within("dims", of.dims[axis], 2, 1024);
@@ -97,13 +99,17 @@ void Remembered::state(Archive& archive, bool kept) {
     archive.bytes("flags", of.flags, blocks, blocks);
     archive.expect(of.statistics.size() == blocks, "statistics", std::to_string(blocks), of.statistics.size());
     archive.expect(in_bricks || block_sums.size() == blocks, "block_sums", std::to_string(blocks), block_sums.size());
+    if (of.coloured && !in_bricks) {
+      archive.list("colour_sums", colour_sums);
+      archive.expect(colour_sums.size() == blocks, "colour_sums", std::to_string(blocks), colour_sums.size());
+    }
     archive.expect(kept_blocks.empty() || kept_blocks.rbegin()->first < blocks, "kept_blocks",
                    fmt::format("numbers below {}", blocks), kept_blocks.empty() ? 0 : kept_blocks.rbegin()->first);
     if (!in_bricks) return bricks.reset();
     const auto n = static_cast<std::size_t>(info.block_voxels);
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels) / n;
     if (archive.loads()) {
-      BlockStore store(static_cast<std::size_t>(blocks), n * n * n * wire::kVoxelBits / 8, BlockStore::Place::kMemory);
+      BlockStore store(static_cast<std::size_t>(blocks), bytes_of_block(n, of.coloured), BlockStore::Place::kMemory);
       bricks = std::make_unique<Bricks>(of.blocks, info.block_voxels, std::move(store), edge * edge * edge);
     }
     archive("bricks", *bricks);

@@ -33,6 +33,7 @@ struct LoadedVolume {
   ValueRange range;
   Vec3 relative_spacing;
   double min_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
+  bool coloured = false;   // its voxels have colours
   bool gradients = true;   // false: the application wanted none (VolumeView::find_gradients)
   std::vector<BlockStatistics> statistics;
   std::vector<std::uint8_t> flags;  // in force, one a block
@@ -48,6 +49,7 @@ struct Remembered {
   bool blocks_are_kept = false;                                    // of the volume: all that are not zero
   bool batches_wait = false;                                       // for a volume on a new board, to be sent again
   std::vector<std::uint32_t> block_sums;                           // CRC-32C of each block's words as they were written
+  std::vector<std::uint32_t> colour_sums;                          // of its colours; 0: none. Of a coloured volume
   double irradiance_unit = 0;                                      // power of one unit; 0 before the first illuminate()
   double sum_unit = 0;                                             // of the sums; 0 before the first clear_sums()
   double bright_flux = 0;                                          // power a voxel that full brightness is chosen for
@@ -132,19 +134,23 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   void go_on();
   void remember(std::span<const std::uint8_t> part, const wire::WentOn& now);
   int max_edge() const;  // of a volume, voxels
+  void check_colours(bool given) const;
   void load(Planes planes, const Progress& progress);
   void forget_volume();
   BlockStore keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress);
   void begin_volume(const LoadedVolume& volume);
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
-  std::uint64_t block_address(std::size_t block) const {
-    const auto n = static_cast<std::uint64_t>(info.block_voxels);
-    return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
-  }
+  // `packed`: as VoxelBlocks::pack() makes it; or words alone, and the colours stay.
   void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
-    if (keep_volume) kept_blocks[static_cast<std::uint32_t>(block)].assign(packed.begin(), packed.end());
-    block_sums[block] = wire::crc32c(packed);
-    device.write_memory(block_address(block), packed);
+    const std::size_t n = static_cast<std::size_t>(info.block_voxels), words = bytes_of_words(n);
+    if (keep_volume) {
+      auto& kept = kept_blocks[static_cast<std::uint32_t>(block)];
+      if (kept.size() < packed.size()) kept.resize(packed.size());
+      std::copy(packed.begin(), packed.end(), kept.begin());
+    }
+    block_sums[block] = wire::crc32c(packed.first(words));
+    if (packed.size() > words) colour_sums[block] = wire::crc32c(packed.subspan(words));
+    write_packed_block(device, block, n, packed);
   }
   std::vector<float> read_irradiance(const VoxelBox& box);
   // Has the board clear words of `bits` of CONTROL; their unit is `unit` from now on.

@@ -34,7 +34,7 @@ gicube_board_info to_c(const BoardInfo& info) {
           .wide = info.wide,
           .agp = info.agp,
           .host_rays = info.host_rays,
-          .reserved = 0};
+          .voxel_format = static_cast<std::int32_t>(info.voxel_format)};
 }
 
 }  // namespace

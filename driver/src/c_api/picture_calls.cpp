@@ -14,6 +14,7 @@ VolumeView to_volume(const gicube_volume* given) {
   if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
   volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
   volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
+  volume.colours = {checked("volume.colours", record.colours, record.colour_bytes), record.colour_bytes};
   return volume;
 }
 

@@ -58,15 +58,24 @@ void average(const VolumeView& volume, const auto& source, int edge, DerivedVolu
 void gather_materials(const VolumeView& volume, int edge, DerivedVolume& out) {
   if (!volume.tags.empty()) out.tags.resize(voxel_count(out.dims));
   if (!volume.gradients.empty()) out.gradients.resize(3 * voxel_count(out.dims));
-  if (out.tags.empty() && out.gradients.empty()) return;
+  if (!volume.colours.empty()) out.colours.resize(wire::kColourBytes * voxel_count(out.dims));
+  if (out.tags.empty() && out.gradients.empty() && out.colours.empty()) return;
+  const int all = edge * edge * edge;
   for_each_voxel(out.dims, [&](int x, int y, int z) {
     const std::size_t to = index_of(out.dims, x, y, z);
     std::array<int, wire::kTags> counts{};
     Vec3 sum;
+    std::array<int, wire::kColourBytes> colour{};
     for_each_original(volume.dims, {x * edge, y * edge, z * edge}, edge, [&](std::size_t from) {
       if (!out.tags.empty()) ++counts[volume.tags[from]];
       if (!out.gradients.empty()) sum = sum + direction_at(volume.gradients, from);
+      for (std::size_t c = 0; !out.colours.empty() && c < colour.size(); ++c) {
+        colour[c] += volume.colours[wire::kColourBytes * from + c];
+      }
     });
+    for (std::size_t c = 0; !out.colours.empty() && c < colour.size(); ++c) {
+      out.colours[wire::kColourBytes * to + c] = static_cast<std::uint8_t>((colour[c] + all / 2) / all);
+    }
     if (!out.tags.empty()) out.tags[to] = commonest(counts);
     if (out.gradients.empty()) return;
     out.gradients[3 * to] = static_cast<float>(sum.x);
@@ -99,7 +108,8 @@ VolumeView DerivedVolume::view() const {
           .spacing = spacing,
           .range = range,
           .gradients = gradients,
-          .tags = tags};
+          .tags = tags,
+          .colours = colours};
 }
 
 View Placement::view(View original) const {
@@ -150,6 +160,7 @@ DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box) {
   copy_rows(volume.samples, bytes_per_sample(volume.type), volume, box, out.samples);
   copy_rows(volume.gradients, 3, volume, box, out.gradients);
   copy_rows(volume.tags, 1, volume, box, out.tags);
+  copy_rows(volume.colours, wire::kColourBytes, volume, box, out.colours);
   return out;
 }
 

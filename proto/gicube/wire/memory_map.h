@@ -53,9 +53,15 @@ inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
 inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, false,
                                     "blocks of packed signed 36-bit sums"};
 
-inline constexpr std::array<MemoryRegion, 10> kMemoryMap{
-    kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags, kAbsentFlags,
-    kMaterials,       kFramebuffer, kVolume,         kSums,       kIrradiance};
+// Colours of block b's n^3 voxels, x fastest, from kColours.base + 3 b n^3 on: red, green, blue, 255 = one. Only of cards whose
+// voxels have them (VoxelFormat), and of blocks that have been written to kVolume. A block never written is black; a volume of which
+// none was written has no colours: all come from the segmentation LUT.
+inline constexpr MemoryRegion kColours{"colours", 0x5'4000'0000, std::uint64_t{1024} * 1024 * 1024 * kColourBytes, true,
+                                       "blocks of colours, 3 bytes a voxel (VOXEL_FORMAT)"};
+
+inline constexpr std::array<MemoryRegion, 11> kMemoryMap{
+    kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags, kAbsentFlags, kMaterials,
+    kFramebuffer,     kVolume,      kSums,           kIrradiance, kColours};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

@@ -42,6 +42,7 @@ inline constexpr std::uint32_t kConfigHashHigh = 0x03C;
 inline constexpr std::uint32_t kVolumeX = 0x040;
 inline constexpr std::uint32_t kVolumeY = 0x044;
 inline constexpr std::uint32_t kVolumeZ = 0x048;
+inline constexpr std::uint32_t kVoxelFormat = 0x04C;
 inline constexpr std::uint32_t kSpacingX = 0x050;
 inline constexpr std::uint32_t kSpacingY = 0x054;
 inline constexpr std::uint32_t kSpacingZ = 0x058;
@@ -116,6 +117,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kVolumeX, "VOLUME_X", Access::kReadWrite, 0, "volume size in x, voxels; at least 2; written before its blocks"},
     RegisterInfo{reg::kVolumeY, "VOLUME_Y", Access::kReadWrite, 0, "the same in y"},
     RegisterInfo{reg::kVolumeZ, "VOLUME_Z", Access::kReadWrite, 0, "the same in z"},
+    RegisterInfo{reg::kVoxelFormat, "VOXEL_FORMAT", Access::kReadOnly, 0, "1 density, 2 rgb, 3 rgba; from the configuration"},
     RegisterInfo{reg::kSpacingX, "SPACING_X", Access::kReadWrite, kSpacingOne, "voxel length along x, 16.16, over the length that opacities are given for; 1/64 to 64"},
     RegisterInfo{reg::kSpacingY, "SPACING_Y", Access::kReadWrite, kSpacingOne, "the same along y"},
     RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "the same along z"},

@@ -26,6 +26,18 @@ inline constexpr std::uint16_t kGradientCodes = 2048;
 inline constexpr std::uint16_t kNoGradient = 0;  // the code kept for voxels without a gradient
 inline constexpr int kTags = 4;
 
+// What a card stores of a voxel. Beyond the paper's 36 bits [P §5.6, future work: an expanded voxel format].
+enum class VoxelFormat : std::uint32_t {
+  kDensity = 1,  // the word below
+  kRgb = 2,      // and a colour of kColourBytes, red first; the segmentation LUT gives its opacity by the density
+  kRgba = 3,     // the same, and the density is the colour's alpha: colours are interpolated premultiplied by it
+};
+inline constexpr std::size_t kColourBytes = 3;
+constexpr bool has_colours(VoxelFormat format) { return format != VoxelFormat::kDensity; }
+constexpr int voxel_bits(VoxelFormat format) {
+  return kVoxelBits + (has_colours(format) ? 8 * static_cast<int>(kColourBytes) : 0);
+}
+
 struct Voxel {
   std::uint16_t density = 0;
   std::uint16_t gradient = kNoGradient;

@@ -50,6 +50,26 @@ TEST(HardwareCost, EachProcessorHasItsOwnSramAndSharesTheQueues) {
   EXPECT_EQ(eight.sram.bits, 2 * four.sram.bits);
 }
 
+TEST(HardwareCost, OfVoxelsWithColoursIsTheirWidthInTheCacheAndTheirChannelsInThePipeline) {
+  v1::BoardConfig config;
+  config.mutable_asic()->set_voxel_format(v1::rgb);
+  const HardwareCost plain = hardware_cost({}), rgb = hardware_cost(config);
+  EXPECT_EQ(rgb.volume_cache.formula, "4 x 33^3 x 60");
+  EXPECT_EQ(rgb.volume_cache.bits * 36, plain.volume_cache.bits * 60);
+  EXPECT_EQ(rgb.gradient_lut.bits, plain.gradient_lut.bits);
+  EXPECT_EQ(rgb.logic.size(), plain.logic.size() + 2);
+  config.mutable_asic()->set_voxel_format(v1::rgba);
+  const HardwareCost rgba = hardware_cost(config);
+  EXPECT_EQ(rgba.volume_cache.bits, rgb.volume_cache.bits);
+  const auto transistors = [](const HardwareCost& cost) {
+    std::uint64_t sum = 0;
+    for (const LogicItem& item : cost.logic) sum += item.transistors();
+    return sum;
+  };
+  EXPECT_GT(transistors(rgb), transistors(plain));
+  EXPECT_GT(transistors(rgba), transistors(rgb)) << "it multiplies eight voxels, and divides";
+}
+
 TEST(HardwareCost, QueuesGrowWithTheVolumeTheirLengthAndSmallerBlocks) {
   EXPECT_EQ(cost_with(4, 32, 512, 256).ray_queues.bits, 8 * 32 * kMegabit);
   EXPECT_EQ(cost_with(4, 16, 256, 256).ray_queues.bits, 8 * 32 * kMegabit);

@@ -15,16 +15,16 @@ class RandomMachine : public testing::TestWithParam<unsigned> {};
 TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndCycle) {
   Dice dice(GetParam());
   const int n = dice.one_of({8, 8, 16});
-  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n);
+  const std::vector<std::string> assignments = draw_machine(dice, n);
+  SCOPED_TRACE(text(assignments));
+  const v1::BoardConfig config = config_with(assignments);
+  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n, format_of(config));
   draw(scene, dice);
   if (dice.chance(30)) {
     for (auto& entry : scene.segmentation) entry.opacity_fine = static_cast<std::int16_t>(dice.number(-2048, 2047));
     scene.widen();
   }
   const wire::RenderCommand view = draw_view(scene, dice);
-  const std::vector<std::string> assignments = draw_machine(dice, n);
-  SCOPED_TRACE(text(assignments));
-  const v1::BoardConfig config = config_with(assignments);
 
   const RunRules runs = runs_of(config);
   const Picture expected = functional_picture(scene, view, runs);
@@ -50,7 +50,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   EXPECT_EQ(issued, picture.rays.samples + picture.rays.leaps);
   std::uint64_t reads = 0;
   for (const auto& memory : machine.memories()) reads += memory->channel().counters().packets_read;
-  EXPECT_EQ(reads, config.ideal().memory() != 0 ? 0 : packets);
+  EXPECT_EQ(reads, config.ideal().memory() != 0 ? 0 : packets * packets_of_tile(config));
   EXPECT_EQ(machine.dsp().counters().sent, machine.dsp().counters().taken + machine.dsp().counters().overflows);
 
   const std::vector<wire::Ray> rays = draw_rays(scene, dice);

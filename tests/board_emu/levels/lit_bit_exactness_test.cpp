@@ -177,7 +177,10 @@ class RandomLight : public testing::TestWithParam<unsigned> {
 };
 
 TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfItAreTheSame) {
-  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n);
+  const std::vector<std::string> assignments = draw_machine(dice, n);
+  SCOPED_TRACE(text(assignments));
+  const v1::BoardConfig config = config_with(assignments);
+  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n, format_of(config));
   draw(scene, dice);
   Frame& frame = scene.frame;
   draw_materials(frame, dice);
@@ -187,9 +190,6 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   frame.seed = GetParam();
   const std::uint32_t threshold = std::exchange(frame.opacity_threshold, wire::kOpacityOne);
   frame.lifetime = static_cast<std::uint16_t>(dice.one_of({0, 3, 40}));
-  const std::vector<std::string> assignments = draw_machine(dice, n);
-  SCOPED_TRACE(text(assignments));
-  const v1::BoardConfig config = config_with(assignments);
   const wire::IlluminateCommand light = draw_light(scene, dice);
   frame.rules = light.rules;
   scene.set_depths();
@@ -228,7 +228,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
     read += memory->channel().counters().packets_read;
   }
   EXPECT_EQ(written, tiles);  // each changed tile has gone to the memory
-  EXPECT_EQ(read, fetched + (config.ideal().memory() != 0 ? 0 : packets));
+  EXPECT_EQ(read, (fetched + (config.ideal().memory() != 0 ? 0 : packets)) * packets_of_tile(config));
 
   expect_passes_to_leave(expected, counts, scene, rays, assignments);
 

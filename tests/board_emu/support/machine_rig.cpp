@@ -20,8 +20,8 @@ v1::BoardConfig config_with(const std::vector<std::string>& assignments) {
   return resolve(config);
 }
 
-Scene::Scene(const std::array<int, 3>& size, int block_voxels)
-    : volume(block_voxels),
+Scene::Scene(const std::array<int, 3>& size, int block_voxels, wire::VoxelFormat format)
+    : volume(block_voxels, format),
       gradients(wire::kGradientCodes),
       segmentation(wire::kSegmentationEntries),
       reflectance_map(wire::kReflectanceBytes) {

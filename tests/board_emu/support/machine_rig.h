@@ -2,6 +2,7 @@
 // through machines of any configuration.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,7 +27,7 @@ v1::BoardConfig config_with(const std::vector<std::string>& assignments);
 
 // A small scene in the frame's words. Tables live here, so a scene does not move.
 struct Scene {
-  Scene(const std::array<int, 3>& size, int block_voxels);
+  Scene(const std::array<int, 3>& size, int block_voxels, wire::VoxelFormat format = wire::VoxelFormat::kDensity);
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
@@ -48,6 +49,24 @@ struct Scene {
       volume.write(block * block_bytes, bytes);
     }
     volume.decode(gradients, true, 1);
+  }
+
+  // The colours of all voxels of a volume that was filled and whose format has some.
+  template <typename Field>
+  void paint(const Field& colour_at) {
+    const auto n = static_cast<std::size_t>(volume.block_voxels());
+    const auto nx = static_cast<std::size_t>(volume.blocks()[0]), ny = static_cast<std::size_t>(volume.blocks()[1]);
+    std::vector<std::uint8_t> bytes(volume.colours().block_bytes());
+    for (std::size_t block = 0; block < volume.block_count(); ++block) {
+      for (std::size_t i = 0; i < n * n * n; ++i) {
+        const std::array<std::uint8_t, 3> colour =
+            colour_at(static_cast<int>(block % nx * n + i % n), static_cast<int>(block / nx % ny * n + i / n % n),
+                      static_cast<int>(block / (nx * ny) * n + i / (n * n)));
+        std::copy(colour.begin(), colour.end(), bytes.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      }
+      volume.write_colours(block * bytes.size(), bytes);
+    }
+    volume.decode(gradients, false, 1, {.colours = true});
   }
 
   // The wide datapath, for the segmentation as it is now.

@@ -30,6 +30,11 @@ void draw(Scene& scene, Dice& dice) {
     }
     return voxel;
   });
+  if (wire::has_colours(scene.volume.format()) && dice.chance(90)) {
+    const int period = dice.number(1, 300);
+    const auto byte = [period](int x) { return static_cast<std::uint8_t>(x % period * 37); };
+    scene.paint([&](int x, int y, int z) { return std::array{byte(x + 3 * y), byte(y + 5 * z), byte(z + 7 * x)}; });
+  }
   const int clear = dice.number(200, 1500), peak = dice.one_of({300, 6000, 65535});
   for (std::size_t i = 0; i < scene.segmentation.size(); ++i) {
     const int density = static_cast<int>(i & 4095);
@@ -72,6 +77,7 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
   return {
       set("asic.block_voxels", block_voxels),
       set("asic.processors", dice.number(1, 16)),
+      name("asic.voxel_format", in_cells ? "density" : any_of(*v1::VoxelFormat_descriptor(), dice)),
       set("asic.queue_rays", dice.one_of({1, 2, 3, 8, 40, 256})),
       name("asic.partition", dice.one_of({"simple_slab", "repeated_slab", "skewed_block"})),
       set("asic.skew_x", dice.number(0, 15)),
@@ -154,6 +160,14 @@ std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice) {
         static_cast<std::uint32_t>(dice.chance(20) ? dice.number(0, 1 << 24) - 1 : 0) & wire::kOpacityOne;
   }
   return rays;
+}
+
+wire::VoxelFormat format_of(const v1::BoardConfig& config) {
+  return static_cast<wire::VoxelFormat>(config.asic().voxel_format());
+}
+
+std::uint32_t packets_of_tile(const v1::BoardConfig& config) {
+  return wire::has_colours(format_of(config)) ? 2 : 1;  // 4 x 60 bits in packets of 144
 }
 
 std::string text(const std::vector<std::string>& assignments) {

@@ -35,6 +35,10 @@ wire::RenderCommand draw_view(const Scene& scene, Dice& dice);
 // Host rays from anywhere in the volume to anywhere; some carry what an earlier flight gathered.
 std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice);
 
+wire::VoxelFormat format_of(const v1::BoardConfig& config);
+// Packets that a tile takes in memory.
+std::uint32_t packets_of_tile(const v1::BoardConfig& config);
+
 std::string text(const std::vector<std::string>& assignments);
 std::vector<std::string> counter_texts(const Machine& machine);
 

@@ -135,6 +135,11 @@ void RandomHost::begin(Board& board) {
   write_register(board, reg::kLifetime, 4);
   for (std::uint64_t i = 0; i < 8; ++i) {
     if (dice.chance(80)) write_memory(board, wire::kVolume.base + i * block(dice).size(), block(dice));
+    if (dice.chance(50)) {  // refused unless the card's voxels have colours, and the block is there
+      const std::vector<std::uint8_t> colours(3u * static_cast<unsigned>(n_ * n_ * n_),
+                                              static_cast<std::uint8_t>(dice.number(0, 255)));
+      write_memory(board, wire::kColours.base + i * colours.size(), colours);
+    }
   }
 }
 

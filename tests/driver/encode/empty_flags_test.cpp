@@ -39,7 +39,7 @@ TEST(EmptyFlags, OnlyTagsThatTheBlockHoldsCount) {
 
 TEST(EmptyFlags, ABlockThatIsNotStoredShowsDensityZeroOfTagZero) {
   const std::vector<std::uint16_t> zeros(512);
-  const VoxelBlocks blocks({8, 8, 8}, 8, zeros, zeros, {});
+  const VoxelBlocks blocks({8, 8, 8}, 8, {zeros, zeros, {}, {}});
   ASSERT_FALSE(blocks.stored(0));
   Lut lut = invisible();
   lut[1].opacity = lut[1 << 12].opacity = 65535;
@@ -95,7 +95,7 @@ TEST(EmptyFlags, AgreeWithLookingAtEveryVoxelAndEntry) {
       const std::size_t first = random() % lut.size(), last = std::min(lut.size(), first + random() % 3000);
       for (std::size_t e = first; e < last; ++e) lut[e].opacity = 1;
     }
-    const VoxelBlocks blocks(dims, 4, densities, codes, tags);
+    const VoxelBlocks blocks(dims, 4, {densities, codes, tags, {}});
     const auto flags = find_empty_blocks(blocks.statistics(), lut);
     const auto [nx, ny, nz] = blocks.blocks();
     for (int b = 0; b < nx * ny * nz; ++b) {

@@ -28,7 +28,7 @@ struct Volume {
     const int voxel = (z * dims[1] + y) * dims[0] + x;
     return static_cast<std::size_t>(voxel);
   }
-  VoxelBlocks blocks(int n) const { return {dims, n, densities, codes, tags}; }
+  VoxelBlocks blocks(int n) const { return {dims, n, {densities, codes, tags, {}}}; }
 };
 
 Volume random_volume(Dims dims, unsigned seed) {
@@ -74,7 +74,7 @@ TEST(VoxelBlocks, NoCodesMeanNoGradient) {
   Volume volume = random_volume({8, 8, 8}, 3);
   std::fill(volume.codes.begin(), volume.codes.end(), std::uint16_t{0});
   const VoxelBlocks with = volume.blocks(8);
-  const VoxelBlocks without(volume.dims, 8, volume.densities, {}, volume.tags);
+  const VoxelBlocks without(volume.dims, 8, {volume.densities, {}, volume.tags, {}});
   std::vector<std::uint8_t> a, b;
   with.pack(0, a);
   without.pack(0, b);
@@ -86,7 +86,7 @@ TEST(VoxelBlocks, NoTagsMeanTagZero) {
   Volume volume = random_volume({8, 8, 8}, 2);
   std::fill(volume.tags.begin(), volume.tags.end(), std::uint8_t{0});
   const VoxelBlocks with = volume.blocks(8);
-  const VoxelBlocks without(volume.dims, 8, volume.densities, volume.codes, {});
+  const VoxelBlocks without(volume.dims, 8, {volume.densities, volume.codes, {}, {}});
   std::vector<std::uint8_t> a, b;
   with.pack(0, a);
   without.pack(0, b);
@@ -153,12 +153,12 @@ TEST(VoxelBlocks, RefuseSizesThatDoNotFit) {
   EXPECT_EQ(refusal([&] { volume.blocks(7); }), "block_voxels: expected an even number of at least 2, got 7");
   EXPECT_EQ(refusal([&] { volume.blocks(0); }), "block_voxels: expected an even number of at least 2, got 0");
   EXPECT_EQ(refusal([&] {
-              VoxelBlocks({8, 8, 9}, 8, volume.densities, volume.codes, {});
+              VoxelBlocks({8, 8, 9}, 8, {volume.densities, volume.codes, {}, {}});
             }),
             "densities: expected 576, one a voxel, got 512");
   const std::vector<std::uint8_t> tags(511);
   EXPECT_EQ(refusal([&] {
-              VoxelBlocks({8, 8, 8}, 8, volume.densities, volume.codes, tags);
+              VoxelBlocks({8, 8, 8}, 8, {volume.densities, volume.codes, tags, {}});
             }),
             "tags: expected 512, one a voxel, got 511");
 }

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "encode/volume/samples.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 
@@ -14,11 +15,28 @@ Planes::Planes(const VolumeStream& stream)
              .spacing = stream.spacing,
              .range = stream.range,
              .find_gradients = stream.find_gradients},
-      read_(stream.read) {}
+      read_(stream.read),
+      read_colours_(stream.read_colours) {}
 
 std::size_t Planes::bytes_of(int planes) const {
   return voxel_count({shape_.dims[0], shape_.dims[1], planes}) * bytes_per_sample(shape_.type);
 }
+
+std::size_t Planes::colour_bytes_of(int planes) const {
+  return wire::kColourBytes * voxel_count({shape_.dims[0], shape_.dims[1], planes});
+}
+
+namespace {
+
+// Moves the last `kept` bytes of the `of` that are held to the front, and makes room for `all`. Returns the room behind them.
+std::span<std::byte> make_room(std::vector<std::byte>& held, std::size_t of, std::size_t kept, std::size_t all) {
+  const auto old = std::span(held).first(of).last(kept);
+  std::copy(old.begin(), old.end(), held.begin());
+  held.resize(std::max(held.size(), all));
+  return std::span(held).first(all).subspan(kept);
+}
+
+}  // namespace
 
 VolumeView Planes::window(int first, int count) {
   VolumeView out = shape_;
@@ -27,26 +45,34 @@ VolumeView Planes::window(int first, int count) {
     const std::size_t before = voxel_count({shape_.dims[0], shape_.dims[1], first}), voxels = voxel_count(out.dims);
     out.samples = shape_.samples.subspan(bytes_of(first), bytes_of(count));
     if (!shape_.gradients.empty()) out.gradients = shape_.gradients.subspan(3 * before, 3 * voxels);
+    if (!shape_.colours.empty()) out.colours = shape_.colours.subspan(colour_bytes_of(first), colour_bytes_of(count));
     if (!shape_.tags.empty()) out.tags = shape_.tags.subspan(before, voxels);
     return out;
   }
   if (first == 0) first_ = end_ = 0;
   const int kept = std::max(0, end_ - first);
-  const auto old = std::span(held_).first(bytes_of(end_ - first_)).last(bytes_of(kept));
-  std::copy(old.begin(), old.end(), held_.begin());
-  held_.resize(std::max(held_.size(), bytes_of(count)));
+  const int before = end_ - first_;
+  const std::span<std::byte> fresh = make_room(held_, bytes_of(before), bytes_of(kept), bytes_of(count));
+  std::span<std::byte> fresh_colours;
+  if (read_colours_) {
+    fresh_colours = make_room(held_colours_, colour_bytes_of(before), colour_bytes_of(kept), colour_bytes_of(count));
+  }
   first_ = first;
   end_ = first + kept;  // also if reading throws
   if (count > kept) {
-    const auto fresh = std::span(held_).subspan(bytes_of(kept), bytes_of(count - kept));
     read_(end_, count - kept, fresh);
     VolumeView added = out;
     added.dims[2] = count - kept;
     added.samples = fresh;
     check_samples(added, end_);
+    if (read_colours_) read_colours_(end_, count - kept, fresh_colours);
     end_ = first + count;
   }
   out.samples = std::span(held_).first(bytes_of(count));
+  if (read_colours_) {
+    const auto colours = std::span(held_colours_).first(colour_bytes_of(count));
+    out.colours = {reinterpret_cast<const std::uint8_t*>(colours.data()), colours.size()};
+  }
   return out;
 }
 
@@ -76,7 +102,12 @@ void for_each_layer(Planes& planes, int n, ValueRange range, const GradientCodeb
     const auto of_part = [&](auto all) {
       return all.empty() ? all : all.subspan(voxel_count({dims[0], dims[1], low - first}), voxel_count(part));
     };
-    const VoxelBlocks blocks(part, n, of_part(std::span(densities)), of_part(std::span(codes)), of_part(window.tags));
+    VoxelBlocks::Voxels voxels{of_part(std::span(densities)), of_part(std::span(codes)), of_part(window.tags), {}};
+    if (!window.colours.empty()) {
+      voxels.colours = window.colours.subspan(wire::kColourBytes * voxel_count({dims[0], dims[1], low - first}),
+                                              wire::kColourBytes * voxel_count(part));
+    }
+    const VoxelBlocks blocks(part, n, voxels);
     const std::size_t count = voxel_count({blocks.blocks()[0], blocks.blocks()[1], 1});
     take({blocks, before, count});
     before += count;

@@ -20,6 +20,7 @@ class Planes {
   // The whole volume; of a stream without its samples.
   const VolumeView& shape() const { return shape_; }
   bool are_read() const { return read_ != nullptr; }
+  bool have_colours() const { return read_colours_ != nullptr || !shape_.colours.empty(); }
 
   // Planes [first, first + count) as a volume of their own, which lasts until the next call. `first` and first + count of a stream
   // may not fall from call to call, but with first = 0 it is read from the start again. Of a stream each new sample is checked:
@@ -28,10 +29,11 @@ class Planes {
 
  private:
   std::size_t bytes_of(int planes) const;
+  std::size_t colour_bytes_of(int planes) const;
 
   VolumeView shape_;
-  PlaneReader read_;
-  std::vector<std::byte> held_;
+  PlaneReader read_, read_colours_;
+  std::vector<std::byte> held_, held_colours_;
   int first_ = 0, end_ = 0;  // planes in held_
 };
 

@@ -41,6 +41,9 @@ void check_sizes(const VolumeView& view, const char* type) {
   expect(samples == bytes, "samples", fmt::format("{} bytes ({} x {} x {} of {})", bytes, x, y, z, type), samples);
   expect(gradients == 0 || gradients == 3 * count, "gradients", fmt::format("none or {} floats, 3 a voxel", 3 * count),
          gradients);
+  const std::size_t colours = view.colours.size();
+  expect(colours == 0 || colours == 3 * count, "colours", fmt::format("none or {} bytes, 3 a voxel", 3 * count),
+         colours);
   expect(tags == 0 || tags == count, "tags", fmt::format("none or {}, one a voxel", count), tags);
 }
 

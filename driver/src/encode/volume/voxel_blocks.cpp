@@ -26,13 +26,13 @@ std::vector<std::uint16_t> count_visible(std::span<const wire::SegmentationEntry
 
 }  // namespace
 
-VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities,
-                         std::span<const std::uint16_t> codes, std::span<const std::uint8_t> tags)
-    : dims_(dims), n_(n), densities_(densities), codes_(codes), tags_(tags) {
+VoxelBlocks::VoxelBlocks(Dims dims, int n, const Voxels& voxels) : dims_(dims), n_(n), voxels_(voxels) {
+  const auto& [densities, codes, tags, colours] = voxels;
   expect(n >= 2 && n % 2 == 0, "block_voxels", "an even number of at least 2", n);
   check_count("densities", voxel_count(dims), densities.size());
   if (!codes.empty()) check_count("codes", voxel_count(dims), codes.size());
   if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
+  if (!colours.empty()) check_count("colours", wire::kColourBytes * voxel_count(dims), colours.size());
   for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (dims[axis] + n - 1) / n;
   statistics_.resize(voxel_count(blocks_));
   stored_.resize(statistics_.size());
@@ -40,7 +40,7 @@ VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densit
     const Region touched = region(block, 1);
     statistics_[block] = find_statistics(touched);
     const BlockStatistics& found = statistics_[block];
-    stored_[block] = found.max_density != 0 || found.tags != 1 || has_gradient(touched);
+    stored_[block] = found.max_density != 0 || found.tags != 1 || has_gradient(touched) || has_colour(touched);
   }
 }
 
@@ -63,16 +63,16 @@ std::size_t VoxelBlocks::row(std::size_t y, std::size_t z) const {
 BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
   // 12 bits fit in a signed word, whose minimum and maximum are single instructions on every x86-64.
   std::int16_t low = wire::kDensityMax, high = 0;
-  unsigned tags = tags_.empty() ? 1 : 0;
+  unsigned tags = voxels_.tags.empty() ? 1 : 0;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
       const std::size_t begin = row(y, z) + region.begin[0], end = row(y, z) + region.end[0];
       for (std::size_t i = begin; i < end; ++i) {
-        const auto density = static_cast<std::int16_t>(densities_[i]);
+        const auto density = static_cast<std::int16_t>(voxels_.densities[i]);
         low = std::min(low, density);
         high = std::max(high, density);
       }
-      for (std::size_t i = begin; !tags_.empty() && i < end; ++i) tags |= 1u << tags_[i];
+      for (std::size_t i = begin; !voxels_.tags.empty() && i < end; ++i) tags |= 1u << voxels_.tags[i];
     }
   }
   return {static_cast<std::uint16_t>(low), static_cast<std::uint16_t>(high), static_cast<std::uint8_t>(tags)};
@@ -80,10 +80,10 @@ BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
 
 // A Sobel gradient reaches one voxel further than the values that it comes from.
 bool VoxelBlocks::has_gradient(const Region& region) const {
-  if (codes_.empty()) return false;
+  if (voxels_.codes.empty()) return false;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
-      const auto codes = codes_.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
+      const auto codes = voxels_.codes.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
       if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; }))
         return true;
     }
@@ -91,9 +91,22 @@ bool VoxelBlocks::has_gradient(const Region& region) const {
   return false;
 }
 
+bool VoxelBlocks::has_colour(const Region& region) const {
+  if (voxels_.colours.empty()) return false;
+  for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
+    for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
+      const std::size_t begin = row(y, z) + region.begin[0], count = region.end[0] - region.begin[0];
+      const auto bytes = voxels_.colours.subspan(wire::kColourBytes * begin, wire::kColourBytes * count);
+      if (std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; })) return true;
+    }
+  }
+  return false;
+}
+
 void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const {
   const auto n = static_cast<std::size_t>(n_);
-  out.assign(wire::packed36_bytes(n * n * n), 0);
+  const std::size_t words = wire::packed36_bytes(n * n * n);
+  out.assign(words + (voxels_.colours.empty() ? 0 : wire::kColourBytes * n * n * n), 0);
   const Region inside = region(block, 0);
   for (std::size_t z = inside.begin[2]; z < inside.end[2]; ++z) {
     for (std::size_t y = inside.begin[1]; y < inside.end[1]; ++y) {
@@ -105,6 +118,11 @@ void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const 
         wire::store(std::span(out), at, first | second << wire::kVoxelBits);
         out[at + 8] = static_cast<std::uint8_t>(second >> (64 - wire::kVoxelBits));
       }
+      if (voxels_.colours.empty()) continue;
+      const std::size_t first = row(y, z) + inside.begin[0];
+      const auto bytes = voxels_.colours.subspan(wire::kColourBytes * first, wire::kColourBytes * (end - first));
+      const std::size_t place = words + wire::kColourBytes * ((z - inside.begin[2]) * n + (y - inside.begin[1])) * n;
+      std::copy(bytes.begin(), bytes.end(), out.begin() + static_cast<std::ptrdiff_t>(place));
     }
   }
 }

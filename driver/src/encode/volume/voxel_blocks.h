@@ -24,19 +24,24 @@ struct BlockStatistics {
 // Blocks are numbered b = bx + nx (by + ny bz), as in memory_map.h.
 class VoxelBlocks {
  public:
-  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0, and no codes no gradient.
+  // One density (0..4095), gradient code and tag and three bytes of colour a voxel, x fastest; no tags at all mean tag 0, no codes no
+  // gradient.
+  struct Voxels {
+    std::span<const std::uint16_t> densities, codes;
+    std::span<const std::uint8_t> tags, colours;
+  };
   // Keeps only the spans: what they show must live until the last pack(). `n`: the board's block edge, voxels. Throws
   // BadArgument if it is odd (a block would not begin on a whole byte).
-  VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities, std::span<const std::uint16_t> codes,
-              std::span<const std::uint8_t> tags);
+  VoxelBlocks(Dims dims, int n, const Voxels& voxels);
 
   Dims blocks() const { return blocks_; }
   std::size_t count() const { return statistics_.size(); }
 
-  // False if the block and its +1 faces have density 0, no gradient and tag 0 throughout: the board's memory begins so.
+  // False if the block and its +1 faces have density 0, no gradient, tag 0 and are black throughout: the board's memory begins so.
   bool stored(std::size_t block) const { return stored_[block]; }
 
-  // The block's n^3 36-bit words, x fastest, as voxel.h packs them; voxels beyond the volume are zero. Resizes `out`.
+  // The block's n^3 36-bit words, x fastest, as voxel.h packs them, and behind them their colours if there are some; voxels beyond the
+  // volume are zero. Resizes `out`.
   void pack(std::size_t block, std::vector<std::uint8_t>& out) const;
 
   const BlockStatistics& statistics(std::size_t block) const { return statistics_[block]; }
@@ -50,18 +55,18 @@ class VoxelBlocks {
   Region region(std::size_t block, int overlap) const;
   BlockStatistics find_statistics(const Region& region) const;
   bool has_gradient(const Region& region) const;
+  bool has_colour(const Region& region) const;
   std::size_t row(std::size_t y, std::size_t z) const;  // index of voxel (0, y, z)
   std::uint64_t word(std::size_t voxel) const {
-    const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];
-    const std::uint16_t code = codes_.empty() ? std::uint16_t{wire::kNoGradient} : codes_[voxel];
-    return wire::to_word(wire::Voxel{densities_[voxel], code, tag, 0});
+    const std::uint8_t tag = voxels_.tags.empty() ? std::uint8_t{0} : voxels_.tags[voxel];
+    const std::uint16_t code = voxels_.codes.empty() ? std::uint16_t{wire::kNoGradient} : voxels_.codes[voxel];
+    return wire::to_word(wire::Voxel{voxels_.densities[voxel], code, tag, 0});
   }
 
   Dims dims_;
   int n_;
   Dims blocks_;
-  std::span<const std::uint16_t> densities_, codes_;
-  std::span<const std::uint8_t> tags_;
+  Voxels voxels_;
   std::vector<BlockStatistics> statistics_;
   std::vector<bool> stored_;
 };

@@ -3,15 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <tuple>
 
 namespace gicube::emu::ddr {
 namespace {
 
-class DdrLayout : public testing::TestWithParam<std::uint32_t> {};  // voxels of a block's edge
+// Voxels of a block's edge, packets of a tile.
+class DdrLayout : public testing::TestWithParam<std::tuple<std::uint32_t, std::uint32_t>> {
+ protected:
+  const std::uint32_t edge = std::get<0>(GetParam()), packets = std::get<1>(GetParam());
+};
 
 TEST_P(DdrLayout, GivesEveryTileAPlaceOfItsOwnWithinTheRanks) {
-  const std::uint32_t blocks = GetParam() == 64 ? 61 : 401;
-  const Layout layout(blocks, GetParam());
+  const std::uint32_t blocks = edge == 64 ? 61 : 401;
+  const Layout layout(blocks, edge, packets);
   std::vector<bool> taken(std::size_t{layout.devices()} * 4 * 4096 * 512);
   for (std::uint32_t block = 0; block < blocks; ++block) {
     for (std::uint32_t tile = 0; tile < layout.tiles(); ++tile) {
@@ -19,16 +24,18 @@ TEST_P(DdrLayout, GivesEveryTileAPlaceOfItsOwnWithinTheRanks) {
       ASSERT_LT(at.device, layout.devices());
       ASSERT_LT(at.bank, 4);
       ASSERT_LT(at.row, 4096);
-      ASSERT_LT(at.column, 512);
-      const std::size_t place = ((at.device * 4u + at.bank) * 4096u + at.row) * 512u + at.column;
-      ASSERT_FALSE(taken[place]) << "block " << block << " tile " << tile;
-      taken[place] = true;
+      for (std::uint32_t column = at.column; column < at.column + packets; ++column) {
+        ASSERT_LT(column, 512);
+        const std::size_t place = ((at.device * 4u + at.bank) * 4096u + at.row) * 512u + column;
+        ASSERT_FALSE(taken[place]) << "block " << block << " tile " << tile;
+        taken[place] = true;
+      }
     }
   }
 }
 
 TEST_P(DdrLayout, NoTileNeedsTheBankOfATileBesideItForAnotherRow) {
-  const Layout layout(7, GetParam());
+  const Layout layout(7, edge, packets);
   const auto& tiles = layout.bricks().tiles;
   for (std::uint32_t block = 0; block < 7; ++block) {
     for (std::uint32_t tile = 0; tile < layout.tiles(); ++tile) {
@@ -46,7 +53,8 @@ TEST_P(DdrLayout, NoTileNeedsTheBankOfATileBesideItForAnotherRow) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Blocks, DdrLayout, testing::Values(8u, 16u, 32u, 64u));
+INSTANTIATE_TEST_SUITE_P(Blocks, DdrLayout,
+                         testing::Combine(testing::Values(8u, 16u, 32u, 64u), testing::Values(1u, 2u)));
 
 TEST(DdrLayoutOfTheDesignPoint, IsTwentySevenBricks) {
   const Bricks bricks = cut_block(32);

@@ -13,10 +13,12 @@ namespace gicube::emu::rdram {
 namespace {
 
 struct Shape {
-  std::uint32_t n, mbit;
+  std::uint32_t n, mbit, packets = 1;  // of a tile
 };
 
-void PrintTo(const Shape& shape, std::ostream* out) { *out << "n " << shape.n << ", " << shape.mbit << " Mbit"; }
+void PrintTo(const Shape& shape, std::ostream* out) {
+  *out << "n " << shape.n << ", " << shape.mbit << " Mbit, " << shape.packets << " packets a tile";
+}
 
 class RdramLayout : public testing::TestWithParam<Shape> {
  protected:
@@ -28,7 +30,7 @@ TEST(Bricks, CostTheirPagesTimesTheSurfaceOfOne) { EXPECT_EQ((Bricks{.size = {2,
 
 TEST_P(RdramLayout, GivesEveryTileAPlaceOfItsOwnWithinTheDevices) {
   const std::uint32_t blocks = GetParam().n == 64 ? 61 : 401;
-  const Layout layout(blocks, GetParam().n, GetParam().mbit);
+  const Layout layout(blocks, GetParam().n, GetParam().mbit, GetParam().packets);
   std::vector<bool> taken(std::size_t{layout.devices()} * 32 * 512 * columns());
   for (std::uint32_t block = 0; block < blocks; ++block) {
     for (std::uint32_t tile = 0; tile < layout.tiles(); ++tile) {
@@ -36,10 +38,12 @@ TEST_P(RdramLayout, GivesEveryTileAPlaceOfItsOwnWithinTheDevices) {
       ASSERT_LT(at.device, layout.devices());
       ASSERT_LT(at.bank, 32);
       ASSERT_LT(at.row, 512);
-      ASSERT_LT(at.column, columns());
-      const std::size_t place = ((at.device * 32u + at.bank) * 512u + at.row) * columns() + at.column;
-      ASSERT_FALSE(taken[place]) << "block " << block << " tile " << tile;
-      taken[place] = true;
+      for (std::uint32_t column = at.column; column < at.column + GetParam().packets; ++column) {
+        ASSERT_LT(column, columns());
+        const std::size_t place = ((at.device * 32u + at.bank) * 512u + at.row) * columns() + column;
+        ASSERT_FALSE(taken[place]) << "block " << block << " tile " << tile;
+        taken[place] = true;
+      }
     }
   }
 }
@@ -60,7 +64,7 @@ void expect_no_conflict(const std::vector<Location>& packets) {
 }
 
 TEST_P(RdramLayout, NoFourConsecutivePacketsNeedABankTwiceOrItsNeighbour) {
-  const Layout layout(5, GetParam().n, GetParam().mbit);
+  const Layout layout(5, GetParam().n, GetParam().mbit, GetParam().packets);
   for (std::uint32_t block = 0; block < 5; ++block) {
     for (std::uint32_t tile = 0; tile + 4 <= layout.tiles(); ++tile) {
       std::vector<Location> packets;
@@ -71,7 +75,7 @@ TEST_P(RdramLayout, NoFourConsecutivePacketsNeedABankTwiceOrItsNeighbour) {
 }
 
 TEST_P(RdramLayout, NoNeighbourhoodOfVoxelsNeedsABankTwiceOrItsNeighbour) {
-  const Layout layout(3, GetParam().n, GetParam().mbit);
+  const Layout layout(3, GetParam().n, GetParam().mbit, GetParam().packets);
   const auto& tiles = layout.bricks().tiles;
   for (std::uint32_t tile = 0; tile < layout.tiles(); ++tile) {
     const std::uint32_t x = tile % tiles[0], y = tile / tiles[0] % tiles[1], z = tile / (tiles[0] * tiles[1]);
@@ -89,7 +93,9 @@ TEST_P(RdramLayout, NoNeighbourhoodOfVoxelsNeedsABankTwiceOrItsNeighbour) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, RdramLayout,
                          testing::Values(Shape{8, 144}, Shape{16, 144}, Shape{32, 144}, Shape{64, 144}, Shape{8, 288},
-                                         Shape{16, 288}, Shape{32, 288}, Shape{64, 288}));
+                                         Shape{16, 288}, Shape{32, 288}, Shape{64, 288}, Shape{8, 144, 2},
+                                         Shape{32, 144, 2}, Shape{64, 144, 2}, Shape{16, 288, 2}, Shape{32, 288, 2},
+                                         Shape{32, 288, 3}, Shape{64, 288, 3}));
 
 TEST(RdramLayoutOfTheDesignPoint, IsBricksOfSixByThreeBySevenTiles) {
   const Bricks bricks = cut_block(32, 288);
@@ -104,6 +110,13 @@ TEST(RdramLayoutOfTheDesignPoint, NeedsADeviceFor182Blocks) {
   EXPECT_EQ(Layout(128, 32, 288).devices(), 1u) << "256^3 on four processors";
   EXPECT_EQ(Layout(182, 32, 288).devices(), 1u);  // 91 of a parity, 90 pages each, of 8192
   EXPECT_EQ(Layout(183, 32, 288).devices(), 2u);
+}
+
+TEST(RdramLayoutOfTheDesignPoint, NeedsAboutTwiceTheDevicesForTilesOfTwoPackets) {
+  EXPECT_EQ(Layout(1, 32, 288, 2).tiles(), 9537u);
+  EXPECT_EQ(Layout(1, 32, 288, 2).packets_of_tile(), 2u);
+  EXPECT_EQ(Layout(512, 32, 288).devices(), 3u);
+  EXPECT_EQ(Layout(512, 32, 288, 2).devices(), 6u);
 }
 
 TEST(RdramLayoutOfTheDesignPoint, RefusesWhatItCannotCut) {

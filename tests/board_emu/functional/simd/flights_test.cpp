@@ -189,7 +189,10 @@ class FlightsOfRandomScenes : public testing::TestWithParam<unsigned> {};
 TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
   Dice dice(GetParam());
   const MirrorRoutine routine;
-  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, dice.one_of({8, 16, 32}));
+  const int n = dice.one_of({8, 16, 32});
+  const wire::VoxelFormat format =
+      dice.one_of({wire::VoxelFormat::kDensity, wire::VoxelFormat::kRgb, wire::VoxelFormat::kRgba});
+  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n, format);
   draw_media(scene, dice);
   draw_frame(scene, dice, routine);
   IrradianceMemory light(scene.volume.block_voxels(), IrradianceMemory::kWideMost);

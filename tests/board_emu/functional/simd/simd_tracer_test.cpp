@@ -16,8 +16,8 @@ namespace {
 constexpr std::array<int, 3> kSize{45, 21, 34};
 
 struct LitScene : Scene {
-  LitScene(const std::array<int, 3>& size, int block_voxels)
-      : Scene(size, block_voxels), irradiance(block_voxels, IrradianceMemory::kWideMost) {
+  LitScene(const std::array<int, 3>& size, int block_voxels, wire::VoxelFormat format = wire::VoxelFormat::kDensity)
+      : Scene(size, block_voxels, format), irradiance(block_voxels, IrradianceMemory::kWideMost) {
     irradiance.resize(size);
     frame.irradiance = &irradiance;
   }
@@ -159,7 +159,9 @@ class RayPacketsOfRandomScenes : public testing::TestWithParam<unsigned> {};
 
 TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
   Dice dice(GetParam());
-  LitScene scene(kSize, dice.one_of({8, 16, 32}));
+  const int n = dice.one_of({8, 16, 32});
+  LitScene scene(kSize, n,
+                 dice.one_of({wire::VoxelFormat::kDensity, wire::VoxelFormat::kRgb, wire::VoxelFormat::kRgba}));
   draw_field(scene, dice);
   SimdTracer packets(scene.opacity_correction);
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 2));
