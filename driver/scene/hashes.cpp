@@ -51,7 +51,13 @@ std::uint64_t hash_of_voxels(const SceneSetup& setup) {
   const Volume& volume = setup.volume;
   hasher.add(volume.dims[0], volume.dims[1], volume.dims[2], static_cast<int>(volume.type));
   hasher.add(volume.spacing);
-  for_each_plane(volume, [&hasher](int, std::span<const std::byte> samples) { hasher.add_all(samples); });
+  std::vector<std::byte> colours(volume.colour_planes ? 3 * voxels_of({volume.dims[0], volume.dims[1], 1}) : 0);
+  for_each_plane(volume, [&](int z, std::span<const std::byte> samples) {
+    hasher.add_all(samples);
+    if (volume.colour_planes) volume.colour_planes(z, 1, colours);
+    hasher.add_all(std::span<const std::byte>(colours));
+  });
+  hasher.add_all(std::span<const std::uint8_t>(volume.colours));
   hasher.add_all(std::span<const std::uint8_t>(setup.tags));
   hasher.add_all(std::span<const float>(setup.gradients));
   return hasher.hash;

@@ -160,7 +160,8 @@ SceneSetup set_up(const Scene& scene, int threads) {
     take_world(scene, threads, setup);
   } else if (scene.volume.builtin.empty()) {
     setup.volume = volume_of(scene.volume);
-    setup.built_in.materials = {find_preset("ramp")};
+    const bool coloured = !setup.volume.colours.empty() || setup.volume.colour_planes;
+    setup.built_in.materials = {find_preset(coloured ? "colours" : "ramp")};
   } else if (scene.volume.builtin == "buckyball") {
     take_buckyball(scene, threads, setup);
   } else {

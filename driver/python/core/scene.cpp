@@ -36,6 +36,8 @@ py::object volume_in(const py::object& owner) {
   if (setup.volume.samples.empty()) throw Error("the scene's voxels were given back: free_voxels()");
   py::dict fields = fields_of(setup.volume);
   if (!setup.tags.empty()) fields["tags"] = view_in(setup.tags, owner).attr("reshape")(z, y, x);
+  if (!setup.volume.colours.empty())
+    fields["colours"] = view_in(setup.volume.colours, owner).attr("reshape")(z, y, x, 3);
   if (!setup.gradients.empty()) fields["gradients"] = view_in(setup.gradients, owner).attr("reshape")(z, y, x, 3);
   return volume_of(view_in(setup.volume.samples, owner), setup.volume.type, setup.volume.dims, fields);
 }
@@ -51,7 +53,9 @@ void add_files(py::module_& module) {
   module.def("read_volume", [](const fs::path& path, const py::object& raw) {
     // teem keeps its error texts in one place: one reader at a time, for which the interpreter's lock is held.
     scene::Volume volume = scene::read_volume(path, read_as<std::optional<RawLayout>>(raw, "raw"));
-    const py::dict fields = fields_of(volume);
+    py::dict fields = fields_of(volume);
+    const auto [x, y, z] = volume.dims;
+    if (!volume.colours.empty()) fields["colours"] = to_array(std::move(volume.colours)).attr("reshape")(z, y, x, 3);
     return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
   });
   module.def("write_volume", [](const fs::path& path, const py::object& values, const Dims& dims,

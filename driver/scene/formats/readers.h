@@ -46,13 +46,14 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 
 // The folder's .png .tif .tiff .bmp .jpg .jpeg .pgm .exr files (any case) in natural order, the first at z = 0; x and y
 // run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are 8 or 16
-// bits or float32, the same in all slices, and so are width and height; spacing is 1. Alpha is ignored; colour must be
-// grey (red = green = blue). Throws FileError naming the slice.
+// bits or float32, the same in all slices, and so are width and height; spacing is 1. If no pixel has a colour (red = green = blue),
+// samples are grey and alpha is ignored. Else slices are of 8 or 16 bits, voxels have the pixels' colours, and samples are the
+// pixels' alpha if the first slice has one, or else their luma (ITU-R BT.709), of 8 bits. Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
 // The same, each slice when it is asked for.
 Volume open_slices(const std::filesystem::path& folder);
 
-// One such file, its pages as slices (TIFF; others have one).
+// One such file, its pages as slices (TIFF; others have one). They must be grey.
 Volume read_pages(const std::filesystem::path& file);
 
 }  // namespace gicube::scene

@@ -42,7 +42,9 @@ std::vector<std::filesystem::path> slice_files(const std::filesystem::path& fold
 struct Slice {
   int width = 0, height = 0;
   SampleType type = SampleType::kUint8;
+  std::size_t channels = 1;
   std::vector<std::byte> samples;
+  std::vector<std::uint8_t> colours;  // of coloured slices, three bytes a pixel
 };
 
 SampleType type_of(const std::filesystem::path& file, const OIIO::TypeDesc& format) {
@@ -62,20 +64,46 @@ OIIO::TypeDesc read_as(SampleType type) {
   }
 }
 
-// One sample a pixel from `channels`: grey, grey alpha, RGB or RGBA.
-std::vector<std::byte> grey(const std::filesystem::path& file, std::vector<std::byte> pixels, std::size_t channels,
-                            std::size_t sample_bytes) {
+// Whether red, green and blue differ in a pixel.
+bool has_colour(std::span<const std::byte> pixels, std::size_t channels, std::size_t sample_bytes) {
+  for (std::size_t at = 0; channels >= 3 && at < pixels.size(); at += channels * sample_bytes) {
+    const std::byte* pixel = pixels.data() + at;
+    if (std::memcmp(pixel, pixel + sample_bytes, sample_bytes) != 0) return true;
+    if (std::memcmp(pixel, pixel + 2 * sample_bytes, sample_bytes) != 0) return true;
+  }
+  return false;
+}
+
+// The first of the `channels` samples of each pixel.
+std::vector<std::byte> grey(std::vector<std::byte> pixels, std::size_t channels, std::size_t sample_bytes) {
   if (channels == 1) return pixels;
   const std::size_t count = pixels.size() / (channels * sample_bytes);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* pixel = pixels.data() + i * channels * sample_bytes;
-    const bool colourless = channels == 2 || (std::memcmp(pixel, pixel + sample_bytes, sample_bytes) == 0 &&
-                                              std::memcmp(pixel, pixel + 2 * sample_bytes, sample_bytes) == 0);
-    if (!colourless) throw FileError(file, "colour", "a grey image", fmt::format("a coloured pixel (number {})", i));
-    std::memmove(pixels.data() + i * sample_bytes, pixel, sample_bytes);
+    std::memmove(pixels.data() + i * sample_bytes, pixels.data() + i * channels * sample_bytes, sample_bytes);
   }
   pixels.resize(count * sample_bytes);
   return pixels;
+}
+
+// Colours of eight bits, and the samples beside them: alpha if there is a fourth channel, else luma.
+void take_colours(const std::vector<std::byte>& pixels, std::size_t channels, Slice& slice) {
+  const bool narrow = slice.type == SampleType::kUint8;
+  const std::size_t count = pixels.size() / (channels * bytes_per_sample(slice.type));
+  const auto byte_at = [&](std::size_t i) {  // the nearest of 8 bits
+    if (narrow) return static_cast<int>(sample_at<std::uint8_t>(pixels, i));
+    return (sample_at<std::uint16_t>(pixels, i) * 255 + 32767) / 65535;
+  };
+  slice.samples.resize(count);
+  slice.colours.resize(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int red = byte_at(channels * i), green = byte_at(channels * i + 1), blue = byte_at(channels * i + 2);
+    const int luma = (2126 * red + 7152 * green + 722 * blue + 5000) / 10000;  // [ITU-R BT.709]
+    slice.colours[3 * i] = static_cast<std::uint8_t>(red);
+    slice.colours[3 * i + 1] = static_cast<std::uint8_t>(green);
+    slice.colours[3 * i + 2] = static_cast<std::uint8_t>(blue);
+    slice.samples[i] = static_cast<std::byte>(channels == 4 ? byte_at(channels * i + 3) : luma);
+  }
+  slice.type = SampleType::kUint8;
 }
 
 void check_size(const std::filesystem::path& file, const OIIO::ImageSpec& spec) {
@@ -96,26 +124,47 @@ std::unique_ptr<OIIO::ImageInput> open(const std::filesystem::path& file) {
   return input;
 }
 
-Slice read_page(const std::filesystem::path& file, OIIO::ImageInput& input, int page) {
+// All channels of its pixels.
+Slice read_pixels(const std::filesystem::path& file, OIIO::ImageInput& input, int page) {
   const OIIO::ImageSpec spec = input.spec();
   check_size(file, spec);
-  Slice slice{spec.width, spec.height, type_of(file, spec.format), {}};
-  const auto channels = static_cast<std::size_t>(spec.nchannels);
-  const std::size_t sample_bytes = bytes_per_sample(slice.type);
+  Slice slice{spec.width, spec.height, type_of(file, spec.format), static_cast<std::size_t>(spec.nchannels), {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-  slice.samples.resize(pixels * channels * sample_bytes);
+  slice.samples.resize(pixels * slice.channels * bytes_per_sample(slice.type));
   if (!input.read_image(page, 0, 0, spec.nchannels, read_as(slice.type), slice.samples.data())) {
     throw FileError(file, "image", "a whole image", input.geterror());
   }
-  slice.samples = grey(file, std::move(slice.samples), channels, sample_bytes);
   return slice;
 }
 
-Slice read_slice(const std::filesystem::path& file) {
+Slice read_pixels(const std::filesystem::path& file) {
   const auto input = open(file);
-  Slice slice = read_page(file, *input, 0);
+  Slice slice = read_pixels(file, *input, 0);
   if (input->seek_subimage(1, 0)) throw FileError(file, "image", "one image a file", "several");
   return slice;
+}
+
+bool is_coloured(const Slice& pixels) {
+  return has_colour(pixels.samples, pixels.channels, bytes_per_sample(pixels.type));
+}
+
+// Its samples, and if the volume is coloured its colours. `first`: the volume's first slice with its channels.
+Slice slice_of(const std::filesystem::path& file, Slice pixels, bool coloured, const Slice& first) {
+  if (!coloured) {
+    pixels.samples = grey(std::move(pixels.samples), pixels.channels, bytes_per_sample(pixels.type));
+    return pixels;
+  }
+  if (pixels.type != SampleType::kUint8 && pixels.type != SampleType::kUint16) {
+    throw FileError(file, "sample type", "8 or 16 bits, as the volume has colours", "another");
+  }
+  if (pixels.channels < 3 || pixels.channels != first.channels) {
+    throw FileError(file, "channels",
+                    fmt::format("{} as in the first slice, as the volume has colours", first.channels),
+                    fmt::format("{}", pixels.channels));
+  }
+  const std::vector<std::byte> all = std::move(pixels.samples);
+  take_colours(all, pixels.channels, pixels);
+  return pixels;
 }
 
 void check_same(const std::filesystem::path& file, const Slice& slice, const Slice& first) {
@@ -136,23 +185,30 @@ StoredLayout layout_of(const std::filesystem::path& source, const Slice& first, 
   return layout;
 }
 
-// A volume of `count` slices; read(z) gives the file and the slice.
+// A volume of `count` slices; read(z) gives the file and the slice's pixels.
 template <typename Read>
 Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
-  StoredLayout layout;
-  Slice first;
-  std::vector<std::byte> samples;
+  std::vector<std::pair<std::filesystem::path, Slice>> slices;
+  bool coloured = false;
   for (std::size_t z = 0; z < count; ++z) {
-    auto [file, slice] = read(z);
-    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
-    if (z > 0) {
-      check_same(file, slice, first);
-      continue;
-    }
-    layout = layout_of(source, slice, count);
-    first = std::move(slice);
+    slices.push_back(read(z));
+    const auto& [file, pixels] = slices.back();
+    if (z > 0) check_same(file, pixels, slices.front().second);
+    coloured = coloured || is_coloured(pixels);
   }
-  return to_volume(std::move(samples), layout);
+  Slice first = slices.front().second;
+  first.samples.clear();
+  std::vector<std::byte> samples;
+  std::vector<std::uint8_t> colours;
+  for (auto& [file, pixels] : slices) {
+    const Slice slice = slice_of(file, std::exchange(pixels, {}), coloured, first);
+    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
+    colours.insert(colours.end(), slice.colours.begin(), slice.colours.end());
+  }
+  if (coloured) first.type = SampleType::kUint8;
+  Volume volume = to_volume(std::move(samples), layout_of(source, first, count));
+  volume.colours = std::move(colours);
+  return volume;
 }
 
 }  // namespace
@@ -193,23 +249,39 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
-  return pile(folder, files.size(), [&](std::size_t z) { return std::pair(files[z], read_slice(files[z])); });
+  return pile(folder, files.size(), [&](std::size_t z) { return std::pair(files[z], read_pixels(files[z])); });
 }
 
 Volume open_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
-  Slice first = read_slice(files.front());
-  Volume volume = to_volume({}, layout_of(folder, first, files.size()));
+  Slice first = read_pixels(files.front());
+  bool coloured = is_coloured(first);
   first.samples.clear();
-  volume.planes = [files, first](int z, int count, std::span<std::byte> out) {
+  for (std::size_t z = 1; z < files.size() && !coloured && first.channels >= 3; ++z) {
+    coloured = is_coloured(read_pixels(files[z]));
+  }
+  Slice stored = first;
+  if (coloured) stored.type = SampleType::kUint8;
+  Volume volume = to_volume({}, layout_of(folder, stored, files.size()));
+  // The colours of the planes that were read last, since both readers are asked for the same ones.
+  const auto colours = std::make_shared<std::vector<std::uint8_t>>();
+  volume.planes = [files, first, coloured, colours](int z, int count, std::span<std::byte> out) {
+    colours->clear();
     for (const int end = z + count; z < end; ++z) {
       const auto& file = files.at(static_cast<std::size_t>(z));
-      const Slice slice = read_slice(file);
-      check_same(file, slice, first);
+      Slice pixels = read_pixels(file);
+      check_same(file, pixels, first);
+      const Slice slice = slice_of(file, std::move(pixels), coloured, first);
       std::ranges::copy(slice.samples, out.begin());
       out = out.subspan(slice.samples.size());
+      colours->insert(colours->end(), slice.colours.begin(), slice.colours.end());
     }
   };
+  if (coloured) {
+    volume.colour_planes = [colours](int, int, std::span<std::byte> out) {
+      std::ranges::copy(std::as_bytes(std::span(*colours)), out.begin());
+    };
+  }
   return volume;
 }
 
@@ -218,11 +290,13 @@ Volume read_pages(const std::filesystem::path& file) {
   int pages = 1;
   while (pages <= kMaxFileDim && input->seek_subimage(pages, 0)) ++pages;
   if (pages > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
-  return pile(file, static_cast<std::size_t>(pages), [&](std::size_t z) {
+  Volume volume = pile(file, static_cast<std::size_t>(pages), [&](std::size_t z) {
     const int page = static_cast<int>(z);
     if (!input->seek_subimage(page, 0)) throw FileError(file, "image", "a whole image", input->geterror());
-    return std::pair(file, read_page(file, *input, page));
+    return std::pair(file, read_pixels(file, *input, page));
   });
+  if (!volume.colours.empty()) throw FileError(file, "colour", "a grey image", "a coloured one");
+  return volume;
 }
 
 }  // namespace gicube::scene

@@ -88,8 +88,8 @@ TEST(Presets, AllParseAndAreNormalised) {
     EXPECT_LE(file.function.opacities.back().value, 1) << preset.name;
     EXPECT_EQ(file.function.opacities.front().opacity, 0) << preset.name;
   }
-  EXPECT_THAT(names,
-              testing::UnorderedElementsAre("ct-bone", "ct-skin", "ct-engine", "mri-brain", "micro-ct-bone", "ramp"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("ct-bone", "ct-skin", "colours", "ct-engine", "mri-brain",
+                                                   "micro-ct-bone", "ramp"));
 }
 
 TEST(Presets, AreListedWhenANameIsUnknown) {

@@ -81,8 +81,56 @@ TEST(Slices, MayBeColourImagesWithoutColour) {
   write_image<std::uint8_t>(folder.path() / "1.png", 2, 1, 3, {1, 1, 1, 2, 2, 2});
   write_image<std::uint8_t>(folder.path() / "2.png", 2, 1, 2, {3, 50, 4, 60});
   EXPECT_EQ(samples_of<std::uint8_t>(read_volume(folder.path())), (std::vector<std::uint8_t>{7, 9, 1, 2, 3, 4}));
-  write_image<std::uint8_t>(folder.path() / "3.png", 2, 1, 3, {1, 1, 1, 2, 3, 2});
-  EXPECT_THAT(read_error(folder.path()), AllOf(HasSubstr("3.png: colour"), HasSubstr("number 1")));
+  EXPECT_TRUE(read_volume(folder.path()).colours.empty());
+}
+
+// Whole and in planes; bytes(x) brings colours of 8 and 16 bits to one form.
+void expect_colours(const std::filesystem::path& folder, const std::vector<std::uint8_t>& samples,
+                    const std::vector<std::uint8_t>& colours) {
+  const Volume whole = read_volume(folder);
+  EXPECT_EQ(whole.type, SampleType::kUint8);
+  EXPECT_EQ(samples_of<std::uint8_t>(whole), samples);
+  EXPECT_EQ(whole.colours, colours);
+  VolumeSource source;
+  source.file = folder;
+  const Volume opened = open_volume(source);
+  ASSERT_TRUE(opened.colour_planes != nullptr);
+  std::vector<std::byte> planes(samples.size()), of_colours(colours.size());
+  opened.planes(0, opened.dims[2], planes);
+  opened.colour_planes(0, opened.dims[2], of_colours);
+  EXPECT_EQ(planes, whole.samples);
+  EXPECT_TRUE(std::ranges::equal(of_colours, std::as_bytes(std::span(colours))));
+}
+
+TEST(Slices, WithColoursHaveTheirLumaForSamples) {
+  const TemporaryFolder eight, sixteen;
+  write_image<std::uint8_t>(eight.path() / "0.png", 2, 1, 3, {0, 0, 0, 80, 80, 80});  // grey: the next one tells
+  write_image<std::uint8_t>(eight.path() / "1.png", 2, 1, 3, {255, 0, 0, 10, 100, 200});
+  const std::vector<std::uint8_t> samples{0, 80, 54, 88};  // 0.2126 red + 0.7152 green + 0.0722 blue
+  const std::vector<std::uint8_t> colours{0, 0, 0, 80, 80, 80, 255, 0, 0, 10, 100, 200};
+  expect_colours(eight.path(), samples, colours);
+  write_image<std::uint16_t>(sixteen.path() / "0.png", 2, 1, 3, {0, 0, 0, 80 * 257, 80 * 257, 80 * 257});
+  write_image<std::uint16_t>(sixteen.path() / "1.png", 2, 1, 3, {65535, 0, 0, 10 * 257, 100 * 257, 200 * 257});
+  expect_colours(sixteen.path(), samples, colours);
+}
+
+TEST(Slices, WithColoursAndAlphaHaveThatForSamples) {
+  const TemporaryFolder folder;
+  write_image<std::uint8_t>(folder.path() / "0.png", 2, 1, 4, {9, 8, 7, 100, 1, 2, 3, 255});
+  expect_colours(folder.path(), {100, 255}, {9, 8, 7, 1, 2, 3});
+}
+
+TEST(Slices, WithColoursAllNeedTheirChannels) {
+  const TemporaryFolder folder;
+  write_image<std::uint8_t>(folder.path() / "0.png", 2, 1, 3, {9, 8, 7, 1, 2, 3});
+  write_image<std::uint8_t>(folder.path() / "1.png", 2, 1, 1, {9, 8});
+  EXPECT_THAT(read_error(folder.path()), AllOf(HasSubstr("1.png: channels: expected 3"), HasSubstr("got 1")));
+}
+
+TEST(Slices, InPagesMustBeGrey) {
+  const TemporaryFolder folder;
+  write_image<std::uint8_t>(folder.path() / "0.png", 2, 1, 3, {9, 8, 7, 1, 2, 3});
+  EXPECT_THROW(read_pages(folder.path() / "0.png"), FileError);
 }
 
 TEST(Slices, MustAgreeInSizeAndType) {

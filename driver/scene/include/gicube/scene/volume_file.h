@@ -31,6 +31,8 @@ struct Volume {
   std::vector<std::byte>
       samples;         // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order; none if there are:
   PlaneReader planes;  // of open_volume(): to be called as VolumeStream::read is; throws FileError
+  std::vector<std::uint8_t> colours;  // of coloured slices: three bytes a voxel, as VolumeView::colours
+  PlaneReader colour_planes;          // and of open_volume(): to be called after `planes`, for the same planes
   SampleType type = SampleType::kUint8;
   Dims dims{};                      // voxels, 1..kMaxFileDim
   Vec3 spacing{1, 1, 1};            // the file's unit of length
@@ -38,8 +40,8 @@ struct Volume {
   std::string source;               // the file or folder, for messages
 
   // Points into this Volume. view(): of one with samples; stream(): with planes.
-  VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}}; }
-  VolumeStream stream() const { return {planes, type, dims, spacing, range}; }
+  VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}, colours}; }
+  VolumeStream stream() const { return {planes, type, dims, spacing, range, true, colour_planes}; }
 };
 
 // How the samples of a file without a header lie.
