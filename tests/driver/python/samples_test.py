@@ -39,6 +39,15 @@ def test_first_picture(tmp_path, capsys):
     assert (tmp_path / "a.png").stat().st_size > 1000
 
 
+def test_pre_classified(tmp_path):
+    image = program("pre_classified").main(str(tmp_path / "a.png"), 32)
+    assert (tmp_path / "a.png").stat().st_size > 1000
+    seen = image.pixels["alpha"] > 4000
+    red, green = (image.pixels["rgb"][seen][:, c].astype(int) for c in (0, 1))
+    assert (red > 2 * green).sum() > 100, "flesh in the wedge"
+    assert (green > red + 20).sum() > 1000, "skin"
+
+
 def test_heat_map(tmp_path):
     module = program("heat_map")
     module.PROCESSORS, module.QUEUE_RAYS = [1, 4], [16, 256]
