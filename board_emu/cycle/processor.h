@@ -194,8 +194,7 @@ inline void Processor::account(Cycle now, Cause upstream) {
 // Prefetches what the ray's next pass will read into the host's cache.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
   const Cell at = cell(position, low);
-  if (view.voxels == nullptr) return;
-  const DecodedVoxel* voxel = view.voxels + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
+  const std::int16_t* voxel = view.densities + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
   __builtin_prefetch(voxel);
   __builtin_prefetch(voxel + edge_);
   __builtin_prefetch(voxel + edge_ * edge_);

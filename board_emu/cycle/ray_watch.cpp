@@ -18,7 +18,7 @@ RaySample sample_of(const RayState& ray, const Frame& frame, Termination how) {
   if (frame.integral()) return out;
   RayState jittered = ray;
   jitter_step(jittered, frame);
-  const wire::SegmentationEntry& entry = *at.entry;
+  const wire::SegmentationEntry& entry = at.entry;
   out.colour = frame.shade ? shade(entry, out.gradient, frame.reflectance_map)
                            : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   out.opacity =

@@ -86,7 +86,6 @@ inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_
 // What the rays of `frame` read of its volume; it must outlive this. Rays that backproject read nothing.
 inline VolumeReads reads(const Frame& frame) {
   VolumeReads out;
-  out.gradients = !frame.plain() || (frame.shade && !frame.colourless() && !frame.integral());
   out.colours = !(frame.lights() || frame.backprojects() || frame.colourless() || frame.integral());
   if (frame.plain() && frame.leap) out.leapt_over = frame.empty;
   return out;

@@ -13,23 +13,23 @@ namespace gicube::emu {
 
 namespace {
 
-Sample classify(const SampleSite& site, const Frame& frame) {
-  const Cell& at = site.cell;
-  const BlockView& view = site.view;
-  const std::size_t row = site.edge, slice = site.edge * site.edge;
-  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
-  Sample out;
-  if (view.tags != nullptr) {
-    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
-    out.tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
-                        slice * (at.fraction[2] >= kHalf)];
+// A sample before its gradient and its colour are asked for.
+struct Classified {
+  explicit Classified(const SampleSite& site, const Frame& frame)
+      : at(around(site)), view(site.view), tag(tag_at(site, at)), density(resample_density(view.densities, at)) {
+    index = segmentation_index(density, tag);
+    entry = &frame.segmentation[index];
   }
-  out.channels = resample_all(
-      {view.voxels + first, row, slice, {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}});
-  out.index = segmentation_index(out.channels[0], out.tag);
-  out.entry = &frame.segmentation[out.index];
-  return out;
-}
+
+  Point gradient() const { return point_of(gradient_at(view, at)); }
+
+  Neighbourhood at;
+  const BlockView& view;
+  unsigned tag;
+  std::int16_t density;
+  std::size_t index;  // of its entry
+  const wire::SegmentationEntry* entry;
+};
 
 std::uint32_t product(std::uint32_t a, std::uint32_t b) {
   return static_cast<std::uint32_t>(divide_by_full_scale<24>(std::uint64_t{a} * b));
@@ -40,11 +40,12 @@ std::uint64_t draw_here(RandomStream what, const RayState& ray, const Frame& fra
 }
 
 // A ray that has been scattered leaves a reflecting surface without meeting it again.
-bool leaves(const RayState& ray, const wire::Material& material, const Sample& sample, const Frame& frame) {
+bool leaves(const RayState& ray, const wire::Material& material, const Classified& sample, const Frame& frame) {
   if (ray.generation == 0 || !reflects(material.bsdf)) return false;
+  const Point gradient = sample.gradient();
   std::int64_t along = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    along += std::int64_t{ray.direction[axis]} * frame.spacing[axis] * sample.channels[axis + 1];
+    along += std::int64_t{ray.direction[axis]} * frame.spacing[axis] * gradient[axis];
   }
   return along < 0;
 }
@@ -77,7 +78,7 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
 
 // Where this share of the part's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
 // another block.
-Point place_in(const RayPart& part, double share, const RayState& ray, const Sample& sample, const Frame& frame) {
+Point place_in(const RayPart& part, double share, const RayState& ray, const Classified& sample, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
   const double steps = part.place(share, sample.tag, frame);
@@ -136,7 +137,7 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
 
 // The ray interacts at `share` of the part's depth and is scattered.
 void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
-             const Sample& sample, const Frame& frame, RayCounters& counters) {
+             const Classified& sample, const Frame& frame, RayCounters& counters) {
   ray.position = place_in(part, share, ray, sample, frame);
   if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
@@ -160,7 +161,7 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
 }
 
 void interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
-                     const Sample& sample, const Frame& frame, RayCounters& counters) {
+                     const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
@@ -173,7 +174,7 @@ void interact_photon(Interaction& interaction, RayState& ray, const RayPart& par
 }
 
 void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
-                     const Sample& sample, const Frame& frame, RayCounters& counters) {
+                     const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t before = ray.energy(), lost = printed ? a : absorption_opacity(a, material);
@@ -203,8 +204,8 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
   scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
 
-Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& frame) {
-  const wire::SegmentationEntry entry = coloured(*sample.entry, site, frame);
+Colour12 colour_of(const Classified& sample, const SampleSite& site, const Frame& frame) {
+  const wire::SegmentationEntry entry = coloured(*sample.entry, sample.view, sample.at, frame);
   if (!frame.lit_by_irradiance) {
     return frame.shade ? shade(entry, sample.gradient(), frame.reflectance_map)
                        : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
@@ -216,11 +217,12 @@ Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& fr
     light = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
                        {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
   }
-  return illuminated(entry, light, frame.exposure, sample.gradient(), frame.reflectance_map);
+  const Point gradient = entry.specular != 0 ? sample.gradient() : Point{};
+  return illuminated(entry, light, frame.exposure, gradient, frame.reflectance_map);
 }
 
 // Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
-void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_t scattering, const Sample& sample,
+void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_t scattering, const Classified& sample,
             const Frame& frame) {
   constexpr float kOne = wire::kScatteringOne;
   if (!gathers_wide(frame)) {
@@ -233,7 +235,7 @@ void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_
 }
 
 void interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayPart& part,
-                        const wire::Material& material, const Sample& sample, const Frame& frame,
+                        const wire::Material& material, const Classified& sample, const Frame& frame,
                         RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool scatters =
@@ -296,22 +298,12 @@ void redirect(RayState& ray, const Direction& direction, const Frame& frame) {
 
 Sample sample_at(const Point& position, const Frame& frame) {
   const BlockGrid grid(*frame.volume);
-  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   const std::size_t block = grid.block(position);
-  const Cell at = cell(position, grid.low(position));
+  const Cell cell_of = cell(position, grid.low(position));
   const BlockView view = frame.volume->view(block);
-  if (view.voxels != nullptr) return classify({at, view, block, edge}, frame);
-  // No gradients are decoded, since nothing is shaded.
-  const std::size_t first = at.voxel[0] + edge * (at.voxel[1] + edge * at.voxel[2]);
-  constexpr std::uint32_t kHalf = wire::kVoxel / 2;
-  Sample out;
-  if (view.tags != nullptr) {
-    out.tag = view.tags[first + (at.fraction[0] >= kHalf) +
-                        edge * ((at.fraction[1] >= kHalf) + edge * (at.fraction[2] >= kHalf))];
-  }
-  out.channels = resample_view(view, first, at, edge, edge * edge);
-  out.index = segmentation_index(out.channels[0], out.tag);
-  out.entry = &frame.segmentation[out.index];
+  const Classified at({cell_of, view, block, static_cast<std::size_t>(frame.volume->block_voxels()) + 1}, frame);
+  Sample out{gradient_at(view, at.at), at.tag, coloured(*at.entry, view, at.at, frame), at.index};
+  out.channels[0] = at.density;
   return out;
 }
 
@@ -348,7 +340,7 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   Interaction interaction;
   const bool first = !ray.under_way;
   ray.under_way = true;
-  const Sample sample = classify(site, frame);
+  const Classified sample(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
   interaction.visible = visible(sample.index, frame);
   const std::uint16_t opacity = sample.entry->opacity;
@@ -381,9 +373,7 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   return interaction;
 }
 
-std::uint16_t opacity_at(const Point& position, const Frame& frame) {
-  return sample_at(position, frame).entry->opacity;
-}
+std::uint16_t opacity_at(const Point& position, const Frame& frame) { return sample_at(position, frame).entry.opacity; }
 
 void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters) {
   ++counters.rays;

@@ -20,15 +20,14 @@ namespace gicube::emu {
 
 // The pipeline's words at a place.
 struct Sample {
-  Channels channels{};
+  Channels channels{};  // density, gradient
   unsigned tag = 0;
-  const wire::SegmentationEntry* entry = nullptr;
-  std::size_t index = 0;  // of it
+  wire::SegmentationEntry entry{};  // in the voxels' colour
+  std::size_t index = 0;            // of it
 
-  Point gradient() const { return {channels[1], channels[2], channels[3]}; }
+  Point gradient() const { return point_of(channels); }
 };
 
-// In a frame for which no gradients are decoded they are 0.
 Sample sample_at(const Point& position, const Frame& frame);
 
 enum class Outcome : std::uint8_t { kGoesOn, kEnded, kTrapped };

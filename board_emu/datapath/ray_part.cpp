@@ -78,16 +78,16 @@ class Path {
 };
 
 // The density in the sample's cell, 12 bits and a fraction, at `steps` of the ray from the sample.
-double density_at(const Neighbourhood& around, const Cell& cell, const RayState& ray, double steps) {
+double density_at(const std::int16_t* densities, const Neighbourhood& around, const Cell& cell, const RayState& ray,
+                  double steps) {
   std::array<double, 3> w;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     w[axis] = std::clamp((cell.fraction[axis] + steps * ray.slope(axis)) / wire::kVoxel, 0.0, 1.0);
   }
-  const auto along_x = [&](std::size_t voxel) {
-    return lerp(around.cell[voxel].channel[0], around.cell[voxel + 1].channel[0], w[0]);
-  };
-  const double near = lerp(along_x(0), along_x(around.row), w[1]);
-  const double far = lerp(along_x(around.slice), along_x(around.slice + around.row), w[1]);
+  const auto along_x = [&](std::size_t voxel) { return lerp(densities[voxel], densities[voxel + 1], w[0]); };
+  const std::size_t down = around.first + around.row, deep = around.first + around.slice;
+  const double near = lerp(along_x(around.first), along_x(down), w[1]);
+  const double far = lerp(along_x(deep), along_x(deep + around.row), w[1]);
   return lerp(near, far, w[2]) / (1 << kDensityFractionBits);
 }
 
@@ -164,10 +164,11 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
   RayPart out;
   const Cell& cell = site.cell;
   const Neighbourhood voxels = around(site);
-  const bool uniform = frame.depths->uniform(tag, density_range(voxels));
+  const std::int16_t* const densities = site.view.densities;
+  const bool uniform = frame.depths->uniform(tag, density_range(densities, voxels));
 
   // A material ends half way between two voxels.
-  const Path path(ray, site.view.tags == nullptr ? wire::kVoxel : wire::kVoxel / 2);
+  const Path path(ray, frame.volume->has_tags() ? wire::kVoxel / 2 : wire::kVoxel);
   const double begin = first ? 0.0 : path.begin(), end = path.end(frame.extent);
   if (uniform) {
     const auto exponent = static_cast<std::uint32_t>(std::lround(ray.exponent * (end - begin)));
@@ -178,9 +179,10 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
 
   // Beyond its cell the density stays what it is at the face.
   const double entry = std::max(begin, path.own().entry), exit = std::min(end, path.own().exit);
-  const double before = density_at(voxels, cell, ray, entry), after = density_at(voxels, cell, ray, exit);
+  const double before = density_at(densities, voxels, cell, ray, entry),
+               after = density_at(densities, voxels, cell, ray, exit);
   const std::array<double, 5> ends{begin, entry, std::clamp(0.0, entry, exit), exit, end};
-  const std::array<double, 5> density{before, before, density_at(voxels, cell, ray, ends[2]), after, after};
+  const std::array<double, 5> density{before, before, density_at(densities, voxels, cell, ray, ends[2]), after, after};
   const double lengths = ray.exponent / 65536.0;  // of a step, reference voxel lengths
   for (std::size_t i = 0; i < 4; ++i) {
     const double way = ends[i + 1] - ends[i];

@@ -69,7 +69,7 @@ class RayPart {
                     const Frame& frame);
   // True only if it has no opacity. Quick, since most samples lie where nothing is.
   static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
-    return opacity == 0 && frame.depths->uniform(tag, density_range(around(site)));
+    return opacity == 0 && frame.depths->uniform(tag, density_range(site.view.densities, around(site)));
   }
 
   std::uint32_t opacity() const { return opacity_; }  // 24 bits
@@ -82,12 +82,6 @@ class RayPart {
     double from, to;  // densities; equal: the depth is spread evenly
   };
   void add(const Piece& piece);
-  static Neighbourhood around(const SampleSite& site) {
-    const auto& voxel = site.cell.voxel;
-    const std::size_t row = site.edge, slice = site.edge * site.edge;
-    return {site.view.voxels + voxel[0] + row * voxel[1] + slice * voxel[2], row, slice, {}};
-  }
-
   std::uint32_t opacity_ = 0;
   double depth_ = 0;
   std::size_t pieces_ = 0;

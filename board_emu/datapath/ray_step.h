@@ -244,14 +244,6 @@ inline wire::Ray pack_ended(const RayState& ray, const Frame& frame) {
   return out;
 }
 
-// The channels round a sample whose least voxel is the block's `first`-th; without voxels the density alone.
-inline Channels resample_view(const BlockView& view, std::size_t first, const Cell& at, std::size_t row,
-                              std::size_t slice) {
-  const std::array<int, 3> weights{weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])};
-  if (view.voxels != nullptr) return resample_all({view.voxels + first, row, slice, weights});
-  return {resample_density(view.densities + first, row, slice, weights), 0, 0, 0};
-}
-
 // Composites a sample of the classified opacity behind what the ray has gathered.
 inline void composite(RayState& ray, const Colour12& colour, std::size_t index, const Frame& frame) {
   if (gathers_wide(frame)) return over(ray, ray.wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
@@ -271,45 +263,56 @@ struct SampleSite {
   std::size_t edge = 0;
 };
 
-// A sample's entry of the segmentation LUT, in the colour of its voxels if they have one.
-inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, const SampleSite& site,
-                                        const Frame& frame) {
-  if (site.view.colours == nullptr) [[likely]]
-    return entry;
+inline Neighbourhood around(const SampleSite& site) {
   const Cell& at = site.cell;
   const std::size_t row = site.edge, slice = site.edge * site.edge;
-  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
-  const Channels words = resample_all({site.view.colours + first,
-                                       row,
-                                       slice,
-                                       {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}});
+  return {at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2],
+          row,
+          slice,
+          {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}};
+}
+
+// The tag of the nearest voxel.
+inline unsigned tag_at(const SampleSite& site, const Neighbourhood& at) {
+  if (site.view.codes == nullptr) return 0;
+  constexpr std::uint32_t kHalf = wire::kVoxel / 2;
+  const auto& fraction = site.cell.fraction;
+  return tag_of(site.view.codes[at.first + (fraction[0] >= kHalf) + at.row * (fraction[1] >= kHalf) +
+                                at.slice * (fraction[2] >= kHalf)]);
+}
+
+// The interpolated gradient, x y z in the last three channels.
+inline Channels gradient_at(const BlockView& view, const Neighbourhood& at) {
+  if (view.codes == nullptr) return view.gradients[0].channel;
+  return resample_all(
+      at, [&view](std::size_t i) -> const ChannelWords& { return view.gradients[gradient_code(view.codes[i])]; });
+}
+inline Point point_of(const Channels& gradient) { return {gradient[1], gradient[2], gradient[3]}; }
+
+// A sample's entry of the segmentation LUT, in the colour of its voxels if they have one.
+inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, const BlockView& view,
+                                        const Neighbourhood& at, const Frame& frame) {
+  if (view.colours == nullptr) [[likely]]
+    return entry;
+  const Channels words = resample_all(at, [&view](std::size_t i) -> const ChannelWords& { return view.colours[i]; });
   return tinted(entry, colour_of_words(words, frame.volume->format() == wire::VoxelFormat::kRgba));
 }
 
 // Resamples, classifies, shades and composites. False if the sample has no opacity. Inline, since each pass takes one: a call
 // would put the place into memory.
 [[gnu::always_inline]] inline bool take_sample(RayState& ray, const SampleSite& site, const Frame& frame) {
-  const Cell& at = site.cell;
-  const BlockView& view = site.view;
-  const std::size_t row = site.edge, slice = site.edge * site.edge;
-  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
-  unsigned tag = 0;
-  if (view.tags != nullptr) {
-    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
-    tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
-                    slice * (at.fraction[2] >= kHalf)];
-  }
-  const Channels sample = resample_view(view, first, at, row, slice);
+  const Neighbourhood at = around(site);
+  const std::int16_t density = resample_density(site.view.densities, at);
   if (frame.integral()) {
-    ray.set_density_sum(ray.density_sum() + static_cast<std::uint64_t>(sample[0]));
-    return sample[0] != 0;
+    ray.set_density_sum(ray.density_sum() + static_cast<std::uint64_t>(density));
+    return density != 0;
   }
-  const std::size_t index = segmentation_index(sample[0], tag);
+  const std::size_t index = segmentation_index(density, tag_at(site, at));
   if (!visible(index, frame)) return false;
   Colour12 colour{};
   if (!frame.colourless()) {
-    const wire::SegmentationEntry entry = coloured(frame.segmentation[index], site, frame);
-    colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
+    const wire::SegmentationEntry entry = coloured(frame.segmentation[index], site.view, at, frame);
+    colour = frame.shade ? shade(entry, point_of(gradient_at(site.view, at)), frame.reflectance_map)
                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
   composite(ray, colour, index, frame);

@@ -1,13 +1,15 @@
 // Trilinear resampling of density and gradient: seven linear interpolators a channel [P §3.4].
 //
-// What enters: the eight decoded voxels round a sample and the sample's fractions; what leaves: one word a channel.
-// Interpolator words have 16 bits (words.h), weights are 0.15.
+// What enters: the words of the eight voxels round a sample and the sample's fractions; what leaves: one word a channel.
+// Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are apart because a sample of no opacity needs
+// no gradient.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -30,40 +32,40 @@ constexpr int weight(std::uint32_t fraction) {
   return static_cast<int>(fraction) << (kWeightBits - wire::kPositionFractionBits);
 }
 
-// The eight voxels round a sample: `cell` points at the one of least coordinates, rows and slices of its block are `row`
-// and `slice` voxels apart; the weights are the sample's place between them.
+// Where a sample lies: `first` is the voxel of least coordinates round it, rows and slices of its block are `row` and `slice`
+// voxels apart; the weights are the sample's place between them.
 struct Neighbourhood {
-  const DecodedVoxel* cell;
+  std::size_t first;
   std::size_t row;
   std::size_t slice;
   std::array<int, 3> weight;
 };
 
-// All channels of a sample: density, gradient x y z.
+// All channels of a sample.
 using Channels = std::array<std::int16_t, 4>;
 
-// One channel: 0 density, 1..3 gradient. Channels are apart because a sample of no opacity needs no gradient.
-constexpr std::int16_t resample(const Neighbourhood& at, std::size_t channel) {
-  const auto along_x = [&at, channel](std::size_t voxel) {
-    return lerp(at.cell[voxel].channel[channel], at.cell[voxel + 1].channel[channel], at.weight[0]);
-  };
-  const std::int16_t near = lerp(along_x(0), along_x(at.row), at.weight[1]);
-  const std::int16_t far = lerp(along_x(at.slice), along_x(at.slice + at.row), at.weight[1]);
+// One word of each voxel, `word(i)`.
+template <typename Word>
+constexpr std::int16_t resample_words(const Neighbourhood& at, const Word& word) {
+  const auto along_x = [&](std::size_t i) { return lerp(word(i), word(i + 1), at.weight[0]); };
+  const std::size_t first = at.first, down = first + at.row, deep = first + at.slice;
+  const std::int16_t near = lerp(along_x(first), along_x(down), at.weight[1]);
+  const std::int16_t far = lerp(along_x(deep), along_x(deep + at.row), at.weight[1]);
   return lerp(near, far, at.weight[2]);
 }
 
-// The density where it stands alone.
-constexpr std::int16_t resample_density(const std::int16_t* cell, std::size_t row, std::size_t slice,
-                                        const std::array<int, 3>& weight) {
-  const auto along_x = [&](std::size_t i) { return lerp(cell[i], cell[i + 1], weight[0]); };
-  const std::int16_t near = lerp(along_x(0), along_x(row), weight[1]);
-  const std::int16_t far = lerp(along_x(slice), along_x(slice + row), weight[1]);
-  return lerp(near, far, weight[2]);
+constexpr std::int16_t resample_density(const std::int16_t* densities, const Neighbourhood& at) {
+  return resample_words(at, [densities](std::size_t i) { return densities[i]; });
 }
 
-// The same, channel by channel.
-constexpr Channels resample_each(const Neighbourhood& at) {
-  return {resample(at, 0), resample(at, 1), resample(at, 2), resample(at, 3)};
+// Four channels, one after the other; `words(i)` are the voxel's.
+template <typename Words>
+constexpr Channels resample_each(const Neighbourhood& at, const Words& words) {
+  Channels out{};
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    out[c] = resample_words(at, [&words, c](std::size_t i) { return words(i).channel[c]; });
+  }
+  return out;
 }
 
 #if defined(__SSE2__)
@@ -77,15 +79,18 @@ inline __m128i lerp(__m128i a, __m128i b, __m128i w) {
 }
 #endif
 
-// All four at once: the two voxels of a row are one load, the channels are lanes, so seven interpolators a channel are four
-// instructions' worth of lerps.
-inline Channels resample_all(const Neighbourhood& at) {
+// All four at once: the two voxels of a row are one vector, the channels are lanes, so seven interpolators a channel are four
+// instructions' worth of lerps. `words(i)`: a reference to the voxel's.
+template <typename Words>
+inline Channels resample_all(const Neighbourhood& at, const Words& words) {
 #if defined(__SSE2__)
-  const auto row = [&at](std::size_t voxel) {
-    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at.cell + voxel));
+  const auto row = [&](std::size_t voxel) {
+    const auto half = [&](std::size_t i) { return reinterpret_cast<const __m128i*>(&words(i)); };
+    return _mm_unpacklo_epi64(_mm_loadl_epi64(half(voxel)), _mm_loadl_epi64(half(voxel + 1)));
   };
   const auto weight = [&at](std::size_t axis) { return _mm_set1_epi16(static_cast<std::int16_t>(at.weight[axis])); };
-  const __m128i r00 = row(0), r01 = row(at.row), r10 = row(at.slice), r11 = row(at.slice + at.row);
+  const __m128i r00 = row(at.first), r01 = row(at.first + at.row);
+  const __m128i r10 = row(at.first + at.slice), r11 = row(at.first + at.slice + at.row);
   const __m128i wx = weight(0), wy = weight(1), wz = weight(2);
   const __m128i near = lerp(_mm_unpacklo_epi64(r00, r01), _mm_unpackhi_epi64(r00, r01), wx);
   const __m128i far = lerp(_mm_unpacklo_epi64(r10, r11), _mm_unpackhi_epi64(r10, r11), wx);
@@ -95,7 +100,7 @@ inline Channels resample_all(const Neighbourhood& at) {
   _mm_storel_epi64(reinterpret_cast<__m128i*>(channels.data()), sample);
   return channels;
 #else
-  return resample_each(at);
+  return resample_each(at, words);
 #endif
 }
 
@@ -104,29 +109,33 @@ struct DensityRange {
   std::int16_t least, greatest;
 };
 // Voxel by voxel.
-constexpr DensityRange density_range_each(const Neighbourhood& at) {
-  DensityRange out{at.cell->channel[0], at.cell->channel[0]};
+constexpr DensityRange density_range_each(const std::int16_t* densities, const Neighbourhood& at) {
+  DensityRange out{densities[at.first], densities[at.first]};
   for (const std::size_t corner : {std::size_t{0}, at.row, at.slice, at.slice + at.row}) {
-    for (const std::size_t voxel : {corner, corner + 1}) {
-      out.least = std::min(out.least, at.cell[voxel].channel[0]);
-      out.greatest = std::max(out.greatest, at.cell[voxel].channel[0]);
+    for (const std::size_t voxel : {at.first + corner, at.first + corner + 1}) {
+      out.least = std::min(out.least, densities[voxel]);
+      out.greatest = std::max(out.greatest, densities[voxel]);
     }
   }
   return out;
 }
 // All at once.
-inline DensityRange density_range(const Neighbourhood& at) {
+inline DensityRange density_range(const std::int16_t* densities, const Neighbourhood& at) {
 #if defined(__SSE2__)
-  const auto row = [&at](std::size_t voxel) {
-    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at.cell + voxel));
+  const auto pair = [&](std::size_t voxel) {
+    std::int32_t both = 0;
+    std::memcpy(&both, densities + at.first + voxel, sizeof both);
+    return _mm_cvtsi32_si128(both);
   };
-  const __m128i r00 = row(0), r01 = row(at.row), r10 = row(at.slice), r11 = row(at.slice + at.row);
-  const __m128i low = _mm_min_epi16(_mm_min_epi16(r00, r01), _mm_min_epi16(r10, r11));
-  const __m128i high = _mm_max_epi16(_mm_max_epi16(r00, r01), _mm_max_epi16(r10, r11));
+  const __m128i near = _mm_unpacklo_epi32(pair(0), pair(at.row));
+  const __m128i far = _mm_unpacklo_epi32(pair(at.slice), pair(at.slice + at.row));
+  __m128i low = _mm_min_epi16(near, far), high = _mm_max_epi16(near, far);  // four in the lower half
+  low = _mm_min_epi16(low, _mm_srli_epi64(low, 32));
+  high = _mm_max_epi16(high, _mm_srli_epi64(high, 32));
   const auto first = [](__m128i words) { return static_cast<std::int16_t>(_mm_cvtsi128_si32(words)); };
-  return {first(_mm_min_epi16(low, _mm_srli_si128(low, 8))), first(_mm_max_epi16(high, _mm_srli_si128(high, 8)))};
+  return {first(_mm_min_epi16(low, _mm_srli_epi64(low, 16))), first(_mm_max_epi16(high, _mm_srli_epi64(high, 16)))};
 #else
-  return density_range_each(at);
+  return density_range_each(densities, at);
 #endif
 }
 

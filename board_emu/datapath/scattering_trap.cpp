@@ -19,7 +19,7 @@ wire::TrappedRay trapped_ray(const RayState& ray, unsigned tag, const Frame& fra
   out.ray = pack(ray, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) out.gradient[axis] = sample.channels[axis + 1];
   out.density = static_cast<std::uint16_t>(sample.channels[0]);
-  out.opacity = sample.entry->opacity;
+  out.opacity = sample.entry.opacity;
   out.tag = static_cast<std::uint8_t>(tag);
   std::uint64_t chance = draw_at(RandomStream::kRoutine, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
   for (std::uint32_t& number : out.random) {

@@ -14,13 +14,13 @@ void look_at_sample(RayPass& pass, std::uint32_t exponent, const Frame& frame) {
   pass.tag = sample.tag;
   pass.channels = sample.channels;
   pass.entry = static_cast<std::uint32_t>(sample.index);
-  pass.colour = frame.shade ? shade(*sample.entry, sample.gradient(), frame.reflectance_map)
-                            : Colour12{sample.entry->colour[0], sample.entry->colour[1], sample.entry->colour[2]};
+  pass.colour = frame.shade ? shade(sample.entry, sample.gradient(), frame.reflectance_map)
+                            : Colour12{sample.entry.colour[0], sample.entry.colour[1], sample.entry.colour[2]};
   if (!visible(sample.index, frame)) return;
   if (gathers_wide(frame)) {
     pass.alpha = static_cast<std::uint32_t>(wide_alpha(frame.wide_depths[sample.index], exponent) * wire::kOpacityOne);
   } else {
-    pass.alpha = (*frame.opacity_correction)(sample.entry->opacity, exponent);
+    pass.alpha = (*frame.opacity_correction)(sample.entry.opacity, exponent);
   }
 }
 

@@ -9,7 +9,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "gicube/wire/voxel.h"
 
@@ -20,39 +19,36 @@ namespace {
 
 // `to`, from its place `at` on.
 inline DecodedBlock beyond(const DecodedBlock& to, std::size_t at) {
-  return {to.voxels == nullptr ? nullptr : to.voxels + at, to.densities == nullptr ? nullptr : to.densities + at,
-          to.tags == nullptr ? nullptr : to.tags + at};
+  return {to.densities + at, to.codes == nullptr ? nullptr : to.codes + at};
 }
 
 inline void clear(const DecodedBlock& to, std::size_t count) {
-  if (to.voxels != nullptr) std::fill_n(to.voxels, count, DecodedVoxel{});
-  if (to.densities != nullptr) std::fill_n(to.densities, count, std::int16_t{0});
-  if (to.tags != nullptr) std::fill_n(to.tags, count, std::uint8_t{0});
+  std::fill_n(to.densities, count, std::int16_t{0});
+  if (to.codes != nullptr) std::fill_n(to.codes, count, std::uint16_t{0});
 }
 
-// `count` words from `first` on; the tags that they have.
-inline unsigned decode_words(std::span<const std::uint8_t> packed, std::size_t first, std::size_t count,
-                             std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  unsigned tagged = 0;
+constexpr int kCodeBit = 12;                  // of a voxel's word
+constexpr std::uint32_t kCodeMask = 0x1FFFu;  // code and tag
+
+// `count` words from `first` on; the bits of their codes and tags.
+inline std::uint16_t decode_words(std::span<const std::uint8_t> packed, std::size_t first, std::size_t count,
+                                  const DecodedBlock& to) {
+  std::uint16_t any = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, first + i));
-    const auto density = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
-    if (to.voxels != nullptr) {
-      const auto code = std::bit_cast<std::array<std::int16_t, 4>>(codes[voxel.gradient]);
-      to.voxels[i] = {{density, code[1], code[2], code[3]}};
-    }
-    if (to.densities != nullptr) to.densities[i] = density;
-    if (to.tags != nullptr) to.tags[i] = voxel.tag;
-    tagged |= voxel.tag;
+    const std::uint64_t word = wire::load36(packed, first + i);
+    const auto code = static_cast<std::uint16_t>(word >> kCodeBit & kCodeMask);
+    to.densities[i] = static_cast<std::int16_t>((word & wire::kDensityMax) << kDensityFractionBits);
+    if (to.codes != nullptr) to.codes[i] = code;
+    any |= code;
   }
-  return tagged;
+  return any;
 }
 
-// `row(packed, first, to)` decodes the n words from `first` on, and gives the tags that they have.
+// `row(packed, first, to)` decodes the n words from `first` on, and gives the bits that their codes and tags have.
 template <typename Row>
-bool decode_rows(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to, const Row& row) {
+std::uint16_t decode_rows(const BlockWords& from, const DecodedBlock& to, const Row& row) {
   const std::size_t n = from.voxels, edge = n + 1;
-  unsigned tagged = 0;
+  std::uint16_t any = 0;
   for (std::size_t z = 0; z <= n; ++z) {
     for (std::size_t y = 0; y <= n; ++y) {
       const std::size_t first = (z % n * n + y % n) * n, neighbour = y / n * 2 + z / n * 4;
@@ -61,16 +57,16 @@ bool decode_rows(const BlockWords& from, std::span<const DecodedVoxel> codes, co
       if (own.empty()) {
         clear(begin, n);
       } else {
-        tagged |= row(own, first, begin);
+        any |= row(own, first, begin);
       }
       if (next.empty()) {
         clear(end, 1);
       } else {
-        tagged |= decode_words(next, first, 1, codes, end);
+        any |= decode_words(next, first, 1, end);
       }
     }
   }
-  return tagged != 0;
+  return any;
 }
 
 }  // namespace
@@ -82,9 +78,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  return decode_one_by_one(from, codes, to);
-}
+std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) { return decode_one_by_one(from, to); }
 
 #else
 
@@ -92,18 +86,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // The n words from the even word `first` on, in lanes of 32 bits: a voxel's irradiance, above those, stands elsewhere.
 template <std::size_t kLanes>
-HWY_INLINE unsigned decode_row(std::span<const std::uint8_t> packed, std::size_t first, std::size_t n,
-                               std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
+HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::size_t first, std::size_t n,
+                                    const DecodedBlock& to) {
   const hn::CappedTag<std::int32_t, kLanes> d;
   const hn::Repartition<std::int64_t, decltype(d)> d64;
   const hn::RebindToUnsigned<decltype(d64)> du64;
   const hn::RebindToUnsigned<decltype(d)> du;
-  const hn::Half<decltype(du)> half;
   const hn::Rebind<std::int16_t, decltype(d)> d16;
-  const hn::Rebind<std::uint8_t, decltype(d)> d8;
-  constexpr int kGradientBit = 12, kTagBit = 23;
-  constexpr std::uint32_t kTag = wire::kTags - 1;
-  const std::size_t lanes = hn::Lanes(d), pairs = hn::Lanes(d64);
+  const hn::Rebind<std::uint16_t, decltype(d)> du16;
+  const std::size_t lanes = hn::Lanes(d);
   // Two words are nine bytes: the first's low 32 bits are theirs, the second's begin in the middle of the fifth byte.
   alignas(64) constexpr std::array<std::int64_t, 8> kPairBytes{0, 9, 18, 27, 36, 45, 54, 63};
   const auto pair_bytes = hn::Load(d64, kPairBytes.data());
@@ -114,39 +105,25 @@ HWY_INLINE unsigned decode_row(std::span<const std::uint8_t> packed, std::size_t
     const auto words = hn::OddEven(hn::ShiftRight<4>(pair), pair);
     const auto densities =
         hn::And(hn::ShiftLeft<kDensityFractionBits>(words), hn::Set(du, wire::kDensityMax << kDensityFractionBits));
-    any = hn::Or(any, words);
-    if (to.tags != nullptr) {
-      const auto tags = hn::And(hn::ShiftRight<kTagBit>(words), hn::Set(du, kTag));
-      hn::StoreU(hn::DemoteTo(d8, hn::BitCast(d, tags)), d8, to.tags + x);
-    }
-    if (to.densities != nullptr) {
-      hn::StoreU(hn::DemoteTo(d16, hn::BitCast(d, densities)), d16, to.densities + x);
-    }
-    if (to.voxels == nullptr) continue;
-    const auto gradients = hn::And(hn::ShiftRight<kGradientBit>(words), hn::Set(du, wire::kGradientCodes - 1));
-    const void* const table = codes.data();
-    void* const out = to.voxels + x;
-    const auto put = [&](auto density, auto gradient, std::size_t where) {
-      const auto index = hn::BitCast(d64, hn::PromoteTo(du64, gradient));
-      const auto code = hn::GatherIndex(du64, static_cast<const std::uint64_t*>(table), index);
-      hn::StoreU(hn::Or(code, hn::PromoteTo(du64, density)), du64, static_cast<std::uint64_t*>(out) + where);
-    };
-    put(hn::LowerHalf(half, densities), hn::LowerHalf(half, gradients), 0);
-    put(hn::UpperHalf(half, densities), hn::UpperHalf(half, gradients), pairs);
+    const auto codes = hn::And(hn::ShiftRight<kCodeBit>(words), hn::Set(du, kCodeMask));
+    any = hn::Or(any, codes);
+    hn::StoreU(hn::DemoteTo(d16, hn::BitCast(d, densities)), d16, to.densities + x);
+    if (to.codes != nullptr) hn::StoreU(hn::DemoteTo(du16, hn::BitCast(d, codes)), du16, to.codes + x);
   }
-  const auto tags = hn::And(any, hn::Set(du, kTag << kTagBit));
-  return hn::AllTrue(du, hn::Eq(tags, hn::Zero(du))) ? 0 : 1;
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < lanes; ++i) bits |= hn::ExtractLane(any, i);
+  return static_cast<std::uint16_t>(bits);
 }
 
 template <std::size_t kLanes>
-bool decode_with(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  return decode_rows(from, codes, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
-    return decode_row<kLanes>(packed, first, from.voxels, codes, row);
+std::uint16_t decode_with(const BlockWords& from, const DecodedBlock& to) {
+  return decode_rows(from, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
+    return decode_row<kLanes>(packed, first, from.voxels, row);
   });
 }
 
-bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  return from.voxels == 8 ? decode_with<8>(from, codes, to) : decode_with<16>(from, codes, to);
+std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) {
+  return from.voxels == 8 ? decode_with<8>(from, to) : decode_with<16>(from, to);
 }
 
 #endif
@@ -156,9 +133,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace gicube::emu {
 
-bool decode_one_by_one(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  return decode_rows(from, codes, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
-    return decode_words(packed, first, from.voxels, codes, row);
+std::uint16_t decode_one_by_one(const BlockWords& from, const DecodedBlock& to) {
+  return decode_rows(from, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
+    return decode_words(packed, first, from.voxels, row);
   });
 }
 
@@ -185,9 +162,7 @@ void decode_colours(const BlockWords& from, const BlockColours& colours, bool pr
 
 HWY_EXPORT(decode);
 
-bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to) {
-  return HWY_DYNAMIC_DISPATCH(decode)(from, codes, to);
-}
+std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) { return HWY_DYNAMIC_DISPATCH(decode)(from, to); }
 
 }  // namespace gicube::emu
 #endif

@@ -17,17 +17,16 @@ struct BlockWords {
   std::size_t voxels = 0;  // n: 8, 16, 32 or 64
 };
 
-// What is made of them, (n+1)^3 of each; null: nothing.
+// What is made of them, (n+1)^3 of each.
 struct DecodedBlock {
-  DecodedVoxel* voxels = nullptr;
   std::int16_t* densities = nullptr;  // 12.3
-  std::uint8_t* tags = nullptr;
+  std::uint16_t* codes = nullptr;     // gradient codes and tags (words.h); null: not wanted
 };
 
-// True if a voxel has a tag, whether tags are made or not. `codes`: what each gradient code makes of a voxel of density 0.
-bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to);
+// All bits that the voxels' gradient codes and tags have, whether they are made or not.
+std::uint16_t decode(const BlockWords& from, const DecodedBlock& to);
 // The same, word by word.
-bool decode_one_by_one(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to);
+std::uint16_t decode_one_by_one(const BlockWords& from, const DecodedBlock& to);
 
 // The colours of the same blocks, three bytes a voxel. None: black.
 struct BlockColours {

@@ -10,17 +10,12 @@
 
 namespace gicube::emu {
 
-namespace {
-
-constexpr std::size_t kTagsBeyond = 3;  // so that the last tag too can be read as the low byte of a word
-
-}  // namespace
-
 VolumeMemory::VolumeMemory(int block_voxels, wire::VoxelFormat format)
     : Blocked(block_voxels),
       format_(format),
       words_(wire::packed36_bytes(voxels_of_block())),
-      colours_(wire::kColourBytes * voxels_of_block()) {}
+      colours_(wire::kColourBytes * voxels_of_block()),
+      gradients_(wire::kGradientCodes) {}
 
 void VolumeMemory::resize(const std::array<int, 3>& size) {
   const std::size_t count = resize_blocks(size);
@@ -28,27 +23,24 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
   colours_.resize(wire::has_colours(format_) ? count : 0);
   stale_.assign(count, 0);
   first_.assign(count, 0);
-  voxels_ = {};
   densities_ = {};
-  tags_ = {};
+  codes_ = {};
+  has_tags_ = false;
   decoded_colours_ = {};
   resized_ = true;
 }
 
 std::uint64_t VolumeMemory::bytes_to_decode(const VolumeReads& reads) const {
-  const bool anew = voxels_.empty() && (reads.gradients || densities_.empty());
-  std::uint64_t blocks = anew ? 1 : 0;
+  std::uint64_t blocks = densities_.empty() ? 1 : 0;
   for (std::size_t block = 0; block < block_count(); ++block) {
-    const bool has_place = !anew && first_[block] != 0;
     const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
-    if (words_.is_stored(block) && !has_place && read) ++blocks;
+    if (words_.is_stored(block) && first_[block] == 0 && read) ++blocks;
   }
   const bool first_colours = reads.colours && colours_.stored() > 0 && decoded_colours_.empty();
   if (blocks == 0 && !first_colours) return 0;
   // A vector that grows takes twice its size or what is asked for, beside what it has.
-  const std::uint64_t have = anew ? 0 : places(), want = have + blocks * voxels_and_faces();
-  const bool gradients = anew ? reads.gradients : !voxels_.empty();
-  const std::uint64_t bytes = blocks == 0 ? 0 : (gradients ? kBytesOfVoxel : sizeof(std::int16_t)) + 1;
+  const std::uint64_t have = densities_.empty() ? 0 : places(), want = have + blocks * voxels_and_faces();
+  const std::uint64_t bytes = blocks == 0 ? 0 : sizeof(std::int16_t) + sizeof(std::uint16_t);
   const bool colours = first_colours || !decoded_colours_.empty();
   return std::max(2 * have, want) * (bytes + (colours ? sizeof(DecodedColour) : 0));
 }
@@ -113,7 +105,7 @@ void VolumeMemory::state(Archive& archive) {
   if (archive.loads()) std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
 
-bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, Parts parts) {
+std::uint16_t VolumeMemory::decode_block(std::size_t block) {
   const auto [bx, by, bz] = place(block);
   BlockWords from;
   BlockColours colours;
@@ -126,39 +118,20 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
     if (colours_.count() != 0) colours.bytes[static_cast<std::size_t>(i)] = colours_[block_at(x, y, z)];
   }
   const std::size_t first = first_[block];
-  DecodedBlock to;
-  if (!tags_.empty()) to.tags = tags_.data() + first;
-  if (parts.voxels) {
-    if (voxels_.empty()) {
-      to.densities = densities_.data() + first;
-    } else {
-      to.voxels = voxels_.data() + first;
-    }
-  }
-  if (parts.colours && !decoded_colours_.empty()) {
+  if (!decoded_colours_.empty()) {
     decode_colours(from, colours, format_ == wire::VoxelFormat::kRgba, decoded_colours_.data() + first);
   }
-  return emu::decode(from, codes, to);
-}
-
-// From densities to voxels everything is decoded anew.
-void VolumeMemory::take_form(bool gradients) {
-  if (!voxels_.empty() || (!gradients && !densities_.empty())) return;
-  densities_ = {};
-  tags_ = {};
-  decoded_colours_ = {};
-  std::fill(first_.begin(), first_.end(), std::size_t{0});
-  if (gradients) {
-    voxels_.resize(voxels_and_faces(), DecodedVoxel{});
-  } else {
-    densities_.resize(voxels_and_faces() + 1, 0);
-  }
-  resized_ = true;
+  return emu::decode(from, {densities_.data() + first, codes_.empty() ? nullptr : codes_.data() + first});
 }
 
 // Each stored block that is read has its place. Those that have one keep it.
 void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
-  const std::size_t voxels = voxels_and_faces(), begin = places();
+  const std::size_t voxels = voxels_and_faces();
+  if (densities_.empty()) {
+    densities_.resize(voxels + 1, 0);
+    resized_ = true;
+  }
+  const std::size_t begin = places();
   std::size_t end = begin;
   for (std::size_t block = 0; block < block_count(); ++block) {
     if (!words_.is_stored(block) || first_[block] != 0 || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
@@ -167,37 +140,43 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
     stale_[block] = 1;
   }
   if (end == begin) return;
-  if (voxels_.empty()) {
-    densities_.resize(end + 1);
-    densities_.back() = 0;
-  } else {
-    voxels_.resize(end);
+  densities_.resize(end + 1);
+  densities_.back() = 0;
+  if (!codes_.empty()) {
+    codes_.resize(end + 1);
+    codes_.back() = 0;
   }
-  if (!tags_.empty()) tags_.resize(end + kTagsBeyond, 0);
   if (!decoded_colours_.empty()) decoded_colours_.resize(end);
 }
 
-void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes,
-                                 unsigned threads, Parts parts) {
-  std::atomic<bool> tagged{!tags_.empty()};
-  parallel_for(which.size(), threads, [&](std::size_t i) {
-    if (decode_block(which[i], codes, parts)) tagged = true;
-  });
-  if (!tagged || !tags_.empty()) return;
-  // The first tags of this volume: blocks decoded before them have none.
-  tags_.resize(places() + kTagsBeyond, 0);
-  decode_blocks(which, codes, threads, {.voxels = false, .colours = false});
+void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned threads) {
+  if (which.empty()) return;
+  // Mostly one block tells whether there are codes.
+  if (codes_.empty() && decode_block(which[which.size() / 2]) != 0) codes_.resize(places() + 1, 0);
+  std::atomic<std::uint32_t> any{0};
+  parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_block(which[i]); });
+  has_tags_ = has_tags_ || any >> kCodeBits != 0;
+  if (any == 0 || !codes_.empty()) return;
+  // The first codes of this volume: blocks decoded before them have none.
+  codes_.resize(places() + 1, 0);
+  parallel_for(which.size(), threads, [&](std::size_t i) { decode_block(which[i]); });
 }
 
 void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
                           const VolumeReads& reads) {
-  take_form(reads.gradients);
   make_places(reads.leapt_over);
   if (reads.colours && decoded_colours_.empty() && colours_.stored() > 0) {
     decoded_colours_.resize(places(), DecodedColour{});
     std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
   }
-  if (gradients_changed && !voxels_.empty()) std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
+  if (gradients_changed) {
+    for (std::size_t code = 0; code < gradients_.size(); ++code) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        gradients_[code].channel[axis + 1] =
+            static_cast<std::int16_t>(gradients[code][axis] * (1 << kGradientFractionBits));
+      }
+    }
+  }
   std::vector<std::size_t> stale;
   for (std::size_t block = 0; block < first_.size(); ++block) {
     const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
@@ -208,13 +187,7 @@ void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool g
   if (stale.empty() && !resized_) return;
   resized_ = false;
   ++decodings_;
-  std::vector<DecodedVoxel> codes(wire::kGradientCodes);
-  for (std::size_t code = 0; code < codes.size(); ++code) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      codes[code].channel[axis + 1] = static_cast<std::int16_t>(gradients[code][axis] * (1 << kGradientFractionBits));
-    }
-  }
-  decode_blocks(stale, codes, threads, {});
+  decode_blocks(stale, threads);
 }
 
 }  // namespace gicube::emu

@@ -1,8 +1,8 @@
-// The volume's memory: 36-bit words as the host wrote them, and each block decoded with its +1 faces for the pipeline.
+// The volume's memory: 36-bit words as the host wrote them, and each block decoded with its +1 faces for the pipeline: a density and a
+// gradient code with a tag for each voxel. What a code stands for is looked up where a sample needs it.
 //
 // A block that was never written is uniformly zero and takes no memory. Copies on shared faces are made here: the host
-// sends every voxel once (docs/reference/hardware.md). No more is decoded than is read: no gradients until a command asks for them, no
-// blocks that all rays leap over.
+// sends every voxel once (docs/reference/hardware.md). Blocks that all rays leap over are not decoded.
 #pragma once
 
 #include <array>
@@ -21,17 +21,16 @@
 
 namespace gicube::emu {
 
-// One block as the pipeline reads it: (n+1)^3 voxels, x fastest. It has voxels, or densities alone.
+// One block as the pipeline reads it: (n+1)^3 voxels, x fastest.
 struct BlockView {
-  const DecodedVoxel* voxels = nullptr;
-  const std::int16_t* densities = nullptr;  // 12.3
-  const std::uint8_t* tags = nullptr;       // null: tag 0 everywhere
-  const DecodedColour* colours = nullptr;   // null: no voxel has a colour
+  const std::int16_t* densities = nullptr;     // 12.3
+  const std::uint16_t* codes = nullptr;        // gradient codes and tags (words.h); null: all are 0
+  const DecodedGradient* gradients = nullptr;  // what the codes stand for
+  const DecodedColour* colours = nullptr;      // null: no voxel has a colour
 };
 
 // What a command's rays read of the volume.
 struct VolumeReads {
-  bool gradients = true;                       // else densities and tags
   bool colours = false;                        // if the volume has some
   std::span<const std::uint8_t> leapt_over{};  // one a block, nonzero: never; none: all blocks are read
 };
@@ -52,7 +51,7 @@ class VolumeMemory : public Blocked {
   // Memory of the host's: what it has, what a write of such bytes would add, and at most what decode() would while it works.
   std::uint64_t memory_bytes() const {
     return words_.stored() * words_.block_bytes() + colours_.stored() * colours_.block_bytes() +
-           voxels_.capacity() * kBytesOfVoxel + densities_.capacity() * sizeof(std::int16_t) + tags_.capacity() +
+           densities_.capacity() * sizeof(std::int16_t) + codes_.capacity() * sizeof(std::uint16_t) +
            decoded_colours_.capacity() * sizeof(DecodedColour);
   }
   std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
@@ -86,22 +85,25 @@ class VolumeMemory : public Blocked {
   void flip(const BitPlace& place);
 
   // Makes the decoded form of what is read current, on `threads` threads. Call before view() when anything was written, the
-  // gradient LUT changed, or other things are read. Once there are gradients they stay until the next resize().
+  // gradient LUT changed, or other things are read.
   void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
               const VolumeReads& reads = {});
   BlockView view(std::size_t block) const {
     const std::size_t first = first_[block];
-    return {voxels_.empty() ? nullptr : voxels_.data() + first,
-            densities_.empty() ? nullptr : densities_.data() + first, tags_.empty() ? nullptr : tags_.data() + first,
+    return {densities_.data() + first, codes_.empty() ? nullptr : codes_.data() + first, gradients_.data(),
             decoded_colours_.empty() ? nullptr : decoded_colours_.data() + first};
   }
+  // Some voxel has a tag other than 0.
+  bool has_tags() const { return has_tags_; }
 
   // All decoded blocks in one array, for who reads many at once: block b's voxels begin at first()[b]. Blocks that were
   // never written, or never read, share the first place.
-  std::span<const DecodedVoxel> decoded() const { return voxels_; }
-  std::span<const std::int16_t> decoded_densities() const { return densities_; }  // in its place; one more than voxels
-  std::span<const std::uint8_t> decoded_tags() const { return tags_; }            // beside it; none if every tag is 0
+  std::span<const std::int16_t> decoded_densities() const {
+    return densities_;
+  }                                                                        // one more: a pair is read at the last too
+  std::span<const std::uint16_t> decoded_codes() const { return codes_; }  // the same beside it; none if all are 0
   std::span<const DecodedColour> decoded_colours() const { return decoded_colours_; }  // beside it; none: no colours
+  std::span<const DecodedGradient> gradients() const { return gradients_; }            // by code
   std::span<const std::size_t> first() const { return first_; }
   // Counts the calls of decode() that changed anything, over all volumes.
   std::uint64_t decodings() const { return decodings_; }
@@ -109,29 +111,21 @@ class VolumeMemory : public Blocked {
   void state(Archive& archive);
 
  private:
-  // With the density's copy at the functional level (functional/simd).
-  static constexpr std::uint64_t kBytesOfVoxel = sizeof(DecodedVoxel) + sizeof(std::int16_t);
-
   void mark_stale(std::size_t block);
-  std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
-  void take_form(bool gradients);
+  std::size_t places() const { return densities_.size() - 1; }
   void make_places(std::span<const std::uint8_t> leapt_over);
-  // What decode() makes of a block.
-  struct Parts {
-    bool voxels = true, colours = true;  // else tags alone
-  };
-  // True if one of the block's voxels has a tag.
-  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, Parts parts);
-  void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads,
-                     Parts parts);
+  void decode_blocks(std::span<const std::size_t> which, unsigned threads);
+  // All bits of the block's gradient codes and tags.
+  std::uint16_t decode_block(std::size_t block);
 
   wire::VoxelFormat format_;
   BlockBytes words_, colours_;
   std::vector<std::uint8_t> stale_;     // one a block
   std::vector<std::size_t> first_;      // of each block in:
-  LargeArray<DecodedVoxel> voxels_;     // blocks with faces; the first one is zero
-  LargeArray<std::int16_t> densities_;  // the same, as long as there are no voxels; a pair is read at the last too
-  LargeArray<std::uint8_t> tags_;       // empty while every tag is 0; four bytes may be read from any place
+  LargeArray<std::int16_t> densities_;  // blocks with faces; the first one is zero
+  LargeArray<std::uint16_t> codes_;     // empty while all are 0
+  bool has_tags_ = false;
+  std::vector<DecodedGradient> gradients_;
   LargeArray<DecodedColour> decoded_colours_;  // empty until some are read
   std::uint64_t decodings_ = 0;
   bool resized_ = false;  // since the last of them

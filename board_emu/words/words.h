@@ -14,19 +14,24 @@ namespace gicube::emu {
 inline constexpr int kDensityFractionBits = 3;
 inline constexpr int kGradientFractionBits = 5;
 
-// A voxel as memory hands it to the resampling unit. Channels: density, unsigned 12.3; gradient x y z, signed with five
-// fraction bits (511 * 32 = one; with six the difference of two opposite vectors would not fit 16 bits). Eight bytes, so
-// that one load brings a voxel.
-struct alignas(8) DecodedVoxel {
+// Words of several channels that are interpolated at once. Eight bytes, so that one load brings them.
+struct alignas(8) ChannelWords {
   std::array<std::int16_t, 4> channel{};
 
-  int density() const { return channel[0]; }
-  friend constexpr bool operator==(const DecodedVoxel&, const DecodedVoxel&) = default;
+  friend constexpr bool operator==(const ChannelWords&, const ChannelWords&) = default;
 };
+
+// What a voxel's gradient code stands for, as the gradient LUT hands it to the resampling unit: nothing, then x y z, signed with five
+// fraction bits (511 * 32 = one; with six the difference of two opposite vectors would not fit 16 bits).
+using DecodedGradient = ChannelWords;
+// A voxel's gradient code, and above it its tag: 13 bits side by side, as in the voxel's word.
+inline constexpr int kCodeBits = 11;
+constexpr std::size_t gradient_code(std::uint16_t code_and_tag) { return code_and_tag & 0x7FFu; }
+constexpr unsigned tag_of(std::uint16_t code_and_tag) { return code_and_tag >> kCodeBits; }
 
 // A voxel's colour as memory hands it to the resampling unit: red, green, blue, 12.3 with 32760 = one. Where alpha is the voxel's
 // density (wire::VoxelFormat::kRgba) they are multiplied by it, and the fourth word is the density.
-using DecodedColour = DecodedVoxel;
+using DecodedColour = ChannelWords;
 inline constexpr int kDecodedColourOne = 4095 << kDensityFractionBits;
 
 inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words

@@ -45,7 +45,6 @@ HWY_INLINE void find_row(D d, const BlockCells& block, std::size_t first, CellRa
   const auto either = [](auto a, auto b) { return hn::Or(a, b); };
   const std::size_t edge = block.voxels + 1, lanes = hn::Lanes(d);
   const hn::RebindToUnsigned<D> du;
-  const hn::Rebind<std::uint8_t, D> bytes;
   alignas(16) constexpr std::array<std::uint16_t, 8> kBits{1 | 2 << 8, 4 | 8 << 8};
   const auto bit_of_tag = hn::LoadDup128(du, kBits.data());
   for (std::size_t x = 0; x < block.voxels; x += lanes) {
@@ -59,7 +58,7 @@ HWY_INLINE void find_row(D d, const BlockCells& block, std::size_t first, CellRa
           least = hn::Min(least, densities);
           most = hn::Max(most, densities);
           if constexpr (kTagged) {
-            const auto tag = hn::PromoteTo(du, hn::LoadU(bytes, block.tags + at));
+            const auto tag = hn::ShiftRight<kCodeBits>(hn::LoadU(du, block.codes + at));
             tags = hn::Or(tags, hn::TableLookupBytes(bit_of_tag, tag));  // the high byte does not matter
           }
         }
@@ -85,7 +84,7 @@ void find_with(const BlockCells& block, CellRange* out, std::size_t across, std:
     for (std::size_t y = 0; y < block.voxels; y += kCell) {
       CellRange* const row = out + across * (y / kCell) + slice * (z / kCell);
       const std::size_t first = edge * (y + edge * z);
-      block.tags == nullptr ? find_row<false>(d, block, first, row) : find_row<true>(d, block, first, row);
+      block.codes == nullptr ? find_row<false>(d, block, first, row) : find_row<true>(d, block, first, row);
     }
   }
 }
@@ -115,7 +114,7 @@ void find_ranges_one_by_one(const BlockCells& block, CellRange* out, std::size_t
       const std::size_t at = first + i % kVoxels + edge * (i / kVoxels % kVoxels + edge * (i / (kVoxels * kVoxels)));
       least = std::min(least, block.densities[at]);
       most = std::max(most, block.densities[at]);
-      tags |= 1u << (block.tags == nullptr ? 0 : block.tags[at]);
+      tags |= 1u << (block.codes == nullptr ? 0 : tag_of(block.codes[at]));
     }
     return CellRange{static_cast<std::uint16_t>(least >> kDensityFractionBits),
                      static_cast<std::uint16_t>(most >> kDensityFractionBits), static_cast<std::uint8_t>(tags)};

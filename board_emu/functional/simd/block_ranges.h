@@ -17,7 +17,7 @@ struct CellRange {
 
 struct BlockCells {
   const std::int16_t* densities = nullptr;  // 12.3, (n+1)^3
-  const std::uint8_t* tags = nullptr;       // null: tag 0 everywhere
+  const std::uint16_t* codes = nullptr;     // their tags count (words.h); null: tag 0 everywhere
   std::size_t voxels = 0;                   // n: 8, 16, 32 or 64
 };
 

@@ -6,7 +6,7 @@
 
 namespace gicube::emu {
 
-void CellRanges::follow_block(const VolumeMemory& volume, const std::int16_t* densities, std::size_t block) {
+void CellRanges::follow_block(const VolumeMemory& volume, std::size_t block) {
   const auto nx = static_cast<std::size_t>(volume.blocks()[0]), ny = static_cast<std::size_t>(volume.blocks()[1]);
   const auto across = static_cast<std::size_t>(size_[0]), slice = across * static_cast<std::size_t>(size_[1]);
   const auto voxels = static_cast<std::size_t>(volume.block_voxels()), cells = voxels >> kEdgeShift;
@@ -19,11 +19,11 @@ void CellRanges::follow_block(const VolumeMemory& volume, const std::int16_t* de
     }
     return;
   }
-  const auto tags = volume.decoded_tags();
-  find_ranges({densities + first, tags.empty() ? nullptr : tags.data() + first, voxels}, out, across, slice);
+  const std::uint16_t* const codes = volume.has_tags() ? volume.decoded_codes().data() + first : nullptr;
+  find_ranges({volume.decoded_densities().data() + first, codes, voxels}, out, across, slice);
 }
 
-void CellRanges::follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads) {
+void CellRanges::follow(const VolumeMemory& volume, unsigned threads) {
   if (decoded_ == volume.decodings()) return;
   decoded_ = volume.decodings();
   std::size_t count = 1;
@@ -35,7 +35,7 @@ void CellRanges::follow(const VolumeMemory& volume, const std::int16_t* densitie
   constexpr std::size_t kRun = 1 << 15;  // cells; chosen: some 0.2 ms, several times what a thread takes to begin
   const std::size_t blocks = volume.block_count(), run = std::max<std::size_t>(kRun / (count / blocks), 1);
   parallel_for_runs(blocks, run, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t block = begin; block < end; ++block) follow_block(volume, densities, block);
+    for (std::size_t block = begin; block < end; ++block) follow_block(volume, block);
   });
 }
 

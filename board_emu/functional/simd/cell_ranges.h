@@ -1,7 +1,7 @@
 // The range of densities and the set of tags in cells of 4^3 voxels, their far faces included. Where no density of the range is
 // visible, samples add nothing and need not be taken.
 //
-// A host structure of the functional level, as DensityCopy; the board has no such memory.
+// A host structure of the functional level; the board has no such memory.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ class CellRanges {
  public:
   static constexpr int kEdgeShift = kCellEdgeShift;
 
-  // Updates the ranges if `volume`, with its decoded `densities`, was decoded anew since the last call.
-  void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);
+  // Updates the ranges if `volume` was decoded anew since the last call.
+  void follow(const VolumeMemory& volume, unsigned threads);
   void clear() { *this = {}; }
 
   // Of the whole volume, x fastest. Cells of blocks that are not decoded: those of the zero block.
@@ -28,7 +28,7 @@ class CellRanges {
   const std::array<int, 3>& size() const { return size_; }
 
  private:
-  void follow_block(const VolumeMemory& volume, const std::int16_t* densities, std::size_t block);
+  void follow_block(const VolumeMemory& volume, std::size_t block);
 
   std::uint64_t decoded_ = 0;
   std::array<int, 3> size_{};

@@ -153,7 +153,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
   WayLanes out;
   out.slope = slope;
   out.inverse = inverse;
-  out.cell = field.tags == nullptr ? wire::kVoxel : wire::kVoxel / 2;  // a material ends half way between two voxels
+  out.cell = field.tagged ? wire::kVoxel / 2 : wire::kVoxel;  // a material ends half way between two voxels
   const V low_bits = set(out.cell - 1);
   V left_cell = hn::Zero(D32()), right_cell = left_cell, outside = left_cell;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -97,7 +97,6 @@ SimdTracer::SimdTracer(const OpacityCorrection& correction) : correction_(correc
 }
 
 void SimdTracer::clear() {
-  copy_.clear();
   irradiance_.clear();
   ranges_.clear();
   volume_ = rays_ = 0;
@@ -152,7 +151,7 @@ bool SimdTracer::follow_irradiance(const Frame& frame) {
 void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
   if (seen_lut_ == lut_writes_) return;
   seen_lut_ = lut_writes_;
-  ranges_.follow(*frame.volume, copy_.densities(), threads);
+  ranges_.follow(*frame.volume, threads);
   constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
   // How many of a tag's entries below a density are seen. On the wide datapath all those that the paper's sees are.
   std::array<std::array<std::uint16_t, kDensities + 1>, wire::kTags> below{};
@@ -206,9 +205,9 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
     volume_ = volume.decodings();
   }
   rays_ += rays;
-  if (rays_ < volume.stored_blocks()) return false;  // chosen: a block's copy takes about as long as a long ray
-  copy_.follow(volume, threads);
-  if (copy_.densities() == nullptr || !follow_irradiance(frame)) return false;
+  if (rays_ < volume.stored_blocks()) return false;   // chosen: a block's ranges take about as long as a long ray
+  constexpr std::size_t kMax = std::size_t{1} << 30;  // byte offsets have 31 bits
+  if (volume.decoded_densities().size() >= kMax || !follow_irradiance(frame)) return false;
   if (lut_writes_ != lut_writes) read(frame.segmentation);
   lut_writes_ = lut_writes;
   correct(frame);
@@ -219,7 +218,7 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
       tables_.distance[i] = static_cast<std::int32_t>(jittered(frame, kJitterLut[i]));
     }
   }
-  if (reads(frame).gradients) {
+  if (!frame.plain() || (frame.shade && !frame.colourless() && !frame.integral())) {
     constexpr std::size_t kRow = wire::kReflectanceSize;
     const auto texel = [&](std::size_t i) {  // of the last row and column nothing is asked
       return i < wire::kReflectanceBytes ? std::uint32_t{frame.reflectance_map[i]} : 0;
@@ -235,9 +234,10 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
 PacketField SimdTracer::field_of(const Frame& frame) const {
   const VolumeMemory& volume = *frame.volume;
   PacketField field{};
-  field.densities = copy_.densities();
-  field.voxels = volume.decoded().data();
-  field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
+  field.densities = volume.decoded_densities().data();
+  field.codes = volume.decoded_codes().empty() ? nullptr : volume.decoded_codes().data();
+  field.gradients = volume.gradients().data();
+  field.tagged = volume.has_tags();
   field.colours = volume.decoded_colours().empty() ? nullptr : volume.decoded_colours().data();
   field.premultiplied = volume.format() == wire::VoxelFormat::kRgba;
   field.tables = &tables_;

@@ -12,7 +12,6 @@
 #include "datapath/jitter.h"
 #include "datapath/opacity_correction.h"
 #include "functional/simd/cell_ranges.h"
-#include "functional/simd/density_copy.h"
 #include "functional/simd/irradiance_copy.h"
 #include "gicube/wire/ray.h"
 #include "memory/large_array.h"
@@ -58,9 +57,10 @@ enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 // What else lanes read.
 struct PacketField {
   const std::int16_t* densities;
-  const DecodedVoxel* voxels;
-  const std::uint8_t* tags;      // may be null
-  const DecodedColour* colours;  // null: none
+  const std::uint16_t* codes;        // may be null: all are 0
+  const DecodedGradient* gradients;  // what they stand for
+  bool tagged;                       // some code has a tag
+  const DecodedColour* colours;      // null: none
   const PacketTables* tables;
   const void* opacities;  // 32 bits an entry of the segmentation LUT; 0: not seen
   bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
@@ -87,7 +87,7 @@ class SimdTracer {
 
   // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is decoded.
   // Returns false if the plain way must trace them: they leave amounts in sums, they are not plain and jitter or are segments, too
-  // few rays have come to be worth a copy of the densities, or the copy would be too large.
+  // few rays have come to be worth the ranges of cells, or the volume is too large for their offsets.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
   // Frees the copy's memory.
   void clear();
@@ -109,7 +109,6 @@ class SimdTracer {
   PacketField field_of(const Frame& frame) const;
 
   const OpacityCorrection& correction_;
-  DensityCopy copy_;
   IrradianceCopy irradiance_;
   CellRanges ranges_;
   LargeArray<std::uint8_t> seen_;               // of each cell: one of its densities has an opacity

@@ -117,12 +117,13 @@ HWY_INLINE V resample_words(const Corners& corners, const std::array<V, 3>& weig
 HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
   constexpr int kHalf = 1 << (kDensityFractionBits - 1);
   const V entry = hn::ShiftRight<kDensityFractionBits>(hn::Add(density, set(kHalf)));
-  if (field.tags == nullptr) return entry;
+  if (!field.tagged) return entry;
   constexpr int kToHalf = wire::kPositionFractionBits - 1;
   const V nearest = hn::Add(hn::Add(at.index, hn::ShiftRight<kToHalf>(at.fraction[0])),
                             hn::Add(hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[1]), set(field.edge)),
                                     hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[2]), set(field.edge * field.edge))));
-  return hn::Or(entry, hn::ShiftLeft<12>(hn::And(gather(field.tags, nearest), set(0xFF))));
+  const V code = gather(field.codes, hn::ShiftLeft<1>(nearest));
+  return hn::Or(entry, hn::ShiftLeft<12>(hn::And(hn::ShiftRight<kCodeBits>(code), set(wire::kTags - 1))));
 }
 
 // OpacityCorrection of a voxel length's depth. 64-bit lanes.

@@ -32,11 +32,11 @@ TEST(Fixed, KeepsAWordUnderFullScale) {
 }
 
 TEST(Resample, GivesTheVoxelItselfAtAVoxel) {
-  std::vector<DecodedVoxel> cell(8);
+  std::vector<ChannelWords> cell(8);
   for (std::size_t i = 0; i < 8; ++i) cell[i].channel = {static_cast<std::int16_t>(1000 * i), 16352, -16352, 7};
-  const Neighbourhood at{cell.data(), 2, 4, {0, 0, 0}};
-  EXPECT_EQ(resample(at, 0), 0);
-  EXPECT_EQ(resample_all(at), (Channels{0, 16352, -16352, 7}));
+  const Neighbourhood at{0, 2, 4, {0, 0, 0}};
+  EXPECT_EQ(resample_all(at, [&](std::size_t i) -> const ChannelWords& { return cell[i]; }),
+            (Channels{0, 16352, -16352, 7}));
 }
 
 TEST(Resample, GivesTheSameBitsInLanesAsChannelByChannel) {
@@ -44,7 +44,7 @@ TEST(Resample, GivesTheSameBitsInLanesAsChannelByChannel) {
   std::uniform_int_distribution<int> density(0, 4095 << kDensityFractionBits), gradient(-16352, 16352),
       fraction(0, wire::kVoxel - 1);
   for (int trial = 0; trial < 100'000; ++trial) {
-    std::vector<DecodedVoxel> cell(8);
+    std::vector<ChannelWords> cell(8);
     for (auto& voxel : cell) {
       const bool extreme = trial % 3 == 0;
       const auto component = [&] {
@@ -54,8 +54,9 @@ TEST(Resample, GivesTheSameBitsInLanesAsChannelByChannel) {
       voxel.channel = {static_cast<std::int16_t>(density(random)), component(), component(), component()};
     }
     const auto weights = [&] { return weight(static_cast<std::uint32_t>(trial % 5 == 0 ? 0 : fraction(random))); };
-    const Neighbourhood at{cell.data(), 2, 4, {weights(), weights(), weights()}};
-    ASSERT_EQ(resample_all(at), resample_each(at)) << trial;
+    const Neighbourhood at{0, 2, 4, {weights(), weights(), weights()}};
+    const auto words = [&](std::size_t i) -> const ChannelWords& { return cell[i]; };
+    ASSERT_EQ(resample_all(at, words), resample_each(at, words)) << trial;
   }
 }
 
@@ -63,8 +64,8 @@ TEST(Resample, StaysWithinOneAndAHalfUnitsOfTheExactTrilinearValue) {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> density(0, 4095 << kDensityFractionBits), fraction(0, wire::kVoxel - 1);
   for (int trial = 0; trial < 20'000; ++trial) {
-    std::vector<DecodedVoxel> cell(8);
-    for (auto& voxel : cell) voxel.channel[0] = static_cast<std::int16_t>(density(random));
+    std::vector<std::int16_t> cell(8);
+    for (auto& voxel : cell) voxel = static_cast<std::int16_t>(density(random));
     const std::array<int, 3> f{fraction(random), fraction(random), fraction(random)};
     double exact = 0;
     for (int i = 0; i < 8; ++i) {
@@ -73,14 +74,14 @@ TEST(Resample, StaysWithinOneAndAHalfUnitsOfTheExactTrilinearValue) {
         const double t = f[static_cast<std::size_t>(axis)] / double{wire::kVoxel};
         w *= (i >> axis & 1) != 0 ? t : 1 - t;
       }
-      exact += w * cell[static_cast<std::size_t>(i)].density();
+      exact += w * cell[static_cast<std::size_t>(i)];
     }
-    const Neighbourhood at{cell.data(),
+    const Neighbourhood at{0,
                            2,
                            4,
                            {weight(static_cast<std::uint32_t>(f[0])), weight(static_cast<std::uint32_t>(f[1])),
                             weight(static_cast<std::uint32_t>(f[2]))}};
-    EXPECT_NEAR(resample(at, 0), exact, 1.5);  // three roundings in a row
+    EXPECT_NEAR(resample_density(cell.data(), at), exact, 1.5);  // three roundings in a row
   }
 }
 
@@ -175,11 +176,11 @@ TEST(Composite, FollowsPorterAndDuffWithinTheRoundingOfItsWords) {
 TEST(Resample, OfABlockOfDensitiesTakesItsRowsAndSlices) {
   std::array<std::int16_t, 27> densities{};
   densities[13] = 800;  // in the middle of 3^3
-  const BlockView view{nullptr, densities.data(), nullptr};
+  const BlockView view{densities.data(), nullptr, nullptr, nullptr};
   const auto at = [&view](std::size_t x, std::size_t y, std::size_t z, const std::array<std::uint32_t, 3>& fraction) {
-    Cell cell;
-    cell.fraction = fraction;
-    return resample_view(view, x + 3 * y + 9 * z, cell, 3, 9)[0];
+    const Cell cell{{static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)},
+                    fraction};
+    return resample_density(view.densities, around({cell, view, 0, 3}));
   };
   constexpr std::uint32_t kQuarter = wire::kVoxel / 4;
   EXPECT_EQ(at(0, 1, 1, {kQuarter, 0, 0}), 200);

@@ -146,7 +146,7 @@ struct Rough {
     const Cell at = cell(ray.position, {0, 0, 0});
     const BlockView view = frame.volume->view(0);
     const Sample sample = sample_at(ray.position, frame);
-    return RayPart::of(ray, {at, view, 0, 9}, 0, sample.entry->opacity, first, frame);
+    return RayPart::of(ray, {at, view, 0, 9}, 0, sample.entry.opacity, first, frame);
   }
   // The density at `steps` from the sample.
   double density(const RayState& ray, double steps) const {
@@ -163,7 +163,7 @@ struct Rough {
         weight *= upper ? f[axis] : 1 - f[axis];
         voxel += stride * (upper ? 3 : 2);
       }
-      sum += weight * view.voxels[voxel].channel[0] / 8.0;
+      sum += weight * view.densities[voxel] / 8.0;
     }
     return sum;
   }

@@ -45,7 +45,7 @@ TEST(PipelineWords, SignedProductsAreRoundedHalfUp) {
 TEST(PipelineWords, SevenInterpolatorsAChannelAreRoundedOneByOne) {
   Words words(3);
   for (int i = 0; i < kMany / 4; ++i) {
-    std::array<DecodedVoxel, 8> voxels{};
+    std::array<ChannelWords, 8> voxels{};
     std::array<std::int16_t, 8> densities{};
     std::array<std::array<std::int64_t, 8>, 4> cell{};
     for (std::size_t v = 0; v < 8; ++v) {
@@ -57,27 +57,27 @@ TEST(PipelineWords, SevenInterpolatorsAChannelAreRoundedOneByOne) {
     const std::array<std::int64_t, 3> fraction{words(0, 16383), words(0, 16383), words(0, 16383)};
     std::array<int, 3> weights{};
     for (std::size_t axis = 0; axis < 3; ++axis) weights[axis] = weight(static_cast<std::uint32_t>(fraction[axis]));
-    const Channels sample = resample_all({voxels.data(), 2, 4, weights});
-    for (std::size_t c = 0; c < 4; ++c) {
-      ASSERT_EQ(sample[c], reference::trilinear(cell[c], fraction));
-      ASSERT_EQ(resample({voxels.data(), 2, 4, weights}, c), sample[c]);
-    }
-    ASSERT_EQ(resample_density(densities.data(), 2, 4, weights), sample[0]);
+    const Neighbourhood at{0, 2, 4, weights};
+    const auto words_of = [&](std::size_t v) -> const ChannelWords& { return voxels[v]; };
+    const Channels sample = resample_all(at, words_of);
+    for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(sample[c], reference::trilinear(cell[c], fraction));
+    ASSERT_EQ(resample_each(at, words_of), sample);
+    ASSERT_EQ(resample_density(densities.data(), at), sample[0]);
   }
 }
 
 TEST(PipelineWords, TheLeastAndTheGreatestDensityAreThoseOfTheEightVoxels) {
   Words words(4);
   for (int i = 0; i < 100'000; ++i) {
-    std::array<DecodedVoxel, 27> voxels{};
-    for (DecodedVoxel& voxel : voxels) voxel.channel = {words.i16(0, 4095 << 3), -1, 0, 1};
+    std::array<std::int16_t, 27> voxels{};
+    for (std::int16_t& voxel : voxels) voxel = words.i16(0, 4095 << 3);
     std::int16_t least = 32767, greatest = 0;
     for (const std::size_t v : {0, 1, 3, 4, 9, 10, 12, 13}) {
-      least = std::min(least, voxels[v].channel[0]);
-      greatest = std::max(greatest, voxels[v].channel[0]);
+      least = std::min(least, voxels[v]);
+      greatest = std::max(greatest, voxels[v]);
     }
-    const Neighbourhood cell{voxels.data(), 3, 9, {}};
-    for (const DensityRange range : {density_range(cell), density_range_each(cell)}) {
+    const Neighbourhood at{0, 3, 9, {}};
+    for (const DensityRange range : {density_range(voxels.data(), at), density_range_each(voxels.data(), at)}) {
       ASSERT_EQ(range.least, least);
       ASSERT_EQ(range.greatest, greatest);
     }

@@ -27,48 +27,27 @@ struct Words {
   BlockWords from;
 };
 
-// As the gradient LUT fills it: nothing in the density's place.
-std::vector<DecodedVoxel> random_codes(std::mt19937& random) {
-  std::vector<DecodedVoxel> codes(wire::kGradientCodes);
-  for (DecodedVoxel& code : codes) {
-    for (std::size_t axis = 1; axis < 4; ++axis) code.channel[axis] = static_cast<std::int16_t>(random());
-  }
-  return codes;
-}
-
 struct Decoded {
-  explicit Decoded(std::size_t n) : voxels((n + 1) * (n + 1) * (n + 1)), densities(voxels.size()), tags(voxels.size()) {
-    for (DecodedVoxel& voxel : voxels) voxel = {{1, 2, 3, 4}};
-    densities.assign(densities.size(), 5);
-    tags.assign(tags.size(), 6);
-  }
+  explicit Decoded(std::size_t n) : densities((n + 1) * (n + 1) * (n + 1), 5), codes(densities.size(), 6) {}
 
-  DecodedBlock to(bool want_voxels, bool want_densities, bool want_tags) {
-    return {want_voxels ? voxels.data() : nullptr, want_densities ? densities.data() : nullptr,
-            want_tags ? tags.data() : nullptr};
-  }
+  DecodedBlock to(bool want_codes) { return {densities.data(), want_codes ? codes.data() : nullptr}; }
 
   friend bool operator==(const Decoded&, const Decoded&) = default;
 
-  std::vector<DecodedVoxel> voxels;
   std::vector<std::int16_t> densities;
-  std::vector<std::uint8_t> tags;
+  std::vector<std::uint16_t> codes;
 };
 
 TEST(BlockDecoder, MakesWhatIsMadeWordByWordInEveryBlockSizeOnEveryInstructionSet) {
   on_every_target([] {
     std::mt19937 random(6);
-    const std::vector<DecodedVoxel> codes = random_codes(random);
     for (const std::size_t n : {8, 8, 8, 16, 16, 32, 64}) {
       const Words words(n, random);
-      for (unsigned wanted = 0; wanted < 8; ++wanted) {
+      for (const bool codes : {false, true}) {
         Decoded got(n), expected(n);
-        const auto to = [wanted](Decoded& decoded) {
-          return decoded.to((wanted & 1) != 0, (wanted & 2) != 0, (wanted & 4) != 0);
-        };
-        const bool tagged = decode(words.from, codes, to(got));
-        ASSERT_EQ(tagged, decode_one_by_one(words.from, codes, to(expected)));
-        ASSERT_TRUE(got == expected) << n << " wanted " << wanted;
+        const std::uint16_t any = decode(words.from, got.to(codes));
+        ASSERT_EQ(any, decode_one_by_one(words.from, expected.to(codes)));
+        ASSERT_TRUE(got == expected) << n << ' ' << codes;
       }
     }
   });
@@ -76,8 +55,6 @@ TEST(BlockDecoder, MakesWhatIsMadeWordByWordInEveryBlockSizeOnEveryInstructionSe
 
 TEST(BlockDecoder, MakesEveryDensityGradientAndTagOfAWord) {
   on_every_target([] {
-    std::mt19937 random(7);
-    const std::vector<DecodedVoxel> codes = random_codes(random);
     constexpr std::size_t kWords = std::size_t{16} * 16 * 16;
     for (std::size_t shift = 0; shift < 2; ++shift) {  // each in the first and in the second place of a pair
       std::vector<std::uint8_t> bytes(wire::packed36_bytes(kWords));
@@ -91,35 +68,33 @@ TEST(BlockDecoder, MakesEveryDensityGradientAndTagOfAWord) {
       from.voxels = 16;
       from.packed[0] = bytes;
       Decoded got(16);
-      EXPECT_TRUE(decode(from, codes, got.to(true, true, true)));
+      EXPECT_EQ(decode(from, got.to(true)), 0x1FFF);
       for (std::size_t i = 0; i < kWords; ++i) {
         const wire::Voxel voxel = voxel_at(i);
         const std::size_t at = i % 16 + 17 * (i / 16 % 16 + 17 * (i / 256));
-        DecodedVoxel expected = codes[voxel.gradient];
-        expected.channel[0] = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
-        ASSERT_EQ(got.voxels[at], expected) << i;
-        ASSERT_EQ(got.densities[at], expected.channel[0]) << i;
-        ASSERT_EQ(got.tags[at], voxel.tag) << i;
+        ASSERT_EQ(got.densities[at], voxel.density << kDensityFractionBits) << i;
+        ASSERT_EQ(gradient_code(got.codes[at]), voxel.gradient) << i;
+        ASSERT_EQ(tag_of(got.codes[at]), voxel.tag) << i;
       }
     }
   });
 }
 
-// One tag among all the words, wherever it lies; the irradiance beside it is none.
-TEST(BlockDecoder, SeesATagInAnyPlace) {
-  const std::vector<DecodedVoxel> codes(wire::kGradientCodes);
-  on_every_target([&codes] {
+// One code and tag among all the words, wherever it lies; the density and irradiance beside it are none.
+TEST(BlockDecoder, SeesACodeInAnyPlace) {
+  on_every_target([] {
     constexpr std::size_t kWords = std::size_t{8} * 8 * 8;
+    Decoded got(8);
     for (std::size_t place = 0; place <= kWords; ++place) {
       std::vector<std::uint8_t> bytes(wire::packed36_bytes(kWords));
       for (std::size_t i = 0; i < kWords; ++i) {
         const auto tag = static_cast<std::uint8_t>(i == place ? 1 + place % 3 : 0);
-        wire::store36(bytes, i, wire::to_word(wire::Voxel{4095, 2047, tag, 2047}));
+        wire::store36(bytes, i, wire::to_word(wire::Voxel{4095, 0, tag, 2047}));
       }
       BlockWords from;
       from.voxels = 8;
       from.packed[0] = bytes;
-      ASSERT_EQ(decode(from, codes, {}), place < kWords) << place;
+      ASSERT_EQ(decode(from, got.to(place % 2 == 0)), place < kWords ? (1 + place % 3) << kCodeBits : 0) << place;
     }
   });
 }

@@ -58,14 +58,17 @@ TEST(VolumeMemory, DecodesEveryVoxelIntoItsBlockAndOntoTheFacesOfItsNeighbours) 
         for (int x = 0; x <= kBlock; ++x, ++at) {
           const int gx = bx * kBlock + x, gy = by * kBlock + y, gz = bz * kBlock + z;
           if (gx >= size[0] || gy >= size[1] || gz >= size[2]) {
-            ASSERT_EQ(view.voxels[at], DecodedVoxel{});
+            ASSERT_EQ(view.densities[at], 0);
+            ASSERT_EQ(view.codes[at], 0);
             continue;
           }
           const wire::Voxel voxel = voxel_at(gx, gy, gz);
-          ASSERT_EQ(view.voxels[at].density(), voxel.density << 3);
-          ASSERT_EQ(view.voxels[at].channel[1], lut[voxel.gradient][0] * 32);
-          ASSERT_EQ(view.voxels[at].channel[2], lut[voxel.gradient][1] * 32);
-          ASSERT_EQ(view.tags[at], voxel.tag);
+          ASSERT_EQ(view.densities[at], voxel.density << 3);
+          ASSERT_EQ(gradient_code(view.codes[at]), voxel.gradient);
+          ASSERT_EQ(tag_of(view.codes[at]), voxel.tag);
+          const auto& gradient = view.gradients[voxel.gradient].channel;
+          ASSERT_EQ(gradient[1], lut[voxel.gradient][0] * 32);
+          ASSERT_EQ(gradient[2], lut[voxel.gradient][1] * 32);
         }
       }
     }
@@ -79,32 +82,40 @@ TEST(VolumeMemory, TakesNoMemoryForBlocksNeverWrittenAndShowsThemZero) {
   memory.decode(gradient_lut(), true, 1);
   const BlockView view = memory.view(0);
   for (int i = 0; i < 9 * 9 * 9; ++i) {
-    ASSERT_EQ(view.voxels[i], DecodedVoxel{});
-    ASSERT_TRUE(view.tags == nullptr || view.tags[i] == 0);
+    ASSERT_EQ(view.densities[i], 0);
+    ASSERT_EQ(view.codes[i], 0);
   }
-  EXPECT_EQ(memory.view(5).voxels, view.voxels);  // in the one place of all such blocks
-  EXPECT_EQ(memory.decoded().size(), (6 + 1) * 9u * 9 * 9);
+  EXPECT_EQ(memory.view(5).densities, view.densities);  // in the one place of all such blocks
+  EXPECT_EQ(memory.decoded_densities().size(), (6 + 1) * 9u * 9 * 9 + 1);
   std::vector<std::uint8_t> bytes(100, 7);
   memory.read(10, bytes);
   EXPECT_EQ(bytes, std::vector<std::uint8_t>(100, 0));
 }
 
-TEST(VolumeMemory, DecodesDensitiesAloneUntilGradientsAreRead) {
+TEST(VolumeMemory, HasNoCodesUntilAVoxelHasOne) {
   VolumeMemory memory(kBlock);
-  fill(memory, {20, 16, 9});
-  memory.decode(gradient_lut(), true, 2, {.gradients = false});
-  EXPECT_TRUE(memory.decoded().empty());
-  const std::vector<std::int16_t> densities(memory.decoded_densities().begin(), memory.decoded_densities().end());
-  ASSERT_EQ(densities.size(), (memory.stored_blocks() + 1) * 9 * 9 * 9 + 1);
-  EXPECT_EQ(memory.view(1).densities[10], voxel_at(9, 1, 0).density << 3);
+  memory.resize({16, 8, 8});
+  std::vector<std::uint8_t> bytes(wire::packed36_bytes(kBlockWords));
+  for (std::size_t i = 0; i < kBlockWords; ++i) wire::store36(bytes, i, wire::to_word(wire::Voxel{77, 0, 0, 2047}));
+  for (std::size_t block = 0; block < 2; ++block) memory.write(block * bytes.size(), bytes);
+  memory.decode(gradient_lut(), true, 2);
+  EXPECT_TRUE(memory.decoded_codes().empty());
+  EXPECT_EQ(memory.view(0).codes, nullptr);
+  EXPECT_FALSE(memory.has_tags());
 
+  wire::store36(bytes, 3, wire::to_word(wire::Voxel{77, 900, 0, 0}));
+  memory.write(bytes.size(), bytes);
   memory.decode(gradient_lut(), false, 2);
-  EXPECT_TRUE(memory.decoded_densities().empty());
-  ASSERT_EQ(memory.decoded().size() + 1, densities.size());
-  for (std::size_t i = 0; i < memory.decoded().size(); ++i) ASSERT_EQ(memory.decoded()[i].density(), densities[i]) << i;
-  const std::uint64_t decodings = memory.decodings();
-  memory.decode(gradient_lut(), false, 2, {.gradients = false});  // they stay
-  EXPECT_EQ(memory.decodings(), decodings);
+  EXPECT_EQ(memory.decoded_codes().size(), memory.decoded_densities().size());
+  EXPECT_EQ(gradient_code(memory.view(1).codes[3]), 900u);
+  EXPECT_EQ(memory.view(0).codes[3], 0);
+  EXPECT_FALSE(memory.has_tags());
+
+  wire::store36(bytes, 3, wire::to_word(wire::Voxel{77, 900, 2, 0}));
+  memory.write(0, bytes);
+  memory.decode(gradient_lut(), false, 2);
+  EXPECT_TRUE(memory.has_tags());
+  EXPECT_EQ(tag_of(memory.view(0).codes[3]), 2u);
 }
 
 TEST(VolumeMemory, DecodesBlocksThatAreLeaptOverWhenTheyAreRead) {
@@ -112,11 +123,11 @@ TEST(VolumeMemory, DecodesBlocksThatAreLeaptOverWhenTheyAreRead) {
   fill(memory, {16, 16, 16});
   const std::vector<std::uint8_t> leapt_over{1, 0, 1, 1, 1, 1, 1, 1};
   memory.decode(gradient_lut(), true, 1, {.leapt_over = leapt_over});
-  EXPECT_EQ(memory.decoded().size(), 2 * 9u * 9 * 9);  // the zero block and one
-  EXPECT_EQ(memory.view(1).voxels[0].density(), voxel_at(8, 0, 0).density << 3);
+  EXPECT_EQ(memory.decoded_densities().size(), 2 * 9u * 9 * 9 + 1);  // the zero block and one
+  EXPECT_EQ(memory.view(1).densities[0], voxel_at(8, 0, 0).density << 3);
   memory.decode(gradient_lut(), false, 1);
-  EXPECT_EQ(memory.decoded().size(), 9 * 9u * 9 * 9);
-  EXPECT_EQ(memory.view(2).voxels[0].density(), voxel_at(0, 8, 0).density << 3);
+  EXPECT_EQ(memory.decoded_densities().size(), 9 * 9u * 9 * 9 + 1);
+  EXPECT_EQ(memory.view(2).densities[0], voxel_at(0, 8, 0).density << 3);
 }
 
 TEST(VolumeMemory, ReadsBackWhatWasWrittenInPiecesAcrossBlocks) {
@@ -141,18 +152,19 @@ TEST(VolumeMemory, RefreshesTheFacesOfTheBlocksBeforeARewrittenBlock) {
   wire::store36(bytes, 0, wire::to_word(wire::Voxel{4000, 0, 0, 0}));
   memory.write(bytes.size(), bytes);  // block 1
   memory.decode(gradient_lut(), false, 1);
-  EXPECT_EQ(memory.view(0).voxels[8].density(), 4000 << 3);
-  EXPECT_EQ(memory.view(0).voxels[7].density(), voxel_at(7, 0, 0).density << 3);
+  EXPECT_EQ(memory.view(0).densities[8], 4000 << 3);
+  EXPECT_EQ(memory.view(0).densities[7], voxel_at(7, 0, 0).density << 3);
 }
 
-TEST(VolumeMemory, DecodesAgainWithANewGradientLut) {
+TEST(VolumeMemory, ItsCodesStandForTheLatestGradientLut) {
   VolumeMemory memory(kBlock);
   fill(memory, {8, 8, 8});
   memory.decode(gradient_lut(), true, 1);
   auto other = gradient_lut();
   for (auto& entry : other) entry = {5, 6, 7};
   memory.decode(other, true, 1);
-  EXPECT_EQ(memory.view(0).voxels[3].channel[1], 5 * 32);
+  const BlockView view = memory.view(0);
+  EXPECT_EQ(view.gradients[gradient_code(view.codes[3])].channel[1], 5 * 32);
 }
 
 }  // namespace

@@ -12,15 +12,16 @@ namespace {
 
 // Densities and tags of a block, most of them one and the same, so that a voxel left out or too many changes a range.
 struct Voxels {
-  Voxels(std::size_t edge, std::mt19937& random) : densities(edge * edge * edge), tags(edge * edge * edge) {
+  Voxels(std::size_t edge, std::mt19937& random) : densities(edge * edge * edge), codes(edge * edge * edge) {
     for (std::size_t i = 0; i < densities.size(); ++i) {
       densities[i] = static_cast<std::int16_t>(random() % 90 == 0 ? random() % 32761 : 16000);
-      tags[i] = static_cast<std::uint8_t>(random() % 90 == 0 ? random() % 4 : 2);
+      const unsigned tag = random() % 90 == 0 ? random() % 4 : 2;
+      codes[i] = static_cast<std::uint16_t>(tag << kCodeBits | random() % 2048);
     }
   }
 
   std::vector<std::int16_t> densities;
-  std::vector<std::uint8_t> tags;
+  std::vector<std::uint16_t> codes;
 };
 
 TEST(BlockRanges, AreThoseFoundVoxelByVoxelInEveryBlockSizeOnEveryInstructionSet) {
@@ -29,8 +30,8 @@ TEST(BlockRanges, AreThoseFoundVoxelByVoxelInEveryBlockSizeOnEveryInstructionSet
     for (const std::size_t n : {8, 16, 32, 64}) {
       const Voxels voxels(n + 1, random);
       const std::size_t cells = n / 4, across = cells + 3, slice = across * (cells + 1);
-      for (const std::uint8_t* tags : {static_cast<const std::uint8_t*>(nullptr), voxels.tags.data()}) {
-        const BlockCells block{voxels.densities.data(), tags, n};
+      for (const std::uint16_t* codes : {static_cast<const std::uint16_t*>(nullptr), voxels.codes.data()}) {
+        const BlockCells block{voxels.densities.data(), codes, n};
         std::vector<CellRange> got(slice * cells, {9, 9, 9}), expected = got;
         find_ranges(block, got.data(), across, slice);
         find_ranges_one_by_one(block, expected.data(), across, slice);
