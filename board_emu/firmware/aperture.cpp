@@ -90,7 +90,12 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     return out;
   };
   if (is(region, wire::kVolume)) return read_from(volume_, 1);
-  if (is(region, wire::kColours)) return read_from(volume_.colours(), 1);
+  if (is(region, wire::kColours)) {
+    if (offset + length > volume_.colours().bytes()) return std::nullopt;
+    std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
+    volume_.read_colours(offset, out);
+    return out;
+  }
   if (is(region, wire::kIrradiance)) return read_from(irradiance_, 4);
   if (is(region, wire::kSums)) return read_from(sums_, 9);
   const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)         ? materials_.bytes()

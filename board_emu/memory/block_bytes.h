@@ -1,4 +1,6 @@
 // The bytes of a volume's blocks as the host wrote them. A block that was never written is uniformly zero and takes no memory.
+//
+// A stored block may be elsewhere: its owner has the same bytes in another form. `pack(block, out)` brings them back.
 #pragma once
 
 #include <algorithm>
@@ -19,38 +21,62 @@ class BlockBytes {
   void resize(std::size_t blocks) {  // forgets everything
     blocks_.clear();                 // first: there may be no memory for both
     blocks_.resize(blocks);
-    stored_ = 0;
+    elsewhere_.assign(blocks, 0);
+    stored_ = held_ = 0;
   }
 
   std::size_t count() const { return blocks_.size(); }
   std::size_t block_bytes() const { return block_bytes_; }
   std::uint64_t bytes() const { return std::uint64_t{count()} * block_bytes_; }  // of the address range
   std::size_t stored() const { return stored_; }                                 // blocks
-  bool is_stored(std::size_t block) const { return !blocks_[block].empty(); }
-  std::span<const std::uint8_t> operator[](std::size_t block) const { return blocks_[block]; }  // empty: never written
-  std::uint8_t& byte(std::size_t block, std::size_t at) { return blocks_[block][at]; }          // of a stored one
+  std::uint64_t held_bytes() const { return std::uint64_t{held_} * block_bytes_; }
+  bool is_stored(std::size_t block) const { return !blocks_[block].empty() || is_elsewhere(block); }
+  bool is_elsewhere(std::size_t block) const { return elsewhere_[block] != 0; }
+  std::span<const std::uint8_t> operator[](std::size_t block) const { return blocks_[block]; }  // empty: not here
+  std::uint8_t& byte(std::size_t block, std::size_t at) { return blocks_[block][at]; }          // of one that is here
 
   // What a write of such bytes would add.
   std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
     if (length == 0 || offset + length > bytes()) return 0;
     std::uint64_t fresh = 0;
     for (std::uint64_t block = offset / block_bytes_; block <= (offset + length - 1) / block_bytes_; ++block) {
-      if (!is_stored(static_cast<std::size_t>(block))) ++fresh;
+      if (blocks_[static_cast<std::size_t>(block)].empty()) ++fresh;
     }
     return fresh * block_bytes_;
   }
 
+  // The block is elsewhere from now on. From several threads for different blocks; then comes count_held().
+  void release(std::size_t block) {
+    std::vector<std::uint8_t>().swap(blocks_[block]);
+    elsewhere_[block] = 1;
+  }
+  void count_held() {
+    held_ =
+        static_cast<std::size_t>(std::ranges::count_if(blocks_, [](const auto& stored) { return !stored.empty(); }));
+  }
+  // It is here from now on.
+  template <typename Pack>
+  void bring_back(std::size_t block, const Pack& pack) {
+    if (!is_elsewhere(block)) return;
+    blocks_[block].resize(block_bytes_);
+    pack(block, std::span(blocks_[block]));
+    elsewhere_[block] = 0;
+    ++held_;
+  }
+
   // offset + length <= bytes(). `written(block)` is told of each block.
-  template <typename Written>
-  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes, const Written& written) {
+  template <typename Pack, typename Written>
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes, const Pack& pack, const Written& written) {
     while (!bytes.empty()) {
       const auto block = static_cast<std::size_t>(offset / block_bytes_);
       const auto at = static_cast<std::size_t>(offset % block_bytes_);
       const std::size_t length = std::min(bytes.size(), block_bytes_ - at);
+      bring_back(block, pack);
       auto& stored = blocks_[block];
       if (stored.empty()) {
         stored.resize(block_bytes_);
         ++stored_;
+        ++held_;
       }
       std::copy_n(bytes.begin(), length, stored.begin() + static_cast<std::ptrdiff_t>(at));
       written(block);
@@ -59,39 +85,56 @@ class BlockBytes {
     }
   }
 
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  template <typename Pack>
+  void read(std::uint64_t offset, std::span<std::uint8_t> out, const Pack& pack) const {
+    std::vector<std::uint8_t> packed;
     while (!out.empty()) {
-      const auto& stored = blocks_[static_cast<std::size_t>(offset / block_bytes_)];
+      const auto block = static_cast<std::size_t>(offset / block_bytes_);
       const auto at = static_cast<std::size_t>(offset % block_bytes_);
       const std::size_t length = std::min(out.size(), block_bytes_ - at);
-      if (stored.empty()) {
-        std::fill_n(out.begin(), length, std::uint8_t{0});
+      if (is_stored(block)) {
+        const auto from = bytes_of(block, packed, pack).subspan(at, length);
+        std::copy(from.begin(), from.end(), out.begin());
       } else {
-        std::copy_n(stored.begin() + static_cast<std::ptrdiff_t>(at), length, out.begin());
+        std::fill_n(out.begin(), length, std::uint8_t{0});
       }
       out = out.subspan(length);
       offset += length;
     }
   }
+  // Of a stored block; `room`: where they may have to be packed.
+  template <typename Pack>
+  std::span<const std::uint8_t> bytes_of(std::size_t block, std::vector<std::uint8_t>& room, const Pack& pack) const {
+    if (!is_elsewhere(block)) return blocks_[block];
+    room.resize(block_bytes_);
+    pack(block, std::span(room));
+    return room;
+  }
 
   // After resize() to the volume that they belong to.
-  void state(Archive& archive) {
+  template <typename Pack>
+  void state(Archive& archive, const Pack& pack) {
     std::vector<std::size_t> stored;
     for (std::size_t block = 0; block < count(); ++block) {
       if (is_stored(block)) stored.push_back(block);
     }
     archive.list("stored", stored, count());
+    std::vector<std::uint8_t> room;
     for (const std::size_t block : stored) {
       archive.expect(block < count() && is_stored(block) != archive.loads(), "stored", "each block once", block);
-      archive.bytes("block" + std::to_string(block), blocks_[block], block_bytes_, block_bytes_);
+      std::vector<std::uint8_t>& bytes = is_elsewhere(block) ? room : blocks_[block];
+      if (is_elsewhere(block)) bytes_of(block, room, pack);
+      archive.bytes("block" + std::to_string(block), bytes, block_bytes_, block_bytes_);
     }
-    if (archive.loads()) stored_ = stored.size();
+    if (archive.loads()) stored_ = held_ = stored.size();
   }
 
  private:
   std::size_t block_bytes_;
   std::size_t stored_ = 0;
+  std::size_t held_ = 0;  // of those, here
   std::vector<std::vector<std::uint8_t>> blocks_;
+  std::vector<std::uint8_t> elsewhere_;  // one a block
 };
 
 }  // namespace gicube::emu

@@ -8,7 +8,8 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "gicube/wire/voxel.h"
 
@@ -17,54 +18,16 @@
 namespace gicube::emu {
 namespace {
 
-// `to`, from its place `at` on.
-inline DecodedBlock beyond(const DecodedBlock& to, std::size_t at) {
-  return {to.densities + at, to.codes == nullptr ? nullptr : to.codes + at};
-}
-
-inline void clear(const DecodedBlock& to, std::size_t count) {
-  std::fill_n(to.densities, count, std::int16_t{0});
-  if (to.codes != nullptr) std::fill_n(to.codes, count, std::uint16_t{0});
-}
-
 constexpr int kCodeBit = 12;                  // of a voxel's word
 constexpr std::uint32_t kCodeMask = 0x1FFFu;  // code and tag
 
-// `count` words from `first` on; the bits of their codes and tags.
-inline std::uint16_t decode_words(std::span<const std::uint8_t> packed, std::size_t first, std::size_t count,
-                                  const DecodedBlock& to) {
-  std::uint16_t any = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t word = wire::load36(packed, first + i);
-    const auto code = static_cast<std::uint16_t>(word >> kCodeBit & kCodeMask);
-    to.densities[i] = static_cast<std::int16_t>((word & wire::kDensityMax) << kDensityFractionBits);
-    if (to.codes != nullptr) to.codes[i] = code;
-    any |= code;
-  }
-  return any;
-}
-
-// `row(packed, first, to)` decodes the n words from `first` on, and gives the bits that their codes and tags have.
+// `row(first, at)` decodes the n words from `first` on to the voxels from `at` on, and gives the bits of their codes and tags.
 template <typename Row>
-std::uint16_t decode_rows(const BlockWords& from, const DecodedBlock& to, const Row& row) {
-  const std::size_t n = from.voxels, edge = n + 1;
+std::uint16_t decode_rows(std::size_t n, const Row& row) {
+  const std::size_t edge = n + 1;
   std::uint16_t any = 0;
-  for (std::size_t z = 0; z <= n; ++z) {
-    for (std::size_t y = 0; y <= n; ++y) {
-      const std::size_t first = (z % n * n + y % n) * n, neighbour = y / n * 2 + z / n * 4;
-      const DecodedBlock begin = beyond(to, (z * edge + y) * edge), end = beyond(begin, n);
-      const auto own = from.packed[neighbour], next = from.packed[neighbour + 1];
-      if (own.empty()) {
-        clear(begin, n);
-      } else {
-        any |= row(own, first, begin);
-      }
-      if (next.empty()) {
-        clear(end, 1);
-      } else {
-        any |= decode_words(next, first, 1, end);
-      }
-    }
+  for (std::size_t z = 0; z < n; ++z) {
+    for (std::size_t y = 0; y < n; ++y) any |= row((z * n + y) * n, (z * edge + y) * edge);
   }
   return any;
 }
@@ -78,7 +41,9 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) { return decode_one_by_one(from, to); }
+std::uint16_t decode(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to) {
+  return decode_one_by_one(packed, n, to);
+}
 
 #else
 
@@ -87,7 +52,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The n words from the even word `first` on, in lanes of 32 bits: a voxel's irradiance, above those, stands elsewhere.
 template <std::size_t kLanes>
 HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::size_t first, std::size_t n,
-                                    const DecodedBlock& to) {
+                                    std::int16_t* densities_to, std::uint16_t* codes_to) {
   const hn::CappedTag<std::int32_t, kLanes> d;
   const hn::Repartition<std::int64_t, decltype(d)> d64;
   const hn::RebindToUnsigned<decltype(d64)> du64;
@@ -107,8 +72,8 @@ HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::s
         hn::And(hn::ShiftLeft<kDensityFractionBits>(words), hn::Set(du, wire::kDensityMax << kDensityFractionBits));
     const auto codes = hn::And(hn::ShiftRight<kCodeBit>(words), hn::Set(du, kCodeMask));
     any = hn::Or(any, codes);
-    hn::StoreU(hn::DemoteTo(d16, hn::BitCast(d, densities)), d16, to.densities + x);
-    if (to.codes != nullptr) hn::StoreU(hn::DemoteTo(du16, hn::BitCast(d, codes)), du16, to.codes + x);
+    hn::StoreU(hn::DemoteTo(d16, hn::BitCast(d, densities)), d16, densities_to + x);
+    if (codes_to != nullptr) hn::StoreU(hn::DemoteTo(du16, hn::BitCast(d, codes)), du16, codes_to + x);
   }
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < lanes; ++i) bits |= hn::ExtractLane(any, i);
@@ -116,14 +81,14 @@ HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::s
 }
 
 template <std::size_t kLanes>
-std::uint16_t decode_with(const BlockWords& from, const DecodedBlock& to) {
-  return decode_rows(from, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
-    return decode_row<kLanes>(packed, first, from.voxels, row);
+std::uint16_t decode_with(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to) {
+  return decode_rows(n, [&](std::size_t first, std::size_t at) {
+    return decode_row<kLanes>(packed, first, n, to.densities + at, to.codes == nullptr ? nullptr : to.codes + at);
   });
 }
 
-std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) {
-  return from.voxels == 8 ? decode_with<8>(from, to) : decode_with<16>(from, to);
+std::uint16_t decode(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to) {
+  return n == 8 ? decode_with<8>(packed, n, to) : decode_with<16>(packed, n, to);
 }
 
 #endif
@@ -133,36 +98,54 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace gicube::emu {
 
-std::uint16_t decode_one_by_one(const BlockWords& from, const DecodedBlock& to) {
-  return decode_rows(from, to, [&](auto packed, std::size_t first, const DecodedBlock& row) {
-    return decode_words(packed, first, from.voxels, row);
+std::uint16_t decode_one_by_one(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to) {
+  return decode_rows(n, [&](std::size_t first, std::size_t at) {
+    std::uint16_t any = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint64_t word = wire::load36(packed, first + i);
+      const auto code = static_cast<std::uint16_t>(word >> kCodeBit & kCodeMask);
+      to.densities[at + i] = static_cast<std::int16_t>((word & wire::kDensityMax) << kDensityFractionBits);
+      if (to.codes != nullptr) to.codes[at + i] = code;
+      any |= code;
+    }
+    return any;
   });
 }
 
-void decode_colours(const BlockWords& from, const BlockColours& colours, bool premultiplied, DecodedColour* to) {
-  const std::size_t n = from.voxels, edge = n + 1;
-  for (std::size_t row = 0; row < edge * edge; ++row) {
-    const std::size_t y = row % edge, z = row / edge, first = (z % n * n + y % n) * n, begin = y / n * 2 + z / n * 4;
-    for (std::size_t x = 0; x < edge; ++x, ++to) {
-      const std::size_t block = begin + x / n, voxel = first + x % n;
-      const auto words = from.packed[block], bytes = colours.bytes[block];
-      int density = 0;
-      if (premultiplied && !words.empty()) {
-        density = wire::to_voxel(wire::load36(words, voxel)).density << kDensityFractionBits;
-      }
-      const int factor = premultiplied ? density : kDecodedColourOne;
-      for (std::size_t c = 0; c < wire::kColourBytes; ++c) {
-        const int byte = bytes.empty() ? 0 : bytes[wire::kColourBytes * voxel + c];
-        to->channel[c] = static_cast<std::int16_t>((byte * factor + 127) / 255);
-      }
-      to->channel[3] = static_cast<std::int16_t>(density);
+bool has_irradiance_bits(std::span<const std::uint8_t> packed) {
+  // Of a pair's 72 bits those from the ninth on: bits 25..35 and 61..71 are the irradiance.
+  constexpr std::uint64_t kBits = std::uint64_t{0x7FF} << 17 | std::uint64_t{0x7FF} << 53;
+  std::uint64_t any = 0;
+  for (std::size_t at = 1; at + 8 <= packed.size(); at += 9) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, packed.data() + at, sizeof eight);
+    any |= eight;
+  }
+  return (any & kBits) != 0;
+}
+
+void pack(const std::int16_t* densities, const std::uint16_t* codes, std::size_t n, std::span<std::uint8_t> out) {
+  const std::size_t edge = n + 1;
+  std::size_t at = 0;
+  for (std::size_t row = 0; row < n * n; ++row) {
+    const std::size_t first = (row / n * edge + row % n) * edge;
+    const auto word = [&](std::size_t i) {
+      const auto density = static_cast<std::uint64_t>(densities[first + i] >> kDensityFractionBits);
+      return density | std::uint64_t{codes == nullptr ? std::uint16_t{0} : codes[first + i]} << kCodeBit;
+    };
+    for (std::size_t x = 0; x < n; x += 2, at += 9) {
+      const std::uint64_t second = word(x + 1);
+      wire::store(out, at, word(x) | second << wire::kVoxelBits);
+      out[at + 8] = static_cast<std::uint8_t>(second >> (64 - wire::kVoxelBits));
     }
   }
 }
 
 HWY_EXPORT(decode);
 
-std::uint16_t decode(const BlockWords& from, const DecodedBlock& to) { return HWY_DYNAMIC_DISPATCH(decode)(from, to); }
+std::uint16_t decode(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to) {
+  return HWY_DYNAMIC_DISPATCH(decode)(packed, n, to);
+}
 
 }  // namespace gicube::emu
 #endif

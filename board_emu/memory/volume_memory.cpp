@@ -56,7 +56,7 @@ void VolumeMemory::mark_stale(std::size_t block) {
 }
 
 void VolumeMemory::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
-  words_.write(offset, bytes, [this](std::size_t block) { mark_stale(block); });
+  words_.write(offset, bytes, packer(), [this](std::size_t block) { mark_stale(block); });
 }
 
 bool VolumeMemory::write_colours(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
@@ -65,7 +65,7 @@ bool VolumeMemory::write_colours(std::uint64_t offset, std::span<const std::uint
   for (std::uint64_t block = offset / colours_.block_bytes(); block <= last; ++block) {
     if (!words_.is_stored(static_cast<std::size_t>(block))) return false;
   }
-  colours_.write(offset, bytes, [this](std::size_t block) { mark_stale(block); });
+  colours_.write(offset, bytes, kHere, [this](std::size_t block) { mark_stale(block); });
   return true;
 }
 
@@ -83,6 +83,7 @@ std::optional<VolumeMemory::BitPlace> VolumeMemory::find_bit(std::size_t stored,
 
 void VolumeMemory::flip(const BitPlace& place) {
   const std::size_t at = place.bit / 8;
+  words_.bring_back(place.block, packer());
   std::uint8_t& byte =
       at < block_bytes() ? words_.byte(place.block, at) : colours_.byte(place.block, at - block_bytes());
   byte = static_cast<std::uint8_t>(byte ^ (1u << place.bit % 8));
@@ -100,28 +101,76 @@ void VolumeMemory::state(Archive& archive) {
     }
     resize(size);
   }
-  words_.state(archive);
-  if (wire::has_colours(format_)) archive.within("colours", [&] { colours_.state(archive); });
+  words_.state(archive, packer());
+  if (wire::has_colours(format_)) archive.within("colours", [&] { colours_.state(archive, kHere); });
   if (archive.loads()) std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
 
-std::uint16_t VolumeMemory::decode_block(std::size_t block) {
-  const auto [bx, by, bz] = place(block);
-  BlockWords from;
-  BlockColours colours;
-  from.voxels = static_cast<std::size_t>(n_);
-  for (int i = 0; i < 8; ++i) {
-    const int x = bx + (i & 1), y = by + (i >> 1 & 1), z = bz + (i >> 2);
-    const bool inside = x < blocks_[0] && y < blocks_[1] && z < blocks_[2];
-    if (!inside) continue;
-    from.packed[static_cast<std::size_t>(i)] = words_[block_at(x, y, z)];
-    if (colours_.count() != 0) colours.bytes[static_cast<std::size_t>(i)] = colours_[block_at(x, y, z)];
+void VolumeMemory::Packer::operator()(std::size_t block, std::span<std::uint8_t> out) const {
+  const std::size_t first = of->first_[block];
+  pack(of->densities_.data() + first, of->codes_.empty() ? nullptr : of->codes_.data() + first,
+       static_cast<std::size_t>(of->n_), out);
+}
+
+std::uint16_t VolumeMemory::decode_own(std::size_t block) {
+  const std::size_t first = first_[block], n = static_cast<std::size_t>(n_);
+  std::uint16_t any = 0;
+  if (const auto packed = words_[block]; !packed.empty()) {
+    std::uint16_t* const codes = codes_.empty() ? nullptr : codes_.data() + first;
+    any = emu::decode(packed, n, {densities_.data() + first, codes});
+    if ((codes != nullptr || any == 0) && !has_irradiance_bits(packed)) words_.release(block);
   }
-  const std::size_t first = first_[block];
   if (!decoded_colours_.empty()) {
-    decode_colours(from, colours, format_ == wire::VoxelFormat::kRgba, decoded_colours_.data() + first);
+    for (std::size_t voxel = 0; voxel < n * n * n; ++voxel) {
+      const std::size_t at = first + voxel % n + edge_ * (voxel / n % n + edge_ * (voxel / (n * n)));
+      decoded_colours_[at] = decode_colour(colours_[block], voxel, densities_[at], format_ == wire::VoxelFormat::kRgba);
+    }
   }
-  return emu::decode(from, {densities_.data() + first, codes_.empty() ? nullptr : codes_.data() + first});
+  return any;
+}
+
+std::uint16_t VolumeMemory::copy_row(const std::array<int, 3>& from, std::size_t y, std::size_t z, std::size_t count,
+                                     std::size_t at) {
+  const bool inside = from[0] < blocks_[0] && from[1] < blocks_[1] && from[2] < blocks_[2];
+  const std::size_t block = inside ? block_at(from[0], from[1], from[2]) : 0, n = static_cast<std::size_t>(n_);
+  // Words that are here may be newer than what they were decoded to, if the block is leapt over.
+  const bool is_packed = inside && !words_[block].empty(), is_decoded = inside && words_.is_elsewhere(block);
+  const std::size_t source = is_decoded ? first_[block] + edge_ * (y + edge_ * z) : 0, voxel = n * (y + n * z);
+  std::uint16_t any = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::int16_t density = 0;
+    std::uint16_t code = 0;
+    if (is_decoded) {
+      density = densities_[source + i];
+      if (!codes_.empty()) code = codes_[source + i];
+    } else if (is_packed) {
+      const wire::Voxel word = wire::to_voxel(wire::load36(words_[block], voxel + i));
+      density = static_cast<std::int16_t>(word.density << kDensityFractionBits);
+      code = static_cast<std::uint16_t>(word.gradient | word.tag << kCodeBits);
+    }
+    any |= code;
+    densities_[at + i] = density;
+    if (!codes_.empty()) codes_[at + i] = code;
+    if (decoded_colours_.empty()) continue;
+    const auto bytes = inside ? colours_[block] : std::span<const std::uint8_t>();
+    decoded_colours_[at + i] = decode_colour(bytes, voxel + i, density, format_ == wire::VoxelFormat::kRgba);
+  }
+  return any;
+}
+
+std::uint16_t VolumeMemory::decode_faces(std::size_t block) {
+  std::uint16_t any = 0;
+  const auto [bx, by, bz] = place(block);
+  const auto n = static_cast<std::size_t>(n_);
+  for (std::size_t z = 0; z <= n; ++z) {
+    for (std::size_t y = 0; y <= n; ++y) {
+      const int dy = y == n ? 1 : 0, dz = z == n ? 1 : 0;
+      const std::size_t row = first_[block] + edge_ * (y + edge_ * z);
+      if (dy + dz != 0) any |= copy_row({bx, by + dy, bz + dz}, y % n, z % n, n, row);
+      any |= copy_row({bx + 1, by + dy, bz + dz}, y % n, z % n, 1, row + n);
+    }
+  }
+  return any;
 }
 
 // Each stored block that is read has its place. Those that have one keep it.
@@ -151,15 +200,31 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
 
 void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned threads) {
   if (which.empty()) return;
-  // Mostly one block tells whether there are codes.
-  if (codes_.empty() && decode_block(which[which.size() / 2]) != 0) codes_.resize(places() + 1, 0);
+  const bool had_codes = !codes_.empty();
   std::atomic<std::uint32_t> any{0};
-  parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_block(which[i]); });
+  const auto begin_codes = [&] {
+    if (any != 0 && codes_.empty()) codes_.resize(places() + 1, 0);
+  };
+  const auto decode_all = [&] {
+    parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_own(which[i]); });
+  };
+  // Mostly one block tells whether there are codes. The words of those that have some stay until these have a place.
+  any |= decode_own(which[which.size() / 2]);
+  begin_codes();
+  decode_all();
+  if (any != 0 && codes_.empty()) {
+    begin_codes();
+    decode_all();
+  }
+  words_.count_held();
+  parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_faces(which[i]); });
+  begin_codes();
   has_tags_ = has_tags_ || any >> kCodeBits != 0;
-  if (any == 0 || !codes_.empty()) return;
-  // The first codes of this volume: blocks decoded before them have none.
-  codes_.resize(places() + 1, 0);
-  parallel_for(which.size(), threads, [&](std::size_t i) { decode_block(which[i]); });
+  if (had_codes == !codes_.empty()) return;
+  // The first codes: blocks that were decoded before have none on their faces.
+  parallel_for(block_count(), threads, [&](std::size_t block) {
+    if (first_[block] != 0) decode_faces(block);
+  });
 }
 
 void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,

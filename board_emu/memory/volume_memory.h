@@ -2,7 +2,8 @@
 // gradient code with a tag for each voxel. What a code stands for is looked up where a sample needs it.
 //
 // A block that was never written is uniformly zero and takes no memory. Copies on shared faces are made here: the host
-// sends every voxel once (docs/reference/hardware.md). Blocks that all rays leap over are not decoded.
+// sends every voxel once (docs/reference/hardware.md). Blocks that all rays leap over are not decoded. The words of a block that is
+// decoded are not kept, since they can be made of its voxels; but for those with irradiance bits, which no driver writes.
 #pragma once
 
 #include <array>
@@ -50,9 +51,8 @@ class VolumeMemory : public Blocked {
 
   // Memory of the host's: what it has, what a write of such bytes would add, and at most what decode() would while it works.
   std::uint64_t memory_bytes() const {
-    return words_.stored() * words_.block_bytes() + colours_.stored() * colours_.block_bytes() +
-           densities_.capacity() * sizeof(std::int16_t) + codes_.capacity() * sizeof(std::uint16_t) +
-           decoded_colours_.capacity() * sizeof(DecodedColour);
+    return words_.held_bytes() + colours_.held_bytes() + densities_.capacity() * sizeof(std::int16_t) +
+           codes_.capacity() * sizeof(std::uint16_t) + decoded_colours_.capacity() * sizeof(DecodedColour);
   }
   std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
     return words_.bytes_to_write(offset, length);
@@ -66,12 +66,16 @@ class VolumeMemory : public Blocked {
 
   // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading gives what was written, or 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const { words_.read(offset, out); }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const { words_.read(offset, out, packer()); }
   // The same of their colours. False, and nothing written, if there are no bytes there, or of a block whose words are not stored.
   bool write_colours(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  void read_colours(std::uint64_t offset, std::span<std::uint8_t> out) const { colours_.read(offset, out, kHere); }
   const BlockBytes& colours() const { return colours_; }
-  // A block's words; empty if it was never written.
-  std::span<const std::uint8_t> packed(std::size_t block) const { return words_[block]; }
+  bool is_stored(std::size_t block) const { return words_.is_stored(block); }
+  // A stored block's words; `room` is where they may have to be made.
+  std::span<const std::uint8_t> packed(std::size_t block, std::vector<std::uint8_t>& room) const {
+    return words_.bytes_of(block, room, packer());
+  }
   std::size_t block_bytes() const { return words_.block_bytes(); }
 
   // A bit of a stored block's words, or of its colours, which come after them.
@@ -115,8 +119,21 @@ class VolumeMemory : public Blocked {
   std::size_t places() const { return densities_.size() - 1; }
   void make_places(std::span<const std::uint8_t> leapt_over);
   void decode_blocks(std::span<const std::size_t> which, unsigned threads);
-  // All bits of the block's gradient codes and tags.
-  std::uint16_t decode_block(std::size_t block);
+  // The block's own voxels, if its words are here, which it then lets go. All bits of their gradient codes and tags.
+  std::uint16_t decode_own(std::size_t block);
+  // Copies its neighbours' voxels onto its +1 faces. All bits of their codes and tags, also where none are made.
+  std::uint16_t decode_faces(std::size_t block);
+  // To the voxels from `at` on: `count` from voxel (0, y, z) of a block on, which is any, or beyond the volume.
+  std::uint16_t copy_row(const std::array<int, 3>& from, std::size_t y, std::size_t z, std::size_t count,
+                         std::size_t at);
+
+  // BlockBytes' way to bring words back.
+  struct Packer {
+    const VolumeMemory* of;
+    void operator()(std::size_t block, std::span<std::uint8_t> out) const;
+  };
+  Packer packer() const { return {this}; }
+  static constexpr auto kHere = [](std::size_t, std::span<std::uint8_t>) {};  // colours stay
 
   wire::VoxelFormat format_;
   BlockBytes words_, colours_;

@@ -188,7 +188,7 @@ bool DspCommands::has_room(std::uint64_t address, std::uint64_t length) const {
   if (address < wire::kVolume.base || length == 0 || offset + length > volume.bytes()) return true;
   const std::uint64_t first = offset / volume.block_bytes(), last = (offset + length - 1) / volume.block_bytes();
   std::uint64_t more = 0;
-  for (std::uint64_t block = first; block <= last; ++block) more += volume.packed(block).empty() ? 1 : 0;
+  for (std::uint64_t block = first; block <= last; ++block) more += volume.is_stored(block) ? 0 : 1;
   return volume.stored_blocks() + more <= capacity_blocks();
 }
 

@@ -49,12 +49,12 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload, Progres
   }
   const std::vector<std::uint8_t> zeros(volume.block_bytes());
   const std::uint32_t never_written = wire::crc32c(zeros);
+  std::vector<std::uint8_t> room;
   CommandResult result{.asic_ps = reading_time(first, count), .up_bytes = 4 * count};
   result.payload.resize(4 * count);
   for (std::size_t i = 0; i < count; ++i) {
     if (work.cancel) throw CommandFault{wire::ErrorCode::kCancelled, ""};
-    const auto packed = volume.packed(first + i);
-    std::uint32_t sum = packed.empty() ? never_written : wire::crc32c(packed);
+    std::uint32_t sum = volume.is_stored(first + i) ? wire::crc32c(volume.packed(first + i, room)) : never_written;
     const BlockBytes& colours = volume.colours();
     if (colours.count() != 0 && colours.is_stored(first + i)) sum ^= wire::crc32c(colours[first + i]);
     wire::store(std::span(result.payload), 4 * i, sum);
@@ -71,7 +71,7 @@ Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) cons
   const Partition partition(config_.asic(), volume.blocks());
   std::vector<std::uint64_t> blocks(processors);  // by channel
   for (std::size_t block = first; block < first + count; ++block) {
-    if (!volume.packed(block).empty()) ++blocks[partition.home(block).processor / sharing];
+    if (volume.is_stored(block)) ++blocks[partition.home(block).processor / sharing];
   }
   const auto n = static_cast<std::uint64_t>(volume.block_voxels());
   const std::uint64_t clocks =

@@ -94,13 +94,13 @@ TEST(MemoryLimit, ASizeWhoseBlocksAloneTakeMoreIsRefusedAndTheFormerVolumeStays)
 
 TEST(MemoryLimit, ACommandThatNeedsMoreSaysSoAndASmallerOneIsCarriedOut) {
   const auto grey = [](int x, int, int) { return wire::Voxel{static_cast<std::uint16_t>(10 * x), 0, 0, 0}; };
-  BareBoard board = limited(12);
-  board.load_volume({96, 96, 96}, grey);  // 27 blocks: 4 MiB, decoded with gradients 11 MiB more
+  BareBoard board = limited(7);
+  board.load_volume({96, 96, 96}, grey);  // 27 blocks: 4 MiB, while they are decoded 4 MiB more
   const Completion refused = board.wait(board.command(render_of({96, 96, 96}, 16))).completions.at(0);
   EXPECT_EQ(refused.error, ErrorCode::kBadValue);
   EXPECT_THAT(std::string(refused.payload.begin(), refused.payload.end()),
-              AllOf(HasSubstr("memory: expected at most 12 MiB for volume, words and image"), HasSubstr("--max-memory"),
-                    HasSubstr("got 15 MiB")));
+              AllOf(HasSubstr("memory: expected at most 7 MiB for volume, words and image"), HasSubstr("--max-memory"),
+                    HasSubstr("got 8 MiB")));
   EXPECT_FALSE(board.read_memory(wire::kVolume.base, 9).payload.empty());
 
   BareBoard free(board_of(32, 128));
@@ -116,7 +116,7 @@ TEST(MemoryLimit, AnImageCountsToo) {
   EXPECT_EQ(board.render(corner_view({32, 32, 32}, 200)).size(), 200u * 200);
 }
 
-// 7 MiB hold 13 blocks beside 389 KiB for all 64, one block of 33^3 voxels decoded (10 bytes each), which those without words
+// 7 MiB hold 15 blocks beside 389 KiB for all 64, one block of 33^3 densities (2 bytes each), which those without words
 // share, and for each of 160,000 pixels 24 bytes of sums and 36 bits.
 TEST(MemoryLimit, AnImageCountsBesideWhatIsWrittenAfterIt) {
   BareBoard board = limited(7);
@@ -126,7 +126,7 @@ TEST(MemoryLimit, AnImageCountsBesideWhatIsWrittenAfterIt) {
   while (board.read_register(reg::kStatus) == 0 && block < 64) {
     board.write_memory(address_of(block++), std::vector<std::uint8_t>{0xAB});
   }
-  EXPECT_EQ(block - 1, 13u);
+  EXPECT_EQ(block - 1, 15u);
 }
 
 // Some 13,000 rays come to blocks that are not there.

@@ -144,6 +144,87 @@ TEST(VolumeMemory, ReadsBackWhatWasWrittenInPiecesAcrossBlocks) {
   EXPECT_EQ(back, all);
 }
 
+// The words of decoded blocks are gone, and come back.
+TEST(VolumeMemory, ReadsBackWhatWasWrittenAlsoOfDecodedBlocks) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {20, 16, 9}, {3});
+  std::vector<std::uint8_t> before(memory.bytes()), after(before.size());
+  memory.read(0, before);
+  const std::uint64_t held = memory.memory_bytes();
+  memory.decode(gradient_lut(), true, 2);
+  EXPECT_LT(memory.memory_bytes(), held * 3 / 2) << "4 bytes for 4.5; faces are many in blocks of 8";
+  memory.read(0, after);
+  EXPECT_EQ(after, before);
+
+  const std::vector<std::uint8_t> some(5, 0x55);  // not whole words, in the middle of a block
+  memory.write(4 * memory.block_bytes() + 1001, some);
+  std::copy(some.begin(), some.end(), before.begin() + static_cast<std::ptrdiff_t>(4 * memory.block_bytes() + 1001));
+  memory.read(0, after);
+  EXPECT_EQ(after, before);
+  memory.decode(gradient_lut(), false, 1);
+  memory.read(0, after);
+  EXPECT_EQ(after, before);
+}
+
+TEST(VolumeMemory, KeepsTheWordsOfBlocksWithIrradianceBits) {
+  VolumeMemory memory(kBlock);
+  memory.resize({8, 8, 8});
+  std::vector<std::uint8_t> bytes(memory.block_bytes());
+  for (std::size_t i = 0; i < kBlockWords; ++i) {
+    wire::store36(bytes, i,
+                  wire::to_word(wire::Voxel{static_cast<std::uint16_t>(i), 0, 0,
+                                            i == 77 ? std::uint16_t{1024} : std::uint16_t{0}}));
+  }
+  memory.write(0, bytes);
+  memory.decode(gradient_lut(), true, 1);
+  std::vector<std::uint8_t> back(bytes.size());
+  memory.read(0, back);
+  EXPECT_EQ(back, bytes);
+  EXPECT_EQ(memory.view(0).densities[9], 8 << 3);
+}
+
+// Whatever the order in which blocks are written, decoded and left out, what is seen is what a memory has that decodes all at once.
+TEST(VolumeMemory, ShowsTheSameHoweverItsBlocksCame) {
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 60; ++trial) {
+    const std::array<int, 3> size{20, 16, 24};
+    VolumeMemory memory(kBlock), whole(kBlock);
+    memory.resize(size);
+    whole.resize(size);
+    const bool plain = trial % 3 == 0;  // no codes until the last turn
+    for (int turn = 0; turn < 5; ++turn) {
+      for (int writes = static_cast<int>(random() % 4); writes > 0; --writes) {
+        std::vector<std::uint8_t> bytes(random() % 3 == 0 ? 45 : memory.block_bytes());
+        for (std::size_t i = 0; i < bytes.size() / 9 * 2; ++i) {
+          const std::uint64_t mask = plain && turn < 4 ? 0xFFFu : random() % 50 == 0 ? 0xF'FFFF'FFFFu : 0x1FF'FFFFu;
+          wire::store36(bytes, i, (std::uint64_t{random()} << 20 ^ random()) & mask);
+        }
+        const std::size_t block = random() % memory.block_count();
+        const std::uint64_t offset = block * memory.block_bytes() + (bytes.size() == 45 ? 9 * (random() % 200) : 0);
+        memory.write(offset, bytes);
+        whole.write(offset, bytes);
+      }
+      std::vector<std::uint8_t> leapt_over(memory.block_count());
+      for (auto& flag : leapt_over) flag = random() % 4 == 0 ? 1 : 0;
+      memory.decode(gradient_lut(), turn == 0, 1 + trial % 2, {.leapt_over = leapt_over});
+    }
+    memory.decode(gradient_lut(), false, 1);
+    whole.decode(gradient_lut(), true, 1);
+    for (std::size_t block = 0; block < memory.block_count(); ++block) {
+      const BlockView a = memory.view(block), b = whole.view(block);
+      for (std::size_t i = 0; i < 9 * 9 * 9; ++i) {
+        ASSERT_EQ(a.densities[i], b.densities[i]) << trial << ' ' << block << ' ' << i;
+        ASSERT_EQ(a.codes == nullptr ? 0 : a.codes[i], b.codes == nullptr ? 0 : b.codes[i])
+            << trial << ' ' << block << ' ' << i;
+      }
+    }
+    std::vector<std::uint8_t> bytes(memory.bytes()), expected(bytes.size());
+    memory.read(0, bytes);
+    whole.read(0, expected);
+    ASSERT_EQ(bytes, expected);
+  }
+}
+
 TEST(VolumeMemory, RefreshesTheFacesOfTheBlocksBeforeARewrittenBlock) {
   VolumeMemory memory(kBlock);
   fill(memory, {16, 8, 8});

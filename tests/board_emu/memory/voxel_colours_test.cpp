@@ -108,7 +108,7 @@ TEST(VoxelColours, HaveBitsThatCanFlipBehindThoseOfTheWords) {
   ASSERT_TRUE(place.has_value());
   memory.flip(*place);
   std::vector<std::uint8_t> read(1);
-  memory.colours().read(3 * kColouredVoxels + 15, read);
+  memory.read_colours(3 * kColouredVoxels + 15, read);
   EXPECT_EQ(read[0], byte_at(1, 15) ^ 8);
 }
 
