@@ -39,6 +39,7 @@ const char* command_name(std::span<const std::uint8_t> payload) {
 
 Cargo cargo_at(std::uint64_t address) {
   if (address >= wire::kVolume.base) return Cargo::kVolume;
+  if (address >= wire::kHostRayMemory.base) return Cargo::kRays;
   return address >= wire::kFramebuffer.base ? Cargo::kImage : Cargo::kTable;
 }
 
@@ -86,6 +87,7 @@ void Board::Parts::control(std::uint32_t bits) {
   if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
   if ((bits & wire::kControlClearSums) != 0) commands.clear_sums();
   if ((bits & wire::kControlDropBlocks) != 0) commands.drop_blocks();
+  if ((bits & wire::kControlDropRays) != 0) commands.drop_rays();
 }
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
@@ -105,6 +107,7 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
       const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
       if (!registers.write(offset, value)) return {};
       if (offset == reg::kControl) control(value);
+      if (offset == reg::kDropBlock && !commands.drop_block(value)) registers.raise(wire::kStatusBadValue, offset);
       switch (commands.accept_register(offset)) {
         case Acceptance::kTaken: return {};
         case Acceptance::kTooMuchMemory: lack_memory(); break;

@@ -4,8 +4,8 @@
 #include <bit>
 #include <ostream>
 
+#include "datapath/bricks.h"
 #include "datapath/interaction.h"
-#include "datapath/waiting_ray.h"
 
 namespace gicube::emu {
 
@@ -205,7 +205,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
     if (carries) {
-      splat(ray.block, deposit_of(ray_state, *frame_), entry);
+      splat(ray.block, on_card(deposit_of(ray_state, *frame_), *frame_), entry);
       how = Termination::kAbsorbed;
     } else if (!scatters_or_deposits_) {
       gather(ray_state, site, *frame_, counts_);
@@ -223,8 +223,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     if (!carries) count_end(ray_state, how, *frame_, counts_);
   } else if (!grid_.same(ray_state.position, low)) {
     ray.block = static_cast<std::uint32_t>(grid_.block(ray_state.position));
-    if (is_absent(ray.block, *frame_)) {
-      token.state = TokenStatus::kTrapped;
+    if (token.state != TokenStatus::kTrapped && is_absent(ray.block, *frame_)) {
+      token.state = TokenStatus::kAbsent;
     } else {
       const Home& home = partition_.home(ray.block);
       token.processor = home.processor;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "asic/cache/splat_tiles.h"
+#include "datapath/bricks.h"
 #include "datapath/interaction.h"
 #include "memory/sum_memory.h"
 #include "processor.h"
@@ -28,20 +29,43 @@ Termination Processor::after(const Interaction& interaction, const Point& place,
 // Writes the deposit's voxels in the ray's block, and sends it to the other blocks that have copies of them.
 void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry) {
   const std::uint32_t block = ray.block;
-  Deposit written = interaction.deposit;
+  const Deposit here = on_card(interaction.deposit, *frame_);
+  Deposit written = here;
   if (writes_all_voxels()) written.shares.fill(1);
   const SharingBlocks sharing =
       frame_->sums != nullptr ? frame_->sums->blocks_of(written) : frame_->irradiance->blocks_of(written);
   Splat* work = nullptr;
   for (std::size_t i = 0; i < sharing.count; ++i) {
-    if (sharing.block[i] == block) work = &splat(block, interaction.deposit, entry);
+    if (sharing.block[i] == block) work = &splat(block, here, entry);
   }
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) continue;
+    if (is_dark(sharing.block[i])) {  // its copies are made as it comes to the card
+      frame_->irradiance->add(here, sharing.block[i]);
+      continue;
+    }
     if (work == nullptr) work = &add_splat(block, entry);
     work->carrier[work->carriers++] = carrier(ray.ray_state, interaction, sharing.block[i]);
     if (entry.token.watched) [[unlikely]]
       watch_carrier(entry.token.ray, work->carrier[work->carriers - 1]);
+  }
+  carry_to_host(interaction, ray, entry, work);
+}
+
+// Sends the deposit to the DSP for each block whose irradiance the host has.
+void Processor::carry_to_host(const Interaction& interaction, const RayUnderWay& ray, InFlight& entry, Splat* work) {
+  if (frame_->dark.empty()) return;
+  SharingBlocks owners;
+  for_each_share(interaction.deposit, *frame_->irradiance, [&](std::size_t, std::size_t owner, const auto&) {
+    const auto known = std::span(owners.block).first(owners.count);
+    if (!is_dark(owner) || std::ranges::find(known, owner) != known.end()) return;
+    owners.block[owners.count++] = static_cast<std::uint32_t>(owner);
+  });
+  for (std::size_t i = 0; i < owners.count; ++i) {
+    if (work == nullptr) work = &add_splat(ray.block, entry);
+    RayToken& token = work->carrier[work->carriers++];
+    token = carrier(ray.ray_state, interaction, owners.block[i]);
+    token.state = TokenStatus::kAbsent;
   }
 }
 
@@ -132,7 +156,7 @@ bool Processor::tick_light(Cycle now) {
 // Sends the splat's next carrier on its way; true if it went.
 bool Processor::send_carrier(Cycle now) {
   const RayToken& token = splats_.carrier();
-  Fifo<RayToken>& to = token.processor == number_ ? returned_ : out_links;
+  Fifo<RayToken>& to = token.state == TokenStatus::kAbsent ? done : token.processor == number_ ? returned_ : out_links;
   if (!to.can_push(now)) return false;
   to.push(now, token);
   splats_.sent_carrier();

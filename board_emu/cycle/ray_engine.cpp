@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <ostream>
 
+#include "datapath/bricks.h"
 #include "datapath/interaction.h"
-#include "datapath/waiting_ray.h"
 
 namespace gicube::emu {
 
@@ -92,16 +92,30 @@ void RayEngine::take_back(Cycle now) {
                                  : store_.keep(list_of(token.processor, token.queue), token.ray));
     return;
   }
+  settle(now, token);
+}
+
+void RayEngine::settle(Cycle now, const RayToken& token) {
+  const RayUnderWay& carrier = rays_[token.ray];
+  if (token.state == TokenStatus::kAbsent && carrier.ray_state.is(wire::kIrradianceCarrier)) {
+    give_host(deposit_of(carrier.ray_state, *frame_), *frame_, carrier.block);
+    rays_.remove(token.ray);
+    return carry_out(now, {.loop = &kPassRay});
+  }
+  Scattered scattered = Scattered::kEnds;
   if (token.state == TokenStatus::kTrapped) {
-    const Scattered scattered = scatter(now, token);
+    scattered = scatter(now, token);
     if (scattered == Scattered::kSentAgain) return;
-    if (scattered == Scattered::kWaits) {
-      tell(now, RayStep::kWaits, token);
-      rays_.remove(token.ray);
-      --under_way_;
-      ++finished_;
-      return;
-    }
+  } else if (token.state == TokenStatus::kAbsent) {
+    wait(now, token, false);
+    scattered = Scattered::kWaits;
+  }
+  if (scattered == Scattered::kWaits) {
+    tell(now, RayStep::kWaits, token);
+    rays_.remove(token.ray);
+    --under_way_;
+    ++finished_;
+    return;
   }
   const wire::Ray ray = pack_ended(rays_[token.ray].ray_state, *frame_);
   work_->take(index_of_[token.ray], ray);
@@ -114,11 +128,18 @@ void RayEngine::take_back(Cycle now) {
   carry_out(now, work_->taking(index_of_[token.ray]));
 }
 
+void RayEngine::wait(Cycle now, const RayToken& token, bool is_trapped) {
+  const RayUnderWay& ray = rays_[token.ray];
+  frame_->waiting->add({.ray_state = ray.ray_state, .block = ray.block, .trapped = is_trapped}, index_of_[token.ray]);
+  carry_out(now, {.loop = &kPassRay});
+}
+
 RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   RayUnderWay& ray = rays_[token.ray];
-  if (frame_->in_bricks()) {
-    wait_for(ray.block, ray.ray_state, *frame_);
-    carry_out(now, {.loop = &kPassRay});
+  const BlockGrid grid(*frame_->volume);
+  ray.block = static_cast<std::uint32_t>(grid.block(ray.ray_state.position));
+  if (is_absent_for_routine(ray.block, *frame_)) {
+    wait(now, token, true);
     return Scattered::kWaits;
   }
   const std::optional<Trap> trap = trap_of(ray.ray_state, *frame_);
@@ -140,7 +161,11 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
     count_end(ray.ray_state, how, *frame_, counts_);
     return Scattered::kEnds;
   }
-  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
+  ray.block = static_cast<std::uint32_t>(grid.block(ray.ray_state.position));
+  if (is_absent(ray.block, *frame_)) {
+    wait(now, token, false);
+    return Scattered::kWaits;
+  }
   carry_out(now, store_.keep_ready(token.ray));
   return Scattered::kSentAgain;
 }
@@ -154,17 +179,19 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
     return std::nullopt;
   }
   ++rays_made_;
-  RayUnderWay ray{0, unpack_or_continue(*made, *frame_)};
+  RayUnderWay ray{0, begin_or_go_on(*made, index, *frame_)};
+  const WaitingRay* const waited = frame_->in_bricks() ? frame_->waiting->find(index) : nullptr;
+  const bool is_trapped = waited != nullptr && waited->trapped;
   if (const Termination how = end(ray.ray_state, *frame_);
-      how != Termination::kNot) {  // its clipping leaves nothing of it
+      how != Termination::kNot && !is_trapped) {  // its clipping leaves nothing of it
     count_end(ray.ray_state, how, *frame_, counts_);
     work_->take(index, pack_ended(ray.ray_state, *frame_));
     ++finished_;
     return std::nullopt;
   }
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
-  if (is_absent(ray.block, *frame_)) {
-    wait_for(ray.block, ray.ray_state, *frame_);
+  if (is_absent(ray.block, *frame_) && !is_trapped) {
+    frame_->waiting->add({.ray_state = ray.ray_state, .block = ray.block}, index);
     ++finished_;
     return std::nullopt;
   }
@@ -173,6 +200,10 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   index_of_[handle] = index;
   ++under_way_;
   watch_.made(now, handle, index, *made);
+  if (is_trapped) {
+    settle(now, {.ray = handle, .state = TokenStatus::kTrapped, .watched = watch_.watches(handle)});
+    return std::nullopt;
+  }
   return launch(handle);
 }
 

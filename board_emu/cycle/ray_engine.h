@@ -94,6 +94,10 @@ class RayEngine {
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const { return processor * lists_ + queue; }
   bool may_make() const { return made_ < end_ && under_way_ < may_be_under_way_; }
   void take_back(Cycle now);
+  // What has come to its end, is trapped or waits.
+  void settle(Cycle now, const RayToken& token);
+  // The ray waits for the block in which it is.
+  void wait(Cycle now, const RayToken& token, bool is_trapped);
   // Scatters a trapped ray by its routine. kWaits: the application has it and must answer, or it waits for a block.
   enum class Scattered : std::uint8_t { kSentAgain, kEnds, kWaits };
   Scattered scatter(Cycle now, const RayToken& token);

@@ -20,6 +20,7 @@
 namespace gicube::emu {
 
 class DepthTable;
+class HostDepositList;
 class HostTrapQueue;
 class Routines;
 class SumMemory;
@@ -32,13 +33,15 @@ struct Frame {
   std::uint64_t segmentation_writes = 0;  // counts changes: what is made of it is current while this is the same
   const std::uint8_t* reflectance_map = nullptr;  // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
-  const DepthTable* depths = nullptr;      // of `segmentation`, for lighting rays with the conserving rules
-  std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
-  std::vector<std::uint8_t> absent;        // the same; nonzero = rays wait for it. None: all blocks are there
-  WaitingRayQueue* waiting = nullptr;      // if some are absent: where those rays go
-  Point extent{};                          // size - 1 in position units
-  std::array<std::uint32_t, 3> spacing{};  // 16.16
-  std::uint32_t step = 0;                  // 16.16 voxels
+  const DepthTable* depths = nullptr;  // of `segmentation`, for lighting rays with the conserving rules
+  std::vector<std::uint8_t> empty;     // one a block; nonzero = leap
+  std::vector<std::uint8_t> absent;    // the same; nonzero = rays wait for it. None: all blocks are there
+  WaitingRayQueue* waiting = nullptr;  // if some are absent: where those rays go
+  std::vector<std::uint8_t> dark;      // one a block; nonzero = the host has its irradiance. None: the card has all
+  HostDepositList* host_deposits = nullptr;  // where deposits go that the host must make; if some blocks are dark
+  Point extent{};                            // size - 1 in position units
+  std::array<std::uint32_t, 3> spacing{};    // 16.16
+  std::uint32_t step = 0;                    // 16.16 voxels
   std::uint32_t opacity_threshold = wire::kOpacityOne;
   bool jitter = false;
   bool shade = false;
@@ -72,7 +75,7 @@ struct Frame {
   bool segments() const { return wire::is_segment(type); }       // each ray has a length, and a step of its own
   bool to_the_hit() const { return wire::has_threshold(type); }  // rays end at the sample that brings them there
   bool colourless() const { return wire::is_one_of<wire::RayType::kFirstHit, wire::RayType::kOpacity>(type); }
-  // Some blocks may be absent; then all rays are rendering rays that gather.
+  // Some blocks may be absent, or rays go on that have waited for one.
   bool in_bricks() const { return waiting != nullptr; }
   // Rays go straight on and change nothing but themselves.
   bool gathers() const { return !(lights() || backprojects() || scatter || high_albedo); }

@@ -210,8 +210,8 @@ inline wire::Ray pack(const RayState& ray, const Frame& frame) {
 }
 
 // Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
-// kWaits: for the host, which has the ray; it has not ended.
-enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits };
+// It has not ended if it is kWaits, for the host, which has the ray, or kAbsent: it waits for a block.
+enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits, kAbsent };
 
 inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;

@@ -23,6 +23,7 @@ Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::uint32_t max
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       absent_flags_(wire::kAbsentFlags.bytes),
+      dark_flags_(wire::kDarkFlags.bytes),
       volume_(block_voxels, format) {}
 
 bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes) {
@@ -52,7 +53,8 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   } else {
     std::vector<std::uint8_t>& target = is(region, wire::kReflectanceMap) ? reflectance_map_
                                         : is(region, wire::kEmptyFlags)   ? empty_flags_
-                                                                          : absent_flags_;
+                                        : is(region, wire::kAbsentFlags)  ? absent_flags_
+                                                                          : dark_flags_;
     std::copy(bytes.begin(), bytes.end(), target.begin() + static_cast<std::ptrdiff_t>(at));
   }
   return true;
@@ -98,16 +100,30 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
   }
   if (is(region, wire::kIrradiance)) return read_from(irradiance_, 4);
   if (is(region, wire::kSums)) return read_from(sums_, 9);
+  if (is(region, wire::kHostDeposits)) return host_deposits_->read(offset, length);
+  if (is(region, wire::kHostRayMemory)) return read_host_rays(offset, length);
   const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)         ? materials_.bytes()
                                               : is(region, wire::kFramebuffer)     ? std::span(pixels_)
                                               : is(region, wire::kSegmentationLut) ? segmentation_.bytes()
                                               : is(region, wire::kGradientLut)     ? gradients_.bytes()
                                               : is(region, wire::kReflectanceMap)  ? std::span(reflectance_map_)
                                               : is(region, wire::kEmptyFlags)      ? std::span(empty_flags_)
-                                                                                   : std::span(absent_flags_);
+                                              : is(region, wire::kAbsentFlags)     ? std::span(absent_flags_)
+                                                                                   : std::span(dark_flags_);
   if (offset + length > bytes.size()) return std::nullopt;
   const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
   return std::vector(part.begin(), part.end());
+}
+
+std::optional<std::vector<std::uint8_t>> Aperture::read_host_rays(std::uint64_t offset, std::uint64_t length) const {
+  if (offset % wire::kRayBytes != 0 || length % wire::kRayBytes != 0) return std::nullopt;
+  if ((offset + length) / wire::kRayBytes > host_rays_.size()) return std::nullopt;
+  const auto first = static_cast<std::size_t>(offset / wire::kRayBytes);
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
+  for (std::size_t i = 0; i < out.size() / wire::kRayBytes; ++i) {
+    wire::encode(host_rays_[first + i], std::span(out).subspan(i * wire::kRayBytes));
+  }
+  return out;
 }
 
 void Aperture::state(Archive& archive) {
@@ -117,6 +133,7 @@ void Aperture::state(Archive& archive) {
   archive.bytes("reflectance_map", reflectance_map_, reflectance_map_.size(), reflectance_map_.size());
   archive.bytes("empty_flags", empty_flags_, empty_flags_.size(), empty_flags_.size());
   archive.bytes("absent_flags", absent_flags_, absent_flags_.size(), absent_flags_.size());
+  archive.bytes("dark_flags", dark_flags_, dark_flags_.size(), dark_flags_.size());
   archive("volume", volume_);
   if (archive.loads()) {
     irradiance_.resize(volume_.size());
@@ -129,6 +146,15 @@ void Aperture::state(Archive& archive) {
   archive("segmentation_writes", segmentation_writes_);
   archive("framebuffer", framebuffer_);
   archive.bytes("pixels", pixels_, 0, wire::kFramebuffer.bytes);
+  archive.within("host_deposits", [&] { host_deposits_->state(archive); });
+  std::vector<std::uint8_t> packets;
+  for (const wire::Ray& ray : host_rays_) wire::append(packets, ray);
+  archive.bytes("host_rays", packets, 0, wire::kHostRayMemory.bytes);
+  if (!archive.loads()) return;
+  host_rays_.resize(packets.size() / wire::kRayBytes);
+  for (std::size_t i = 0; i < host_rays_.size(); ++i) {
+    host_rays_[i] = wire::decode<wire::Ray>(std::span(packets).subspan(i * wire::kRayBytes));
+  }
 }
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {
@@ -138,10 +164,18 @@ void Aperture::resize_volume(const std::array<int, 3>& size) {
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
   std::fill(absent_flags_.begin(), absent_flags_.end(), std::uint8_t{0});
+  std::fill(dark_flags_.begin(), dark_flags_.end(), std::uint8_t{0});
 }
 
 void Aperture::drop_blocks() {
   volume_.resize(volume_.size());
+  irradiance_.clear();
+  ++volume_writes_;
+}
+
+void Aperture::drop_block(std::size_t block) {
+  volume_.drop(block);
+  irradiance_.drop(block);
   ++volume_writes_;
 }
 

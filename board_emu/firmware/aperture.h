@@ -2,15 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "firmware/bricks/host_deposits.h"
 #include "firmware/framebuffer.h"
 #include "gicube/archive.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
+#include "gicube/wire/ray.h"
 #include "memory/irradiance_memory.h"
 #include "memory/sum_memory.h"
 #include "memory/volume_memory.h"
@@ -78,12 +81,14 @@ class Aperture {
 
   // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
   void resize_volume(const std::array<int, 3>& size);
-  // Forgets what the blocks hold.
+  // Forget what all blocks hold, or one, and their irradiance.
   void drop_blocks();
+  void drop_block(std::size_t block);
   // Makes the decoded form of what is read of the volume current.
   void decode(unsigned threads, const VolumeReads& reads);
   bool empty(std::size_t block) const { return flag(empty_flags_, block); }
   bool absent(std::size_t block) const { return flag(absent_flags_, block); }
+  bool dark(std::size_t block) const { return flag(dark_flags_, block); }
   bool any_absent() const;
 
   const VolumeMemory& volume() const { return volume_; }
@@ -98,11 +103,16 @@ class Aperture {
   SumMemory& sums() { return sums_; }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
+  HostDeposits& host_deposits() { return *host_deposits_; }
+  // Of trace commands, while the volume is in bricks.
+  std::vector<wire::Ray>& host_rays() { return host_rays_; }
+  std::uint64_t host_rays_bytes() const { return host_rays_.capacity() * sizeof(wire::Ray); }
   // After a rendering: what the host will read.
   void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
   void state(Archive& archive);
 
  private:
+  std::optional<std::vector<std::uint8_t>> read_host_rays(std::uint64_t offset, std::uint64_t length) const;
   static bool flag(const std::vector<std::uint8_t>& flags, std::size_t block) {
     return (flags[block / 8] >> (block % 8) & 1) != 0;
   }
@@ -116,11 +126,14 @@ class Aperture {
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;
   std::vector<std::uint8_t> absent_flags_;
+  std::vector<std::uint8_t> dark_flags_;
   VolumeMemory volume_;
   std::uint64_t volume_writes_ = 0;
   std::uint64_t segmentation_writes_ = 0;
   Framebuffer framebuffer_;
   std::vector<std::uint8_t> pixels_;
+  std::vector<wire::Ray> host_rays_;
+  std::unique_ptr<HostDeposits> host_deposits_ = std::make_unique<HostDeposits>();
 };
 
 }  // namespace gicube::emu

@@ -76,7 +76,7 @@ RayLife follow(const wire::Ray& ray, const Frame& frame) {
     pass.opacity = state.opacity;
     life.passes.push_back(pass);
   }
-  constexpr const char* kEnds[] = {"", "left", "opaque", "absorbed", "host"};
+  constexpr const char* kEnds[] = {"", "left", "opaque", "absorbed", "host", ""};
   life.end = kEnds[static_cast<std::size_t>(how)];
   pack_ended(state, frame, life.ray);
   return life;

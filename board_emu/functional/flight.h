@@ -15,7 +15,7 @@ struct Flight {
 
   std::size_t ray;  // its place among the rays that fly together
   RayState ray_state;
-  Termination how = Termination::kNot;  // why it stands; kWaits: trapped, or for a block
+  Termination how = Termination::kNot;  // why it stands; kWaits: it is trapped
   Trap trap;                            // if it is trapped
 };
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "datapath/bricks.h"
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
-#include "datapath/waiting_ray.h"
 #include "functional/flight.h"
 #include "functional/simd/simd_tracer.h"
 
@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 namespace {
 
-// A ray that gathers and does nothing else. kWaits: for a block.
+// A ray that gathers and does nothing else.
 Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -24,7 +24,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   while ((how = end(ray_state, frame)) == Termination::kNot) {
     const std::size_t block = grid.block(ray_state.position);
     if (block != here) {
-      if (is_absent(block, frame)) return Termination::kWaits;
+      if (is_absent(block, frame)) return Termination::kAbsent;
       here = block;
       view = frame.volume->view(block);
       low = grid.low(ray_state.position);
@@ -67,6 +67,7 @@ template <bool kRecords>
 Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
                  const TrailRecord* record, RayTrail* trail) {
   const std::size_t block = grid.block(ray_state.position);
+  if (is_absent(block, frame)) return Termination::kAbsent;
   const Point low = grid.low(ray_state.position);
   if (is_leapt_over(block, frame)) {
     const std::int32_t steps = leap(ray_state, low, grid.size(), frame, counters);
@@ -82,7 +83,10 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
     ++trail->since;
     note(interaction, sampled, ray_state, *record, *trail);
   }
-  if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
+  if (interaction.deposits) {
+    give_host(interaction.deposit, frame);
+    counters.energy.deposited += frame.irradiance->add(on_card(interaction.deposit, frame));
+  }
   if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
   return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kNot;
 }
@@ -102,17 +106,27 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, 
 class Flights {
  public:
   Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const TrailRecord* record,
-          const SimdTracer* tracer)
-      : rays_(rays), frame_(frame), counters_(counters), record_(record), tracer_(tracer), ended_(rays.size()) {}
+          const SimdTracer* tracer, std::span<const std::uint64_t> indices)
+      : rays_(rays),
+        frame_(frame),
+        counters_(counters),
+        record_(record),
+        tracer_(tracer),
+        indices_(indices),
+        ended_(rays.size()) {}
 
   std::vector<bool> run() && {
-    std::vector<Flight> flights;
+    std::vector<Flight> flights, traps;
     flights.reserve(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) {
-      flights.emplace_back(i, unpack_or_continue(rays_[i], frame_));
+      const Flight flight(i, begin_or_go_on(rays_[i], index_of(i), frame_));
+      (waited_trapped(i) ? traps : flights).push_back(flight);
     }
-    while (!flights.empty()) {
+    for (Flight& flight : traps) flight.how = Termination::kWaits;
+    while (!flights.empty() || !traps.empty()) {
       fly_all(flights);
+      flights.insert(flights.end(), traps.begin(), traps.end());
+      traps.clear();
       flights = scattered(trapped(flights));
     }
     return std::move(ended_);
@@ -124,14 +138,29 @@ class Flights {
     for (Flight& flight : flights) fly(flight, frame_, counters_, record_);
   }
 
+  std::uint64_t index_of(std::size_t ray) const { return indices_.empty() ? ray : indices_[ray]; }
+  bool waited_trapped(std::size_t ray) const {
+    const WaitingRay* const waited = frame_.in_bricks() ? frame_.waiting->find(index_of(ray)) : nullptr;
+    return waited != nullptr && waited->trapped;
+  }
+  std::size_t block_of(const Flight& flight) const {
+    return BlockGrid(*frame_.volume).block(flight.ray_state.position);
+  }
+  void wait(const Flight& flight, bool is_trapped) {
+    const auto block = static_cast<std::uint32_t>(block_of(flight));
+    frame_.waiting->add({.ray_state = flight.ray_state, .block = block, .trapped = is_trapped}, index_of(flight.ray));
+  }
+
   // Those of them for which a routine has the answer; what becomes of the others is settled here.
   std::vector<Flight> trapped(std::span<Flight> flights) {
     std::vector<Flight> out;
     for (Flight& flight : flights) {
-      if (flight.how != Termination::kWaits) {
+      if (flight.how == Termination::kAbsent) {
+        wait(flight, false);
+      } else if (flight.how != Termination::kWaits) {
         end_with(flight, flight.how);
-      } else if (frame_.in_bricks()) {
-        wait_for(BlockGrid(*frame_.volume).block(flight.ray_state.position), flight.ray_state, frame_);
+      } else if (is_absent_for_routine(block_of(flight), frame_)) {
+        wait(flight, true);
       } else if (const auto trap = trap_of(flight.ray_state, frame_)) {
         flight.trap = *trap;
         out.push_back(flight);
@@ -184,8 +213,9 @@ class Flights {
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   RayCounters& counters_;
-  const TrailRecord* record_;  // null: nothing is recorded
-  const SimdTracer* tracer_;   // null: one ray after the other
+  const TrailRecord* record_;               // null: nothing is recorded
+  const SimdTracer* tracer_;                // null: one ray after the other
+  std::span<const std::uint64_t> indices_;  // of the rays in their source; empty: they have none but their places
   std::vector<bool> ended_;
 };
 
@@ -219,8 +249,9 @@ void fly(Flight& flight, const Frame& frame, RayCounters& counters, const TrailR
 }
 
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record, const SimdTracer* tracer) {
-  return Flights(rays, frame, counters, record, tracer).run();
+                                const TrailRecord* record, const SimdTracer* tracer,
+                                std::span<const std::uint64_t> indices) {
+  return Flights(rays, frame, counters, record, tracer, indices).run();
 }
 
 }  // namespace gicube::emu

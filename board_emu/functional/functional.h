@@ -4,6 +4,7 @@
 // rays, so any number of threads gives the same bits.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -21,9 +22,11 @@ class SimdTracer;
 void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 // The same for rays that routines may scatter: those that are trapped wait for one another, and are scattered together. Returns
-// which came to their ends; the others wait for the host, and the frame's HostTrapQueue has them. `record`, if not null: receives
-// the trail of each ray, in a frame that is not plain. `tracer`, if not null: prepared for this frame, takes the rays side by side.
+// which came to their ends; the others wait for the host or for a block, and the frame's HostTrapQueue or WaitingRayQueue has them.
+// `record`, if not null: receives the trail of each ray, in a frame that is not plain. `tracer`, if not null: prepared for this
+// frame, takes the rays side by side. `indices`: which of their source's rays they are, for a frame in bricks.
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record = nullptr, const SimdTracer* tracer = nullptr);
+                                const TrailRecord* record = nullptr, const SimdTracer* tracer = nullptr,
+                                std::span<const std::uint64_t> indices = {});
 
 }  // namespace gicube::emu

@@ -60,7 +60,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     } else if (frame.plain() && !frame.in_bricks()) {
       for (wire::Ray& ray : batch->rays) integrate(ray, of_batch, counts);
     } else {  // those that wait do not come back
-      const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts, nullptr, tracer);
+      const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts, nullptr, tracer, batch->index);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }

@@ -102,6 +102,15 @@ class BlockBytes {
       offset += length;
     }
   }
+  // It was never written.
+  void drop(std::size_t block) {
+    if (!is_stored(block)) return;
+    held_ -= is_elsewhere(block) ? 0 : 1;
+    --stored_;
+    std::vector<std::uint8_t>().swap(blocks_[block]);
+    elsewhere_[block] = 0;
+  }
+
   // Of a stored block; `room`: where they may have to be packed.
   template <typename Pack>
   std::span<const std::uint8_t> bytes_of(std::size_t block, std::vector<std::uint8_t>& room, const Pack& pack) const {

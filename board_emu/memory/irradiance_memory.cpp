@@ -120,6 +120,15 @@ void IrradianceMemory::write(std::uint64_t offset, std::span<const std::uint8_t>
   }
 }
 
+void IrradianceMemory::drop(std::size_t block) {
+  if (view(block) == nullptr) return;  // a word that is not 0 is in all its copies
+  write(block * block_bytes(), std::vector<std::uint8_t>(static_cast<std::size_t>(block_bytes())));
+  const std::span words(storage(block), voxels_and_faces());
+  if (std::ranges::any_of(words, [](std::uint32_t word) { return word != 0; })) return;
+  words_[block] = nullptr;
+  owned_[block].reset();
+}
+
 void IrradianceMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
   const std::uint64_t block_bytes = this->block_bytes();
   for (std::size_t i = 0; i + 4 <= out.size(); i += 4) {

@@ -50,6 +50,8 @@ class IrradianceMemory : public Blocked {
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
   void clear() { resize(size_); }
+  // Sets the words of the block, and their copies, to 0.
+  void drop(std::size_t block);
 
   // Counts what may have changed words: those calls, write(), and what announces deposits by expect_deposits().
   std::uint64_t changes() const { return changes_; }
@@ -74,6 +76,8 @@ class IrradianceMemory : public Blocked {
   // functional level (functional/simd).
   std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
   std::uint64_t free_bytes() const { return words_.size() * bytes_of_words() - stored_bytes(); }
+  // The same if energy comes to `blocks` of them at most: it has copies in up to seven blocks beside its own.
+  std::uint64_t free_bytes(std::uint64_t blocks) const { return std::min(8 * blocks * bytes_of_words(), free_bytes()); }
   // At most what a write of such bytes adds: a voxel has copies in up to eight blocks.
   std::uint64_t bytes_to_write(std::uint64_t length) const {
     return std::min(8 * (length / block_bytes() + 2) * bytes_of_words(), free_bytes());

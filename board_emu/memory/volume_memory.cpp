@@ -23,6 +23,7 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
   colours_.resize(wire::has_colours(format_) ? count : 0);
   stale_.assign(count, 0);
   first_.assign(count, 0);
+  free_ = {};
   densities_ = {};
   codes_ = {};
   has_tags_ = false;
@@ -36,6 +37,7 @@ std::uint64_t VolumeMemory::bytes_to_decode(const VolumeReads& reads) const {
     const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
     if (words_.is_stored(block) && first_[block] == 0 && read) ++blocks;
   }
+  blocks -= std::min<std::uint64_t>(blocks, free_.size());
   const bool first_colours = reads.colours && colours_.stored() > 0 && decoded_colours_.empty();
   if (blocks == 0 && !first_colours) return 0;
   // A vector that grows takes twice its size or what is asked for, beside what it has.
@@ -67,6 +69,16 @@ bool VolumeMemory::write_colours(std::uint64_t offset, std::span<const std::uint
   }
   colours_.write(offset, bytes, kHere, [this](std::size_t block) { mark_stale(block); });
   return true;
+}
+
+void VolumeMemory::drop(std::size_t block) {
+  if (!words_.is_stored(block)) return;
+  words_.drop(block);
+  if (colours_.count() != 0) colours_.drop(block);
+  mark_stale(block);
+  if (first_[block] != 0) free_.push_back(first_[block]);
+  first_[block] = 0;
+  resized_ = true;
 }
 
 std::optional<VolumeMemory::BitPlace> VolumeMemory::find_bit(std::size_t stored, std::size_t bit) const {
@@ -184,15 +196,25 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
   std::size_t end = begin;
   for (std::size_t block = 0; block < block_count(); ++block) {
     if (!words_.is_stored(block) || first_[block] != 0 || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
-    first_[block] = end;
-    end += voxels;
+    if (free_.empty()) {
+      first_[block] = end;
+      end += voxels;
+    } else {
+      first_[block] = free_.back();
+      free_.pop_back();
+    }
     stale_[block] = 1;
   }
   if (end == begin) return;
-  densities_.resize(end + 1);
+  // Of a volume in bricks blocks come little by little, and twice what is there would be too much.
+  const auto grow = [end, begin](auto& array) {
+    if (array.capacity() < end + 1) array.reserve(std::max(end, begin + begin / 4) + 1);
+    array.resize(end + 1);
+  };
+  grow(densities_);
   densities_.back() = 0;
   if (!codes_.empty()) {
-    codes_.resize(end + 1);
+    grow(codes_);
     codes_.back() = 0;
   }
   if (!decoded_colours_.empty()) decoded_colours_.resize(end);

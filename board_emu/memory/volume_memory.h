@@ -78,6 +78,9 @@ class VolumeMemory : public Blocked {
   }
   std::size_t block_bytes() const { return words_.block_bytes(); }
 
+  // Forgets what a block holds.
+  void drop(std::size_t block);
+
   // A bit of a stored block's words, or of its colours, which come after them.
   struct BitPlace {
     std::size_t block = 0;
@@ -138,6 +141,7 @@ class VolumeMemory : public Blocked {
   wire::VoxelFormat format_;
   BlockBytes words_, colours_;
   std::vector<std::uint8_t> stale_;     // one a block
+  std::vector<std::size_t> free_;       // places of blocks that were dropped
   std::vector<std::size_t> first_;      // of each block in:
   LargeArray<std::int16_t> densities_;  // blocks with faces; the first one is zero
   LargeArray<std::uint16_t> codes_;     // empty while all are 0

@@ -51,8 +51,9 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
 }
 
 // kTrapped waits for a routine of the DSP; kGone was a carrier that has delivered its energy.
-// kSlot is no ray: a queue's word to the DSP that it keeps a slot for its first overflowed ray.
-enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot };
+// kSlot is no ray: a queue's word to the DSP that it keeps a slot for its first overflowed ray. kAbsent has come to a block that is not
+// on the card.
+enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot, kAbsent };
 
 // Positions p with normal . p >= offset are kept.
 struct Plane {
@@ -106,7 +107,7 @@ struct TokenLimits {
 // No observer of another process is told of its steps.
 inline void state_of(Archive::Record& record, RayToken& token) {
   record(token.ray, token.queue, token.contribution, token.processor);
-  record.at_most(token.state, TokenStatus::kSlot);
+  record.at_most(token.state, TokenStatus::kAbsent);
   record(token.keeps_slot);
   const TokenLimits* const limits = record.token_limits();
   if (limits == nullptr) return;

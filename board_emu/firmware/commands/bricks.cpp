@@ -15,16 +15,26 @@ void DspCommands::drop_blocks() {
   level_.volume_changed();
 }
 
+bool DspCommands::drop_block(std::uint32_t block) {
+  if (block >= aperture_.volume().block_count()) return false;
+  aperture_.drop_block(block);
+  return true;
+}
+
 void DspCommands::check_all_there() const {
   if (aperture_.any_absent()) refuse("absent_flags: expected none set for this command, got some");
 }
 
-// Lets the frame's rays wait, if there is anything that they could wait for.
+void DspCommands::drop_rays() {
+  aperture_.host_deposits().begin();
+  waiting_rays_.begin(WaitingKind::kPicture);
+  aperture_.host_rays() = {};
+}
+
+// Lets the frame's rays wait, if there is anything that they could wait for, and deposits in dark blocks go to the host.
 void DspCommands::set_bricks(Frame& frame) {
+  if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) set_dark(frame);
   if (!aperture_.any_absent() && waiting_rays_.count() == 0 && waiting_rays_.continued().empty()) return;
-  if (!frame.plain()) {
-    refuse("PIPELINE: expected neither irradiance nor scattering while blocks are absent");
-  }
   frame.absent.resize(frame.empty.size());
   for (std::size_t block = 0; block < frame.absent.size(); ++block) {
     frame.absent[block] = aperture_.absent(block) ? 1 : 0;
@@ -32,32 +42,87 @@ void DspCommands::set_bricks(Frame& frame) {
   frame.waiting = &waiting_rays_;
 }
 
-// Ends a command whose rays end in the framebuffer, or wait.
-void DspCommands::finish_picture(CommandResult& result) {
-  if (waiting_rays_.count() == 0) return aperture_.resolve_framebuffer(threads_);
+void DspCommands::set_dark(Frame& frame) {
+  const VolumeMemory& volume = aperture_.volume();
+  std::uint64_t on_card = 0;
+  std::vector<std::uint8_t> dark(frame.empty.size());
+  for (std::size_t block = 0; block < dark.size(); ++block) {
+    dark[block] = aperture_.dark(block) ? 1 : 0;
+    on_card += dark[block] == 0 || volume.is_stored(block) ? 1 : 0;
+  }
+  if (on_card > capacity_blocks()) {
+    refuse("dark_flags",
+           "clear of at most " + std::to_string(capacity_blocks()) + " blocks, with those that are stored", on_card);
+  }
+  if (!frame.lights()) return;
+  frame.dark = std::move(dark);
+  frame.host_deposits = &aperture_.host_deposits();
+  if (!goes_on_) aperture_.host_deposits().begin();
+}
+
+// Lists the blocks that rays wait for behind the result, and what the host must deposit; nothing if there is neither.
+void DspCommands::add_waiting(CommandResult& result) {
+  HostDeposits& deposits = aperture_.host_deposits();
+  deposits.settle();
+  host_deposits_total_ += deposits.count();
+  if (waiting_rays_.count() == 0 && deposits.count() == 0) return;
   const auto blocks = waiting_rays_.by_block();
-  const auto rays = static_cast<std::uint32_t>(waiting_rays_.count());
-  wire::append(result.payload, wire::WaitingHeader{static_cast<std::uint32_t>(blocks.size()), rays});
+  wire::append(result.payload, wire::WaitingHeader{static_cast<std::uint32_t>(blocks.size()),
+                                                   static_cast<std::uint32_t>(waiting_rays_.count()),
+                                                   static_cast<std::uint32_t>(deposits.count())});
   for (const wire::WaitingBlock& block : blocks) wire::append(result.payload, block);
   result.up_bytes = result.payload.size();
   const std::size_t added = waiting_rays_.added();
   waits_total_ += added;
+  for (const wire::WaitingBlock& each : blocks) {
+    min_block_loads_ += waiting_rays_.note_wait(each.block, aperture_.volume().block_count()) ? 1 : 0;
+  }
   if (config_.ideal().dsp() == 0 && result.asic_ps == 0) result.dsp_cycles += added * kPassRay.interval();
+}
+
+// As the frame of the commands whose rays wait.
+Frame DspCommands::continued_frame() {
+  if (waiting_rays_.kind() == WaitingKind::kHostRays) return trace_frame(waiting_rays_.header());
+  Frame frame = this->frame();
+  if (waiting_rays_.kind() == WaitingKind::kLight) {
+    set_light(frame, waiting_rays_.header().rules);
+  } else {
+    frame.lamps = !lamps_.empty();
+  }
+  return frame;
 }
 
 CommandResult DspCommands::continue_rays(std::span<const std::uint8_t> payload, Progress& work) {
   expect(payload.size() == wire::kContinueCommandBytes, "payload", "8 bytes", payload.size());
   check_volume();
   if (!goes_on_ && waiting_rays_.count() == 0) refuse("no ray waits for a block");
-  Frame frame = this->frame();
+  Frame frame = continued_frame();
+  const std::uint32_t traps = waiting_rays_.trapped_tags();
+  if (frame.scatter || frame.lights() || traps != 0) check_materials(false);
+  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+    if ((traps >> tag & 1) == 0) continue;
+    check_part("material", tag, [&] {
+      const auto bsdf = static_cast<std::uint64_t>(frame.materials[tag].bsdf);
+      expect(frame.materials[tag].bsdf == wire::Bsdf::kTrap, "bsdf", "6, since rays wait that it has trapped", bsdf);
+    });
+  }
   set_bricks(frame);
   expect_memory(frame);
   aperture_.decode(threads_, reads(frame));
   const auto ready = goes_on_ ? waiting_rays_.continued() : waiting_rays_.take_ready(frame);
-  ContinuedRays rays(ready, aperture_.framebuffer());
+  const bool picture = waiting_rays_.kind() == WaitingKind::kPicture;
+  ContinuedRays::Ends ends;
+  if (picture) {
+    ends = {.framebuffer = &aperture_.framebuffer(), .lamps = &lamps_};
+  } else {
+    ends.host_rays = aperture_.host_rays();
+  }
+  ContinuedRays rays(ready, frame, ends);
   const RunResult ran = run_level(rays, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  finish_picture(result);
+  if (frame.lights()) add_ledger(result, ran.rays, false);
+  if (picture && waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
+  add_waiting(result);
   return result;
 }
 

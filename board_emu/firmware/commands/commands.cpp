@@ -1,15 +1,11 @@
 #include "commands.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 
 #include "command_fault.h"
-#include "datapath/interaction.h"
 #include "datapath/scattering.h"
-#include "firmware/lighting_rays.h"
-#include "firmware/ray_sources/light_rays.h"
 #include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
 #include "words/finally.h"
@@ -20,21 +16,6 @@ namespace {
 
 using wire::ErrorCode;
 namespace reg = wire::reg;
-
-// Opaque where the light is: all it sends out stays there.
-bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) {
-  if (command.kind == wire::LightKind::kDirectional) return false;
-  Point at{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double voxels = command.position[axis];
-    if (command.kind == wire::LightKind::kRectangle) {
-      voxels += (command.u[axis] + command.v[axis]) / 2 * wire::kSpacingOne / frame.spacing[axis];
-    }
-    if (!(voxels >= 0) || voxels * wire::kVoxel > frame.extent[axis]) return false;
-    at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
-  }
-  return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
-}
 
 std::uint32_t max_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
@@ -63,7 +44,7 @@ std::array<int, 3> DspCommands::volume_size() const {
 
 void DspCommands::clear_volume() {
   aperture_.resize_volume(volume_size());
-  waiting_rays_.begin();
+  drop_rays();
   words_bytes_ = 0;
   level_.volume_changed();
 }
@@ -81,7 +62,7 @@ void DspCommands::clear_sums() {
 void DspCommands::reset() {
   level_.reset();
   host_traps_.begin(false, {});
-  waiting_rays_.begin();
+  drop_rays();
   memory_errors_.clear();
   aperture_.resize_volume({});  // first: there may be no memory for both
   words_bytes_ = 0;
@@ -141,10 +122,12 @@ void DspCommands::state(Archive& archive) {
   const VolumeMemory& volume = aperture_.volume();
   Point extent{};
   for (std::size_t axis = 0; axis < 3; ++axis) extent[axis] = (volume.size()[axis] - 1) * wire::kVoxel;
-  archive.within("waiting_rays", [&] { waiting_rays_.state(archive, volume.block_count(), extent); });
+  archive.within("waiting_rays",
+                 [&] { waiting_rays_.state(archive, volume.block_count(), extent, aperture_.host_rays().size()); });
   archive.list("memory_errors", memory_errors_);
   archive.field("counters", [this](Archive::Record& record) {
-    record(answered_, viewing_rays_, host_rays_, lighting_rays_, pair_rays_, host_traps_total_, waits_total_);
+    record(answered_, viewing_rays_, host_rays_, lighting_rays_, pair_rays_, host_traps_total_, waits_total_,
+           block_loads_, min_block_loads_, host_deposits_total_);
     record(level_volume_, words_bytes_, memory_asked_bytes_);
   });
   if (!archive.loads()) return;
@@ -168,8 +151,7 @@ std::uint64_t DspCommands::stored_words() {
 Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
   if (is_limited()) {
     const auto [volume, irradiance] = aperture_.bytes_of_write(address, bytes.size());
-    const std::uint64_t rest =
-        aperture_.volume_bytes() + aperture_.image_bytes() + waiting_rays_.memory_bytes() + volume + irradiance;
+    const std::uint64_t rest = aperture_.volume_bytes() + aperture_.image_bytes() + rays_bytes() + volume + irradiance;
     const bool more = volume + irradiance > 0;
     if (more && rest + words_bytes_ > max_memory_bytes_) {
       words_bytes_ = stored_words();  // of writes before this one more was expected than came of them
@@ -181,15 +163,21 @@ Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std:
   return aperture_.write(address, bytes) ? Acceptance::kTaken : Acceptance::kOutOfRange;
 }
 
-// Whether the card stores what would be written.
-bool DspCommands::has_room(std::uint64_t address, std::uint64_t length) const {
+// Whether the card stores what would be written; counts the blocks that come to it.
+bool DspCommands::has_room(std::uint64_t address, std::uint64_t length) {
   const VolumeMemory& volume = aperture_.volume();
   const std::uint64_t offset = address - wire::kVolume.base;
   if (address < wire::kVolume.base || length == 0 || offset + length > volume.bytes()) return true;
   const std::uint64_t first = offset / volume.block_bytes(), last = (offset + length - 1) / volume.block_bytes();
   std::uint64_t more = 0;
   for (std::uint64_t block = first; block <= last; ++block) more += volume.is_stored(block) ? 0 : 1;
-  return volume.stored_blocks() + more <= capacity_blocks();
+  if (volume.stored_blocks() + more > capacity_blocks()) return false;
+  for (std::uint64_t block = first; in_bricks() && block <= last; ++block) {
+    if (volume.is_stored(block)) continue;
+    ++block_loads_;
+    min_block_loads_ += waiting_rays_.note_load(block, volume.block_count()) ? 1 : 0;
+  }
+  return true;
 }
 
 std::uint32_t DspCommands::max_memory_mib() const {
@@ -212,18 +200,18 @@ void DspCommands::expect_memory(const Frame& frame, std::uint64_t pixels) {
   if (!is_limited()) return;
   const bool sums = frame.sums != nullptr, deposits = frame.lights() || (frame.backprojects() && !sums);
   words_bytes_ = stored_words();
-  const std::uint64_t more_words =
-      (deposits ? aperture_.irradiance().free_bytes() : 0) + (sums ? aperture_.sums().free_bytes() : 0);
+  const std::uint64_t more_words = (deposits ? aperture_.irradiance().free_bytes(capacity_blocks()) : 0) +
+                                   (sums ? aperture_.sums().free_bytes() : 0);
   const std::uint64_t decoded = frame.backprojects() ? 0 : aperture_.volume().bytes_to_decode(reads(frame));
   const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture_.image_bytes();
   const std::uint64_t taken = aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image;
-  if (!fits(taken + waiting_rays_.memory_bytes())) {
+  if (!fits(taken + rays_bytes())) {
     refuse("memory: expected at most " + std::to_string(max_memory_mib()) +
            " MiB for volume, words and image (gicube-board --max-memory), got " + std::to_string(memory_asked_mib()) +
            " MiB");
   }
   words_bytes_ += more_words;
-  waiting_rays_.set_room(max_memory_bytes_ - taken);
+  waiting_rays_.set_room(max_memory_bytes_ - taken - aperture_.host_rays_bytes());
 }
 
 void DspCommands::check_volume() const {
@@ -239,7 +227,8 @@ void DspCommands::check_materials(bool host_answers) const {
              material.parameter_count);
       if (material.bsdf != wire::Bsdf::kTrap) return;
       if (material.routine == wire::kHostRoutine) {
-        if (!host_answers) refuse("routine 255: the host is not asked for rays of a trace command");
+        if (!host_answers)
+          refuse("routine 255: the host is not asked for rays of a trace command, or while blocks are absent");
         return;
       }
       expect(routines_ != nullptr && routines_->has(material.routine), "routine",
@@ -338,42 +327,6 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   }
 }
 
-// A command whose rays leave their energy in the volume.
-void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
-  aperture_.irradiance().expect_deposits();
-  frame.type = wire::RayType::kDeposit;
-  frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
-  frame.rules = rules;
-  if (rules == wire::EnergyRules::kAsPrinted) return;
-  frame.jitter = false;  // it hides the places of samples; a part's depth does not depend on them
-  if (!depths_ || depths_of_ != frame.segmentation_writes) depths_.emplace(frame.segmentation);
-  depths_of_ = frame.segmentation_writes;
-  frame.depths = &*depths_;
-}
-
-CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
-  expect(payload.size() == wire::kIlluminateCommandBytes, "payload", "104 bytes", payload.size());
-  const auto command = wire::decode<wire::IlluminateCommand>(payload);
-  check_volume();
-  check_all_there();
-  check_materials();
-  Frame frame = this->frame();
-  if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
-  set_light(frame, command.rules);
-  expect_memory(frame);
-  if (!goes_on_) host_traps_.begin(true, command.rules);
-  const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
-  aperture_.decode(threads_, reads(frame));
-  const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
-  LightRays rays(maker, frame);
-  const RunResult ran = run_level(rays, frame, work);
-  lighting_rays_ += ran.made;
-  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  add_ledger(result, ran.rays, light_in_solid(command, frame));
-  add_trap_list(result, 0);
-  return result;
-}
-
 void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
@@ -386,7 +339,12 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
       if (counts[opcode] != 0) list.push_back({name + '.' + wire::kOpcodeNames[opcode], "command", counts[opcode]});
     }
   }
-  if (waits_total_ != 0) list.push_back({"dsp.waits", "ray", waits_total_});
+  if (waits_total_ != 0) {
+    list.push_back({"dsp.waits", "ray", waits_total_});
+    list.push_back({"dsp.block_loads", "block", block_loads_});
+    list.push_back({"dsp.min_block_loads", "block", min_block_loads_});
+    list.push_back({"dsp.host_deposits", "voxel", host_deposits_total_});
+  }
   const RayCounters rays = level_.rays();
   list.push_back({"pipeline.rays", "ray", rays.rays});
   list.push_back({"pipeline.samples", "sample", rays.samples});

@@ -12,11 +12,11 @@
 #include "datapath/frame.h"
 #include "datapath/ray_part.h"
 #include "firmware/aperture.h"
+#include "firmware/bricks/waiting_rays.h"
 #include "firmware/host_traps.h"
 #include "firmware/lamps.h"
 #include "firmware/pixel_life.h"
 #include "firmware/register_file.h"
-#include "firmware/waiting_rays.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/frame.h"
@@ -59,6 +59,9 @@ class DspCommands {
   Acceptance write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
   void clear_volume();
   void drop_blocks();
+  // False if the volume has no such block.
+  bool drop_block(std::uint32_t block);
+  void drop_rays();
   void clear_irradiance();
   void clear_sums();
   void reset();
@@ -68,9 +71,7 @@ class DspCommands {
   void set_max_memory(std::uint64_t bytes) { max_memory_bytes_ = bytes; }
   // What counts towards it; 0 without a limit.
   std::uint64_t limited_memory() const {
-    return is_limited()
-               ? aperture_.volume_bytes() + aperture_.image_bytes() + words_bytes_ + waiting_rays_.memory_bytes()
-               : 0;
+    return is_limited() ? aperture_.volume_bytes() + aperture_.image_bytes() + words_bytes_ + rays_bytes() : 0;
   }
   std::uint32_t max_memory_mib() const;
   // What they would have taken together with the last thing that was refused.
@@ -103,17 +104,25 @@ class DspCommands {
   [[noreturn]] void meet_memory_error();
   void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const;
   void add_trap_list(CommandResult& result, std::size_t max_rays);
-  void set_bricks(Frame& frame);
-  void finish_picture(CommandResult& result);
   std::uint64_t capacity_blocks() const;  // that the card stores
+  bool in_bricks() const {
+    return aperture_.volume().block_count() > capacity_blocks();
+  }  // it stores not the whole volume
+  void set_bricks(Frame& frame);
+  void set_dark(Frame& frame);
+  Frame continued_frame();
+  void add_waiting(CommandResult& result);
   bool is_limited() const { return max_memory_bytes_ != kUnlimited; }
   bool fits(std::uint64_t bytes);
-  bool has_room(std::uint64_t address, std::uint64_t length) const;
+  bool has_room(std::uint64_t address, std::uint64_t length);
   std::uint64_t stored_words();  // bytes of irradiance and sums
+  std::uint64_t rays_bytes() const { return waiting_rays_.memory_bytes() + aperture_.host_rays_bytes(); }
   // Throws CommandFault if there is no room for what the frame's rays read and leave, and for an image.
   void expect_memory(const Frame& frame, std::uint64_t pixels = 0);
   std::array<int, 3> volume_size() const;  // 0 in every direction until all are set
   Frame frame();
+  Frame trace_frame(const wire::TraceHeader& header);
+  std::span<wire::Ray> take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays);
   void set_light(Frame& frame, wire::EnergyRules rules);
   // The picture by whole rays, or by their segments.
   RunResult render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work);
@@ -164,6 +173,10 @@ class DspCommands {
   std::uint64_t pair_rays_ = 0;
   std::uint64_t host_traps_total_ = 0;
   std::uint64_t waits_total_ = 0;  // rays that came to wait for a block
+  // Blocks whose words came to a card that does not store the whole volume; of those, that rays of a picture, a light or a series of
+  // trace commands waited for, each once.
+  std::uint64_t block_loads_ = 0, min_block_loads_ = 0;
+  std::uint64_t host_deposits_total_ = 0;  // voxels of other blocks that got energy, each once a command
 };
 
 }  // namespace gicube::emu

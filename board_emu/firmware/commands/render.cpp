@@ -62,11 +62,13 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   check_image(command, config_.dsp().framebuffer_mb());
   const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
   check_volume();
-  check_materials();
-
   Frame frame = this->frame();
+  check_materials(!frame.scatter || !aperture_.any_absent());
   frame.lamps = !lamps.empty();
-  if (!goes_on_) waiting_rays_.begin();
+  if (!goes_on_) {
+    drop_rays();
+    waiting_rays_.begin(WaitingKind::kPicture);
+  }
   set_bricks(frame);
   expect_memory(frame, std::uint64_t{command.width} * command.height);
   if (!goes_on_) host_traps_.begin(false, {});
@@ -76,7 +78,8 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   const RunResult ran = in_segments ? render_segments(command, frame, work) : render_rays(command, frame, work);
   if (explained_) explain(command, frame, in_segments);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  finish_picture(result);
+  if (waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
+  add_waiting(result);
   add_trap_list(result, 0);
   return result;
 }

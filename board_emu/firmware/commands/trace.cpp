@@ -107,21 +107,47 @@ void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
   set_type(frame, {.type = RayType::kOpacity, .opacity = opacity});
 }
 
-CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
-  expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
-  const auto header = wire::decode<wire::TraceHeader>(payload);
-  check_header(header, payload.size());
-  check_volume();
-  check_all_there();
-  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
+Frame DspCommands::trace_frame(const wire::TraceHeader& header) {
   Frame frame = this->frame();
-  if (deposit) {
+  if (header.type == RayType::kDeposit) {
     set_light(frame, header.rules);
     frame.cut_planes.clear();  // they cut what the eye sees
   } else {
     set_type(frame, header);
   }
   if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
+  return frame;
+}
+
+// Of a volume in bricks: the rays stay in the DSP's memory, behind those of the commands before. Those that deposit go.
+std::span<wire::Ray> DspCommands::take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays) {
+  std::vector<wire::Ray>& all = aperture_.host_rays();
+  const bool stay = comes_back(header.type);
+  if (!goes_on_) {
+    if (!waiting_rays_.go_on_with(header)) {
+      drop_rays();
+      waiting_rays_.begin(WaitingKind::kHostRays, header);
+    }
+    const std::uint64_t sum = stay ? all.size() + rays.size() : 0;
+    expect(sum <= wire::kMaxHostRays, "rays", "at most 2^24 in all trace commands of a series", sum);
+    waiting_rays_.number(rays.size());
+    if (stay) all.insert(all.end(), rays.begin(), rays.end());
+  }
+  if (!stay) return rays;
+  expect(all.size() >= rays.size(), "rays", "those of the checkpoint's command", all.size());
+  return std::span(all).last(rays.size());
+}
+
+CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
+  expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
+  const auto header = wire::decode<wire::TraceHeader>(payload);
+  check_header(header, payload.size());
+  check_volume();
+  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = in_bricks();
+  if (!waits) check_all_there();
+  expect(!waits || header.type != RayType::kBackproject, "type",
+         "0..5 of a volume with more blocks than the card stores", static_cast<std::uint64_t>(header.type));
+  Frame frame = trace_frame(header);
   if (frame.scatter || deposit) check_materials(false);
   if (frame.backprojects() && frame.sums == nullptr) aperture_.irradiance().expect_deposits();
   const std::size_t count = header.count;
@@ -140,9 +166,12 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
     frame.max_moved = max_moved(rays, frame);
     expect(frame.max_moved <= kMaxMoved, "rays", "that can move no sum by more than 2^34", frame.max_moved);
   }
+  std::span<wire::Ray> traced(rays);
+  if (waits) traced = take_in(header, rays);
+  if (waits) set_bricks(frame);
   expect_memory(frame);
   if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
-  HostRays source(rays, frame, back);
+  HostRays source(traced, frame, back);
   const RunResult ran = run_level(source, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   host_rays_ += count;
@@ -150,6 +179,11 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   if (deposit) {
     lighting_rays_ += count;
     add_ledger(result, ran.rays, false);
+    add_waiting(result);
+    return result;
+  }
+  if (waits) {
+    add_waiting(result);
     return result;
   }
   if (frame.backprojects()) {

@@ -1,33 +1,59 @@
-// Rendering rays that have waited for a block and go on, into the framebuffer.
+// Rays that have waited for a block and go on: into the framebuffer, back to the host's rays, or leaving only what they deposit.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
-#include "datapath/waiting_ray.h"
+#include "datapath/bricks.h"
 #include "firmware/framebuffer.h"
+#include "firmware/lamps.h"
+#include "firmware/ray_sources/host_rays.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
 
 class ContinuedRays : public RayByRaySource {
  public:
+  // Where rays go that come to their ends: into one of these, or nowhere.
+  struct Ends {
+    Framebuffer* framebuffer = nullptr;
+    const Lamps* lamps = nullptr;  // with a framebuffer
+    std::span<wire::Ray> host_rays{};
+  };
+
   // All must outlive this.
-  ContinuedRays(std::span<const WaitingRay> rays, Framebuffer& framebuffer) : rays_(rays), framebuffer_(framebuffer) {}
+  ContinuedRays(std::span<const WaitingRay> rays, const Frame& frame, const Ends& ends)
+      : rays_(rays), frame_(frame), ends_(ends) {}
 
   std::uint64_t count() const override { return rays_.size(); }
   std::uint64_t max_under_way() const override { return kViewingRaysUnderWay; }
   DspTask making(std::uint64_t i) const override {
     return DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kRead));
   }
-  DspTask taking(std::uint64_t i) const override { return framebuffer_.task(rays_[i].ray.u, rays_[i].ray.v, false); }
+  DspTask taking(std::uint64_t i) const override {
+    const RayState& ray = rays_[i].ray_state;
+    if (ends_.framebuffer != nullptr) return ends_.framebuffer->task(ray.u, ray.v, false);
+    if (ends_.host_rays.empty()) return {};
+    return DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kWrite));
+  }
+  DspTask looking(const wire::Ray& ray) const override {
+    return ends_.lamps != nullptr ? ends_.lamps->task(ray) : DspTask{};
+  }
 
-  std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override { return rays_[i].ray; }
-  void take(std::uint64_t, const wire::Ray& ray) override { framebuffer_.add(ray); }
+  // As it stands: the level has its other bits from the frame's WaitingRayQueue.
+  std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override { return pack(rays_[i].ray_state, frame_); }
+  void take(std::uint64_t i, const wire::Ray& ray) override {
+    if (ends_.framebuffer != nullptr) {
+      ends_.framebuffer->add(ends_.lamps->seen_by(ray));
+    } else if (!ends_.host_rays.empty()) {
+      put_back(ray, ends_.host_rays[static_cast<std::size_t>(rays_[i].number)]);
+    }
+  }
 
  private:
   std::span<const WaitingRay> rays_;
-  Framebuffer& framebuffer_;
+  const Frame& frame_;
+  Ends ends_;
 };
 
 }  // namespace gicube::emu

@@ -17,6 +17,15 @@ namespace gicube::emu {
 // A cut plane: two scalar products, a reciprocal and its product; what it leaves of the ray.
 inline constexpr DspLoop kCutHostRay{"cut plane of a host ray", 2 * 3 * 2 + 4 + 2, 2 * 8 + 8 + 6, 4};
 
+// What the host gets back in the place of its ray: all but its flags and interaction is the board's.
+inline void put_back(const wire::Ray& ray, wire::Ray& place) {
+  const std::uint8_t flags = place.flags;
+  const std::uint16_t interaction = place.interaction;
+  place = ray;
+  place.flags = flags;
+  place.interaction = interaction;
+}
+
 class HostRays : public RaySource {
  public:
   // `come_back`: into their places in `rays`; else what stands there afterwards is of no use. A ray that lies behind a cut
@@ -43,13 +52,7 @@ class HostRays : public RaySource {
     return ray;
   }
   void take(std::uint64_t i, const wire::Ray& ray) override {
-    if (!come_back_) return;
-    wire::Ray& mine = rays_[i];
-    const std::uint8_t flags = mine.flags;
-    const std::uint16_t interaction = mine.interaction;
-    mine = ray;
-    mine.flags = flags;
-    mine.interaction = interaction;
+    if (come_back_) put_back(ray, rays_[i]);
   }
 
   void state(Archive::Record& record, std::uint64_t /*begin*/) override {
@@ -67,11 +70,11 @@ class HostRays : public RaySource {
     batch_rays_ = std::max<std::size_t>(rays, 1);
     return (rays_.size() + batch_rays_ - 1) / batch_rays_;
   }
-  // Rays are traced where they stand, unless some of them do not enter.
+  // Rays are traced where they stand, unless some of them do not enter, or may wait.
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
     auto batch = std::make_unique<RayBatch>();
     const std::size_t begin = b * batch_rays_, count = std::min(batch_rays_, rays_.size() - begin);
-    if (frame_.cut_planes.empty()) {
+    if (frame_.cut_planes.empty() && !frame_.in_bricks()) {
       batch->rays = rays_.subspan(begin, count);
       if (!frame_.lights()) return batch;
       for (const wire::Ray& ray : batch->rays) {

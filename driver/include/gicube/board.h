@@ -166,9 +166,10 @@ class GICUBE_API Board {
   // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends those that are
   // not zero including their shared faces. The simulated host waits for the transfer. The transfer functions are kept, and
   // the empty flags are found again.
-  // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: render() sends its blocks as rays need them,
-  // also to a new board after reopen(), and the picture has the same bits. Edges have up to 1024 voxels then, and what else needs
-  // a volume throws Unsupported: lighting, rays, pairs, reading and writing it (docs/guide/bricks.md).
+  // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: pictures, rays and light have its blocks sent as
+  // rays need them, also to a new board after reopen(), and have the same bits. Edges have up to 1024 voxels then. Rays of type
+  // kBackproject, write_volume(), verify_volume(), sums, and the application's scattering routine throw Unsupported then
+  // (docs/guide/bricks.md).
   // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags, colours): the board keeps its volume. Throws Rejected
   // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
   // On DeviceLost or TimedOut the volume is lost with the board.
@@ -218,7 +219,8 @@ class GICUBE_API Board {
 
   // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
   // remains until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
-  // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine): the irradiance is incomplete.
+  // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine), Unsupported (the application's
+  // scattering routine in a volume that the card does not store whole): the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
   // One value per voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
   // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
@@ -250,8 +252,8 @@ class GICUBE_API Board {
   Dims blocks() const;  // how many blocks along each axis
 
   // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
-  // BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (irradiance or scattering in a volume that
-  // the card does not store whole): the framebuffer is unchanged.
+  // BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (the application's scattering routine in
+  // a volume that the card does not store whole): the framebuffer is unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
@@ -260,7 +262,8 @@ class GICUBE_API Board {
 
   // Sends rays, in as many DSP commands as they need. The application's routine does not scatter them. Returns at once unless
   // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
-  // batches may be under way; the caller's memory is free again on return.
+  // batches may be under way; the caller's memory is free again on return. If the card does not store the volume whole, the
+  // simulated host waits for the rays, and the batch is complete on return; what the board refuses is thrown at once.
   // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before
   // clear_irradiance() or illuminate(), kBackproject before clear_irradiance() or clear_sums()), WouldBlock: nothing was sent.
   Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});

@@ -199,9 +199,9 @@ class Board:
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
         are kept. A volume with more blocks than the card stores is kept by the driver, a stream in a file, and its blocks are sent as
-        pictures need them: rendering gives the same bits, other calls raise Unsupported. Raises BadArgument, and Error if a stream's file
-        can't be written: the board keeps its volume. Raises Rejected if it needs more memory than the board may take: there is no
-        volume then.
+        pictures, rays and light need them, with the same bits; what needs the whole volume raises Unsupported. Raises BadArgument, and
+        Error if a stream's file can't be written: the board keeps its volume. Raises Rejected if it needs more memory than the board
+        may take: there is no volume then.
         """
         with shown(progress, "loading") as told:
             if isinstance(volume, VolumeStream):

@@ -50,22 +50,36 @@ std::size_t bytes_of_result(RayType type, std::size_t rays, std::uint16_t minor)
 
 }  // namespace
 
-Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-                       std::vector<std::size_t> lines) {
+Batches::Batch Batches::begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                              std::vector<std::size_t> lines) const {
   Batch batch;
   for (const auto& part : rays) batch.rays += part.size();
-  if (back_pressure_ == BackPressure::kThrow) make_room(batch.rays);
-  const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
-  const std::size_t max_rays = std::min(kRaysPerCommand, limit);
   batch.lines = std::move(lines);
   batch.type = setup.request.type;
   batch.energy_unit = setup.energy_unit;
   batch.sampling = setup.sampling;
   batch.towards_eye = setup.towards_eye;
+  return batch;
+}
+
+std::uint32_t Batches::next_ticket() {
   do {
     ++last_ticket_;
   } while (last_ticket_ == 0 || batches_.contains(last_ticket_));
-  const std::uint32_t ticket = last_ticket_;
+  return last_ticket_;
+}
+
+std::size_t Batches::max_rays_of_command() const {
+  const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
+  return std::min(kRaysPerCommand, limit);
+}
+
+Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                       std::vector<std::size_t> lines) {
+  Batch batch = begin(rays, setup, std::move(lines));
+  if (back_pressure_ == BackPressure::kThrow) make_room(batch.rays);
+  const std::size_t max_rays = max_rays_of_command();
+  const std::uint32_t ticket = next_ticket();
   Batch& kept = batches_.emplace(ticket, std::move(batch)).first->second;
   auto all = rays | std::views::join;
   auto ray = all.begin();
@@ -80,6 +94,25 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
     left -= made.rays;
   }
   kept.completed = device_.clock().now();
+  return {ticket};
+}
+
+Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                       std::vector<std::size_t> lines, const TraceAll& trace) {
+  Batch batch = begin(rays, setup, std::move(lines));
+  std::vector<EncodedRays> commands;
+  auto all = rays | std::views::join;
+  auto ray = all.begin();
+  for (std::size_t left = batch.rays; left > 0; left -= commands.back().rays) {
+    TraceCommand made = trace_command(ray, std::min(left, max_rays_of_command()), setup);
+    commands.push_back({wire::share(std::move(made.bytes)), made.rays});
+    batch.parts.push_back({0, made.rays, {}, std::move(made.units), std::nullopt});
+  }
+  std::vector<CommandResult> results = trace(commands);
+  for (std::size_t i = 0; i < results.size(); ++i) batch.parts[i].result = std::move(results[i]);
+  batch.completed = device_.clock().now();
+  const std::uint32_t ticket = next_ticket();
+  batches_.emplace(ticket, std::move(batch));
   return {ticket};
 }
 

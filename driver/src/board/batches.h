@@ -40,6 +40,12 @@ inline void add(const wire::DepositLedger& ledger, DepositReport& report) {
   report.overflowed += ledger.overflowed;
 }
 
+// A trace command.
+struct EncodedRays {
+  wire::Payload encoded;
+  std::size_t rays = 0;
+};
+
 class Batches {
  public:
   Batches(Device& device, const OpenOptions& options)
@@ -48,6 +54,10 @@ class Batches {
   // For rays that passed their checks. `lines`: how many of them each polyline has, or nothing. Throws WouldBlock.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
                 std::vector<std::size_t> lines = {});
+  // The same of a batch that is complete when it returns: `trace` has the commands carried out, and returns what each would return.
+  using TraceAll = std::function<std::vector<CommandResult>(std::span<const EncodedRays>)>;
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, std::vector<std::size_t> lines,
+                const TraceAll& trace);
   // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone then.
   RayBatch receive(Ticket ticket, Picoseconds deadline);
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
@@ -95,6 +105,10 @@ class Batches {
   };
   using Entry = std::map<std::uint32_t, Batch>::iterator;
 
+  Batch begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+              std::vector<std::size_t> lines) const;
+  std::uint32_t next_ticket();
+  std::size_t max_rays_of_command() const;
   Entry find(Ticket ticket);
   void make_room(std::size_t rays);
   void collect(Batch& batch);

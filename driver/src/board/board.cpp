@@ -189,7 +189,10 @@ void Board::State::restore() {
   batches_wait = !volume && !batches.empty();
   if (volume) {
     begin_volume(*volume);
-    if (bricks) bricks->begin(device);
+    if (bricks) {
+      bricks->light().clear();
+      bricks->begin(device);
+    }
     for (const auto& [block, bytes] : kept_blocks) {
       write_packed_block(device, block, static_cast<std::size_t>(info.block_voxels), bytes);
     }

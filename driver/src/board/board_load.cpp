@@ -36,6 +36,14 @@ LoadedVolume& Board::State::whole(const char* what) {
                   what, capacity_blocks(), n, all.dims[0], all.dims[1], all.dims[2], all.statistics.size()));
 }
 
+void Board::State::need_no_routine_in_bricks(const char* what, bool lighting) {
+  if (!bricks) return;
+  for (const Material& material : tables.materials()) {
+    const bool asks_host = material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine;
+    if (asks_host && (lighting || material.seen_through_scattering)) whole(what);
+  }
+}
+
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
   check_volume(view, state_->max_edge());
@@ -84,7 +92,9 @@ void Board::State::load(Planes planes, const Progress& progress) {
   } else {
     BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
-    bricks = std::make_unique<Bricks>(loaded.blocks, n, std::move(store), capacity_blocks());
+    const auto place = planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory;
+    BrickLight light(voxel_count(loaded.blocks), n, max_irradiance(info), place);
+    bricks = std::make_unique<Bricks>(loaded.blocks, n, std::move(store), std::move(light), capacity_blocks());
     begin_volume(loaded);
     bricks->begin(device);
   }

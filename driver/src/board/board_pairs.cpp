@@ -134,7 +134,7 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
 
   const std::size_t max_pairs = pairs_at_once(request, device.agreed().max_payload_bytes);
   std::vector<PairFactor> found;
-  const bool board_makes_them = device.agreed().minor >= wire::kPairsMinor;
+  const bool board_makes_them = device.agreed().minor >= wire::kPairsMinor && !bricks;
   if (request.made == PairRays::kByBoard && board_makes_them) {
     View sampled = sampling;
     sampled.step = request.step, sampled.leap = request.leap;
@@ -167,7 +167,7 @@ std::vector<PairFactor> Board::pair_factors(std::span<const Element> elements, s
                                             const PairRequest& request, const Progress& progress) {
   const auto lock = state_->begin();
   check(request);
-  const LoadedVolume& volume = state_->whole("pair_factors()");
+  const LoadedVolume& volume = state_->loaded("pair_factors()");
   state_->check_drift("request.step", request.step);
   for (std::size_t i = 0; i < elements.size(); ++i) check(elements[i], i, volume.dims);
   for (std::size_t i = 0; i < pairs.size(); ++i) check(pairs[i], i, elements.size());

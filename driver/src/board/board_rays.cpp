@@ -13,7 +13,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
                             std::vector<std::size_t> lines) {
   if (!info.host_rays) throw Unsupported("this board takes no host rays");
   check(request);
-  const LoadedVolume& of = whole("submit()");
+  const LoadedVolume& of = request.type == RayType::kBackproject ? whole("RayType::kBackproject") : loaded("submit()");
   check_drift("request.step", request.step);
   const bool deposits = request.type == RayType::kDeposit;
   if (deposits && irradiance_unit <= 0) {
@@ -40,7 +40,16 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
-  return batches.submit(rays, setup, std::move(lines));
+  if (!bricks) return batches.submit(rays, setup, std::move(lines));
+  BrickRun run;
+  if (deposits) {
+    run.needs.light = LightUse::kLeft;
+    run.take_ledger = [](const wire::LightingLedger&) {};
+  } else if (gathers_colour && sampled.irradiance) {
+    run.needs.light = LightUse::kSeen;
+  }
+  return batches.submit(rays, setup, std::move(lines),
+                        [&](std::span<const EncodedRays> parts) { return trace_in_bricks(parts, run); });
 }
 
 Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {
@@ -55,7 +64,7 @@ Ticket Board::submit(std::span<const std::span<const HostRay>> rays, const RayRe
 
 Ticket Board::submit(std::span<const Polyline> lines) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->whole("submit()");
+  const LoadedVolume& volume = state_->loaded("submit()");
   std::vector<HostRay> legs;
   std::vector<std::size_t> legs_of;
   for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -88,8 +88,9 @@ void for_each_block(const VoxelBox& box, Dims blocks, int n, const Take& take) {
 // A region of the board's memory with a word for each voxel of the blocks.
 class Words {
  public:
-  Words(Device& device, const wire::MemoryRegion& region, const LoadedVolume& volume, int n)
-      : device_(device), region_(region), blocks_(volume.blocks), n_(n) {}
+  // `bricks`: of a volume that the card does not store whole; else null.
+  Words(Device& device, const wire::MemoryRegion& region, const LoadedVolume& volume, int n, Bricks* bricks = nullptr)
+      : device_(device), region_(region), blocks_(volume.blocks), n_(n), bricks_(bricks) {}
 
   // Calls take(index in the box, word).
   void read(const VoxelBox& box, const auto& take) {
@@ -115,6 +116,7 @@ class Words {
       for_each_index(part.part, box, part.planes, [&](std::size_t index, std::size_t word) {
         wire::store(std::span(bytes), 4 * word, std::uint32_t{value(index)});
       });
+      if (bricks_ != nullptr) return bricks_->light().write(device_, part.block, offset(part), bytes);
       device_.write_memory(address(part), bytes);
     });
   }
@@ -124,9 +126,13 @@ class Words {
     return region_.base == wire::kIrradiance.base ? 8 * wire::kIrradianceBytes : wire::kVoxelBits;
   }
 
+  std::uint64_t offset(const BlockPart& part) const {  // in its block, bytes
+    const auto n = static_cast<std::uint64_t>(n_);
+    return static_cast<std::uint64_t>(part.part.low[2] - part.low[2]) * n * n * bits() / 8;
+  }
   std::uint64_t address(const BlockPart& part) const {
-    const auto n = static_cast<std::uint64_t>(n_), plane = static_cast<std::uint64_t>(part.part.low[2] - part.low[2]);
-    return region_.base + (part.block * n + plane) * n * n * bits() / 8;
+    const auto n = static_cast<std::uint64_t>(n_);
+    return region_.base + part.block * n * n * n * bits() / 8 + offset(part);
   }
 
   // In pieces of whole words of every kind.
@@ -134,6 +140,12 @@ class Words {
     constexpr std::size_t kPiece = 36;
     const std::size_t max_bytes = device_.agreed().max_payload_bytes / kPiece * kPiece;
     const std::size_t bytes = count(part.planes) * bits() / 8;
+    if (bricks_ != nullptr) {
+      const auto all =
+          bits() == wire::kVoxelBits ? bricks_->read(part.block) : bricks_->light().read(device_, part.block);
+      const auto begin = all.begin() + static_cast<std::ptrdiff_t>(offset(part));
+      return {begin, begin + static_cast<std::ptrdiff_t>(bytes)};
+    }
     std::vector<std::uint8_t> out;
     while (out.size() < bytes) {
       const auto piece = device_.read_memory(address(part) + out.size(), std::min(max_bytes, bytes - out.size()));
@@ -146,6 +158,7 @@ class Words {
   const wire::MemoryRegion& region_;
   const Dims blocks_;
   const int n_;
+  Bricks* const bricks_;
 };
 
 // Whole blocks: those that hold `box`, and `above` more above them on each axis.
@@ -163,10 +176,10 @@ VoxelBox whole_blocks(const VoxelBox& box, int above, int n, Dims dims) {
 
 std::vector<float> Board::read_volume(const VoxelBox& box) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->whole("read_volume()");
+  const LoadedVolume& volume = state_->loaded("read_volume()");
   check(box, volume.dims);
   const double unit = (volume.range.high - volume.range.low) / wire::kDensityMax;
-  Words words(state_->device, wire::kVolume, volume, state_->info.block_voxels);
+  Words words(state_->device, wire::kVolume, volume, state_->info.block_voxels, state_->bricks.get());
   return words.values(box, [&](std::uint64_t word) { return volume.range.low + wire::to_voxel(word).density * unit; });
 }
 
@@ -222,8 +235,10 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
 
 void Board::State::clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit) {
   expect(std::isfinite(unit) && unit > 0, "unit", "a finite number above 0", unit);
-  whole(what);
+  const bool irradiance = bits == wire::kControlClearIrradiance;
+  irradiance ? loaded(what) : whole(what);
   device.write_register(wire::reg::kControl, bits);
+  if (bricks) bricks->light().clear();
   kept_unit = unit;
 }
 
@@ -239,7 +254,7 @@ void Board::clear_sums(double unit) {
 
 std::vector<float> Board::read_irradiance() {
   const auto lock = state_->begin();
-  return state_->read_irradiance({{0, 0, 0}, state_->whole("read_irradiance()").dims});
+  return state_->read_irradiance({{0, 0, 0}, state_->loaded("read_irradiance()").dims});
 }
 
 std::vector<float> Board::read_irradiance(const VoxelBox& box) {
@@ -248,22 +263,23 @@ std::vector<float> Board::read_irradiance(const VoxelBox& box) {
 }
 
 std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
-  const LoadedVolume& of = whole("read_irradiance()");
+  const LoadedVolume& of = loaded("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
   check(box, of.dims);
-  Words words(device, wire::kIrradiance, of, info.block_voxels);
+  Words words(device, wire::kIrradiance, of, info.block_voxels, bricks.get());
   return words.values(box, [&](std::uint64_t word) { return static_cast<double>(word) * irradiance_unit; });
 }
 
 void Board::write_irradiance(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->whole("write_irradiance()");
+  const LoadedVolume& volume = state_->loaded("write_irradiance()");
   const double unit = state_->irradiance_unit;
   if (unit <= 0) throw Rejected("write_irradiance() needs a unit: illuminate() or clear_irradiance() first");
   check(box, volume.dims);
   check_values(box, values, 0);
   const double max_units = state_->info.wide ? 4294967295.0 : 2047.0;
-  Words(state_->device, wire::kIrradiance, volume, state_->info.block_voxels).write(box, [&](std::size_t index) {
+  Words words(state_->device, wire::kIrradiance, volume, state_->info.block_voxels, state_->bricks.get());
+  words.write(box, [&](std::size_t index) {
     return static_cast<std::uint32_t>(std::min(std::round(static_cast<double>(values[index]) / unit), max_units));
   });
   state_->check_fence();

@@ -1,13 +1,14 @@
 // Materials, lights, the irradiance that they leave, and pictures.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "encode/argument.h"
 #include "encode/camera.h"
 #include "encode/lights.h"
+#include "encode/volume/block_order.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
@@ -94,36 +95,30 @@ void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kCutPlanes, planes);
 }
 
-void Board::State::render_in_bricks(const View& view, const wire::RenderCommand& camera,
-                                    std::vector<std::uint8_t> payload, Picoseconds deadline) {
-  std::optional<BlockOrder> order;  // if any ray waits
-  while (!payload.empty()) {
-    std::vector<wire::WaitingBlock> waiting;
-    try {
-      waiting = decode_waiting(payload, bricks->count());
-    } catch (const std::out_of_range& error) {
-      device.give_up(std::string("a list of waiting rays with a wrong ") + error.what());
-    }
-    if (!order) order.emplace(bricks->blocks(), bricks->block_voxels(), camera, view.cut_planes);
-    bricks->load(device, *order, waiting, view.leap ? std::span(volume->flags) : std::span<std::uint8_t>());
-    check_fence();
-    payload = device.run(wire::encoded(wire::ContinueCommand{}), {}, deadline).payload;
-  }
+Board::State::BrickRun Board::State::picture_run(const View& view, const wire::RenderCommand& camera,
+                                                 Picoseconds deadline) {
+  BrickRun run;
+  run.deadline = deadline;
+  if (view.irradiance) run.needs.light = LightUse::kSeen;
+  if (view.scatter) return run;
+  if (view.leap) run.needs.leapt_over = volume->flags;
+  const auto order =
+      std::make_shared<BlockOrder>(bricks->blocks(), bricks->block_voxels(), camera, std::span(view.cut_planes));
+  run.order = [order](std::span<const wire::WaitingBlock> waiting) { return order->reached_from(waiting); };
+  return run;
 }
 
 void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const auto lock = state_->begin();
   check(view);
   const LoadedVolume& volume = state_->loaded("rendering");
-  if (view.irradiance) state_->whole("View::irradiance");
   if (view.irradiance && state_->irradiance_unit <= 0) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
   if (view.scatter) {
-    state_->whole("View::scatter");
     state_->need_routine(false);
+    state_->need_no_routine_in_bricks("View::scatter with the application's routine", false);
   }
-  if (view.high_albedo) state_->whole("View::high_albedo");
   const bool sees_lamps = view.scatter && !view.lamps.empty();
   if (sees_lamps && state_->device.agreed().minor < wire::kLampsMinor) {
     throw Rejected(fmt::format("View::lamps needs a board of protocol 2.{}, this one has 2.{}", wire::kLampsMinor,
@@ -144,13 +139,16 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   std::vector<std::uint8_t> payload = wire::encoded(camera);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
   const Picoseconds deadline = state_->deadline();
-  if (state_->bricks) state_->bricks->recover(state_->device);
+  if (state_->bricks) {
+    state_->bricks->prepare(state_->device, view.irradiance ? LightUse::kSeen : LightUse::kNone);
+    state_->check_fence();
+  }
   CommandResult result = state_->device.run(payload, told, deadline);
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends
   if (state_->bricks) {
-    state_->render_in_bricks(view, camera, std::move(result.payload), deadline);
+    state_->run_in_bricks(result.payload, state_->picture_run(view, camera, deadline));
   } else {
     state_->scatter_waiting(result.payload, {});
   }
@@ -198,14 +196,40 @@ void Board::State::set_lighting(const Illumination& settings) {
   device.set_register(reg::kCutPlanes, 0);  // they cut what the eye sees
 }
 
+// The board has the block in which the light stands: it says whether that is solid.
+void Board::State::prepare_light(const Light& light) {
+  const BrickNeeds needs{.light = LightUse::kLeft};
+  const auto command = light_command(light, {}, 1);
+  std::size_t block = 0, stride = 1;
+  bool inside = command.kind != wire::LightKind::kDirectional;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double voxels = command.position[axis];
+    if (command.kind == wire::LightKind::kRectangle) {
+      const std::array<double, 3> edge{volume->relative_spacing.x, volume->relative_spacing.y,
+                                       volume->relative_spacing.z};
+      voxels += (command.u[axis] + command.v[axis]) / 2 / edge[axis];
+    }
+    inside = inside && voxels >= 0 && voxels <= volume->dims[axis] - 1;
+    if (inside) block += stride * (static_cast<std::size_t>(voxels) / static_cast<std::size_t>(bricks->block_voxels()));
+    stride *= static_cast<std::size_t>(volume->blocks[axis]);
+  }
+  if (inside) {
+    bricks->load(device, std::span(&block, 1), needs);
+  } else {
+    bricks->prepare(device, needs.light);
+  }
+  check_fence();
+}
+
 LightingReport Board::illuminate(std::span<const Light> lights, const Illumination& settings,
                                  const Progress& progress) {
   const auto lock = state_->begin();
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], fmt::format("lights[{}]", i));
   check(settings);
-  const LoadedVolume& volume = state_->whole("illuminate()");
+  const LoadedVolume& volume = state_->loaded("illuminate()");
   state_->check_drift("step", settings.step);
   state_->need_routine(true);
+  state_->need_no_routine_in_bricks("illuminate() with the application's routine", true);
   const LitBox box = lit_box(volume);
   LightingReport report;
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
@@ -215,6 +239,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   const std::size_t ledger_bytes = wire::lighting_ledger_bytes(minor);
   const Picoseconds deadline = state_->deadline();
   state_->device.write_register(reg::kControl, wire::kControlClearIrradiance);
+  if (state_->bricks) state_->bricks->light().clear();
   state_->irradiance_unit = report.unit;
   double flux = 0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -228,16 +253,25 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
       };
     }
     const Progress told = state_->watched(part);
+    if (state_->bricks) state_->prepare_light(lights[i]);
     const CommandResult result =
         state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)), told, deadline);
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) state_->device.give_up("a lighting result of wrong size");
     const auto ledger = wire::decode_lighting_ledger(payload, minor);
-    add(ledger, report);
-    state_->scatter_waiting(payload.subspan(ledger_bytes), [&report](wire::LightingLedger resumed) {
-      resumed.emitted = 0;  // it was counted when its rays were made
-      add(resumed, report);
-    });
+    if (state_->bricks) {
+      wire::LightingLedger sum;
+      state_->run_in_bricks(payload, {.needs = {.light = LightUse::kLeft},
+                                      .take_ledger = [&sum](const wire::LightingLedger& each) { wire::add(each, sum); },
+                                      .deadline = deadline});
+      add(sum, report);
+    } else {
+      add(ledger, report);
+      state_->scatter_waiting(payload.subspan(ledger_bytes), [&report](wire::LightingLedger resumed) {
+        resumed.emitted = 0;  // it was counted when its rays were made
+        add(resumed, report);
+      });
+    }
     flux += flux_in_the_middle(lights[i], settings, box);
     if (ledger.light_in_solid != 0) {
       report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));

@@ -110,7 +110,10 @@ void Remembered::state(Archive& archive, bool kept) {
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels) / n;
     if (archive.loads()) {
       BlockStore store(static_cast<std::size_t>(blocks), bytes_of_block(n, of.coloured), BlockStore::Place::kMemory);
-      bricks = std::make_unique<Bricks>(of.blocks, info.block_voxels, std::move(store), edge * edge * edge);
+      BrickLight light(static_cast<std::size_t>(blocks), info.block_voxels, max_irradiance(info),
+                       BlockStore::Place::kMemory);
+      bricks = std::make_unique<Bricks>(of.blocks, info.block_voxels, std::move(store), std::move(light),
+                                        edge * edge * edge);
     }
     archive("bricks", *bricks);
   });

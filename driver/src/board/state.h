@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "batches.h"
-#include "bricks.h"
+#include "bricks/bricks.h"
 #include "device.h"
 #include "encode/volume/planes.h"
 #include "encode/volume/voxel_blocks.h"
@@ -116,9 +116,32 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels / info.block_voxels);
     return edge * edge * edge;
   }
-  // The rays of the picture go on until none waits for a block; `payload`: of the render command's completion.
-  void render_in_bricks(const View& view, const wire::RenderCommand& camera, std::vector<std::uint8_t> payload,
-                        Picoseconds deadline);
+  // Throws Unsupported if the card does not store the volume whole and a material that rays meet is the application's to scatter.
+  void need_no_routine_in_bricks(const char* what, bool lighting);
+
+  // How rays of a command go on that wait for blocks.
+  struct BrickRun {
+    BrickNeeds needs{};
+    // Which blocks are sent, most important first; none: by the rays that wait for them.
+    std::function<std::vector<std::size_t>(std::span<const wire::WaitingBlock>)> order{};
+    // If the rays leave energy: each completion begins with a ledger.
+    std::function<void(const wire::LightingLedger&)> take_ledger{};
+    Picoseconds deadline = kNoDeadline;
+  };
+  // Until none waits; `payload`: of the completion of the command that made them.
+  void run_in_bricks(std::span<const std::uint8_t> payload, const BrickRun& run);
+  std::vector<wire::WaitingBlock> take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run);
+  void deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger);
+  // What the trace commands would return if the card stored the whole volume.
+  static constexpr std::size_t kMaxTracedAtOnce =
+      wire::kMaxHostRays / 4;  // chosen: 128 MB of packets, all of which may wait
+  std::vector<CommandResult> trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
+  void trace_group(std::span<const EncodedRays> parts, const BrickRun& run, std::vector<CommandResult>& results);
+  // Bytes of a region, in pieces of whole records.
+  std::vector<std::uint8_t> read_pieces(const wire::MemoryRegion& region, std::uint64_t from, std::uint64_t bytes,
+                                        std::size_t record);
+  // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
+  BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);
 
   static wire::Spacing spacing_words(Vec3 relative) {  // of the SPACING registers
     const auto word = [](double edge) { return static_cast<std::uint32_t>(std::lround(edge * wire::kSpacingOne)); };
@@ -180,6 +203,7 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     return time_limit == 0 || time_limit > kNoDeadline - now ? kNoDeadline : now + time_limit;
   }
   void set_lighting(const Illumination& settings);
+  void prepare_light(const Light& light);
   // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
   void need_routine(bool lighting) const;
   // Answers rays that wait on the board after a command with that result, until none does. Ledgers go to `take_ledger`.

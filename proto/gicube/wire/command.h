@@ -218,6 +218,19 @@ struct LightingLedger {
 };
 inline constexpr std::size_t kLightingLedgerBytes = bytes_of<LightingLedger>();
 
+// What several commands did, as one.
+inline void add(const LightingLedger& ledger, LightingLedger& sum) {
+  sum.rays += ledger.rays;
+  sum.emitted += ledger.emitted;
+  sum.deposited += ledger.deposited;
+  sum.escaped += ledger.escaped;
+  sum.scattered_away += ledger.scattered_away;
+  sum.given_up += ledger.given_up;
+  sum.clipped += ledger.clipped;
+  sum.light_in_solid |= ledger.light_in_solid;
+  for (std::size_t face = 0; face < kFaces; ++face) sum.escaped_by_face[face] += ledger.escaped_by_face[face];
+}
+
 // What a session of that minor version has of a ledger: before 2.2 it ends without `escaped_by_face`, which are 0 then.
 inline constexpr std::uint16_t kEscapedByFaceMinor = 2;
 constexpr std::size_t lighting_ledger_bytes(std::uint16_t minor) {
@@ -270,12 +283,25 @@ inline constexpr std::size_t kVerifyCommandBytes = bytes_of<VerifyCommand>();
 // ---- kPairs: the DSP makes rays between elements (pair.h), traces them as opacity rays, and sums them up. A PairsHeader, its
 // elements, its pairs; rays of all pairs at most kMaxPairRays. Its completion: a PairResult for each pair.
 
-// ---- kContinue: the rays of the last kRender that wait for blocks which are no longer absent go on. Registers and tables must be as
-// they were. The next kRender forgets the rays that still wait.
+// ---- kContinue: rays that wait for blocks which are no longer absent go on. Registers and tables must be as they were.
 //
-// A ray waits when it comes to a block whose flag of absent_flags (memory_map.h) is set, unless it leaps over the block. It goes on with
-// all its bits. Rays wait of kRender and kContinue alone, and only rendering rays that gather; other commands are refused while
-// a flag is set. The completion of both holds a WaitingHeader and `blocks` WaitingBlocks, ascending, or nothing if no ray waits.
+// A ray waits when it comes to a block whose flag of absent_flags (memory_map.h) is set, unless it leaps over the block. A ray that
+// traps waits for the block of its place, leapt over or not. It goes on with all its bits. Rays wait of kRender, and of kTrace and
+// kIlluminate if the volume has more blocks than the card stores; other commands are refused while a flag is set. The completion of
+// these and of kContinue ends with a WaitingHeader and `blocks` WaitingBlocks, ascending, or with nothing if no ray waits and the host
+// has nothing to deposit.
+// No material may let the host scatter then.
+//
+// The rays of such a kTrace stay in the DSP's memory (kHostRayMemory, memory_map.h) behind those of the kTraces before with the same
+// header but for `count`, at most kMaxHostRays, and its completion holds no rays; those of deposit do not stay. When none waits,
+// all have come to their ends there. kBackproject is refused.
+//
+// Energy that goes to a block whose flag of dark_flags is set, since the host has its irradiance, is neither deposited nor clipped: the
+// command's completion counts the voxels that got some, and the host reads them from host_deposits before the next command, and
+// adds them to its words. So in all commands of a light, with what the host has deposited and clipped besides, the ledgers' sums
+// are those of a card that stores the whole volume. The ledger of kContinue has emitted nothing; its `rays` are those that came to an end.
+//
+// The next kRender, kIlluminate or kTrace with another header, and bit 5 of CONTROL, forget all these rays.
 
 inline constexpr std::uint16_t kBricksMinor = 3;  // the first minor version with it
 
@@ -285,20 +311,31 @@ struct ContinueCommand {
 inline constexpr std::size_t kContinueCommandBytes = bytes_of<ContinueCommand>();
 
 struct WaitingHeader {
-  std::uint32_t blocks = 0;  // that rays wait for
-  std::uint32_t rays = 0;    // in all
+  std::uint32_t blocks = 0;         // that rays wait for
+  std::uint32_t rays = 0;           // in all
+  std::uint32_t host_deposits = 0;  // records, of this command
 
-  constexpr void fields(auto&& list) { list(blocks, rays); }
+  constexpr void fields(auto&& list) { list(blocks, rays, host_deposits, Reserved<4>{}); }
 };
 inline constexpr std::size_t kWaitingHeaderBytes = bytes_of<WaitingHeader>();
 
 struct WaitingBlock {
   std::uint32_t block = 0;
-  std::uint32_t rays = 0;  // that wait for it, not 0
+  std::uint32_t rays = 0;        // that wait for it, not 0
+  std::uint64_t importance = 0;  // the sum of their contributions, 12 bits each, as the sorter counts them
 
-  constexpr void fields(auto&& list) { list(block, rays); }
+  constexpr void fields(auto&& list) { list(block, rays, importance); }
   friend constexpr bool operator==(const WaitingBlock&, const WaitingBlock&) = default;
 };
 inline constexpr std::size_t kWaitingBlockBytes = bytes_of<WaitingBlock>();
+
+struct HostDeposit {
+  std::uint64_t word = 0;   // of the irradiance: block * n^3 + voxel of the block, x fastest
+  std::uint64_t units = 0;  // to be added; the word saturates
+
+  constexpr void fields(auto&& list) { list(word, units); }
+  friend constexpr bool operator==(const HostDeposit&, const HostDeposit&) = default;
+};
+inline constexpr std::size_t kHostDepositBytes = bytes_of<HostDeposit>();
 
 }  // namespace gicube::wire

@@ -7,6 +7,7 @@
 #include "gicube/wire/command.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
+#include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube::wire {
@@ -34,6 +35,8 @@ inline constexpr MemoryRegion kEmptyFlags{"empty_flags", 0x0030'0000, std::uint6
                                           "one bit a block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
 inline constexpr MemoryRegion kAbsentFlags{"absent_flags", 0x0038'0000, std::uint64_t{1} << 18, true,
                                            "as empty_flags; 1 = rays wait for the block (command.h, kContinue)"};
+inline constexpr MemoryRegion kDarkFlags{"dark_flags", 0x0044'0000, std::uint64_t{1} << 18, true,
+                                         "as empty_flags; 1 = the host has the block's irradiance (host_deposits)"};
 inline constexpr MemoryRegion kMaterials{"materials", 0x0040'0000, std::uint64_t{kTags} * kMaterialBytes, true,
                                          "one record a tag (material.h)"};
 inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
@@ -59,9 +62,20 @@ inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} *
 inline constexpr MemoryRegion kColours{"colours", 0x5'4000'0000, std::uint64_t{1024} * 1024 * 1024 * kColourBytes, true,
                                        "blocks of colours, 3 bytes a voxel (VOXEL_FORMAT)"};
 
-inline constexpr std::array<MemoryRegion, 11> kMemoryMap{
-    kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags, kAbsentFlags, kMaterials,
-    kFramebuffer,     kVolume,      kSums,           kIrradiance, kColours};
+// The rays of trace commands of a volume with more blocks than the card stores, in the order in which they came (command.h). Read in
+// pieces of whole packets.
+inline constexpr std::uint32_t kMaxHostRays = 1u << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
+inline constexpr MemoryRegion kHostRayMemory{"host_rays", 0x4000'0000, std::uint64_t{kMaxHostRays} * kRayBytes, false,
+                                             "rays of trace commands of a volume in bricks, 32 bytes each (command.h)"};
+
+// What the latest command's rays have left in blocks whose dark flag is set: HostDeposits (command.h), ascending, in pieces of whole records.
+inline constexpr MemoryRegion kHostDeposits{
+    "host_deposits", 0x8000'0000, std::uint64_t{1} << 30, false,
+    "deposits of the latest command in blocks whose dark flag is set (command.h)"};
+
+inline constexpr std::array<MemoryRegion, 14> kMemoryMap{
+    kSegmentationLut, kGradientLut,   kReflectanceMap, kEmptyFlags, kAbsentFlags, kMaterials,  kDarkFlags,
+    kFramebuffer,     kHostRayMemory, kHostDeposits,   kVolume,     kSums,        kIrradiance, kColours};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

@@ -53,6 +53,7 @@ inline constexpr std::uint32_t kLifetime = 0x06C;
 inline constexpr std::uint32_t kExposure = 0x070;
 inline constexpr std::uint32_t kSeed = 0x074;
 inline constexpr std::uint32_t kCutPlanes = 0x080;
+inline constexpr std::uint32_t kDropBlock = 0x084;
 inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPlane0 + 16 i + 4 w
 }  // namespace reg
 
@@ -74,6 +75,7 @@ enum ControlBit : std::uint32_t {
   kControlClearIrradiance = 1 << 2,
   kControlClearSums = 1 << 3,
   kControlDropBlocks = 1 << 4,
+  kControlDropRays = 1 << 5,
 };
 enum PipelineBit : std::uint32_t {
   kPipelineJitter = 1 << 0,
@@ -101,7 +103,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
     RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error, 4 no_memory"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
-    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums, bit 4 forget the words of all blocks, but not the volume's size and flags"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums, bit 4 forget the words and the irradiance of all blocks, but not the volume's size and flags, bit 5 the rays that wait for blocks and host_rays"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
     RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0, "what volume, words and image may take of the host's memory, MiB; all ones: no limit; from --max-memory"},
@@ -128,6 +130,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset, "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
     RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0, "of lighting rays and of scatterings: another seed draws other random numbers"},
     RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
+    RegisterInfo{reg::kDropBlock, "DROP_BLOCK", Access::kWriteOnly, 0, "the card forgets the words of the block of that number, and its irradiance"},
 #define GICUBE_CUT_PLANE(i)                                                                                                   \
     RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0, "signed 1.14: points with normal . p >= offset are kept"}, \
     RegisterInfo{reg::kCutPlane0 + 16 * (i) + 4, "CUT" #i "_NORMAL_Y", Access::kReadWrite, 0, "the same in y"},                \

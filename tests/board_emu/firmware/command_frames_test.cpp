@@ -47,8 +47,11 @@ TEST(AbsentBlocks, RefuseAllThatDoesNotWait) {
   wire::RenderCommand picture{.width = 4, .height = 4, .forward = {0, 0, 1}, .du = {0.1, 0, 0}, .dv = {0, 0.1, 0}};
   EXPECT_EQ(refusal(board, wire::encoded(picture)), "accepted");
   board.write_register(reg::kPipeline, wire::kPipelineScatter);
+  EXPECT_EQ(refusal(board, wire::encoded(picture)), "accepted");
+  wire::Material host{.bsdf = wire::Bsdf::kTrap, .routine = wire::kHostRoutine};
+  board.write_memory(wire::kMaterials.base, wire::encoded(host));
   EXPECT_EQ(refusal(board, wire::encoded(picture)),
-            "PIPELINE: expected neither irradiance nor scattering while blocks are absent");
+            "material 0: routine 255: the host is not asked for rays of a trace command, or while blocks are absent");
 }
 
 // 40^3 voxels in 125 blocks, on a card that stores 64.

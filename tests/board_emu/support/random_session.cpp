@@ -254,7 +254,8 @@ void RandomHost::change_memory(Board& board, Dice& dice) {
     case 3: return write_memory(board, wire::kEmptyFlags.base, {static_cast<std::uint8_t>(dice.number(0, 255))});
     case 4: {
       const int absent = dice.chance(70) ? 0 : dice.number(0, 255);
-      return write_memory(board, wire::kAbsentFlags.base, {static_cast<std::uint8_t>(absent)});
+      const auto& flags = dice.chance(30) ? wire::kDarkFlags : wire::kAbsentFlags;
+      return write_memory(board, flags.base, {static_cast<std::uint8_t>(absent)});
     }
     case 5: {
       const MemoryError error{static_cast<std::uint32_t>(dice.number(0, 9)),
@@ -262,8 +263,9 @@ void RandomHost::change_memory(Board& board, Dice& dice) {
       return board.add_memory_error(error);
     }
     default: {
+      if (dice.chance(30)) return write_register(board, reg::kDropBlock, static_cast<std::uint32_t>(dice.number(0, 9)));
       const auto bits = dice.one_of({wire::kControlClearIrradiance, wire::kControlClearSums, wire::kControlDropBlocks,
-                                     wire::kControlClearIrradiance, wire::kControlClearVolume});
+                                     wire::kControlDropRays, wire::kControlClearVolume});
       return write_register(board, reg::kControl, bits);
     }
   }

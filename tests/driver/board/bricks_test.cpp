@@ -3,87 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <random>
 #include <string>
 
+#include "brick_scenes.h"
 #include "gicube/testing.h"
-#include "test_board.h"
 
 namespace gicube::reference {
 namespace {
 
 using testing::HasSubstr;
 
-struct Blobs {
-  Dims dims;
-  std::vector<std::byte> samples;
-
-  VolumeView view() const { return {.samples = samples, .type = SampleType::kUint8, .dims = dims}; }
-};
-
-// Soft balls in a fog that does not fill all blocks.
-Blobs make_blobs(std::mt19937& random, int least, int most) {
-  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
-  Blobs out{};
-  for (int& edge : out.dims) edge = std::uniform_int_distribution(least, most)(random);
-  std::array<std::array<double, 4>, 5> balls{};
-  for (auto& ball : balls) {
-    for (std::size_t axis = 0; axis < 3; ++axis) ball[axis] = within(0, out.dims[axis]);
-    ball[3] = within(4, 16);
-  }
-  for (int z = 0; z < out.dims[2]; ++z) {
-    for (int y = 0; y < out.dims[1]; ++y) {
-      for (int x = 0; x < out.dims[0]; ++x) {
-        double value = x % 32 < 20 ? 30 + 10 * std::sin(0.3 * y + 0.2 * z) : 0;
-        for (const auto& ball : balls) {
-          const double radius = length(Vec3{x - ball[0], y - ball[1], z - ball[2]});
-          value = std::max(value, 60 + 20 * (ball[3] - radius));
-        }
-        out.samples.push_back(static_cast<std::byte>(std::clamp(value, 0.0, 255.0)));
-      }
-    }
-  }
-  return out;
-}
-
-View make_view(std::mt19937& random, const Dims& dims, int pixels) {
-  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
-  const auto flip = [&] { return std::bernoulli_distribution(0.5)(random); };
-  View view;
-  view.width = pixels, view.height = pixels;
-  const bool inside = flip();
-  const double most = std::max({dims[0], dims[1], dims[2]});
-  const auto place = [&](std::size_t axis) {
-    return inside ? within(0, dims[axis] - 1) : dims[axis] / 2.0 + within(-1.5, 1.5) * most;
-  };
-  view.eye = {place(0), place(1), place(2)};
-  view.look_at = {dims[0] * within(0.3, 0.7), dims[1] * within(0.3, 0.7), dims[2] * within(0.3, 0.7)};
-  view.up = {0.1, 1, 0.2};
-  view.fov_degrees = within(20, 100);
-  if (flip() && flip()) view.orthographic_height = most * within(0.5, 1.5);
-  view.samples_per_axis = flip() ? 1 : 2;
-  view.filter = flip() ? PixelFilter::kBox : PixelFilter::kTent;
-  view.step = flip() ? 0.5 : within(0.4, 12);
-  view.jitter = flip();
-  view.shade = flip();
-  view.leap = flip() || flip();
-  view.opacity_threshold = flip() ? 0.95 : 1;
-  if (flip()) view.cut_planes.push_back({{within(-1, 1), within(-1, 1), 1}, dims[2] * within(0.1, 0.4)});
-  return view;
-}
-
-TransferFunction fog_and_balls(double fog) {
-  return {.colours = {{0, {0.2, 0.4, 1}}, {255, {1, 0.6, 0.2}}},
-          .opacities = {{20, 0}, {21, fog}, {60, fog}, {200, 0.6}}};
-}
-
 void expect_same_pictures(const std::string& base, const std::string& card, const std::string& endless, int scenes,
                           int least, int most, int pixels, unsigned seed) {
   std::mt19937 random(seed);
-  Board small = open_board(base + "&set=asic.max_volume_voxels=" + card);
-  Board large = open_board(base + "&set=asic.max_volume_voxels=" + endless);
+  BrickBoards boards(base, card, endless);
+  auto& [small, large] = boards;
   for (int scene = 0; scene < scenes; ++scene) {
     const Blobs blobs = make_blobs(random, least, most);
     const TransferFunction function = fog_and_balls(scene % 3 == 0 ? 0 : 0.02);
@@ -154,10 +90,10 @@ class Column : public testing::Test {
   }
 };
 
-// A layer needs the next one's faces: each load has two layers, and samples are taken in one, but the last load's.
-TEST_F(Column, SendsTwoLayersForEachButTheLast) {
+// A layer needs the next one's faces, which stays on the card until its own samples are taken.
+TEST_F(Column, SendsEachLayerOnce) {
   Board board = load(std::byte{200}, 0.001);
-  EXPECT_EQ(blocks_of(board, along_z()), (kLayers - 1) * 8);
+  EXPECT_EQ(blocks_of(board, along_z()), kLayers * 4);
 }
 
 TEST_F(Column, SendsNoLayerBehindWhatIsOpaque) {
@@ -167,7 +103,7 @@ TEST_F(Column, SendsNoLayerBehindWhatIsOpaque) {
 
 TEST_F(Column, SendsNoEmptyLayer) {
   Board board = load(std::byte{200}, 0.001, 5);  // layers 5, 6, 7; the faces of 4 have some of 5
-  EXPECT_EQ(blocks_of(board, along_z()), 3 * 8);
+  EXPECT_EQ(blocks_of(board, along_z()), 4 * 4);
 }
 
 TEST_F(Column, StaysOnTheCardForTheNextPictureIfItFits) {
@@ -191,16 +127,19 @@ TEST_F(Column, IsRefusedByNameWhereTheCardMustStoreItWhole) {
       EXPECT_THAT(error.what(), HasSubstr("got 32 x 32 x 128 voxels in 32 blocks"));
     }
   };
-  expect_refused([&] { board.illuminate({}, {}); }, "illuminate()");
-  expect_refused([&] { board.submit(std::vector<HostRay>(1)); }, "submit()");
-  expect_refused([&] { board.pair_factors({}, {}); }, "pair_factors()");
-  expect_refused([&] { board.clear_irradiance(1); }, "clear_irradiance()");
   expect_refused([&] { board.clear_sums(1); }, "clear_sums()");
-  expect_refused([&] { board.read_volume({{0, 0, 0}, {1, 1, 1}}); }, "read_volume()");
+  expect_refused([&] { board.write_volume({{0, 0, 0}, {1, 1, 1}}, std::vector<float>(1)); }, "write_volume()");
   expect_refused([&] { board.verify_volume(); }, "verify_volume()");
+  expect_refused([&] { board.submit(std::vector<HostRay>(1), {.type = RayType::kBackproject}); },
+                 "RayType::kBackproject");
+  board.set_material(
+      {.scattering = 0.5, .bsdf = Bsdf::kTrap, .seen_through_scattering = true, .routine = kHostRoutine});
+  board.set_scattering_routine([](const ScatterEvent& event) { return ScatterAnswer{event.direction, 1}; });
+  expect_refused([&] { board.illuminate({}, {}); }, "illuminate() with the application's routine");
   View view = along_z();
   view.scatter = true;
-  expect_refused([&] { board.render(view); }, "View::scatter");
+  expect_refused([&] { board.render(view); }, "View::scatter with the application's routine");
+  board.set_material({});
   EXPECT_NO_THROW(board.render(along_z()));
 }
 

@@ -101,19 +101,8 @@ std::vector<std::size_t> BlockOrder::reached_from(std::span<const wire::WaitingB
 }
 
 std::vector<std::size_t> blocks_sampled_in(std::size_t block, Dims blocks) {
-  const auto nx = static_cast<std::size_t>(blocks[0]), ny = static_cast<std::size_t>(blocks[1]);
-  const std::array<std::size_t, 3> at{block % nx, block / nx % ny, block / nx / ny}, stride{1, nx, nx * ny};
   std::vector<std::size_t> out;
-  for (unsigned above = 0; above < 8; ++above) {
-    std::size_t other = block;
-    bool inside = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if ((above >> axis & 1) == 0) continue;
-      inside = inside && at[axis] + 1 < static_cast<std::size_t>(blocks[axis]);
-      other += stride[axis];
-    }
-    if (inside) out.push_back(other);
-  }
+  for_each_sampled_in(block, blocks, [&out](std::size_t each) { out.push_back(each); });
   return out;
 }
 

@@ -45,8 +45,23 @@ class BlockOrder {
   std::vector<std::uint32_t> order_;  // all blocks
 };
 
-// The block and those above it on the axes, inside the volume, whose voxels are on its +1 faces: what the board must have so that
-// samples in the block can be taken.
+// Calls use(each) for the block and those above it on the axes, inside the volume, whose voxels are on its +1 faces: what the board must
+// have so that samples in the block can be taken.
+template <typename Use>
+void for_each_sampled_in(std::size_t block, Dims blocks, const Use& use) {
+  const auto nx = static_cast<std::size_t>(blocks[0]), ny = static_cast<std::size_t>(blocks[1]);
+  const std::array<std::size_t, 3> at{block % nx, block / nx % ny, block / nx / ny}, stride{1, nx, nx * ny};
+  for (unsigned above = 0; above < 8; ++above) {
+    std::size_t other = block;
+    bool inside = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if ((above >> axis & 1) == 0) continue;
+      inside = inside && at[axis] + 1 < static_cast<std::size_t>(blocks[axis]);
+      other += stride[axis];
+    }
+    if (inside) use(other);
+  }
+}
 std::vector<std::size_t> blocks_sampled_in(std::size_t block, Dims blocks);
 
 }  // namespace gicube

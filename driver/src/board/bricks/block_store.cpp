@@ -1,7 +1,9 @@
 #include "block_store.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -47,16 +49,31 @@ BlockStore::BlockStore(std::size_t blocks, std::size_t block_bytes, Place place)
   if (place == Place::kFile) file_ = nameless_file();
 }
 
-void BlockStore::add(std::size_t block, std::span<const std::uint8_t> bytes) {
+void BlockStore::write(std::int64_t place, std::span<const std::uint8_t> bytes) {
   if (file_.get() < 0) {
-    memory_.emplace_back(bytes.begin(), bytes.end());
-  } else {
-    const off_t at = next_ * static_cast<off_t>(block_bytes_);
-    in_steps(bytes.size(), "can keep", [&](std::size_t done) {
-      return ::pwrite(file_.get(), bytes.data() + done, bytes.size() - done, at + static_cast<off_t>(done));
-    });
+    memory_[static_cast<std::size_t>(place)].assign(bytes.begin(), bytes.end());
+    return;
   }
+  const off_t at = place * static_cast<off_t>(block_bytes_);
+  in_steps(bytes.size(), "can keep", [&](std::size_t done) {
+    return ::pwrite(file_.get(), bytes.data() + done, bytes.size() - done, at + static_cast<off_t>(done));
+  });
+}
+
+void BlockStore::add(std::size_t block, std::span<const std::uint8_t> bytes) {
+  if (file_.get() < 0) memory_.emplace_back();
+  write(next_, bytes);
   places_[block] = next_++;
+}
+
+void BlockStore::put(std::size_t block, std::span<const std::uint8_t> bytes) {
+  has(block) ? write(places_[block], bytes) : add(block, bytes);
+}
+
+void BlockStore::clear() {
+  places_.assign(places_.size(), -1);
+  next_ = 0;
+  memory_.clear();
 }
 
 void BlockStore::state(Archive& archive) {

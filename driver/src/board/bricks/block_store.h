@@ -1,4 +1,4 @@
-// The packed words of a volume's blocks, in memory or in a file.
+// Words of a volume's blocks, in memory or in a file.
 #pragma once
 
 #include <sys/types.h>
@@ -23,6 +23,10 @@ class BlockStore {
   bool has(std::size_t block) const { return places_[block] >= 0; }
   // Each block once. Throws Error: the file can't take it.
   void add(std::size_t block, std::span<const std::uint8_t> bytes);
+  // The same in place of what it has of the block, if it has it.
+  void put(std::size_t block, std::span<const std::uint8_t> bytes);
+  // Forgets all blocks.
+  void clear();
   // Resizes `out`. Throws Error: the file can't be read.
   void read(std::size_t block, std::vector<std::uint8_t>& out) const;
 
@@ -31,6 +35,8 @@ class BlockStore {
 
  private:
   std::size_t block_bytes_;
+  void write(std::int64_t place, std::span<const std::uint8_t> bytes);
+
   std::vector<std::int64_t> places_;  // of each block, in blocks; -1: it is not there
   std::int64_t next_ = 0;
   std::vector<std::vector<std::uint8_t>> memory_;  // by place

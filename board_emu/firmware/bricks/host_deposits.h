@@ -1,0 +1,79 @@
+// Deposits of one command that the host must make, in the DSP's memory, until the next command.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "datapath/bricks.h"
+#include "datapath/scattering.h"
+#include "gicube/archive.h"
+#include "gicube/wire/command.h"
+#include "gicube/wire/memory_map.h"
+
+namespace gicube::emu {
+
+class HostDeposits : public HostDepositList {
+ public:
+  static constexpr std::size_t kMax = wire::kHostDeposits.bytes / wire::kHostDepositBytes;
+
+  void begin() {
+    sums_.clear();
+    list_.clear();
+  }
+  void add(std::uint64_t word, std::uint32_t units) override {
+    const std::lock_guard lock(mutex_);
+    sums_[word] += units;
+    if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of other blocks got energy in one command");
+  }
+  // The others: between commands.
+  // Lists what was added; the order does not depend on threads.
+  void settle() {
+    for (const auto& [word, units] : sums_) list_.push_back({word, units});
+    sums_.clear();
+    std::ranges::sort(list_, {}, &wire::HostDeposit::word);
+  }
+  std::size_t count() const { return list_.size(); }
+  std::uint64_t memory_bytes() const { return list_.capacity() * sizeof(wire::HostDeposit); }
+  // In pieces of whole records.
+  std::optional<std::vector<std::uint8_t>> read(std::uint64_t offset, std::uint64_t length) const {
+    constexpr std::uint64_t kEach = wire::kHostDepositBytes;
+    if (offset % kEach != 0 || length % kEach != 0 || (offset + length) / kEach > list_.size()) return std::nullopt;
+    std::vector<std::uint8_t> out;
+    const auto first = static_cast<std::size_t>(offset / kEach);
+    for (const auto& each : std::span(list_).subspan(first, static_cast<std::size_t>(length / kEach))) {
+      wire::append(out, each);
+    }
+    return out;
+  }
+  // Also of a command in work.
+  void state(Archive& archive) {
+    std::vector<wire::HostDeposit> sums;
+    for (const auto& [word, units] : sums_) sums.push_back({word, units});
+    std::ranges::sort(sums, {}, &wire::HostDeposit::word);
+    for (auto* const list : {&sums, &list_}) {
+      std::vector<std::uint8_t> bytes;
+      for (const wire::HostDeposit& each : *list) wire::append(bytes, each);
+      archive.bytes(list == &sums ? "sums" : "list", bytes, 0, wire::kHostDeposits.bytes);
+      list->clear();
+      for (std::size_t at = 0; at + wire::kHostDepositBytes <= bytes.size(); at += wire::kHostDepositBytes) {
+        list->push_back(wire::decode<wire::HostDeposit>(std::span(bytes).subspan(at)));
+      }
+    }
+    if (!archive.loads()) return;
+    for (const wire::HostDeposit& each : sums) sums_[each.word] += each.units;
+  }
+
+ private:
+  std::mutex mutex_;  // of sums_
+  std::unordered_map<std::uint64_t, std::uint64_t> sums_;
+  std::vector<wire::HostDeposit> list_;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,164 @@
+// Rays that wait in the DSP's memory for blocks which are not on the card.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datapath/bricks.h"
+#include "datapath/scattering.h"
+#include "gicube/archive.h"
+#include "gicube/wire/command.h"
+
+namespace gicube::emu {
+
+// Of which commands. The rays of one kRender, of one kIlluminate, or of the kTraces since the last command of another kind.
+enum class WaitingKind : std::uint8_t { kPicture, kHostRays, kLight };
+
+class WaitingRays : public WaitingRayQueue {
+ public:
+  static constexpr std::size_t kMax = std::size_t{1} << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
+
+  // Of the host's memory for each ray, at most: a growing list is there twice, the longer one half empty, and rays that go on are
+  // there besides.
+  static constexpr std::uint64_t kBytesOfRay = 4 * sizeof(WaitingRay);
+
+  // So many bytes of the host's memory are left for rays.
+  void set_room(std::uint64_t bytes) { max_ = std::min<std::uint64_t>(bytes / kBytesOfRay, kMax); }
+  std::uint64_t memory_bytes() const { return (waiting_.capacity() + continued_.capacity()) * sizeof(WaitingRay); }
+
+  // Forgets all rays. `header`: of kHostRays; of kLight its type and rules.
+  void begin(WaitingKind kind, const wire::TraceHeader& header = {}) {
+    waiting_ = {};
+    continued_ = {};
+    before_ = first_ = next_ = 0;
+    kind_ = kind;
+    header_ = header;
+    header_.count = 0;
+    seen_.clear();
+  }
+  // The next command's source has `count` rays, which follow on those that were numbered before.
+  void number(std::uint64_t count) {
+    continued_ = {};
+    before_ = waiting_.size();
+    first_ = next_;
+    next_ += count;
+  }
+  // Of the command that number() was last called for.
+  std::uint64_t first() const { return first_; }
+  WaitingKind kind() const { return kind_; }
+  const wire::TraceHeader& header() const { return header_; }
+  // Whether a trace command with this header adds to the rays.
+  bool go_on_with(wire::TraceHeader header) const {
+    header.count = 0;
+    return kind_ == WaitingKind::kHostRays && header == header_;
+  }
+
+  void add(const WaitingRay& ray, std::uint64_t index) override {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= max_) {
+      throw RoutineFault("more than " + std::to_string(max_) + " rays wait for blocks" +
+                         (max_ < kMax ? ", for which memory is left (gicube-board --max-memory)" : "") +
+                         ": a smaller image or fewer rays would help");
+    }
+    waiting_.push_back(ray);
+    waiting_.back().number = !continued_.empty() ? continued_[static_cast<std::size_t>(index)].number
+                             : kind_ == WaitingKind::kPicture
+                                 ? std::uint32_t{ray.ray_state.v} << 16 | ray.ray_state.u  // no two rays share it
+                                 : first_ + index;
+  }
+  const WaitingRay* find(std::uint64_t index) const override {
+    return continued_.empty() ? nullptr : &continued_[static_cast<std::size_t>(index)];
+  }
+
+  // The others: between commands.
+  // Takes those out whose blocks are no longer absent, by their numbers: so their order does not depend on threads and time.
+  std::span<const WaitingRay> take_ready(const Frame& frame) {
+    const auto waits = [&frame](const WaitingRay& ray) {
+      return ray.trapped ? is_absent_for_routine(ray.block, frame) : is_absent(ray.block, frame);
+    };
+    const auto ready = std::partition(waiting_.begin(), waiting_.end(), waits);
+    continued_.assign(ready, waiting_.end());
+    waiting_.erase(ready, waiting_.end());
+    before_ = waiting_.size();
+    std::ranges::sort(continued_, {}, &WaitingRay::number);
+    return continued_;
+  }
+  // Of the latest call.
+  std::span<const WaitingRay> continued() const { return continued_; }
+  // The materials' tags of those that are trapped, one bit each.
+  std::uint32_t trapped_tags() const {
+    std::uint32_t tags = 0;
+    for (const WaitingRay& ray : waiting_) tags |= ray.trapped ? 1u << (ray.ray_state.flags >> kTrapTagShift) : 0;
+    return tags;
+  }
+  std::size_t count() const { return waiting_.size(); }
+  std::size_t added() const { return waiting_.size() - before_; }  // by the last command
+  std::vector<wire::WaitingBlock> by_block() const {
+    std::vector<std::pair<std::uint32_t, std::uint16_t>> rays;
+    for (const WaitingRay& ray : waiting_) rays.push_back({ray.block, contribution(ray.ray_state)});
+    std::ranges::sort(rays);
+    std::vector<wire::WaitingBlock> out;
+    for (const auto& [block, contribution] : rays) {
+      if (out.empty() || out.back().block != block) out.push_back({block, 0, 0});
+      ++out.back().rays;
+      out.back().importance += contribution;
+    }
+    return out;
+  }
+  // Blocks that rays have waited for since begin(), and whose words came to the card since: each had to be sent once at least. Both
+  // return whether that makes it one.
+  bool note_wait(std::uint32_t block, std::size_t blocks) { return note(block, blocks, kWaitedFor); }
+  bool note_load(std::size_t block, std::size_t blocks) { return note(block, blocks, kLoaded); }
+  // Of a volume with `blocks`, whose rays are in `extent`; `kept`: host rays in the DSP's memory.
+  void state(Archive& archive, std::size_t blocks, const Point& extent, std::size_t kept) {
+    archive.at_most("kind", kind_, WaitingKind::kLight);
+    archive.field("commands", [this](Archive::Record& record) {
+      record.at_most(header_.type, wire::RayType::kBackproject);
+      record.at_most(header_.albedo, wire::Albedo::kHigh);
+      record.at_most(header_.rules, wire::EnergyRules::kConserving);
+      record.at_most(header_.words, wire::SumWords::kWhole);
+      record.at_most(header_.opacity, wire::kOpacityOne);
+      record(first_, next_);
+    });
+    archive.bytes("seen", seen_, 0, blocks);
+    const auto check = [&](const std::vector<WaitingRay>& rays) {
+      for (std::size_t i = 0; archive.loads() && i < rays.size(); ++i) {
+        const bool has_place =
+            kind_ != WaitingKind::kHostRays || header_.type == wire::RayType::kDeposit || rays[i].number < kept;
+        const bool fits = inside(rays[i].ray_state.position, extent) && rays[i].block < blocks && has_place;
+        archive.expect(fits, "rays", "rays in the volume", i);
+      }
+    };
+    archive.list("rays", waiting_);
+    check(waiting_);
+    archive.at_most("before", before_, waiting_.size());
+    archive.list("continued", continued_);
+    check(continued_);
+  }
+
+ private:
+  static constexpr std::uint8_t kWaitedFor = 1, kLoaded = 2;
+  bool note(std::size_t block, std::size_t blocks, std::uint8_t what) {
+    seen_.resize(blocks);
+    const std::uint8_t before = seen_[block];
+    seen_[block] |= what;
+    return before != seen_[block] && seen_[block] == (kWaitedFor | kLoaded);
+  }
+
+  std::mutex mutex_;  // of waiting_
+  std::vector<WaitingRay> waiting_;
+  std::vector<WaitingRay> continued_;  // of the command in work
+  std::size_t before_ = 0;             // rays that wait on
+  std::size_t max_ = kMax;             // rays
+  WaitingKind kind_ = WaitingKind::kPicture;
+  wire::TraceHeader header_;
+  std::uint64_t first_ = 0, next_ = 0;  // numbers of the command in work, and beyond it
+  std::vector<std::uint8_t> seen_;      // one a block
+};
+
+}  // namespace gicube::emu

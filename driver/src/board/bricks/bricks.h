@@ -1,0 +1,100 @@
+// A volume with more blocks than the card stores. The host keeps them; while rays are traced, the blocks that they wait for are sent
+// to the card, as many as it stores at a time, and replace those that were not needed for longest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "block_store.h"
+#include "board/device.h"
+#include "brick_light.h"
+#include "gicube/vector.h"
+#include "gicube/wire/voxel.h"
+
+namespace gicube {
+
+// A block of n^3 voxels as VoxelBlocks::pack() makes it: its words, and their colours behind them if the volume has some.
+constexpr std::size_t bytes_of_words(std::size_t n) { return wire::packed36_bytes(n * n * n); }
+constexpr std::size_t bytes_of_block(std::size_t n, bool coloured) {
+  return bytes_of_words(n) + (coloured ? wire::kColourBytes * n * n * n : 0);
+}
+void write_packed_block(Device& device, std::size_t block, std::size_t n, std::span<const std::uint8_t> packed);
+
+// What the rays do with the irradiance of blocks in which they take samples.
+enum class LightUse { kNone, kSeen, kLeft };
+
+struct BrickNeeds {
+  LightUse light = LightUse::kNone;
+  std::span<const std::uint8_t>
+      leapt_over{};  // flags, one a block, or none: those blocks are not sent for their own sake
+};
+
+class Bricks {
+ public:
+  // Of so many blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces. `capacity`: blocks that the
+  // card stores, at least 8.
+  Bricks(Dims blocks, int n, BlockStore store, BrickLight light, std::size_t capacity)
+      : blocks_(blocks), n_(n), capacity_(capacity), store_(std::move(store)), light_(std::move(light)) {}
+
+  Dims blocks() const { return blocks_; }
+  std::size_t count() const { return store_.count(); }
+  int block_voxels() const { return n_; }
+  std::size_t capacity() const { return capacity_; }  // of the card, blocks
+  BrickLight& light() { return light_; }
+
+  // The card, which knows the volume's size and has no irradiance of it, forgets all blocks.
+  void begin(Device& device);
+  // To be called before each command: says which blocks the card has for rays of such needs.
+  void prepare(Device& device, LightUse light);
+  // Sends blocks in which rays want to take samples, most important first: the first of them, and as many others as there is room for.
+  // Other blocks stay as long as there is room. Whatever it throws, it may be called again.
+  void load(Device& device, std::span<const std::size_t> wanted, const BrickNeeds& needs);
+
+  // The blocks that rays wait for, in the order in which load() should have them, as many as the card has room for: by the sum of what
+  // their rays can still bring, the sorter's own measure of a queue one level higher [P §5.3], for each block that has to be sent.
+  std::vector<std::size_t> by_importance(std::span<const wire::WaitingBlock> waiting, LightUse light) const;
+
+  // n^3 packed words of a block.
+  std::vector<std::uint8_t> read(std::size_t block) const;
+
+  // All but the blocks' number, the edge and the capacity. Throws CheckpointFault.
+  void state(Archive& archive);
+
+ private:
+  // Of the blocks of one load().
+  struct Choice {
+    std::vector<std::uint8_t> chosen, voxels,
+        light;                        // one a block: it gets a place, its words and its irradiance are wanted
+    std::vector<std::size_t> blocks;  // those that are chosen, in their order
+  };
+  template <typename Use>
+  void for_each_need(std::size_t block, LightUse light, const Use& use) const;
+  Choice choose(std::span<const std::size_t> wanted, const BrickNeeds& needs) const;
+  void make_room(Device& device, const Choice& choice);
+  void drop(Device& device, std::size_t block);
+  bool can_be_sampled(std::size_t block, LightUse light) const;
+
+  Dims blocks_;
+  int n_;
+  std::size_t capacity_;
+  BlockStore store_;
+  BrickLight light_;
+  std::vector<std::uint8_t> has_place_;   // one a block: it takes a place on the card
+  std::vector<std::uint8_t> on_card_;     // its words are there
+  std::vector<std::uint32_t> needed_in_;  // the latest load() that needed it
+  std::uint32_t loads_ = 0;
+  std::vector<std::uint8_t> absent_, dark_;  // packed flags, as last sent; empty: unknown
+};
+
+// The blocks that rays wait for, of the completion of a command in bricks, and how many deposits the host must make.
+struct Waiting {
+  std::vector<wire::WaitingBlock> blocks;
+  std::uint32_t host_deposits = 0;
+};
+// Throws std::out_of_range if it is of wrong size, or names a block beyond `blocks`.
+Waiting decode_waiting(std::span<const std::uint8_t> payload, std::size_t blocks);
+
+}  // namespace gicube

@@ -1,0 +1,63 @@
+#include "brick_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gicube::reference {
+
+Blobs make_blobs(std::mt19937& random, int least, int most) {
+  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  Blobs out{};
+  for (int& edge : out.dims) edge = std::uniform_int_distribution(least, most)(random);
+  std::array<std::array<double, 4>, 5> balls{};
+  for (auto& ball : balls) {
+    for (std::size_t axis = 0; axis < 3; ++axis) ball[axis] = within(0, out.dims[axis]);
+    ball[3] = within(4, 16);
+  }
+  for (int z = 0; z < out.dims[2]; ++z) {
+    for (int y = 0; y < out.dims[1]; ++y) {
+      for (int x = 0; x < out.dims[0]; ++x) {
+        double value = x % 32 < 20 ? 30 + 10 * std::sin(0.3 * y + 0.2 * z) : 0;
+        for (const auto& ball : balls) {
+          const double radius = length(Vec3{x - ball[0], y - ball[1], z - ball[2]});
+          value = std::max(value, 60 + 20 * (ball[3] - radius));
+        }
+        out.samples.push_back(static_cast<std::byte>(std::clamp(value, 0.0, 255.0)));
+      }
+    }
+  }
+  return out;
+}
+
+View make_view(std::mt19937& random, const Dims& dims, int pixels) {
+  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  const auto flip = [&] { return std::bernoulli_distribution(0.5)(random); };
+  View view;
+  view.width = pixels, view.height = pixels;
+  const bool inside = flip();
+  const double most = std::max({dims[0], dims[1], dims[2]});
+  const auto place = [&](std::size_t axis) {
+    return inside ? within(0, dims[axis] - 1) : dims[axis] / 2.0 + within(-1.5, 1.5) * most;
+  };
+  view.eye = {place(0), place(1), place(2)};
+  view.look_at = {dims[0] * within(0.3, 0.7), dims[1] * within(0.3, 0.7), dims[2] * within(0.3, 0.7)};
+  view.up = {0.1, 1, 0.2};
+  view.fov_degrees = within(20, 100);
+  if (flip() && flip()) view.orthographic_height = most * within(0.5, 1.5);
+  view.samples_per_axis = flip() ? 1 : 2;
+  view.filter = flip() ? PixelFilter::kBox : PixelFilter::kTent;
+  view.step = flip() ? 0.5 : within(0.4, 12);
+  view.jitter = flip();
+  view.shade = flip();
+  view.leap = flip() || flip();
+  view.opacity_threshold = flip() ? 0.95 : 1;
+  if (flip()) view.cut_planes.push_back({{within(-1, 1), within(-1, 1), 1}, dims[2] * within(0.1, 0.4)});
+  return view;
+}
+
+TransferFunction fog_and_balls(double fog) {
+  return {.colours = {{0, {0.2, 0.4, 1}}, {255, {1, 0.6, 0.2}}},
+          .opacities = {{20, 0}, {21, fog}, {60, fog}, {200, 0.6}}};
+}
+
+}  // namespace gicube::reference
