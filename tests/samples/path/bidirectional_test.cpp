@@ -69,7 +69,6 @@ class PathScenes : public testing::Test {
     const SceneSetup setup = setup_of(scene);
     reference::paths::PathScene wanted = to_paths(setup);
     wanted.max_scatterings = 24;
-    wanted.max_extinction = scene.name.starts_with("glass") ? 40 : 20;
     const reference::paths::PathTracer tracer(wanted);
     const auto picture = tracer.render(paths, 7);
     Estimates out;
@@ -87,8 +86,7 @@ class PathScenes : public testing::Test {
   }
 
   // Three standard errors; of 24 pictures, so that Student's law is near enough to the normal one.
-  // There are 72 means: with one seed in six one of them is expected further off. docs/guide/light_paths.md has longer runs, which
-  // find rooms up to 2.7% too dark.
+  // There are 72 means: with one seed in six one of them is expected further off. docs/guide/light_paths.md has longer runs.
   static void expect_alike(const LightScene& scene, int light_scatterings, std::uint64_t reference_paths) {
     const Estimates found = by_board(scene, light_scatterings, 24, 1);
     const Estimates truth = by_reference(scene, reference_paths);

@@ -77,21 +77,18 @@ inline LightScene glass_scene() {
           kView};
 }
 
-// With the surfaces that the samples give to solids: of a scene's, half of the density. The reference's rays leave glass where
-// they meet its skin from within, so that is thin here.
+// With the surfaces that the samples give to solids: of a scene's, half of the density.
 inline reference::paths::PathScene to_paths(const SceneSetup& setup) {
   reference::paths::PathScene out;
+  out.normal_reach = 0.5;  // as Medium::normal()
   out.scene.volume = setup.volume_view();
   out.scene.view = setup.view;
   const ValueRange range{0, kMaxDensity};
   for (std::size_t tag = 0; tag < setup.optics.size(); ++tag) {
-    TransferFunction& look = out.scene.functions[tag];
-    look = in_values_of(range, setup.materials[tag]);
+    out.scene.functions[tag] = in_values_of(range, setup.materials[tag]);
     const Bsdf bsdf = setup.optics[tag].bsdf;
     const bool glass = bsdf == Bsdf::kTrap && setup.optics[tag].surface;
-    constexpr double kSurface = kMaxDensity / 2, kBody = 0.575 * kMaxDensity;
-    if (glass) look.opacities = {{kSurface, 0}, {kSurface, 1}, {kBody, 1}, {kBody, 0}};
-    if (bsdf == Bsdf::kDiffuse || bsdf == Bsdf::kSpecular) look.opacities = {{kSurface, 0}, {kSurface, 1}};
+    if (glass || bsdf == Bsdf::kDiffuse || bsdf == Bsdf::kSpecular) out.surfaces[tag] = kMaxDensity / 2.0;
     out.materials[tag] = setup.optics[tag];
     out.scattering_colours[tag] = setup.scattering_colours[tag];
   }

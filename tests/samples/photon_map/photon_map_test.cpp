@@ -101,10 +101,9 @@ Estimates by_photons(const LightScene& scene, const PhotonSettings& settings, st
   return out;
 }
 
-Estimates by_reference(const LightScene& scene, std::uint64_t paths, double max_extinction) {
+Estimates by_reference(const LightScene& scene, std::uint64_t paths) {
   const SceneSetup setup = setup_of(scene);
   reference::paths::PathScene wanted = to_paths(setup);
-  wanted.max_extinction = max_extinction;
   wanted.max_scatterings = 24;
   const auto picture = reference::paths::PathTracer(wanted).render(paths, 8);
   std::vector<Rgb> mean, variance;
@@ -129,17 +128,17 @@ void expect_alike(const Estimates& found, const Estimates& truth, double bias) {
 
 TEST(PhotonMaps, OfFogHaveTheReferencesLight) {
   expect_alike(by_photons(fog_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
-               by_reference(fog_scene(), 60, 20), 0.05);
+               by_reference(fog_scene(), 60), 0.05);
 }
 
 TEST(PhotonMaps, OfWallsInFogHaveTheReferencesLight) {
   expect_alike(by_photons(room_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
-               by_reference(room_scene(), 30, 20), 0.05);
+               by_reference(room_scene(), 30), 0.05);
 }
 
 TEST(PhotonMaps, OfGlassHaveTheReferencesCaustic) {
   expect_alike(by_photons(glass_scene(), {.photons = 20000, .neighbours = 40, .max_scatterings = 24}, 10),
-               by_reference(glass_scene(), 20, 40), 0.05);
+               by_reference(glass_scene(), 20), 0.05);
 }
 
 }  // namespace

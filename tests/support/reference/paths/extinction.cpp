@@ -48,7 +48,7 @@ double max_opacity(const TransferFunction& function, double low, double high) {
 }  // namespace
 
 Extinction::Extinction(const PathScene& scene, const Field& field)
-    : scene_(scene), field_(field), spacing_(field.spacing()) {
+    : scene_(scene), field_(field), solids_(scene, field), spacing_(field.spacing()) {
   const Dims dims = field.volume().dims;
   std::vector<double> values;
   for (int z = 0; z < dims[2]; ++z) {
@@ -114,7 +114,8 @@ double Extinction::bound_of_cube(const std::array<int, 3>& low, const std::vecto
   const double hair = 1e-9 * (std::abs(least) + std::abs(most));
   double opacity = 0;
   for (std::size_t tag = 0; tag < tags.size(); ++tag) {
-    if (tags[tag]) opacity = std::max(opacity, max_opacity(scene_.scene.functions[tag], least - hair, most + hair));
+    if (tags[tag] && !scene_.surfaces[tag])
+      opacity = std::max(opacity, max_opacity(scene_.scene.functions[tag], least - hair, most + hair));
   }
   return extinction_of(opacity);
 }
@@ -132,7 +133,7 @@ Extinction::Site Extinction::site(Vec3 position) const {
   const int tag = field_.tag(voxel);
   const auto index = static_cast<std::size_t>(tag);
   const TransferFunction& function = scene_.scene.functions[index];
-  if (function.opacities.empty()) return {0, tag};
+  if (function.opacities.empty() || scene_.surfaces[index]) return {0, tag};
   const Material& material = scene_.materials[index];
   const double all = extinction_of(function.opacity_at(field_.sample(voxel).value));
   return {material.bsdf == Bsdf::kNone ? (1 - material.scattering) * all : all, tag};
@@ -184,9 +185,25 @@ void Extinction::track(Flight& flight, double limit, CounterRandom& random, cons
   }
 }
 
+std::optional<Collision> Extinction::surface(const Flight& flight, double limit) const {
+  if (!solids_.any()) return std::nullopt;
+  constexpr double kOff = 1e-7;  // a ray that begins at a surface has left it here
+  const Dims dims = field_.volume().dims;
+  const Vec3 high = place_of({dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0});
+  const Interval part = kept(flight.origin, flight.direction, high, spacing_, scene_.scene.view.cut_planes);
+  const auto found = solids_.crossing(voxel_of(flight.origin), voxel_of(flight.direction), std::max(part.begin, kOff),
+                                      std::min(part.end, limit), flight.inside);
+  if (!found) return std::nullopt;
+  const Vec3 slope{found->normal.x / spacing_.x, found->normal.y / spacing_.y, found->normal.z / spacing_.z};
+  const Vec3 against = flight.inside ? flight.direction : -1.0 * flight.direction;
+  return Collision{flight.origin + found->distance * flight.direction, found->distance, found->tag,
+                   slope == Vec3{} ? against : normalise(slope)};
+}
+
 std::optional<Collision> Extinction::collide(Flight flight, double limit, CounterRandom& random) const {
-  std::optional<Collision> found;
-  track(flight, limit, random, [&](double distance, Vec3 position, double bound) {
+  std::optional<Collision> found = surface(flight, limit);
+  if (flight.inside) return found;  // nothing scatters within glass
+  track(flight, found ? found->distance : limit, random, [&](double distance, Vec3 position, double bound) {
     int tag = 0;
     const double share = real_share(flight, position, bound, tag);
     if (share == 0 || random.uniform() >= share) return true;
@@ -197,6 +214,7 @@ std::optional<Collision> Extinction::collide(Flight flight, double limit, Counte
 }
 
 double Extinction::transmittance(Flight flight, double distance, CounterRandom& random) const {
+  if (surface(flight, distance)) return 0;
   double passes = 1;
   track(flight, distance, random, [&](double, Vec3 position, double bound) {
     int tag = 0;

@@ -12,6 +12,7 @@
 #include "counter_random.h"
 #include "path_scene.h"
 #include "reference/field.h"
+#include "solids.h"
 
 namespace gicube::reference::paths {
 
@@ -22,12 +23,14 @@ struct Flight {
   Vec3 direction;  // unit
   bool scattered = false;
   bool at_surface = false;
+  bool inside = false;  // a solid with a sharp surface: of glass
 };
 
 struct Collision {
   Vec3 position;
   double distance = 0;
   int tag = 0;
+  Vec3 normal{};  // physical unit vector, out of the solid, of a sharp surface; zero otherwise
 };
 
 class Extinction {
@@ -59,8 +62,11 @@ class Extinction {
   template <typename Visit>
   void track(Flight& flight, double limit, CounterRandom& random, const Visit& visit) const;
 
+  std::optional<Collision> surface(const Flight& flight, double limit) const;
+
   const PathScene& scene_;
   const Field& field_;
+  Solids solids_;
   Vec3 spacing_;
   std::array<int, 3> cubes_{};
   std::vector<double> bounds_;

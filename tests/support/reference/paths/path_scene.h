@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "gicube/illumination.h"
@@ -26,6 +27,10 @@ struct PathScene {
   std::vector<Light> lights{};
   std::vector<Rgb> light_colours{};                  // one for each light
   std::function<Rgb(Vec3 direction)> environment{};  // radiance that a ray finds which leaves along it; none if empty
+  // Of tags that are solids with a sharp surface: the value from which on they are, whatever their opacity (diffuse, specular, glass).
+  std::array<std::optional<double>, 4> surfaces{};
+  // Their normal is that of differences over this many voxels to both sides; 0: the field's own gradient, which jumps between cells.
+  double normal_reach = 0;
   // What full opacity is taken for: extinction per smallest voxel edge. A solid's surface is soft by its inverse.
   double max_extinction = 16;
   int max_scatterings = 1 << 20;  // of a path; the light of longer ones is missing

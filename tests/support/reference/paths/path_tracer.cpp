@@ -57,7 +57,7 @@ PathTracer::PathTracer(const PathScene& scene)
 
 // Facing the ray.
 Vec3 PathTracer::normal_at(const Collision& collision, Vec3 direction, bool& enters, bool& flat) const {
-  const Vec3 gradient = extinction_.gradient(collision.position);
+  const Vec3 gradient = collision.normal == Vec3{} ? extinction_.gradient(collision.position) : -1.0 * collision.normal;
   enters = true;
   flat = gradient == Vec3{};
   if (flat) return -1.0 * direction;
@@ -114,7 +114,9 @@ Rgb PathTracer::radiance(Vec3 origin, Vec3 direction, CounterRandom& random) con
     if (!sharp) add_connections(sum, weight, *collision, flight, normal, random);
     const bool straight = flat && trap && sharp;  // Fresnel's routine without a surface
     const Vec3 out = straight ? flight.direction : scatter(material, flight.direction, normal, enters, random);
-    flight = {collision->position, out, true, trap && material.surface};
+    const bool solid = collision->normal != Vec3{};
+    flight = {collision->position, out, true, trap && material.surface,
+              solid && trap && dot(out, collision->normal) < 0};
     sees_lights = sharp;
   }
 }
