@@ -32,7 +32,7 @@ Affine own_space(const SceneSetup& setup, bool world) {
   return compose(translation(setup.grid.low), scaling({voxel, voxel, voxel}));
 }
 
-void place(const PlacedVolume& placed, Medium& medium) {
+void place(const PlacedVolume& placed, StageMedium& medium) {
   const Affine map = compose(placed.to_space, own_space(medium.setup, placed.scene.world.has_value()));
   require(std::abs(determinant(map)) > std::numeric_limits<double>::min(), "transform", "one that keeps a volume",
           determinant(map));
@@ -40,14 +40,14 @@ void place(const PlacedVolume& placed, Medium& medium) {
 }
 
 // The light is the mesh's own: the volume's axes turn from place to place.
-void place(const PlacedShell& placed, Medium& medium) {
+void place(const PlacedShell& placed, StageMedium& medium) {
   medium.setup.view.shade = false;
   medium.shell = std::make_shared<const Shell>(placed.mesh, placed.settings, medium.setup.volume.dims);
 }
 
 template <typename Placed>
-Medium set_up(const Placed& placed, int threads) {
-  Medium medium{placed.name, {}, {}};
+StageMedium set_up(const Placed& placed, int threads) {
+  StageMedium medium{placed.name, {}, {}};
   try {
     medium.setup = set_up(placed.scene, threads);
     place(placed, medium);
@@ -68,7 +68,7 @@ void include(SceneBox& box, Vec3 p) {
 SceneBox box_of(const Stage& stage) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   SceneBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-  for (const Medium& medium : stage.media) {
+  for (const StageMedium& medium : stage.media) {
     if (medium.shell) {
       for (const Vec3& p : medium.shell->faces().points) include(box, p);
       continue;
@@ -97,7 +97,7 @@ Premultiplied shaded(const Stage& stage, const Crossing& crossing) {
 }
 
 // A view of one pixel tells the board which way the eye is.
-void aim(Board& board, const Stage& stage, const Medium& medium) {
+void aim(Board& board, const Stage& stage, const StageMedium& medium) {
   const Vec3 edge = medium.setup.volume.spacing;
   board.set_shading({stage.phong, times(edge, medium.to_voxels.vector(stage.light))});
   View view;
@@ -132,7 +132,7 @@ class Tracer {
   Tracer(Board& board, const View& view)
       : board_(board), request_{.type = RayType::kSegment, .opacity = view.opacity_threshold, .step = view.step} {}
 
-  void add(const Segment& segment, const Dims& dims) {
+  void add(const PlannedSegment& segment, const Dims& dims) {
     rays_.push_back(
         ray_between(static_cast<std::uint32_t>(rays_.size()), clamped(segment.from, dims), clamped(segment.to, dims)));
     if (rays_.size() == kBatch) send();
@@ -167,7 +167,7 @@ class Tracer {
 };
 
 std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, MediumCost& cost) {
-  const Medium& medium = stage.media[index];
+  const StageMedium& medium = stage.media[index];
   check_fits(medium.setup.volume.dims, board.info(), medium.setup.volume.source);
   const Picoseconds begin = board.now();
   load(board, medium.setup, false);
@@ -178,7 +178,7 @@ std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, M
   each_sample(stage.view, [&](double x, double y) {
     plan_ray(stage, eye_ray(stage.view, x, y), plan);
     bool met = false;
-    for (const Segment& segment : plan.segments) {
+    for (const PlannedSegment& segment : plan.segments) {
       if (segment.volume != index) continue;
       tracer.add(segment, medium.setup.volume.dims);
       met = true;
@@ -244,7 +244,7 @@ void plan_ray(const Stage& stage, const EyeRay& ray, RayPlan& plan) {
   thread_local std::vector<SurfacePoint> surfaces;
   spans.clear(), surfaces.clear();
   for (std::size_t i = 0; i < stage.media.size(); ++i) {
-    const Medium& medium = stage.media[i];
+    const StageMedium& medium = stage.media[i];
     if (medium.shell) {
       medium.shell->add_spans(ray.origin, ray.direction, i, normalise(stage.light), stage.phong, spans);
       continue;

@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "compose/composition.h"
-#include "compose/mesh_caster.h"
 #include "compose/ray_plan.h"
 #include "gicube/board.h"
 #include "gicube/scene/affine.h"
+#include "meshes/mesh_caster.h"
 
 namespace gicube::samples {
 
 // A volume with its voxels, and where it is: in a box, or all over a shell.
-struct Medium {
+struct StageMedium {
   std::string name;
   SceneSetup setup;
   Affine to_voxels;  // from the common space, unless it is a shell's
@@ -26,7 +26,7 @@ struct Medium {
 
 // A composition as voxels and triangles.
 struct Stage {
-  std::vector<Medium> media;
+  std::vector<StageMedium> media;
   std::vector<PlacedSurface> surfaces;  // without their meshes, which `meshes` has
   std::shared_ptr<const MeshCaster> meshes;
   View view;   // in the common space, whose edges are 1

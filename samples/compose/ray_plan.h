@@ -34,7 +34,7 @@ struct SurfacePoint {
 };
 
 // To be traced by the volume's board, in voxels.
-struct Segment {
+struct PlannedSegment {
   std::size_t volume = 0;
   Vec3 from, to;
   double shade = 1;
@@ -47,8 +47,8 @@ struct Layer {
 };
 
 struct RayPlan {
-  std::vector<Segment> segments;  // in the order of the layers
-  std::vector<Layer> layers;      // front to back
+  std::vector<PlannedSegment> segments;  // in the order of the layers
+  std::vector<Layer> layers;             // front to back
 };
 
 // Cuts the spans at each other's ends and at the surfaces (by distance). Where several volumes overlap, the ray is cut into pieces of at

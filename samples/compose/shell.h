@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "compose/mesh_caster.h"
 #include "compose/ray_plan.h"
 #include "gicube/scene/affine.h"
 #include "gicube/shading.h"
 #include "gicube/vector.h"
+#include "meshes/mesh_caster.h"
 
 namespace gicube::samples {
 

@@ -1,6 +1,7 @@
 // Random numbers of a path: they depend on the seed, the path's number and how many it has drawn. SplitMix64 [Steele 2014].
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -32,6 +33,13 @@ class PathRandom {
 
   std::uint64_t state_;
 };
+
+// Points that fill a square evenly, however many (Roberts 2018); `shift`: another set of them.
+inline std::array<double, 2> spread_point(int i, const std::array<double, 2>& shift) {
+  constexpr double kU = 0.7548776662466927, kV = 0.5698402909980532;
+  const double u = shift[0] + kU * i, v = shift[1] + kV * i;
+  return {u - std::floor(u), v - std::floor(v)};
+}
 
 // `v`, given for an axis along z, turned to `axis`.
 inline Vec3 turned(Vec3 v, Vec3 axis) {

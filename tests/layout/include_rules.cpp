@@ -200,9 +200,10 @@ const std::vector<Rule>& rules() {
               {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),
       program("samples/cone_beam/program", {"samples/cone_beam"}, {kAnything}),
       // Its files are read by the parts that read scenes.
-      program("samples/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h"},
-              {"embree3", "fmt"}),
-      program("samples/compose/program", {"samples/compose"}, {kAnything}),
+      program("samples/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h", "samples/meshes"},
+              {"fmt"}),
+      program("samples/compose/program", {"samples/compose", "samples/meshes"}, {kAnything}),
+      program("samples/meshes", {}, {"embree3", "fmt"}),
       program("samples/form_factors/exchange", {"samples/form_factors/radiosity/radiosity.h"}, {"boost", "fmt"}),
       program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
@@ -215,6 +216,8 @@ const std::vector<Rule>& rules() {
       program("samples/photon_map", {"samples/transport"}, {}),
       program("samples/photon_map/photon_tree.cpp", {"samples/photon_map", "samples/transport"}, {"nanoflann.hpp"}),
       program("samples/photon_map/program", {"samples/photon_map", "samples/transport"}, {kAnything}),
+      program("samples/polygon_gi", {"samples/meshes", "samples/transport"}, {}),
+      program("samples/polygon_gi/program", {"samples/polygon_gi", "samples/meshes", "samples/transport"}, {kAnything}),
       program("samples/render", {}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
       program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),

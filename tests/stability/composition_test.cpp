@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "meshes.h"
+#include "../meshes/meshes.h"
 #include "small_stage.h"
 #include "stability.h"
 
@@ -24,7 +24,7 @@ struct Split {
   double opacity = 0, colour = 0;  // largest differences of any pixel
 };
 
-Split split_of(const Medium& fog, std::size_t surfaces, double step, const std::string& datapath,
+Split split_of(const StageMedium& fog, std::size_t surfaces, double step, const std::string& datapath,
                std::mt19937& engine) {
   std::uniform_real_distribution<double> place(0.5, kLong - 1.5);
   std::vector<PlacedSurface> walls;
@@ -91,8 +91,8 @@ struct Ramp {
 TEST(StabilityOfCompositions, TheErrorOfOverlapsFallsWithTheSquareOfThePieces) {
   const Dims dims{8, 8, kLong};
   const auto rise = [](Vec3 p) { return p.z / (kLong - 1); };
-  const Medium red = medium(dims, {1, 0, 0}, 0.1, rise);
-  const Medium blue = medium(dims, {0, 0, 1}, 0.1, [&](Vec3 p) { return 1 - rise(p); });
+  const StageMedium red = medium(dims, {1, 0, 0}, 0.1, rise);
+  const StageMedium blue = medium(dims, {0, 0, 1}, 0.1, [&](Vec3 p) { return 1 - rise(p); });
   const double exact = Ramp().colour();
   std::vector<double> errors;
   for (const double piece : {16.0, 8.0, 4.0, 1.0}) {
@@ -128,8 +128,8 @@ double fog_before_wall(double opacity) {
 TEST(StabilityOfCompositions, AnOpaqueWallInAnOverlapHidesAtMostOnePieceBeforeIt) {
   const Dims dims{8, 8, kLong};
   const double thin = 0.05;
-  const Medium wall = medium(dims, {1, 0, 0}, 1, [](Vec3 p) { return p.z >= 20 ? 1.0 : 0.0; });
-  const Medium around = fog(dims, {0, 0, 1}, thin);
+  const StageMedium wall = medium(dims, {1, 0, 0}, 1, [](Vec3 p) { return p.z >= 20 ? 1.0 : 0.0; });
+  const StageMedium around = fog(dims, {0, 0, 1}, thin);
   for (const double piece : {8.0, 2.0, 0.5}) {
     Stage stage = stage_of({wall, around}, {}, kEye, 2, 2);
     stage.overlap_step = piece;

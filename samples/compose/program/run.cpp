@@ -27,7 +27,7 @@ Stage stage_of(const ComposeOptions& options, std::optional<Colour>& background)
 
 std::uint64_t stage_hash(const Stage& stage) {
   std::vector<std::uint64_t> hashes;
-  for (const Medium& medium : stage.media) hashes.push_back(scene_hash(medium.setup));
+  for (const StageMedium& medium : stage.media) hashes.push_back(scene_hash(medium.setup));
   std::uint64_t all = hash_of(std::as_bytes(std::span(hashes)));
   for (const Mesh& mesh : stage.meshes->meshes()) all = hash_of(std::as_bytes(std::span(mesh.points)), all);
   return all;

@@ -44,7 +44,7 @@ void check(const LightInput& input) {
   }
 }
 
-SceneSetup set_up_light(const LightInput& input, int threads) {
+Scene light_scene(const LightInput& input) {
   Scene scene;
   if (constexpr std::string_view kBuiltin = "builtin:"; input.input.starts_with(kBuiltin)) {
     scene.volume.builtin = input.input.substr(kBuiltin.size());
@@ -65,6 +65,10 @@ SceneSetup set_up_light(const LightInput& input, int threads) {
   if (!input.camera_name.empty()) choose_camera(scene, input.camera_name);
   if (input.size) scene.view.width = (*input.size)[0], scene.view.height = (*input.size)[1];
   scene.lighting.on = true;
+  return scene;
+}
+
+SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads) {
   SceneSetup setup = set_up(scene, threads);
   if (scene.materials.empty()) {
     setup.optics.assign(setup.materials.size(), {.scattering = input.albedo, .bsdf = input.bsdf});

@@ -32,8 +32,9 @@ struct LightInput {
 void add_light_input(CLI::App& app, LightInput& input);
 // Throws UsageError.
 void check(const LightInput& input);
-// Throws what reading and setting up a scene throws.
-SceneSetup set_up_light(const LightInput& input, int threads);
+// The scene as read, with what the options change, and its setup. Throws what reading and setting up a scene throws.
+Scene light_scene(const LightInput& input);
+SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads);
 
 // A pixel shows pi times its radiance times the exposure, 1 is white; 0: one by which nine of ten lit pixels are below 0.8.
 Image image_of(int width, int height, const std::vector<Rgb>& radiance, double exposure);

@@ -30,7 +30,7 @@ void run_light(const LightOptions<Settings>& options, const std::string& what,
   check_outputs(
       {{"--output", options.light.output}, {"--pixels", options.light.pixels}, {"--stats", options.board.stats}});
   progress.show("reading the scene");
-  const SceneSetup setup = set_up_light(options.light, options.board.threads);
+  const SceneSetup setup = set_up_light(light_scene(options.light), options.light, options.board.threads);
   Board board = open_board(options.board);
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   const Medium medium(board, setup, progress.parts("loading the volume"));

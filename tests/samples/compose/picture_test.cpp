@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "meshes.h"
+#include "../meshes/meshes.h"
 #include "small_stage.h"
 
 namespace gicube::samples {
@@ -47,7 +47,7 @@ TEST(ComposedPicture, WithoutASurfaceIsThatOfWholeSegments) {
   std::vector<MediumCost> costs;
   const Picture picture = compose(stage, boards, costs);
   // The board still has the volume, the light and the view.
-  const Medium& ball = stage.media[0];
+  const StageMedium& ball = stage.media[0];
   int met = 0;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
@@ -139,7 +139,7 @@ TEST(ComposedPicture, OrdersIntersectingSurfacesByThePixel) {
 
 TEST(ComposedPicture, OfOverlappingFogsIsTheClosedForm) {
   // The second is turned and twice as large, and its opacities stay those of its voxels.
-  Medium turned = fog({40, 40, 40}, kBlue, 0.04);
+  StageMedium turned = fog({40, 40, 40}, kBlue, 0.04);
   turned.to_voxels = inverse(compose(compose(translation({11.5, 11.5, 16}), rotation({0, 0, 1}, 30)),
                                      compose(scaling({0.5, 0.5, 0.5}), translation({-19.5, -19.5, -19.5}))));
   Stage stage = stage_of({fog(kDims, kRed, 0.03), turned}, {}, kEye, 3, 3);
@@ -156,7 +156,7 @@ TEST(ComposedPicture, OfOverlappingFogsIsTheClosedForm) {
 }
 
 TEST(ComposedPicture, IsTheSameOnSeveralBoardsAndAtAllLevels) {
-  Medium second = fog({20, 20, 20}, kBlue, 0.05);
+  StageMedium second = fog({20, 20, 20}, kBlue, 0.05);
   second.to_voxels = translation({-3, -1, -8});
   const Stage stage = stage_of({fog(kDims, kRed, 0.03), second}, {wall(14, {0, 1, 0}, 0.5)}, kEye, 8, 8);
   std::vector<MediumCost> costs;

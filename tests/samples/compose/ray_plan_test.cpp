@@ -55,7 +55,7 @@ TEST(RayPlan, CutsOverlapsIntoPiecesOfTheFinestVolume) {
   EXPECT_EQ(plan.segments.size(), 1u + 24u + 1u);
   for (std::size_t i = 1; i < 13; ++i) EXPECT_EQ(plan.layers[i].segments, 2u);
   double along = 0;  // the pieces of the finer one follow each other without a gap
-  for (const Segment& segment : plan.segments) {
+  for (const PlannedSegment& segment : plan.segments) {
     if (segment.volume != 1) continue;
     EXPECT_DOUBLE_EQ(segment.from.x, along);
     along = segment.to.x;

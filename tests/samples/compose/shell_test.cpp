@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "../meshes/meshes.h"
 #include "gicube/scene/error.h"
-#include "meshes.h"
 #include "small_stage.h"
 
 namespace gicube::samples {

@@ -22,9 +22,9 @@ inline constexpr const char* kWide = "&set=asic.datapath=wide";
 
 // Density 0..1 by voxel; opacity of a voxel: `opacity` times its density. Nothing is shaded. Voxel 0 lies at the origin of the space, and
 // a voxel is 1 long, until `to_voxels` says otherwise.
-inline Medium medium(const Dims& dims, const Colour& colour, double opacity,
-                     const std::function<double(Vec3)>& density) {
-  Medium out{"medium", {}, {}};
+inline StageMedium medium(const Dims& dims, const Colour& colour, double opacity,
+                          const std::function<double(Vec3)>& density) {
+  StageMedium out{"medium", {}, {}};
   static_cast<VoxelWorld&>(out.setup) = VoxelWorld(dims, "medium", false);
   out.setup.volume.range = ValueRange{0, kMaxDensity};
   std::size_t index = 0;
@@ -38,12 +38,13 @@ inline Medium medium(const Dims& dims, const Colour& colour, double opacity,
   out.setup.view.shade = false;
   return out;
 }
-inline Medium fog(const Dims& dims, const Colour& colour, double opacity) {
+inline StageMedium fog(const Dims& dims, const Colour& colour, double opacity) {
   return medium(dims, colour, opacity, [](Vec3) { return 1.0; });
 }
 
 // Seen along +z from `eye`, in parallel, one voxel a pixel. Surfaces have their own colours.
-inline Stage stage_of(std::vector<Medium> media, std::vector<PlacedSurface> surfaces, Vec3 eye, int width, int height) {
+inline Stage stage_of(std::vector<StageMedium> media, std::vector<PlacedSurface> surfaces, Vec3 eye, int width,
+                      int height) {
   Stage stage;
   stage.media = std::move(media);
   std::vector<Mesh> meshes;

@@ -1,4 +1,4 @@
-#include "compose/mesh_caster.h"
+#include "meshes/mesh_caster.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
