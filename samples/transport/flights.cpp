@@ -69,6 +69,7 @@ std::optional<Hit> Flights::hit_of(const Line& line, const TracedRay& ray, doubl
     before = 1 - (1 - ray.opacity) * std::exp(medium_.extinction(line.at(middle)) * length);
   } else {  // not in the whole steps, but perhaps in the rest
     const double done = line.begin + std::floor(steps + 0.5) * length;
+    if (done == line.begin) before = 0;  // not even half a step: the one sample that was taken stands for the rest
     length = line.end - done;
     if (length <= 0) return std::nullopt;
     middle = done + length / 2;

@@ -64,6 +64,22 @@ TEST(Flights, EndInFogAsBeerAndLambertSayWhateverTheStep) {
   }
 }
 
+// Flights that leave the volume within half a step have one sample, which stands for more than is left of them.
+TEST(Flights, ThatLeaveTheVolumeSoonEscapeAsBeerAndLambertSay) {
+  Loaded loaded(fog(0.5));
+  Flights board(loaded.board, loaded.medium, 1, 1);
+  constexpr int kBatches = 100,
+                kFlights = 2048;  // of a batch, 64 commands with a number for each: it is off by up to one of them
+  for (const double left : {0.1, 0.4, 0.6, 1.2, 1.7}) {
+    const std::vector<Flight> flights(kFlights, Flight{{15 - left, 4.3, 5.2}, {1, 0, 0}});
+    double share = 0;
+    for (int i = 0; i < kBatches; ++i) {
+      for (const auto& hit : board.first_hits(flights)) share += (hit ? 1.0 : 0.0) / kBatches / kFlights;
+    }
+    EXPECT_NEAR(share, 1 - std::exp(-0.5 * left), 3 * 0.5 / 64 / std::sqrt(kBatches)) << left;
+  }
+}
+
 TEST(Flights, EndAtSurfacesWhereHalfOfTheOpacityIs) {
   Loaded loaded(ball("scattering: 0.5 bsdf: \"diffuse\""));
   Flights board(loaded.board, loaded.medium, 0.5, 1);
