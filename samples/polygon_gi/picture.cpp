@@ -4,33 +4,23 @@
 #include <cmath>
 #include <numbers>
 
+#include "meshes/corner_means.h"
+
 namespace gicube::samples {
 
-// Around each corner the mean, by area, over triangles of nearly the same facing.
 void PolygonGi::spread() {
-  constexpr double kSmooth = 0.8;  // chosen: cosine, 37 degrees
   at_corners_.assign(statistics_.sides, {});
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     const Mesh& mesh = surfaces_[s].mesh;
-    std::vector<std::vector<std::uint32_t>> around(mesh.points.size());
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      for (const std::uint32_t corner : mesh.triangles[t]) around[corner].push_back(t);
-    }
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      for (std::uint32_t side = 0; side < 2; ++side) {
-        const std::uint32_t own = first_[s] + 2 * t + side;
-        for (std::size_t k = 0; k < 3; ++k) {
-          double weights = 0;
-          for (const std::uint32_t other : around[mesh.triangles[t][k]]) {
-            const std::uint32_t i = first_[s] + 2 * other + side;
-            if (elements_[i].dark || dot(normal(elements_[own]), normal(elements_[i])) < kSmooth) continue;
-            weights += elements_[i].weight;
-            for (std::size_t c = 0; c < 3; ++c)
-              at_corners_[own][k][c] += elements_[i].weight * elements_[i].albedo[c] * incident_[i][c];
-          }
-          for (double& part : at_corners_[own][k]) part /= weights > 0 ? weights : 1;
-        }
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      std::vector<Rgb> reflected;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::uint32_t i = first_[s] + 2 * t + side;
+        Rgb& one = reflected.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) one[c] = elements_[i].albedo[c] * incident_[i][c];
       }
+      const auto means = corner_means(mesh, reflected);
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) at_corners_[first_[s] + 2 * t + side] = means[t];
     }
   }
 }
@@ -41,12 +31,9 @@ Rgb PolygonGi::seen(const End& end) const {
   const GiElement& element = elements_[*end.element];
   Rgb out = element.emission;
   if (!element.zone) {
-    const auto [a, b, c] = corners(element);
-    const Vec3 area = cross(b - a, c - a);
-    const double v = dot(cross(end.place - a, c - a), area) / dot(area, area);
-    const double w = dot(cross(b - a, end.place - a), area) / dot(area, area);
-    const auto& [at_a, at_b, at_c] = at_corners_[*end.element];
-    for (std::size_t i = 0; i < 3; ++i) out[i] += (1 - v - w) * at_a[i] + v * at_b[i] + w * at_c[i];
+    const Rgb reflected =
+        between_corners(surfaces_[element.surface].mesh, element.triangle, at_corners_[*end.element], end.place);
+    for (std::size_t c = 0; c < 3; ++c) out[c] += reflected[c];
     return out;
   }
   const Vec3 voxel = medium_.voxel_of(end.place);
