@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gicube/archive.h"
+#include "memory/large_array.h"
 
 namespace gicube::emu {
 
@@ -47,7 +48,7 @@ class BlockBytes {
 
   // The block is elsewhere from now on. From several threads for different blocks; then comes count_held().
   void release(std::size_t block) {
-    std::vector<std::uint8_t>().swap(blocks_[block]);
+    ReturnedBytes().swap(blocks_[block]);
     elsewhere_[block] = 1;
   }
   void count_held() {
@@ -107,7 +108,7 @@ class BlockBytes {
     if (!is_stored(block)) return;
     held_ -= is_elsewhere(block) ? 0 : 1;
     --stored_;
-    std::vector<std::uint8_t>().swap(blocks_[block]);
+    ReturnedBytes().swap(blocks_[block]);
     elsewhere_[block] = 0;
   }
 
@@ -128,12 +129,15 @@ class BlockBytes {
       if (is_stored(block)) stored.push_back(block);
     }
     archive.list("stored", stored, count());
-    std::vector<std::uint8_t> room;
+    std::vector<std::uint8_t> room, packed;
     for (const std::size_t block : stored) {
       archive.expect(block < count() && is_stored(block) != archive.loads(), "stored", "each block once", block);
-      std::vector<std::uint8_t>& bytes = is_elsewhere(block) ? room : blocks_[block];
-      if (is_elsewhere(block)) bytes_of(block, room, pack);
-      archive.bytes("block" + std::to_string(block), bytes, block_bytes_, block_bytes_);
+      if (!archive.loads()) {
+        const auto bytes = bytes_of(block, packed, pack);
+        room.assign(bytes.begin(), bytes.end());
+      }
+      archive.bytes("block" + std::to_string(block), room, block_bytes_, block_bytes_);
+      if (archive.loads()) blocks_[block].assign(room.begin(), room.end());
     }
     if (archive.loads()) stored_ = held_ = stored.size();
   }
@@ -142,7 +146,7 @@ class BlockBytes {
   std::size_t block_bytes_;
   std::size_t stored_ = 0;
   std::size_t held_ = 0;  // of those, here
-  std::vector<std::vector<std::uint8_t>> blocks_;
+  std::vector<ReturnedBytes> blocks_;
   std::vector<std::uint8_t> elsewhere_;  // one a block
 };
 

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <type_traits>
 #include <vector>
@@ -55,5 +56,30 @@ struct LargeAllocator {
 // resize(n) leaves what it adds unwritten, resize(n, value) does not.
 template <typename T>
 using LargeArray = std::vector<T, LargeAllocator<T>>;
+
+// Bytes that go back to the host at once when they are let go: from kMapped on they are pages of their own. What malloc holds in
+// between would stay with the process.
+template <typename T>
+struct ReturnedAllocator {
+  using value_type = T;  // NOLINT(readability-identifier-naming): the name that containers ask for
+  static constexpr std::size_t kMapped = std::size_t{64} << 10;  // bytes; chosen: sixteen pages or more
+
+  ReturnedAllocator() = default;
+  template <typename U>
+  ReturnedAllocator(const ReturnedAllocator<U>&) {}
+
+  T* allocate(std::size_t count) {
+    if (count * sizeof(T) < kMapped) return static_cast<T*>(::operator new(count * sizeof(T)));
+    void* const place = mmap(nullptr, count * sizeof(T), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (place == MAP_FAILED) throw std::bad_alloc();
+    return static_cast<T*>(place);
+  }
+  void deallocate(T* place, std::size_t count) noexcept {
+    if (count * sizeof(T) < kMapped) return ::operator delete(place);
+    munmap(place, count * sizeof(T));
+  }
+  friend bool operator==(const ReturnedAllocator&, const ReturnedAllocator&) { return true; }
+};
+using ReturnedBytes = std::vector<std::uint8_t, ReturnedAllocator<std::uint8_t>>;
 
 }  // namespace gicube::emu
