@@ -19,7 +19,7 @@ auto fields(OpenOptions& options) {
   return std::tie(a, b, c, d, e, f, g, go_on);
 }
 auto fields(VolumeView& volume) {
-  auto& [samples, type, dims, spacing, range, gradients, tags, find] = volume;  // the others: see to_volume()
+  auto& [samples, type, dims, spacing, range, gradients, tags, colours, find] = volume;  // the others: see to_volume()
   return std::tie(type, dims[0], dims[1], dims[2], spacing, find);
 }
 auto fields(Shading& shading) {
