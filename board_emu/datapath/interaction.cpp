@@ -6,7 +6,6 @@
 #include "datapath/random_stream.h"
 #include "datapath/ray_part.h"
 #include "datapath/scatter.h"
-#include "datapath/splat.h"
 #include "datapath/trilinear_splat.h"
 
 namespace gicube::emu {

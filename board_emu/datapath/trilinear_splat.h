@@ -1,7 +1,4 @@
-// Splitting a signed amount among the eight voxels round a place: the trilinear interpolator's tree run backwards.
-//
-// Each of its seven nodes gives the upper half round(amount x fraction) and the lower half the rest, so the shares sum to
-// the amount exactly, and each is within 2 units of the amount's trilinear part. Voxel i of the cell is
+// Splitting a deposit among the eight voxels round a place [P §2.2: trilinear splat]. Voxel i of the cell is
 // (i & 1, i >> 1 & 1, i >> 2).
 #pragma once
 
@@ -10,9 +7,36 @@
 #include <cstdint>
 
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 
+// Whole energy units, by systematic rounding: each voxel's share is its trilinear weight's part on average, and the shares of one
+// deposit sum to it exactly.
+// `fraction`: 14 bits an axis. `units` < 2^32; `chance` decides the roundings.
+constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& fraction, std::uint64_t chance) {
+  constexpr int kBits = wire::kPositionFractionBits;
+  constexpr std::uint32_t kOne = 1u << kBits;
+  constexpr int kSumBits = 28;  // two axes exactly, the third rounded down by the running sum's differences
+  const std::uint64_t offset = chance >> (64 - kSumBits);
+  Shares shares{};
+  std::uint64_t weight_sum = 0, given = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    std::uint64_t weight = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      weight *= (i >> axis & 1) != 0 ? fraction[axis] : kOne - fraction[axis];
+    }
+    weight_sum += weight;  // 42 bits, 2^42 after the last
+    const std::uint64_t until = (units * (weight_sum >> (3 * kBits - kSumBits)) + offset) >> kSumBits;
+    shares[i] = static_cast<std::uint32_t>(until - given);
+    given = until;
+  }
+  return shares;
+}
+
+// A signed amount, by the trilinear interpolator's tree run backwards: each of its seven nodes gives the upper half
+// round(amount x fraction) and the lower half the rest, so the shares sum to the amount exactly, and each is within 2 units of the
+// amount's trilinear part.
 using SignedShares = std::array<std::int32_t, 8>;
 
 // round(amount x fraction / 2^14), halves up.

@@ -10,7 +10,6 @@
 #include "datapath/classify.h"
 #include "datapath/fixed.h"
 #include "datapath/resample.h"
-#include "datapath/splat.h"
 #include "datapath/trilinear_splat.h"
 #include "random_words.h"
 #include "reference/words.h"

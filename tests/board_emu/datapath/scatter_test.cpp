@@ -6,7 +6,7 @@
 #include <random>
 
 #include "datapath/jitter.h"
-#include "datapath/splat.h"
+#include "datapath/trilinear_splat.h"
 
 namespace gicube::emu {
 namespace {
