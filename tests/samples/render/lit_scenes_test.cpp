@@ -38,6 +38,9 @@ TEST_F(LitScenes, OfTheSourceTreeAreDrawn) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes")) {
     if (entry.path().extension() != ".scene") continue;
+    std::ifstream file(entry.path());
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    if (text.find("illumination {") == std::string::npos) continue;
     ++scenes;
     const std::string picture = path(entry.path().stem().string() + ".png");
     const ProgramResult result = run(
