@@ -224,23 +224,33 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   if (which.empty()) return;
   const bool had_codes = !codes_.empty();
   std::atomic<std::uint32_t> any{0};
-  const auto begin_codes = [&] {
-    if (any != 0 && codes_.empty()) codes_.resize(places() + 1, 0);
+  // Codes of blocks that are `decoded_next` are left unwritten, so that their memory is taken when their words go.
+  const auto begin_codes = [&](std::span<const std::size_t> decoded_next) {
+    if (any == 0 || !codes_.empty()) return;
+    std::vector<bool> is_next(block_count());
+    for (const std::size_t block : decoded_next) is_next[block] = !words_[block].empty();
+    codes_.resize(places() + 1);
+    std::fill_n(codes_.begin(), voxels_and_faces(), std::uint16_t{0});
+    codes_.back() = 0;
+    for (std::size_t block = 0; block < block_count(); ++block) {
+      if (first_[block] == 0 || is_next[block]) continue;
+      std::fill_n(codes_.begin() + static_cast<std::ptrdiff_t>(first_[block]), voxels_and_faces(), std::uint16_t{0});
+    }
   };
   const auto decode_all = [&] {
     parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_own(which[i]); });
   };
   // Mostly one block tells whether there are codes. The words of those that have some stay until these have a place.
   any |= decode_own(which[which.size() / 2]);
-  begin_codes();
+  begin_codes(which);
   decode_all();
   if (any != 0 && codes_.empty()) {
-    begin_codes();
+    begin_codes(which);
     decode_all();
   }
   words_.count_held();
   parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_faces(which[i]); });
-  begin_codes();
+  begin_codes({});
   has_tags_ = has_tags_ || any >> kCodeBits != 0;
   if (had_codes == !codes_.empty()) return;
   // The first codes: blocks that were decoded before have none on their faces.
