@@ -51,7 +51,8 @@ bool CaptureReader::next(wire::CaptureKind direction, CapturedFrame& frame) {
   while (next_of_all(frame)) {
     if (frame.record.kind != direction || wire::is_free(frame.header.type)) continue;
     std::uint32_t& taken = taken_[static_cast<std::size_t>(direction)];
-    if (wire::sequence_step(taken, frame.header.sequence) <= 0) continue;
+    // Frames before it came twice; those behind a lost one are refused, and sent again.
+    if (wire::sequence_step(taken, frame.header.sequence) != 1) continue;
     taken = frame.header.sequence;
     return true;
   }
