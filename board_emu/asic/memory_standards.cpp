@@ -14,8 +14,11 @@ namespace {
 
 std::uint32_t packets_of_tile(const v1::BoardConfig& config) {
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
-  return dram::packets_of_tile(static_cast<std::uint32_t>(wire::voxel_bits(format)));
+  return dram::packets_of_tile(static_cast<std::uint32_t>(wire::voxel_bits(format, config.asic().irradiance_words())));
 }
+
+// Of a tile's packets, those with irradiance: what the first has no room for is in the second.
+std::uint32_t written_packets(const v1::BoardConfig& config) { return config.asic().irradiance_words() > 1 ? 2 : 1; }
 
 dram::Standard rdram_standard(const v1::BoardConfig& config) {
   return {.name = "rdram",
@@ -33,7 +36,7 @@ dram::Standard rdram_standard(const v1::BoardConfig& config) {
 std::unique_ptr<dram::Memory> make_rdram(const v1::BoardConfig& config, std::uint32_t blocks) {
   return std::make_unique<dram::LaidOut<rdram::Layout, rdram::Channel>>(
       rdram::Layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit(), packets_of_tile(config)),
-      config.rdram());
+      config.rdram(), written_packets(config));
 }
 
 dram::Standard ddr_standard(const v1::BoardConfig& config) {
@@ -51,7 +54,8 @@ dram::Standard ddr_standard(const v1::BoardConfig& config) {
 
 std::unique_ptr<dram::Memory> make_ddr(const v1::BoardConfig& config, std::uint32_t blocks) {
   return std::make_unique<dram::LaidOut<ddr::Layout, ddr::Channel>>(
-      ddr::Layout(blocks, config.asic().block_voxels(), packets_of_tile(config)), config.ddr());
+      ddr::Layout(blocks, config.asic().block_voxels(), packets_of_tile(config)), config.ddr(),
+      written_packets(config));
 }
 
 struct Row {

@@ -70,6 +70,7 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
   registers.set_fixed(reg::kBlockVoxels, config.asic().block_voxels());
   registers.set_fixed(reg::kMaxVolumeVoxels, config.asic().max_volume_voxels());
   registers.set_fixed(reg::kVoxelFormat, static_cast<std::uint32_t>(config.asic().voxel_format()));
+  registers.set_fixed(reg::kIrradianceWords, config.asic().irradiance_words());
   registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
   registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
   registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));

@@ -81,6 +81,8 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
       report("cache.irradiance", "with_voxels with asic.datapath=wide", "in_cells");
     if (config.asic().voxel_format() != v1::density)
       report("cache.irradiance", "with_voxels with asic.voxel_format=rgb or rgba", "in_cells");
+    if (config.asic().irradiance_words() > 1)
+      report("cache.irradiance", "with_voxels with asic.irradiance_words=3", "in_cells");
     if (config.cache().miss_packets() < 16) {  // of a sample's voxels and their irradiance
       report("cache.miss_packets", "at least 16 with cache.irradiance=in_cells",
              std::to_string(config.cache().miss_packets()));

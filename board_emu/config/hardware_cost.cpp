@@ -57,7 +57,8 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   HardwareCost cost;
   cost.ray_queues = product({{queues(config)}, {config.asic().queue_rays()}, {kRayBits}});
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
-  cost.volume_cache = product({{p}, {edge, 3}, {static_cast<std::uint64_t>(wire::voxel_bits(format))}});
+  cost.volume_cache = product(
+      {{p}, {edge, 3}, {static_cast<std::uint64_t>(wire::voxel_bits(format, config.asic().irradiance_words()))}});
   cost.gradient_lut = product({{p}, {wire::kGradientCodes}, {kGradientReaders}, {kGradientBits}});
   cost.registers = {rays.formula + " + " + others.formula, rays.bits + others.bits};
   cost.segmentation_lut = product({{p}, {wire::kSegmentationEntries}, {kSegmentationBits}});

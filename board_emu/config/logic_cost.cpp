@@ -89,11 +89,15 @@ std::vector<LogicItem> logic_cost(const v1::BoardConfig& config) {
     items.push_back({"Pipeline", "interpolators of colours", processors * kTrilinear * 3, kInterpolator});
     items.push_back({"Pipeline", "colours", processors, kTint + alpha * kPremultiply});
   }
+  if (config.asic().irradiance_words() > 1) {  // two words more of each: rays and samples have three
+    items.push_back({"Pipeline", "interpolators of irradiance", processors * kTrilinear * 2, kInterpolator});
+    items.push_back({"Pipeline", "splats of green and blue", processors * 2, kSplit});
+  }
   const Count links = processors > 1 ? 2 * processors : 0;
   items.push_back({"Control", "bits between parts",
                    (kFifosOfProcessor * processors + 2 * processors - 1) * kFifoPlaces * kPlaceBits, kRegister});
   items.push_back({"Control", "bits at links", links * config.link().rays() * kPlaceBits, kRegister});
-  const Count tile_bits = 4 * static_cast<Count>(wire::voxel_bits(format));
+  const Count tile_bits = 4 * static_cast<Count>(wire::voxel_bits(format, config.asic().irradiance_words()));
   items.push_back(
       {"Control", "bits on their way to memory", processors * config.cache().write_packets() * tile_bits, kRegister});
   return items;

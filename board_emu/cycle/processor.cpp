@@ -205,7 +205,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
     if (carries) {
-      splat(ray.block, on_card(deposit_of(ray_state, *frame_), *frame_), entry);
+      splat(ray.block, brought_by(ray_state, *frame_), ray_state, entry);
       how = Termination::kAbsorbed;
     } else if (!scatters_or_deposits_) {
       gather(ray_state, site, *frame_, counts_);

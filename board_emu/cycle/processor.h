@@ -107,7 +107,7 @@ class Processor {
   [[gnu::noinline, gnu::cold]] void watch_carrier(std::uint32_t from, RayToken& carrier);
   bool writes_all_voxels() const { return splat_rule_ != v1::whole_units; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
-  Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
+  Splat& splat(std::uint32_t block, const Interaction& interaction, const RayState& from, InFlight& entry);
   RayToken carrier(const RayState& from, const Interaction& interaction, std::uint32_t block);
   Cell carrier_cell(const RayUnderWay& ray) const;
   bool tick_light(Cycle now);

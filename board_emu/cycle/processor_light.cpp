@@ -36,7 +36,7 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
       frame_->sums != nullptr ? frame_->sums->blocks_of(written) : frame_->irradiance->blocks_of(written);
   Splat* work = nullptr;
   for (std::size_t i = 0; i < sharing.count; ++i) {
-    if (sharing.block[i] == block) work = &splat(block, here, entry);
+    if (sharing.block[i] == block) work = &splat(block, interaction, ray.ray_state, entry);
   }
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) continue;
@@ -82,15 +82,21 @@ Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
 }
 
 // Adds the deposit to the words of `block`, and notes which of its tiles are written.
-Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& entry) {
+Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, const RayState& from, InFlight& entry) {
+  const Deposit deposit = on_card(interaction.deposit, *frame_);
   const bool all = writes_all_voxels(),
              gives = std::ranges::any_of(deposit.shares, [](auto share) { return share != 0; });
   if (!gives) {
     // the words stay as they are
   } else if (frame_->sums != nullptr) {
     counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
-  } else {
+  } else if (frame_->light_words == 1) {
     counts_.energy.deposited += frame_->irradiance->add(deposit, block);
+  } else {
+    for (std::size_t word = 0; word < frame_->light_words; ++word) {
+      counts_.energy_of(word).deposited +=
+          frame_->irradiance[word].add(deposit_in(word, interaction, from, *frame_), block);
+    }
   }
   Splat& work = add_splat(block, entry);
   const auto edge = static_cast<std::int32_t>(edge_);
@@ -109,8 +115,10 @@ RayToken Processor::carrier(const RayState& from, const Interaction& interaction
   ray.ray_state.v = from.v;
   ray.ray_state.lifetime = interaction.lifetime;
   ray.ray_state.flags = wire::kLightingRay | wire::kIrradianceCarrier;
-  ray.ray_state.set_energy(frame_->sums != nullptr ? interaction.units & 0xFF'FFFF
-                                                   : std::uint64_t{interaction.units} << kEnergyFractionBits);
+  for (std::size_t word = 0; word < frame_->light_words; ++word) {
+    const std::uint64_t units = interaction.units[word];
+    ray.ray_state.set_energy(word, frame_->sums != nullptr ? units & 0xFF'FFFF : units << kEnergyFractionBits);
+  }
   ray.block = block;
   RayToken token;
   token.ray = rays_.add(ray);

@@ -98,7 +98,7 @@ void RayEngine::take_back(Cycle now) {
 void RayEngine::settle(Cycle now, const RayToken& token) {
   const RayUnderWay& carrier = rays_[token.ray];
   if (token.state == TokenStatus::kAbsent && carrier.ray_state.is(wire::kIrradianceCarrier)) {
-    give_host(deposit_of(carrier.ray_state, *frame_), *frame_, carrier.block);
+    give_host(brought_by(carrier.ray_state, *frame_).deposit, *frame_, carrier.block);
     rays_.remove(token.ray);
     return carry_out(now, {.loop = &kPassRay});
   }

@@ -26,6 +26,13 @@ class Routines;
 class SumMemory;
 class WaitingRayQueue;
 
+// Three irradiance words: red, green, blue. Parts of an energy, wire::kScatteringOne = all.
+inline constexpr std::size_t kColours = 3;
+inline constexpr std::array<std::uint16_t, kColours> kWhite{wire::kScatteringOne, wire::kScatteringOne,
+                                                            wire::kScatteringOne};
+inline constexpr std::array<std::array<std::uint16_t, kColours>, wire::kTags> kAllWhite{kWhite, kWhite, kWhite, kWhite};
+static_assert(wire::kTags == kAllWhite.size());
+
 // What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
 struct Frame {
   const VolumeMemory* volume = nullptr;
@@ -56,13 +63,17 @@ struct Frame {
 
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
-  const Routines* routines = nullptr;      // for materials that trap
-  HostTrapQueue* host_traps = nullptr;     // and where rays go that the host must scatter
-  bool lit_by_irradiance = false;          // rendering rays
-  bool scatter = false;                    // rendering rays too are scattered
-  bool high_albedo = false;                // rendering rays take colour once, where they are absorbed
-  bool wide = false;                       // the wide datapath
-  std::span<const float> wide_depths;      // on it: what wide_depths() makes of `segmentation`
+  // Irradiance words of a voxel: 1, or 3 for red, green and blue. `irradiance` points at as many memories.
+  std::size_t light_words = 1;
+  std::array<std::uint16_t, kColours> light_colour = kWhite;  // parts of a ray's energy that its colours set out with
+  std::array<std::array<std::uint16_t, kColours>, wire::kTags> scattering_colour = kAllWhite;  // of Ks, by material
+  const Routines* routines = nullptr;   // for materials that trap
+  HostTrapQueue* host_traps = nullptr;  // and where rays go that the host must scatter
+  bool lit_by_irradiance = false;       // rendering rays
+  bool scatter = false;                 // rendering rays too are scattered
+  bool high_albedo = false;             // rendering rays take colour once, where they are absorbed
+  bool wide = false;                    // the wide datapath
+  std::span<const float> wide_depths;   // on it: what wide_depths() makes of `segmentation`
   wire::EnergyRules rules = wire::EnergyRules::kConserving;
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;
@@ -115,7 +126,11 @@ struct RayCounters {
   std::uint64_t traps = 0;        // of the scatterings, by a routine
   std::uint64_t trap_cycles = 0;  // of the DSP
   std::uint64_t deposits = 0;
-  EnergyCounters energy;
+  EnergyCounters energy;                      // of the one irradiance word, or of red
+  std::array<EnergyCounters, 2> more_energy;  // of green and blue
+
+  EnergyCounters& energy_of(std::size_t word) { return word == 0 ? energy : more_energy[word - 1]; }
+  const EnergyCounters& energy_of(std::size_t word) const { return word == 0 ? energy : more_energy[word - 1]; }
 
   RayCounters& operator+=(const RayCounters& other) {
     return each(other, [](std::uint64_t& mine, std::uint64_t its) { mine += its; });
@@ -142,15 +157,19 @@ struct RayCounters {
     change(traps, other.traps);
     change(trap_cycles, other.trap_cycles);
     change(deposits, other.deposits);
-    change(energy.emitted, other.energy.emitted);
-    change(energy.deposited.kept, other.energy.deposited.kept);
-    change(energy.deposited.clipped, other.energy.deposited.clipped);
-    change(energy.escaped, other.energy.escaped);
-    for (std::size_t face = 0; face < wire::kFaces; ++face) {
-      change(energy.escaped_by_face[face], other.energy.escaped_by_face[face]);
+    for (std::size_t word = 0; word < kColours; ++word) {
+      EnergyCounters& mine = energy_of(word);
+      const auto& its = other.energy_of(word);
+      change(mine.emitted, its.emitted);
+      change(mine.deposited.kept, its.deposited.kept);
+      change(mine.deposited.clipped, its.deposited.clipped);
+      change(mine.escaped, its.escaped);
+      for (std::size_t face = 0; face < wire::kFaces; ++face) {
+        change(mine.escaped_by_face[face], its.escaped_by_face[face]);
+      }
+      change(mine.scattered_away, its.scattered_away);
+      change(mine.given_up, its.given_up);
     }
-    change(energy.scattered_away, other.energy.scattered_away);
-    change(energy.given_up, other.energy.given_up);
     return *this;
   }
 };

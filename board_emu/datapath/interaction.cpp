@@ -88,50 +88,36 @@ Point place_in(const RayPart& part, double share, const RayState& ray, const Cla
   return out;
 }
 
-// Makes the voxel of least coordinates round `place` the deposit's, and returns how far behind it the place is on each axis.
-std::array<std::uint32_t, 3> put_at(const Point& place, Deposit& out) {
-  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
-  std::array<std::uint32_t, 3> fraction{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
-    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
+// Of Ks, the part that is scattered of this colour of light.
+std::uint32_t scattering_of(std::size_t word, const wire::Material& material, unsigned tag, const Frame& frame) {
+  if (frame.light_words == 1) return material.scattering;
+  const std::uint32_t product = std::uint32_t{material.scattering} * frame.scattering_colour[tag][word];
+  return (product + wire::kScatteringOne / 2) / wire::kScatteringOne;
+}
+
+// All colours of a ray are scattered as the one that is scattered most. Of the others a part is absorbed there: returns it.
+EnergyUnits keep_colour(RayState& ray, unsigned tag, const Frame& frame) {
+  EnergyUnits lost{};
+  if (frame.light_words == 1) return lost;
+  const std::uint64_t chance = draw_here(RandomStream::kColour, ray, frame) >> 48;
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint32_t before = energy_units(ray, frame, word);
+    const std::uint64_t energy = ray.energy(word), part = wire::kScatteringOne - frame.scattering_colour[tag][word];
+    const std::uint64_t dither = chance * wire::kScatteringOne >> 16;  // rounded at random, as losses are
+    ray.set_energy(word, energy - (energy * part + dither) / wire::kScatteringOne);
+    lost[word] = before - energy_units(ray, frame, word);
   }
-  return fraction;
-}
-
-Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
-                 std::uint32_t seed) {
-  Deposit out;
-  const auto fraction = put_at(place, out);
-  out.shares = split(units, fraction, draw_at(RandomStream::kSplat, place, u, v, lifetime, seed));
-  return out;
-}
-
-// The same of a signed amount, in the sums' way.
-Deposit spread_at(const Point& place, std::int32_t amount) {
-  Deposit out;
-  const SignedShares shares = spread(amount, put_at(place, out));
-  for (std::size_t i = 0; i < shares.size(); ++i) out.shares[i] = static_cast<std::uint32_t>(shares[i]);
-  return out;
-}
-
-// Gives `units` to the voxels round `place`.
-void deposit(Interaction& interaction, const RayState& ray, std::uint32_t units, const Point& place,
-             const Frame& frame) {
-  if (units == 0) return;
-  interaction.deposits = true;
-  interaction.place = place;
-  interaction.units = units;
-  interaction.lifetime = ray.lifetime;
-  interaction.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
+  return lost;
 }
 
 void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, RayCounters& counters) {
   interaction.outcome = Outcome::kEnded;
   if (!ray.is(wire::kLightingRay)) return;
-  const std::uint32_t units = energy_units(ray, frame);
-  counters.energy.scattered_away += units;
-  counters.energy.given_up += units;
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint32_t units = energy_units(ray, frame, word);
+    counters.energy_of(word).scattered_away += units;
+    counters.energy_of(word).given_up += units;
+  }
 }
 
 // The ray interacts at `share` of the part's depth and is scattered.
@@ -165,10 +151,12 @@ void interact_photon(Interaction& interaction, RayState& ray, const RayPart& par
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
   if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return advance(ray, 1, frame);
-  if (!straight && draws_scattering(ray, material, frame)) {
+  const bool scatters = !straight && draws_scattering(ray, material, frame);
+  const EnergyUnits given = scatters ? keep_colour(ray, sample.tag, frame) : all_units(ray, frame);
+  deposit(interaction, ray, given, place_in(part, share, ray, sample, frame), frame);
+  if (scatters && (frame.light_words == 1 || all_units(ray, frame) != EnergyUnits{})) {
     return scatter(interaction, ray, part, share, material, sample, frame, counters);
   }
-  deposit(interaction, ray, energy_units(ray, frame), place_in(part, share, ray, sample, frame), frame);
   interaction.outcome = Outcome::kEnded;
 }
 
@@ -176,30 +164,39 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
                      const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
-  const std::uint64_t before = ray.energy(), lost = printed ? a : absorption_opacity(a, material);
-  const std::uint32_t units = energy_units(ray, frame);
+  const std::uint64_t lost = printed ? a : absorption_opacity(a, material);
   // Rounded at random: a small energy in thin fog would else never become less.
   const std::uint64_t dither = (draw_here(RandomStream::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
-  ray.set_energy(before - (before * lost + dither) / wire::kOpacityOne);
-  const std::uint32_t left = energy_units(ray, frame);
-  std::uint32_t given = units - left;
-  if (printed && given != 0) {  // what was scattered is lost [P §2.2]
-    const std::uint64_t share = std::uint64_t{given} * (wire::kScatteringOne - material.scattering);
+  EnergyUnits given{};
+  bool any_left = false;
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint64_t before = ray.energy(word);
+    const std::uint32_t units = energy_units(ray, frame, word);
+    ray.set_energy(word, before - (before * lost + dither) / wire::kOpacityOne);
+    const std::uint32_t left = energy_units(ray, frame, word);
+    any_left = any_left || left != 0;
+    given[word] = units - left;
+    if (!printed || given[word] == 0) continue;  // what was scattered is lost [P §2.2]
+    const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, sample.tag, frame);
     const std::uint64_t chance = (draw_here(RandomStream::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
-    const auto absorbed = static_cast<std::uint32_t>((share + chance) / wire::kScatteringOne);
-    counters.energy.scattered_away += given - absorbed;
-    given = absorbed;
+    const auto absorbed = static_cast<std::uint32_t>((given[word] * kept + chance) / wire::kScatteringOne);
+    counters.energy_of(word).scattered_away += given[word] - absorbed;
+    given[word] = absorbed;
+  }
+  double share = 0;
+  const bool scatters = any_left && material.bsdf != wire::Bsdf::kNone &&
+                        interacts(ray, printed ? a : scattering_opacity(a, material), frame, share);
+  if (scatters && !printed && frame.light_words > 1) {
+    const EnergyUnits absorbed = keep_colour(ray, sample.tag, frame);
+    for (std::size_t word = 0; word < frame.light_words; ++word) given[word] += absorbed[word];
+    any_left = all_units(ray, frame) != EnergyUnits{};
   }
   deposit(interaction, ray, given, place_in(part, 0.5, ray, sample, frame), frame);
-  if (left == 0) {
+  if (!any_left) {
     interaction.outcome = Outcome::kEnded;
     return;
   }
-  double share = 0;
-  if (material.bsdf == wire::Bsdf::kNone ||
-      !interacts(ray, printed ? a : scattering_opacity(a, material), frame, share)) {
-    return advance(ray, 1, frame);
-  }
+  if (!scatters) return advance(ray, 1, frame);
   scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
 
@@ -209,13 +206,16 @@ Colour12 colour_of(const Classified& sample, const SampleSite& site, const Frame
     return frame.shade ? shade(entry, sample.gradient(), frame.reflectance_map)
                        : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
-  std::uint32_t light = 0;
-  if (const std::uint32_t* words = frame.irradiance->view(site.block)) {
+  std::array<std::uint32_t, kColours> light{};
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint32_t* const words = frame.irradiance[word].view(site.block);
+    if (words == nullptr) continue;
     const Cell& at = site.cell;
     const std::size_t row = site.edge, slice = site.edge * site.edge;
-    light = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
-                       {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
+    light[word] = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
+                             {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
   }
+  if (frame.light_words == 1) light.fill(light[0]);
   const Point gradient = entry.specular != 0 ? sample.gradient() : Point{};
   return illuminated(entry, light, frame.exposure, gradient, frame.reflectance_map);
 }
@@ -268,15 +268,15 @@ Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters
   if (frame.sums != nullptr) {
     interaction.deposits = amount != 0;
     interaction.place = ray.position;
-    interaction.units = static_cast<std::uint32_t>(amount);
+    interaction.units[0] = static_cast<std::uint32_t>(amount);
     interaction.deposit = spread_at(ray.position, amount);
   } else {  // a fraction of a unit is rounded at random, and the place's own way
     constexpr int kFraction = wire::kAmountFractionBits;
     const std::uint64_t chance =
         draw_at(RandomStream::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
-    deposit(interaction, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
+    deposit(interaction, ray, {(static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction},
             ray.position, frame);
-    counters.energy.emitted += interaction.units;
+    counters.energy.emitted += interaction.units[0];
   }
   advance(ray, 1, frame);
   return interaction;
@@ -306,32 +306,11 @@ Sample sample_at(const Point& position, const Frame& frame) {
   return out;
 }
 
-Deposit nothing_at(const Point& place) {
-  Deposit out;
-  put_at(place, out);
-  return out;
-}
-
-Deposit deposit_of(const RayState& carrier, const Frame& frame) {
-  if (frame.sums != nullptr) return spread_at(carrier.position, carrier.amount());
-  const auto units = static_cast<std::uint32_t>(carrier.energy() >> kEnergyFractionBits);
-  return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
-}
-
 std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
   const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
   const auto value =
       static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
   return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
-}
-
-std::uint32_t energy_phase(const RayState& ray, const Frame& frame) {
-  return static_cast<std::uint32_t>(draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >>
-                                    (64 - kEnergyFractionBits));
-}
-
-std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
-  return static_cast<std::uint32_t>((ray.energy() + energy_phase(ray, frame)) >> kEnergyFractionBits);
 }
 
 Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
@@ -380,10 +359,13 @@ void count_end(const RayState& ray, Termination how, const Frame& frame, RayCoun
   if (!ray.is(wire::kLightingRay)) return;
   ++counters.lighting_rays;
   if (how != Termination::kLeft) return;
-  const std::uint32_t units = energy_units(ray, frame);
-  counters.energy.escaped += units;
   const FinePoint step = fine(ray.step, frame.wide ? ray.step_rest : Rest{});
-  counters.energy.escaped_by_face[face_left_by(ray.position, step, frame.extent)] += units;
+  const std::size_t face = face_left_by(ray.position, step, frame.extent);
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint32_t units = energy_units(ray, frame, word);
+    counters.energy_of(word).escaped += units;
+    counters.energy_of(word).escaped_by_face[face] += units;
+  }
 }
 
 }  // namespace gicube::emu

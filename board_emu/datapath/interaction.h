@@ -11,6 +11,7 @@
 
 #include <optional>
 
+#include "datapath/random_stream.h"
 #include "datapath/ray_step.h"
 #include "datapath/scatter.h"
 #include "datapath/scattering.h"
@@ -30,6 +31,9 @@ struct Sample {
 
 Sample sample_at(const Point& position, const Frame& frame);
 
+// Whole units of energy for each irradiance word.
+using EnergyUnits = std::array<std::uint32_t, kColours>;
+
 enum class Outcome : std::uint8_t { kGoesOn, kEnded, kTrapped };
 
 struct Interaction {
@@ -37,17 +41,27 @@ struct Interaction {
   bool visible = false;  // the sample has an opacity
   bool deposits = false;
   // If it does: where, not always in the block of the sample; how much; and on which flight.
-  Deposit deposit;
+  Deposit deposit;  // in three irradiance words: the sums of their shares
   Point place{};
-  std::uint32_t units = 0;  // in sums: signed
+  EnergyUnits units{};  // for each word; in sums: signed
   std::uint16_t lifetime = 0;
 };
 
 // A deposit of no energy round `place`.
 Deposit nothing_at(const Point& place);
 
-// How the energy of an irradiance carrier is shared among the voxels round its position: as by the ray that sent it.
-Deposit deposit_of(const RayState& carrier, const Frame& frame);
+// Gives `units` to the voxels round `place`, if they are any.
+void deposit(Interaction& interaction, const RayState& ray, const EnergyUnits& units, const Point& place,
+             const Frame& frame);
+
+// What a sample at `place` of a ray that backprojects leaves in sums.
+Deposit spread_at(const Point& place, std::int32_t amount);
+
+// What an irradiance carrier brings: the energy is shared among the voxels round its position as by the ray that sent it.
+Interaction brought_by(const RayState& carrier, const Frame& frame);
+
+// What a deposit of `ray`, or its carrier, leaves in one of three irradiance words.
+Deposit deposit_in(std::size_t word, const Interaction& interaction, const RayState& ray, const Frame& frame);
 
 // Takes a sample, and advances or scatters the ray.
 Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters);
@@ -116,10 +130,18 @@ Interaction answer_trap(RayState& ray, const ScatterAnswer& answer, const Frame&
 std::uint32_t interaction_value(const RayState& ray, const Frame& frame);
 
 // What is added to an energy before its fraction is cut off: one draw a ray.
-std::uint32_t energy_phase(const RayState& ray, const Frame& frame);
-// The whole energy units that the ray holds. Its fraction is rounded by one draw a ray, so that its deposits sum exactly to the
-// energy that it had.
-std::uint32_t energy_units(const RayState& ray, const Frame& frame);
+inline std::uint32_t energy_phase(const RayState& ray, const Frame& frame) {
+  return static_cast<std::uint32_t>(draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >>
+                                    (64 - kEnergyFractionBits));
+}
+// The whole energy units that the ray holds for an irradiance word. Its fraction is rounded by one draw a ray, so that its deposits
+// sum exactly to the energy that it had.
+inline std::uint32_t energy_units(const RayState& ray, const Frame& frame, std::size_t word = 0) {
+  return static_cast<std::uint32_t>((ray.energy(word) + energy_phase(ray, frame)) >> kEnergyFractionBits);
+}
+EnergyUnits all_units(const RayState& ray, const Frame& frame);  // for each word
+// Of a ray that sets out.
+void count_emitted(const RayState& ray, const Frame& frame, RayCounters& counters);
 
 // Opacity of one voxel length at a place of the volume, 65535 = 1.
 std::uint16_t opacity_at(const Point& position, const Frame& frame);

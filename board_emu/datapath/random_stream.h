@@ -18,7 +18,8 @@ enum class RandomStream : std::uint64_t {
   kSplat,
   kShare,
   kRoutine,
-  kLoss
+  kLoss,
+  kColour
 };
 
 // 64 bits for the ray (u, v) on a flight: `lifetime` names the flight. `seed` is the SEED register.

@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "datapath/advance.h"
-#include "datapath/classify.h"
 #include "datapath/composite.h"
 #include "datapath/frame.h"
 #include "datapath/jitter.h"
@@ -42,13 +41,19 @@ struct RayState {
   WideWords wide{};
   Rest rest{}, step_rest{};  // of position and step, which is then the whole units in it
 
+  // Energy of green and blue, with three irradiance words, each as the colour has red's.
+  std::array<std::array<std::uint16_t, 3>, 2> more_energy{};
+
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
   // The colour's 36 bits hold the energy of a lighting ray, 24.12 units; the sum of densities of an integral; or, in their low
   // 24 bits, the amount that each sample of a backprojecting ray leaves.
-  std::uint64_t energy() const { return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24; }
-  void set_energy(std::uint64_t word) {
-    for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(word >> (12 * i) & 0xFFF);
+  std::uint64_t energy() const { return word_of(colour); }
+  void set_energy(std::uint64_t word) { put_word(word, colour); }
+  // The energy for an irradiance word, 0 being red or the only one.
+  std::uint64_t energy(std::size_t word) const { return word == 0 ? energy() : word_of(more_energy[word - 1]); }
+  void set_energy(std::size_t word, std::uint64_t energy) {
+    put_word(energy, word == 0 ? colour : more_energy[word - 1]);
   }
   std::uint64_t density_sum() const { return energy(); }
   void set_density_sum(std::uint64_t sum) { set_energy(sum); }
@@ -75,9 +80,16 @@ struct RayState {
     record(interacted, colour, direction, u, v, lifetime, flags);
     record.at_most(interactions, 15);
     record.at_most(has_begun, 1);
-    record(wide.opacity, wide.colour, rest, step_rest);
+    record(wide.opacity, wide.colour, rest, step_rest, more_energy[0], more_energy[1]);
     generation = interactions & 15;
     under_way = has_begun & 1;
+  }
+
+  static std::uint64_t word_of(const std::array<std::uint16_t, 3>& parts) {
+    return parts[0] | std::uint64_t{parts[1]} << 12 | std::uint64_t{parts[2]} << 24;
+  }
+  static void put_word(std::uint64_t word, std::array<std::uint16_t, 3>& parts) {
+    for (std::size_t i = 0; i < 3; ++i) parts[i] = static_cast<std::uint16_t>(word >> (12 * i) & 0xFFF);
   }
 
   std::int32_t steps_left() const { return static_cast<std::int32_t>(interacted); }
@@ -147,6 +159,15 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   }
 }
 
+// Gives each colour its part of the energy that the packet holds.
+inline void colour_energy(RayState& ray, const Frame& frame) {
+  const std::uint64_t all = ray.energy();
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const std::uint64_t part = all * frame.light_colour[word];
+    ray.set_energy(word, (part + wire::kScatteringOne / 2) / wire::kScatteringOne);
+  }
+}
+
 // Inline, since the host's compilers else write the ray narrowly and read it widely, and wait in between.
 [[gnu::always_inline]] inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   RayState out;
@@ -173,6 +194,7 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
     out.opacity = 0;
   }
   if (frame.wide) out.wide = wide_words(out);
+  if (frame.light_words > 1 && out.is(wire::kLightingRay)) colour_energy(out, frame);
   return out;
 }
 
@@ -330,12 +352,14 @@ inline void jitter_step(RayState& ray, const Frame& frame) {
   space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)), frame);
 }
 
-// What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.
+// What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy, of
+// three the greatest.
 inline constexpr std::uint16_t kFullContribution = 4095;
 inline std::uint16_t contribution(const RayState& ray) {
   if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
   constexpr int kShift = kEnergyFractionBits - 4;  // 255 units fill 12 bits
-  return static_cast<std::uint16_t>(std::min<std::uint64_t>(ray.energy() >> kShift, kFullContribution));
+  const std::uint64_t energy = std::max({ray.energy(0), ray.energy(1), ray.energy(2)});
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(energy >> kShift, kFullContribution));
 }
 
 inline void advance(RayState& ray, std::int32_t steps, const Frame& frame) {

@@ -1,4 +1,4 @@
-// Trilinear resampling of density and gradient: seven linear interpolators a channel [P §3.4].
+// Trilinear resampling of density and gradient, and classification by the density: seven linear interpolators a channel [P §3.4].
 //
 // What enters: the words of the eight voxels round a sample and the sample's fractions; what leaves: one word a channel.
 // Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are apart because a sample of no opacity needs
@@ -15,6 +15,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "gicube/wire/lut.h"
 #include "gicube/wire/ray.h"
 #include "words/words.h"
 
@@ -137,6 +138,12 @@ inline DensityRange density_range(const std::int16_t* densities, const Neighbour
 #else
   return density_range_each(densities, at);
 #endif
+}
+
+// Classification: the segmentation LUT's index of an interpolated density (12.3) of material `tag`: the density rounded to 12 bits.
+constexpr std::size_t segmentation_index(int density, unsigned tag) {
+  const int rounded = (density + (1 << (kDensityFractionBits - 1))) >> kDensityFractionBits;
+  return std::size_t{tag} << 12 | static_cast<std::size_t>(rounded);
 }
 
 }  // namespace gicube::emu

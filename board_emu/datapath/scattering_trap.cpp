@@ -50,17 +50,22 @@ Interaction go_on(RayState& ray, const Direction& direction, std::uint32_t dropp
   Interaction interaction;
   if (dropped != 0) {
     const bool lighting = ray.is(wire::kLightingRay);
+    bool any_left = false;
     if (lighting) {
-      const std::uint32_t before = energy_units(ray, frame);
-      const std::uint64_t e = ray.energy();
-      ray.set_energy(e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
-      counters.energy.scattered_away += before - energy_units(ray, frame);
+      for (std::size_t word = 0; word < frame.light_words; ++word) {
+        const std::uint32_t before = energy_units(ray, frame, word);
+        const std::uint64_t e = ray.energy(word);
+        ray.set_energy(word, e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
+        const std::uint32_t left = energy_units(ray, frame, word);
+        counters.energy_of(word).scattered_away += before - left;
+        any_left = any_left || left != 0;
+      }
     } else if (gathers_wide(frame)) {
       over(ray, ray.wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));
     } else {
       over(ray, {0, 0, 0}, dropped);
     }
-    if (dropped == wire::kOpacityOne || (lighting && energy_units(ray, frame) == 0)) {
+    if (dropped == wire::kOpacityOne || (lighting && !any_left)) {
       interaction.outcome = Outcome::kEnded;
       return interaction;
     }
@@ -73,7 +78,7 @@ Interaction go_on(RayState& ray, const Direction& direction, std::uint32_t dropp
 
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   RayState ray_state = unpack(ray, frame);
-  if (ray_state.is(wire::kLightingRay)) counters.energy.emitted += energy_units(ray_state, frame);
+  if (ray_state.is(wire::kLightingRay)) count_emitted(ray_state, frame, counters);
   const bool ends =
       go_on(ray_state, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
   if (ends) count_end(ray_state, Termination::kAbsorbed, frame, counters);

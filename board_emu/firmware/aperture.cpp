@@ -12,19 +12,53 @@ wire::GradientEntry decode_gradient(std::span<const std::uint8_t> bytes) {
 
 bool is(const wire::MemoryRegion* region, const wire::MemoryRegion& which) { return region->base == which.base; }
 
+bool is_irradiance(const wire::MemoryRegion* region) {
+  return is(region, wire::kIrradiance) || is(region, wire::kGreenIrradiance) || is(region, wire::kBlueIrradiance);
+}
+
 }  // namespace
 
-Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::uint32_t max_irradiance)
+Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::size_t irradiance_words,
+                   std::uint32_t max_irradiance)
     : segmentation_(wire::kSegmentationEntries, wire::decode<wire::SegmentationEntry>),
       gradients_(wire::kGradientCodes, decode_gradient),
       materials_(wire::kTags, wire::decode<wire::Material>),
-      irradiance_(block_voxels, max_irradiance),
+      scattering_colours_(wire::kTags, wire::decode<wire::ScatteringColour>),
       sums_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       absent_flags_(wire::kAbsentFlags.bytes),
       dark_flags_(wire::kDarkFlags.bytes),
-      volume_(block_voxels, format) {}
+      volume_(block_voxels, format) {
+  for (std::size_t i = 0; i < irradiance_words; ++i) irradiance_.emplace_back(block_voxels, max_irradiance);
+}
+
+const IrradianceMemory* Aperture::irradiance_of(const wire::MemoryRegion& region) const {
+  for (std::size_t word = 0; word < irradiance_.size(); ++word) {
+    if (is(&region, wire::irradiance_region(word))) return &irradiance_[word];
+  }
+  return nullptr;
+}
+
+std::uint64_t Aperture::stored_irradiance_bytes() const {
+  std::uint64_t sum = 0;
+  for (const IrradianceMemory& each : irradiance_) sum += each.stored_bytes();
+  return sum;
+}
+
+std::uint64_t Aperture::free_irradiance_bytes(std::uint64_t blocks) const {
+  std::uint64_t sum = 0;
+  for (const IrradianceMemory& each : irradiance_) sum += each.free_bytes(blocks);
+  return sum;
+}
+
+void Aperture::clear_irradiance() {
+  for (IrradianceMemory& each : irradiance_) each.clear();
+}
+
+void Aperture::expect_deposits() {
+  for (IrradianceMemory& each : irradiance_) each.expect_deposits();
+}
 
 bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes) {
   const wire::MemoryRegion* region = wire::find_region(address, bytes.size());
@@ -38,12 +72,16 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   } else if (is(region, wire::kColours)) {
     if (!volume_.write_colours(offset, bytes)) return false;
     ++volume_writes_;
-  } else if (is(region, wire::kIrradiance)) {
-    if (offset + bytes.size() > irradiance_.bytes() || offset % 4 != 0 || bytes.size() % 4 != 0) return false;
-    irradiance_.write(offset, bytes);
+  } else if (is_irradiance(region)) {
+    const IrradianceMemory* const words = irradiance_of(*region);
+    if (words == nullptr || offset + bytes.size() > words->bytes()) return false;
+    if (offset % 4 != 0 || bytes.size() % 4 != 0) return false;
+    irradiance_[static_cast<std::size_t>(words - irradiance_.data())].write(offset, bytes);
     ++volume_writes_;
   } else if (is(region, wire::kMaterials)) {
     materials_.write(at, bytes);
+  } else if (is(region, wire::kScatteringColours)) {
+    scattering_colours_.write(at, bytes);
   } else if (is(region, wire::kSegmentationLut)) {
     segmentation_.write(at, bytes);
     ++segmentation_writes_;
@@ -67,17 +105,18 @@ Aperture::Bytes Aperture::bytes_of_write(std::uint64_t address, std::uint64_t le
   if (is(region, wire::kColours)) {
     return {.volume = volume_.bytes_to_write_colours(address - region->base, length)};
   }
-  if (is(region, wire::kIrradiance)) return {.irradiance = irradiance_.bytes_to_write(length)};
+  if (is_irradiance(region)) return {.irradiance = irradiance_[0].bytes_to_write(length)};
   return {};
 }
 
-std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int block_voxels) {
+std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int block_voxels,
+                                        std::size_t irradiance_words) {
   constexpr std::uint64_t kBytesOfCell = 12;  // at most what the functional level has of 4^3 voxels (functional/simd)
   std::uint64_t blocks = 1;
   for (const int edge : size) blocks *= static_cast<std::uint64_t>((edge + block_voxels - 1) / block_voxels);
   const auto cells = static_cast<std::uint64_t>(block_voxels / 4);
-  return blocks * (VolumeMemory::kBytesOfBlock + IrradianceMemory::kBytesOfBlock + SumMemory::kBytesOfBlock +
-                   cells * cells * cells * kBytesOfCell);
+  return blocks * (VolumeMemory::kBytesOfBlock + irradiance_words * IrradianceMemory::kBytesOfBlock +
+                   SumMemory::kBytesOfBlock + cells * cells * cells * kBytesOfCell);
 }
 
 std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, std::uint64_t length) const {
@@ -98,18 +137,22 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     volume_.read_colours(offset, out);
     return out;
   }
-  if (is(region, wire::kIrradiance)) return read_from(irradiance_, 4);
+  if (is_irradiance(region)) {
+    const IrradianceMemory* const words = irradiance_of(*region);
+    return words != nullptr ? read_from(*words, 4) : std::nullopt;
+  }
   if (is(region, wire::kSums)) return read_from(sums_, 9);
   if (is(region, wire::kHostDeposits)) return host_deposits_->read(offset, length);
   if (is(region, wire::kHostRayMemory)) return read_host_rays(offset, length);
-  const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)         ? materials_.bytes()
-                                              : is(region, wire::kFramebuffer)     ? std::span(pixels_)
-                                              : is(region, wire::kSegmentationLut) ? segmentation_.bytes()
-                                              : is(region, wire::kGradientLut)     ? gradients_.bytes()
-                                              : is(region, wire::kReflectanceMap)  ? std::span(reflectance_map_)
-                                              : is(region, wire::kEmptyFlags)      ? std::span(empty_flags_)
-                                              : is(region, wire::kAbsentFlags)     ? std::span(absent_flags_)
-                                                                                   : std::span(dark_flags_);
+  const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)           ? materials_.bytes()
+                                              : is(region, wire::kScatteringColours) ? scattering_colours_.bytes()
+                                              : is(region, wire::kFramebuffer)       ? std::span(pixels_)
+                                              : is(region, wire::kSegmentationLut)   ? segmentation_.bytes()
+                                              : is(region, wire::kGradientLut)       ? gradients_.bytes()
+                                              : is(region, wire::kReflectanceMap)    ? std::span(reflectance_map_)
+                                              : is(region, wire::kEmptyFlags)        ? std::span(empty_flags_)
+                                              : is(region, wire::kAbsentFlags)       ? std::span(absent_flags_)
+                                                                                     : std::span(dark_flags_);
   if (offset + length > bytes.size()) return std::nullopt;
   const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
   return std::vector(part.begin(), part.end());
@@ -130,17 +173,20 @@ void Aperture::state(Archive& archive) {
   archive("segmentation", segmentation_);
   archive("gradients", gradients_);
   archive("materials", materials_);
+  archive("scattering_colours", scattering_colours_);
   archive.bytes("reflectance_map", reflectance_map_, reflectance_map_.size(), reflectance_map_.size());
   archive.bytes("empty_flags", empty_flags_, empty_flags_.size(), empty_flags_.size());
   archive.bytes("absent_flags", absent_flags_, absent_flags_.size(), absent_flags_.size());
   archive.bytes("dark_flags", dark_flags_, dark_flags_.size(), dark_flags_.size());
   archive("volume", volume_);
   if (archive.loads()) {
-    irradiance_.resize(volume_.size());
+    for (IrradianceMemory& each : irradiance_) each.resize(volume_.size());
     sums_.resize(volume_.size());
     gradients_changed_ = true;
   }
-  archive("irradiance", irradiance_);
+  for (std::size_t word = 0; word < irradiance_.size(); ++word) {
+    archive(wire::irradiance_region(word).name, irradiance_[word]);
+  }
   archive("sums", sums_);
   archive("volume_writes", volume_writes_);
   archive("segmentation_writes", segmentation_writes_);
@@ -159,7 +205,7 @@ void Aperture::state(Archive& archive) {
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
-  irradiance_.resize(size);
+  for (IrradianceMemory& each : irradiance_) each.resize(size);
   sums_.resize(size);
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
@@ -169,13 +215,13 @@ void Aperture::resize_volume(const std::array<int, 3>& size) {
 
 void Aperture::drop_blocks() {
   volume_.resize(volume_.size());
-  irradiance_.clear();
+  clear_irradiance();
   ++volume_writes_;
 }
 
 void Aperture::drop_block(std::size_t block) {
   volume_.drop(block);
-  irradiance_.drop(block);
+  for (IrradianceMemory& each : irradiance_) each.drop(block);
   ++volume_writes_;
 }
 

@@ -56,8 +56,8 @@ class Table {
 
 class Aperture {
  public:
-  // `max_irradiance`: at which an irradiance word saturates.
-  Aperture(int block_voxels, wire::VoxelFormat format, std::uint32_t max_irradiance);
+  // `irradiance_words`: of a voxel, 1 or 3. `max_irradiance`: at which one saturates.
+  Aperture(int block_voxels, wire::VoxelFormat format, std::size_t irradiance_words, std::uint32_t max_irradiance);
 
   // False, and nothing written, if no writable memory is there.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);
@@ -66,7 +66,7 @@ class Aperture {
 
   // Memory of the host's: of the volume, of the image; what a write would add to the volume, and at most to the irradiance.
   std::uint64_t volume_bytes() const {
-    return bytes_of_blocks(volume_.size(), volume_.block_voxels()) + volume_.memory_bytes();
+    return bytes_of_blocks(volume_.size(), volume_.block_voxels(), irradiance_.size()) + volume_.memory_bytes();
   }
   std::uint64_t image_bytes() const { return framebuffer_.memory_bytes() + pixels_.capacity(); }
   struct Bytes {
@@ -74,7 +74,7 @@ class Aperture {
   };
   Bytes bytes_of_write(std::uint64_t address, std::uint64_t length) const;
   // Of a volume before anything is stored in it, and of an image while it is resolved.
-  static std::uint64_t bytes_of_blocks(const std::array<int, 3>& size, int block_voxels);
+  static std::uint64_t bytes_of_blocks(const std::array<int, 3>& size, int block_voxels, std::size_t irradiance_words);
   static std::uint64_t bytes_of_image(std::uint64_t pixels) {
     return pixels * (Framebuffer::kBytesPerPixel + 2 * wire::kVoxelBits / 8);
   }
@@ -99,7 +99,14 @@ class Aperture {
   std::uint64_t segmentation_writes() const { return segmentation_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
   std::span<const wire::Material> materials() const { return materials_.words(); }
-  IrradianceMemory& irradiance() { return irradiance_; }
+  std::span<const wire::ScatteringColour> scattering_colours() const { return scattering_colours_.words(); }
+  // For each irradiance word of a voxel.
+  std::span<IrradianceMemory> irradiance() { return irradiance_; }
+  std::uint64_t stored_irradiance_bytes() const;
+  // What energy that comes to `blocks` blocks at most may add to that.
+  std::uint64_t free_irradiance_bytes(std::uint64_t blocks) const;
+  void clear_irradiance();
+  void expect_deposits();
   SumMemory& sums() { return sums_; }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
@@ -119,8 +126,11 @@ class Aperture {
 
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
+  const IrradianceMemory* irradiance_of(const wire::MemoryRegion& region) const;  // null: the card has no such words
+
   Table<wire::Material, wire::kMaterialBytes> materials_;
-  IrradianceMemory irradiance_;
+  Table<wire::ScatteringColour, wire::kScatteringColourBytes> scattering_colours_;
+  std::vector<IrradianceMemory> irradiance_;
   SumMemory sums_;
   bool gradients_changed_ = true;
   std::vector<std::uint8_t> reflectance_map_;

@@ -83,9 +83,13 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
     ++trail->since;
     note(interaction, sampled, ray_state, *record, *trail);
   }
-  if (interaction.deposits) {
+  if (interaction.deposits && frame.light_words == 1) {
     give_host(interaction.deposit, frame);
     counters.energy.deposited += frame.irradiance->add(on_card(interaction.deposit, frame));
+  } else if (interaction.deposits) {
+    for (std::size_t word = 0; word < frame.light_words; ++word) {
+      counters.energy_of(word).deposited += frame.irradiance[word].add(deposit_in(word, interaction, ray_state, frame));
+    }
   }
   if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
   return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kNot;

@@ -19,18 +19,21 @@ constexpr double kBrightest = 4;  // times white
 constexpr double kWords = 2047;   // the paper's irradiance words; of the wide ones the upper parts count so many
 constexpr double kOpaque = 4095;  // alpha
 
-// Writes a channel as the board's irradiance, in place of what was there.
+std::size_t irradiance_words(const Board& board) { return static_cast<std::size_t>(board.info().irradiance_words); }
+
+// Writes a channel as the board's irradiance, in place of what was there; with three irradiance words all channels, from `channel` on.
 void put_on(Board& board, const LightField& field, int channel, double exposure) {
-  const auto stride = static_cast<std::size_t>(field.channels);
-  std::vector<float> values(field.values.size() / stride);
+  const auto stride = static_cast<std::size_t>(field.channels), words = irradiance_words(board);
+  std::vector<float> values(field.values.size() / stride * words);
   const double most = kBrightest / exposure;
   double brightest = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = std::min(field.values[i * stride + static_cast<std::size_t>(channel)], static_cast<float>(most));
+    const std::size_t of_voxel = std::min(static_cast<std::size_t>(channel) + i % words, stride - 1);
+    values[i] = std::min(field.values[i / words * stride + of_voxel], static_cast<float>(most));
     brightest = std::max(brightest, double{values[i]});
   }
-  const double words = kWords * (board.info().wide ? 65536.0 : 1.0);
-  board.clear_irradiance(brightest > 0 ? brightest / words : 1);
+  const double full = kWords * (board.info().wide ? 65536.0 : 1.0);
+  board.clear_irradiance(brightest > 0 ? brightest / full : 1);
   board.write_irradiance({{0, 0, 0}, field.dims}, values);
 }
 
@@ -95,6 +98,12 @@ Image picture_of(Board& board, const LightField& field, View view, double exposu
   view.lamps.clear();  // the field's light is of its own unit
   view.exposure = exposure;
   Image picture;
+  if (irradiance_words(board) > 1) {
+    put_on(board, field, 0, exposure);
+    const Image all = board.render(view, progress);
+    for (int channel = 0; channel < 3; ++channel) take_channel(all, channel, background, picture);
+    return picture;
+  }
   for (int channel = 0; channel < field.channels; ++channel) {
     put_on(board, field, channel, exposure);
     const Image pass = board.render(view, progress);

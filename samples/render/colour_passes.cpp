@@ -12,8 +12,15 @@ const char* name_of(const LightPass& pass) {
   return kNames[pass.channel + 1];
 }
 
-std::vector<LightPass> passes_of(const SceneSetup& setup) {
-  if (!setup.lighting.colour_passes) return {{-1, setup.lights, setup.optics}};
+std::vector<LightPass> passes_of(const SceneSetup& setup, int irradiance_words) {
+  if (!setup.lighting.colour_passes) return {{-1, setup.lights, {}, setup.optics}};
+  if (irradiance_words > 1) {
+    LightPass pass{-1, setup.lights, setup.light_colours, setup.optics};
+    for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
+      pass.optics[tag].scattering_colour = setup.scattering_colours[tag];
+    }
+    return {pass};
+  }
   const bool coloured = std::any_of(setup.light_colours.begin(), setup.light_colours.end(), [](const Colour& colour) {
     return colour != Colour{1, 1, 1};
   });
@@ -23,7 +30,7 @@ std::vector<LightPass> passes_of(const SceneSetup& setup) {
   }
   std::vector<LightPass> passes;
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    LightPass pass{static_cast<int>(channel), {}, setup.optics};
+    LightPass pass{static_cast<int>(channel), {}, {}, setup.optics};
     for (std::size_t i = 0; i < setup.lights.size(); ++i) {
       const double factor = setup.light_colours[i][channel];
       if (factor > 0) pass.lights.push_back(scaled(setup.lights[i], factor));
@@ -34,6 +41,25 @@ std::vector<LightPass> passes_of(const SceneSetup& setup) {
     passes.push_back(std::move(pass));
   }
   return passes;
+}
+
+std::vector<LightPass> pictures_of(const LightPass& pass) {
+  constexpr Colour kWhite{1, 1, 1};
+  const bool mirrors_colour = std::ranges::any_of(pass.optics, [&](const Material& material) {
+    return material.seen_through_scattering && material.scattering_colour != kWhite;
+  });
+  if (!mirrors_colour) return {pass};
+  std::vector<LightPass> pictures;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    LightPass picture = pass;
+    picture.channel = static_cast<int>(channel);
+    for (Material& material : picture.optics) {
+      material.scattering *= material.scattering_colour[channel];
+      material.scattering_colour = kWhite;
+    }
+    pictures.push_back(std::move(picture));
+  }
+  return pictures;
 }
 
 void put_together(const LightPass& pass, const Image& from, const std::optional<Background>& background, Image& into) {

@@ -110,6 +110,7 @@ LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& s
   LightPlanRequest request;
   request.lights = pass.lights;
   request.settings = setup.lighting.settings;
+  request.settings.light_colours = pass.light_colours;
   request.view = setup.view;
   request.view.exposure = setup.lighting.exposure;
   request.channel = pass.channel;

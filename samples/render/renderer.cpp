@@ -70,14 +70,15 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
                    const std::function<void(const Frame&)>& done) {
   const Scene scene = at(times[first]);
   const Picoseconds load = set_voxels(scene);
-  if (events_ && setup_.lighting.colour_passes) {
+  const std::vector<LightPass> passes = passes_of(setup_, board_.info().irradiance_words);
+  const bool one_picture = passes.size() == 1 && pictures_of(passes[0]).size() == 1;
+  if (events_ && !one_picture) {
     throw UsageError("--explain-pixel: expected a scene without colour passes, which make three pictures");
   }
-  if (setup_.lighting.colour_passes && (options_.checkpoint.unit || !options_.board.restore.empty())) {
+  if (!one_picture && (options_.checkpoint.unit || !options_.board.restore.empty())) {
     throw UsageError("--checkpoint, --restore: expected a scene without colour passes, which make three pictures");
   }
   std::vector<Frame> frames(last - first);
-  const std::vector<LightPass> passes = passes_of(setup_);
   for (const LightPass& pass : passes) {
     const bool lit = scene.lighting.on && light(pass, scene, passes.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -85,7 +86,9 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
       set_look(at(times[first + i]), setup_);
       set_phong(options_, setup_.shading.phong);
       write_checkpoint_if_due(first + i);
-      picture(pass, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
+      for (const LightPass& each : pictures_of(pass)) {
+        picture(each, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
+      }
       if (scene.lighting.on && has_lit_) {  // else the light was made before a checkpoint
         frame.statistics.lighting.push_back(lighting_);
         frame.statistics.lighting.back().reused = !lit || i > 0;
@@ -209,7 +212,9 @@ bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t pass
   lit_.reset();
   set_optics(pass);
   const std::string channel = passes > 1 ? fmt::format(" ({})", name_of(pass)) : "";
-  const Illumination settings = planned(pass, scene.lighting.settings, passes, channel);
+  Illumination settings = scene.lighting.settings;
+  settings.light_colours = pass.light_colours;
+  settings = planned(pass, settings, passes, channel);
   RunWindow window(board_);
   lighting_ = {};
   has_lit_ = true;
@@ -244,8 +249,7 @@ void Renderer::plan_view(const LightPass& pass, View& view) {
   if (!plan_) {
     board_.set_shading(setup_.shading);
     set_optics(pass);
-    plan_ =
-        plan_lit(board_, options_.plan, view, light_plans_, setup_.lighting.colour_passes ? 3 : 1, steps_("planning"));
+    plan_ = plan_lit(board_, options_.plan, view, light_plans_, pass.channel < 0 ? 1 : 3, steps_("planning"));
   }
   view = plan_->view(view);
 }

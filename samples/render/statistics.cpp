@@ -48,6 +48,20 @@ Json by_face(const std::array<double, 6>& energy) {
   return json;
 }
 
+// Of three irradiance words; null with one.
+Json by_colour(const std::vector<LightEnergy>& colours) {
+  if (colours.empty()) return nullptr;
+  constexpr std::array kColours{"red", "green", "blue"};
+  Json json;
+  for (std::size_t c = 0; c < colours.size(); ++c) {
+    const LightEnergy& energy = colours[c];
+    json[kColours[c]] = {{"emitted", energy.emitted},   {"deposited", energy.deposited},
+                         {"escaped", energy.escaped},   {"scattered_away", energy.scattered_away},
+                         {"given_up", energy.given_up}, {"clipped", energy.clipped}};
+  }
+  return json;
+}
+
 Json lighting_json(const LightingStatistics& lighting) {
   const LightingReport& report = lighting.report;
   return {{"channel", lighting.channel},
@@ -68,6 +82,7 @@ Json lighting_json(const LightingStatistics& lighting) {
           {"given_up", report.given_up},
           {"clipped", report.clipped},
           {"unit", report.unit},
+          {"colours", by_colour(report.colours)},
           {"warnings", report.warnings},
           {"counters", to_json(lighting.counters)}};
 }

@@ -46,7 +46,7 @@ void transfer_function(Bytes input) {
     check(function, 0);
     auto entries = segmentation_entries(function, range, {});
     expect(entries.size() == 4096, "a tag has 4096 entries");
-    set_gains(entries, 0.5);
+    set_gains(entries, {0.5, 0.5, 0.5});
   } catch (const samples::InputError&) {
   } catch (const BadArgument&) {
   }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "lighting_rig.h"
@@ -59,6 +60,31 @@ TEST(StabilityOfIrradiance, TheWideWordsSaturateInDenseFogAroundALampAndSaySo) {
   const Lit wide = lit("wide", 0.4);
   expect_reported(wide, 4294967295.0);
   record("share_of_energy_that_32_bits_clip_in_dense_fog", wide.report.clipped / wide.report.emitted);
+}
+
+// Red, green and blue have the same unit, so a colour with a hundredth of the light has a hundredth of the units.
+TEST(StabilityOfIrradiance, AColourFarDarkerThanTheBrightestIsGrainyOnThePapersDatapathAndNotOnTheWideOne) {
+  for (const std::string datapath : {"paper", "wide"}) {
+    Board board = open_board(small_board("&set=asic.irradiance_words=3&set=asic.datapath=" + datapath));
+    load_fog(board, {32, 32, 32}, 0.02);
+    const std::vector<Light> lamp{PointLight{{15.2, 16.1, -20}, 1000}};
+    board.illuminate(lamp, {.rays_per_face_voxel = 8, .light_colours = {{1, 0.1, 0.01}}});
+    const std::vector<float> words = board.read_irradiance();
+    double all = 0, green = 0, blue = 0;  // squares
+    for (std::size_t i = 0; i < words.size(); i += 3) {
+      all += words[i] * words[i];
+      green += std::pow(10 * words[i + 1] - words[i], 2);
+      blue += std::pow(100 * words[i + 2] - words[i], 2);
+    }
+    record("grain_of_a_tenth_" + datapath, std::sqrt(green / all));
+    record("grain_of_a_hundredth_" + datapath, std::sqrt(blue / all));
+    EXPECT_LT(green, blue);
+    if (datapath == "paper") {
+      EXPECT_GT(std::sqrt(blue / all), 0.3);
+    } else {
+      EXPECT_LT(std::sqrt(blue / all), 0.01);
+    }
+  }
 }
 
 // The light stands in the corner that eight blocks share.

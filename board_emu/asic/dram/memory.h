@@ -66,8 +66,8 @@ class Memory {
   virtual ~Memory() = default;
 
   // Tile `tile` of the channel's block `block`, asked for at clock `arrival`, which never decreases from call to call (reads and
-  // writes together). Its packets lie side by side in one row. The first has the four voxels' 36-bit words, the others their
-  // colours; only words are written.
+  // writes together). Its packets lie side by side in one row. The first has the four voxels' 36-bit words, the others green and
+  // blue irradiance, if there are three words of it, and then colours. Only packets with irradiance are written.
   virtual Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
   virtual Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
 
@@ -85,9 +85,10 @@ class Memory {
 template <typename Layout, typename Channel>
 class LaidOut final : public Memory {
  public:
-  // `config`: the standard's own message.
+  // `config`: the standard's own message. `written`: packets that a write of a tile writes.
   template <typename Config>
-  LaidOut(Layout layout, const Config& config) : layout_(std::move(layout)), channel_(config, layout_.devices()) {}
+  LaidOut(Layout layout, const Config& config, std::uint32_t written)
+      : layout_(std::move(layout)), channel_(config, layout_.devices()), written_(written) {}
 
   Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
     Location at = layout_.locate(block, tile);
@@ -99,7 +100,13 @@ class LaidOut final : public Memory {
     return access;
   }
   Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
-    return channel_.write(layout_.locate(block, tile), arrival);
+    Location at = layout_.locate(block, tile);
+    Access access = channel_.write(at, arrival);
+    for (std::uint32_t more = written_ - 1; more > 0; --more) {
+      ++at.column;
+      access.data_end = channel_.write(at, arrival).data_end;
+    }
+    return access;
   }
   std::uint32_t devices() const override { return layout_.devices(); }
   ChannelCounters counters() const override { return channel_.counters(); }
@@ -111,6 +118,7 @@ class LaidOut final : public Memory {
  private:
   Layout layout_;
   Channel channel_;
+  std::uint32_t written_;
 };
 
 // What the rest of the board has to know of a standard.

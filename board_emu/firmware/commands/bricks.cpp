@@ -33,7 +33,11 @@ void DspCommands::drop_rays() {
 
 // Lets the frame's rays wait, if there is anything that they could wait for, and deposits in dark blocks go to the host.
 void DspCommands::set_bricks(Frame& frame) {
-  if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) set_dark(frame);
+  if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) {
+    expect(frame.light_words == 1, "IRRADIANCE_WORDS", "1 for light in a volume with more blocks than the card stores",
+           frame.light_words);
+    set_dark(frame);
+  }
   if (!aperture_.any_absent() && waiting_rays_.count() == 0 && waiting_rays_.continued().empty()) return;
   frame.absent.resize(frame.empty.size());
   for (std::size_t block = 0; block < frame.absent.size(); ++block) {

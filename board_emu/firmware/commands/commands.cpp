@@ -23,7 +23,8 @@ std::uint32_t max_irradiance(const v1::BoardConfig& config) {
 
 Aperture make_aperture(const v1::BoardConfig& config) {
   return Aperture(static_cast<int>(config.asic().block_voxels()),
-                  static_cast<wire::VoxelFormat>(config.asic().voxel_format()), max_irradiance(config));
+                  static_cast<wire::VoxelFormat>(config.asic().voxel_format()), config.asic().irradiance_words(),
+                  max_irradiance(config));
 }
 
 }  // namespace
@@ -50,7 +51,7 @@ void DspCommands::clear_volume() {
 }
 
 void DspCommands::clear_irradiance() {
-  aperture_.irradiance().clear();
+  aperture_.clear_irradiance();
   level_.deposits_cleared();
 }
 
@@ -109,7 +110,8 @@ Acceptance DspCommands::accept_register(std::uint32_t offset) {
   const Acceptance accepted = range_of(offset);
   const bool is_size = offset == reg::kVolumeX || offset == reg::kVolumeY || offset == reg::kVolumeZ;
   if (accepted != Acceptance::kTaken || !is_size) return accepted;
-  const std::uint64_t bytes = Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels());
+  const std::uint64_t bytes =
+      Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels(), config_.asic().irradiance_words());
   if (!fits(aperture_.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
   clear_volume();
   return Acceptance::kTaken;
@@ -145,7 +147,7 @@ void DspCommands::state(Archive& archive) {
 }
 
 std::uint64_t DspCommands::stored_words() {
-  return aperture_.irradiance().stored_bytes() + aperture_.sums().stored_bytes();
+  return aperture_.stored_irradiance_bytes() + aperture_.sums().stored_bytes();
 }
 
 Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
@@ -200,8 +202,8 @@ void DspCommands::expect_memory(const Frame& frame, std::uint64_t pixels) {
   if (!is_limited()) return;
   const bool sums = frame.sums != nullptr, deposits = frame.lights() || (frame.backprojects() && !sums);
   words_bytes_ = stored_words();
-  const std::uint64_t more_words = (deposits ? aperture_.irradiance().free_bytes(capacity_blocks()) : 0) +
-                                   (sums ? aperture_.sums().free_bytes() : 0);
+  const std::uint64_t more_words =
+      (deposits ? aperture_.free_irradiance_bytes(capacity_blocks()) : 0) + (sums ? aperture_.sums().free_bytes() : 0);
   const std::uint64_t decoded = frame.backprojects() ? 0 : aperture_.volume().bytes_to_decode(reads(frame));
   const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture_.image_bytes();
   const std::uint64_t taken = aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image;
@@ -228,7 +230,9 @@ void DspCommands::check_materials(bool host_answers) const {
       if (material.bsdf != wire::Bsdf::kTrap) return;
       if (material.routine == wire::kHostRoutine) {
         if (!host_answers)
-          refuse("routine 255: the host is not asked for rays of a trace command, or while blocks are absent");
+          refuse(
+              "routine 255: the host is not asked for rays of a trace command, for light in three irradiance words, or "
+              "while blocks are absent");
         return;
       }
       expect(routines_ != nullptr && routines_->has(material.routine), "routine",
@@ -263,7 +267,14 @@ Frame DspCommands::frame() {
   frame.scatter = (pipeline & wire::kPipelineScatter) != 0;
   frame.high_albedo = (pipeline & wire::kPipelineHighAlbedo) != 0;
   std::copy_n(aperture_.materials().begin(), wire::kTags, frame.materials.begin());
-  frame.irradiance = &aperture_.irradiance();
+  frame.irradiance = aperture_.irradiance().data();
+  frame.light_words = aperture_.irradiance().size();
+  for (std::size_t tag = 0; frame.light_words > 1 && tag < wire::kTags; ++tag) {
+    for (std::size_t word = 0; word < kColours; ++word) {
+      frame.scattering_colour[tag][word] =
+          static_cast<std::uint16_t>(wire::kScatteringOne - aperture_.scattering_colours()[tag].lost[word]);
+    }
+  }
   frame.routines = routines_;
   frame.host_traps = &host_traps_;
   frame.wide = config_.asic().datapath() == v1::wide;

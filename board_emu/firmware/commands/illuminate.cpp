@@ -29,7 +29,7 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
 
 // A command whose rays leave their energy in the volume.
 void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
-  aperture_.irradiance().expect_deposits();
+  aperture_.expect_deposits();
   frame.type = wire::RayType::kDeposit;
   frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = rules;
@@ -46,10 +46,13 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   check_volume();
   const bool waits = in_bricks();
   if (!waits) check_all_there();
-  check_materials(!waits);
   Frame frame = this->frame();
+  check_materials(!waits && frame.light_words == 1);
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
   set_light(frame, command.rules);
+  for (std::uint32_t word = 0; frame.light_words > 1 && word < kColours; ++word) {
+    frame.light_colour[word] = static_cast<std::uint16_t>(registers_.value(wire::reg::kLightRed + 4 * word));
+  }
   if (waits && !goes_on_) {
     drop_rays();
     waiting_rays_.begin(WaitingKind::kLight, {.type = wire::RayType::kDeposit, .rules = command.rules});

@@ -19,10 +19,8 @@ void check_answer(const wire::Ray& ray, const Point& extent, bool light) {
   }
 }
 
-}  // namespace
-
-void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const {
-  const EnergyCounters& energy = counts.energy;
+wire::LightingLedger ledger_of(std::size_t word, const RayCounters& counts, bool light_in_solid) {
+  const EnergyCounters& energy = counts.energy_of(word);
   wire::LightingLedger ledger;
   ledger.rays = counts.lighting_rays;
   ledger.emitted = energy.emitted;
@@ -33,8 +31,18 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   ledger.given_up = energy.given_up;
   ledger.clipped = energy.deposited.clipped;
   ledger.light_in_solid = light_in_solid ? 1 : 0;
-  result.payload = wire::encoded(ledger);
-  result.payload.resize(wire::lighting_ledger_bytes(minor_version_));
+  return ledger;
+}
+
+}  // namespace
+
+// One for each irradiance word.
+void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const {
+  for (std::size_t word = 0; word < config_.asic().irradiance_words(); ++word) {
+    const std::vector<std::uint8_t> bytes = wire::encoded(ledger_of(word, counts, light_in_solid));
+    result.payload.insert(result.payload.end(), bytes.begin(),
+                          bytes.begin() + static_cast<std::ptrdiff_t>(wire::lighting_ledger_bytes(minor_version_)));
+  }
   result.up_bytes = result.payload.size();
 }
 

@@ -149,7 +149,10 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
          "0..5 of a volume with more blocks than the card stores", static_cast<std::uint64_t>(header.type));
   Frame frame = trace_frame(header);
   if (frame.scatter || deposit) check_materials(false);
-  if (frame.backprojects() && frame.sums == nullptr) aperture_.irradiance().expect_deposits();
+  if (frame.backprojects() && frame.sums == nullptr) {
+    expect(frame.light_words == 1, "words", "1 (sums) on a card of three irradiance words", 0);
+    aperture_.expect_deposits();
+  }
   const std::size_t count = header.count;
   const std::uint64_t max_energy = max_energy_of(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;

@@ -48,7 +48,7 @@ class HostRays : public RaySource {
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
     wire::Ray& ray = rays_[i];
     if (!frame_.cut_planes.empty() && !enter(ray, frame_.extent, frame_.cut_planes)) return std::nullopt;
-    if (frame_.lights()) counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
+    if (frame_.lights()) count_emitted(unpack(ray, frame_), frame_, counters);
     return ray;
   }
   void take(std::uint64_t i, const wire::Ray& ray) override {
@@ -78,7 +78,7 @@ class HostRays : public RaySource {
       batch->rays = rays_.subspan(begin, count);
       if (!frame_.lights()) return batch;
       for (const wire::Ray& ray : batch->rays) {
-        batch->counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
+        count_emitted(unpack(ray, frame_), frame_, batch->counters);
       }
       return batch;
     }

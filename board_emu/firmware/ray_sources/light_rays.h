@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "datapath/interaction.h"
 #include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
 #include "levels/ray_source.h"
@@ -24,7 +25,11 @@ class LightRays : public RayByRaySource {
     auto ray = rays_.make(i);
     if (!ray) return ray;
     ray->lifetime = frame_.lifetime;
-    counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
+    if (frame_.light_words == 1) {
+      counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
+    } else {
+      count_emitted(unpack(*ray, frame_), frame_, counters);
+    }
     return ray;
   }
   void take(std::uint64_t, const wire::Ray&) override {}

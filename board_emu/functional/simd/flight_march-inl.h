@@ -23,7 +23,11 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
   const D32 d;
   const V zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
   LaneState ray = begin<kWide>(lanes);
-  std::array<V, 2> energy{lanes.energy[0].load(), lanes.energy[1].load()};
+  constexpr std::size_t kWords = words_of(kKind);
+  EnergyLanes energy{};
+  for (std::size_t word = 0; word < kWords; ++word) {
+    for (std::size_t i = 0; i < 2; ++i) energy[word][i] = lanes.energy[word][i].load();
+  }
   V interacted = lanes.interacted.load(), begun = lanes.begun.load(), taken = lanes.taken.load();
   V trapped = lanes.trapped.load();
   const V more = lanes.more.load();
@@ -56,7 +60,11 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
       stands = hn::Or(stands, hn::AndNot(hn::Or(goes_on, sample.waits), samples));
       counters.samples += hn::CountTrue(d, goes_on);
       counters.visible_samples += hn::CountTrue(d, hn::And(goes_on, sample.visible));
-      for (std::size_t i = 0; i < 2; ++i) energy[i] = hn::IfThenElse(goes_on, sample.energy[i], energy[i]);
+      for (std::size_t word = 0; word < kWords; ++word) {
+        for (std::size_t i = 0; i < 2; ++i) {
+          energy[word][i] = hn::IfThenElse(goes_on, sample.energy[word][i], energy[word][i]);
+        }
+      }
       interacted = hn::IfThenElse(goes_on, sample.interacted, interacted);
       steps = hn::Add(steps, hn::IfThenElseZero(goes_on, one));
       still_trapped = sample.trapped;
@@ -78,7 +86,9 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
     lanes.position[axis].store(ray.position[axis]);
     if constexpr (kWide) lanes.rest[axis].store(ray.rest[axis]);
   }
-  for (std::size_t i = 0; i < 2; ++i) lanes.energy[i].store(energy[i]);
+  for (std::size_t word = 0; word < kWords; ++word) {
+    for (std::size_t i = 0; i < 2; ++i) lanes.energy[word][i].store(energy[word][i]);
+  }
   lanes.interacted.store(interacted);
   lanes.opacity.store(ray.opacity);
   lanes.begun.store(begun);

@@ -28,9 +28,9 @@ struct FlightLanes : Lanes {
   Word trapped;    // it is still at the surface at which it was
   Word stands;     // the plain way must take its sample
   // Of lighting rays:
-  std::array<Word, 2> energy;  // 24 bits, and 12
-  Word phase;                  // energy_phase()
-  std::array<Word, 2> loss;    // the flight's part of the draws for the loss: 32 bits each
+  std::array<std::array<Word, 2>, kColours> energy;  // of each irradiance word: 24 bits, and 12
+  Word phase;                                        // energy_phase()
+  std::array<Word, 2> loss;                          // the flight's part of the draws for the loss: 32 bits each
 };
 
 // What the energy of a ray is after a loss of `lost`, of 24 bits: interact_bundle(). 64-bit lanes.
@@ -53,33 +53,47 @@ HWY_INLINE VU64 draw_here(const std::array<VU64, 3>& position, VU64 of_flight) {
   return mix64(hn::Xor(mix64(hn::Xor(mix64(low), position[2])), of_flight));
 }
 
+// For each irradiance word, 24 bits and 12; only as many are of use as the rays have.
+using EnergyLanes = std::array<std::array<V, 2>, kColours>;
+
 struct Energy {
-  std::array<V, 2> words;
-  Mask same_units;  // it has as many whole units as before, and more than none
+  EnergyLanes words;
+  Mask same_units;  // as many whole units as before in each, and in one more than none
 };
 
-HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& position, const std::array<V, 2>& energy,
-                       V lost) {
+template <std::size_t kWords>
+HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& position, const EnergyLanes& energy, V lost) {
   const V phase = lanes.phase.load(), loss_low = lanes.loss[0].load(), loss_high = lanes.loss[1].load();
+  const VU64 zero = hn::Zero(DU64());
   struct Half {
-    VU64 energy, same;
+    std::array<VU64, kWords> energy;
+    VU64 same;
   };
   const auto half = [&](auto of) {
-    const VU64 before = hn::Or(of(energy[0]), hn::ShiftLeft<24>(of(energy[1])));
     const VU64 flight = hn::Or(of(loss_low), hn::ShiftLeft<32>(of(loss_high)));
-    const VU64 after =
-        energy_after(before, of(lost), draw_here({of(position[0]), of(position[1]), of(position[2])}, flight));
-    const auto units = [&](VU64 of_energy) {
-      return hn::ShiftRight<kEnergyFractionBits>(hn::Add(of_energy, of(phase)));
-    };
-    const VU64 left = units(after), zero = hn::Zero(DU64());
-    return Half{after, hn::VecFromMask(DU64(), hn::AndNot(hn::Eq(left, zero), hn::Eq(left, units(before))))};
+    const VU64 chance = draw_here({of(position[0]), of(position[1]), of(position[2])}, flight);
+    Half out{};
+    VU64 any = zero, all = hn::Not(zero);
+    for (std::size_t word = 0; word < kWords; ++word) {
+      const VU64 before = hn::Or(of(energy[word][0]), hn::ShiftLeft<24>(of(energy[word][1])));
+      out.energy[word] = energy_after(before, of(lost), chance);
+      const auto units = [&](VU64 of_energy) {
+        return hn::ShiftRight<kEnergyFractionBits>(hn::Add(of_energy, of(phase)));
+      };
+      const VU64 left = units(out.energy[word]);
+      any = hn::Or(any, left);
+      all = hn::And(all, hn::VecFromMask(DU64(), hn::Eq(left, units(before))));
+    }
+    out.same = hn::VecFromMask(DU64(), hn::AndNot(hn::Eq(any, zero), hn::MaskFromVec(all)));
+    return out;
   };
   const Half even = half([](V v) { return evens(v); }), odd = half([](V v) { return odds(v); });
   const VU64 low = set64((1 << 24) - 1);
   Energy out;
-  out.words[0] = together(hn::And(even.energy, low), hn::And(odd.energy, low));
-  out.words[1] = together(hn::ShiftRight<24>(even.energy), hn::ShiftRight<24>(odd.energy));
+  for (std::size_t word = 0; word < kWords; ++word) {
+    out.words[word][0] = together(hn::And(even.energy[word], low), hn::And(odd.energy[word], low));
+    out.words[word][1] = together(hn::ShiftRight<24>(even.energy[word]), hn::ShiftRight<24>(odd.energy[word]));
+  }
   out.same_units = hn::MaskFromVec(together(even.same, odd.same));
   return out;
 }
@@ -90,12 +104,16 @@ struct SampleResult {
   Mask waits;    // for others in a medium
   Mask visible;
   Mask trapped;  // the ray is still at the surface at which it was
-  std::array<V, 2> energy;
+  EnergyLanes energy;
   V interacted;
   V weight;  // in the ray's colour
 };
 
-enum class FlightKind : std::uint8_t { kBundle, kPhoton, kRendering };
+// kColouredBundle: of three irradiance words.
+enum class FlightKind : std::uint8_t { kBundle, kColouredBundle, kPhoton, kRendering };
+constexpr std::size_t words_of(FlightKind kind) {  // of energy, that lanes change
+  return kind == FlightKind::kColouredBundle ? kColours : kind == FlightKind::kBundle ? 1 : 0;
+}
 
 struct SampleLanes {
   Place at;
@@ -194,13 +212,19 @@ HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneStat
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
   Mask stands;
   pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
-  const std::array<V, 2> energy = out.energy;
   V opacity = alpha;
-  if constexpr (kKind == FlightKind::kBundle) {
+  constexpr std::size_t kWords = words_of(kKind);
+  if constexpr (kWords > 0) {
+    const EnergyLanes energy = out.energy;
     const bool printed = light.runs == nullptr;
-    const Energy after = lose(lanes, ray.position, energy, printed ? alpha : absorption_opacity(alpha, material));
+    const Energy after =
+        lose<kWords>(lanes, ray.position, energy, printed ? alpha : absorption_opacity(alpha, material));
     opacity = hn::IfThenZeroElse(material.straight, printed ? alpha : scattering_opacity(alpha, material));
-    for (std::size_t i = 0; i < 2; ++i) out.energy[i] = hn::IfThenElse(in_medium, after.words[i], energy[i]);
+    for (std::size_t word = 0; word < kWords; ++word) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        out.energy[word][i] = hn::IfThenElse(in_medium, after.words[word][i], energy[word][i]);
+      }
+    }
     stands = hn::Or(stands, hn::AndNot(after.same_units, in_medium));
   } else {
     opacity = hn::IfThenElse(material.straight, absorption_opacity(alpha, material), alpha);
@@ -234,8 +258,8 @@ HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const 
 // The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
 template <FlightKind kKind, bool kWide>
 HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
-                                    const std::array<V, 2>& energy, V interacted, const SampleLanes& sample,
-                                    Mask samples, const PacketField& field) {
+                                    const EnergyLanes& energy, V interacted, const SampleLanes& sample, Mask samples,
+                                    const PacketField& field) {
   const D32 d;
   const V zero = hn::Zero(d);
   const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);

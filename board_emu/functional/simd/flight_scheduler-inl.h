@@ -21,9 +21,10 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-inline FlightKind kind_of(const RayState& ray) {
+inline FlightKind kind_of(const RayState& ray, const Frame& frame) {
   if (!ray.is(wire::kLightingRay)) return FlightKind::kRendering;
-  return ray.is(wire::kHighAlbedo) ? FlightKind::kPhoton : FlightKind::kBundle;
+  if (ray.is(wire::kHighAlbedo)) return FlightKind::kPhoton;
+  return frame.light_words == 1 ? FlightKind::kBundle : FlightKind::kColouredBundle;
 }
 
 class FlightScheduler {
@@ -99,7 +100,7 @@ class FlightScheduler {
   Flight* next_for_lanes() {
     while (has_more()) {
       Flight& flight = flights_[next_++];
-      if (kind_of(flight.ray_state) != kind_) {
+      if (kind_of(flight.ray_state, frame_) != kind_) {
         fly(flight, frame_, counters_, record_);
       } else if ((flight.how = end(flight.ray_state, frame_)) == Termination::kNot) {
         return &flight;
@@ -124,9 +125,11 @@ class FlightScheduler {
     lanes.begun.lane[lane] = ray.under_way != 0 ? -1 : 0;
     lanes.trapped.lane[lane] = ray.is(wire::kTrapped) ? -1 : 0;
     lanes.stands.lane[lane] = 0;
-    const std::uint64_t energy = ray.energy();
-    lanes.energy[0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);
-    lanes.energy[1].lane[lane] = static_cast<std::int32_t>(energy >> 24);
+    for (std::size_t word = 0; word < words_of(kind_); ++word) {
+      const std::uint64_t energy = ray.energy(word);
+      lanes.energy[word][0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);
+      lanes.energy[word][1].lane[lane] = static_cast<std::int32_t>(energy >> 24);
+    }
     lanes.interacted.lane[lane] = static_cast<std::int32_t>(ray.interacted);
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
   }
@@ -169,8 +172,10 @@ class FlightScheduler {
       ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
       return;
     }
-    ray.set_energy(static_cast<std::uint64_t>(lanes.energy[0].lane[lane]) |
-                   static_cast<std::uint64_t>(lanes.energy[1].lane[lane]) << 24);
+    for (std::size_t word = 0; word < words_of(kind_); ++word) {
+      ray.set_energy(word, static_cast<std::uint64_t>(lanes.energy[word][0].lane[lane]) |
+                               static_cast<std::uint64_t>(lanes.energy[word][1].lane[lane]) << 24);
+    }
   }
 
   std::span<Flight> flights_;

@@ -44,10 +44,11 @@ void fly_kind(FlightScheduler& scheduler, const PacketField& field, RayCounters&
 void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField& field, RayCounters& counters,
              const TrailRecord* record) {
   if (flights.empty()) return;
-  const FlightKind kind = kind_of(flights.front().ray_state);
+  const FlightKind kind = kind_of(flights.front().ray_state, frame);
   FlightScheduler scheduler(flights, kind, frame, counters, record);
   switch (kind) {
     case FlightKind::kBundle: return fly_kind<FlightKind::kBundle>(scheduler, field, counters);
+    case FlightKind::kColouredBundle: return fly_kind<FlightKind::kColouredBundle>(scheduler, field, counters);
     case FlightKind::kPhoton: return fly_kind<FlightKind::kPhoton>(scheduler, field, counters);
     case FlightKind::kRendering: return fly_kind<FlightKind::kRendering>(scheduler, field, counters);
   }

@@ -1,22 +1,36 @@
 #include "functional/simd/irradiance_copy.h"
 
+#include <algorithm>
+
 namespace gicube::emu {
 
-void IrradianceCopy::follow(const IrradianceMemory& memory, std::size_t blocks, std::size_t block_words, bool narrow) {
-  if (changes_ == memory.changes() && first_.size() == blocks) return;
+void IrradianceCopy::follow(std::span<const IrradianceMemory> memories, std::size_t blocks, std::size_t block_words,
+                            bool narrow) {
+  std::uint64_t changes = 0;  // none of them ever falls
+  for (const IrradianceMemory& memory : memories) changes += memory.changes();
+  if (changes_ == changes && first_.size() == blocks) return;
   clear();
-  const std::size_t words = memory.stored_blocks() * block_words + 1;  // a pair is read at the last too
   first_.assign(blocks, -1);
-  changes_ = memory.changes();
+  changes_ = changes;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const bool any = std::ranges::any_of(memories, [&](const auto& memory) { return memory.view(block) != nullptr; });
+    if (!any) continue;
+    first_[block] = static_cast<std::int32_t>(plane_);
+    plane_ += block_words;
+  }
+  const std::size_t words = memories.size() * plane_ + 1;  // a pair is read at the last too
   if (words >= std::size_t{1} << 30) return;
   words_.resize(words);
-  words_.back() = 0;
-  std::size_t at = 0;
-  for (std::size_t block = 0; block < blocks; ++block) {
-    const std::uint32_t* from = memory.view(block);
-    if (from == nullptr) continue;
-    first_[block] = static_cast<std::int32_t>(at);
-    for (std::size_t i = 0; i < block_words; ++i) words_[at++] = irradiance_word(from[i], narrow);
+  std::ranges::fill(words_, std::int16_t{0});
+  std::size_t plane = 0;
+  for (const IrradianceMemory& memory : memories) {
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::uint32_t* const from = memory.view(block);
+      if (from == nullptr) continue;
+      std::int16_t* const to = words_.data() + plane + first_[block];
+      for (std::size_t i = 0; i < block_words; ++i) to[i] = irradiance_word(from[i], narrow);
+    }
+    plane += plane_;
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "memory/irradiance_memory.h"
@@ -14,17 +15,21 @@ namespace gicube::emu {
 
 class IrradianceCopy {
  public:
-  // Follows `memory`, of `blocks` blocks of `block_words` words, if it has changed. `narrow`: irradiance_word().
-  void follow(const IrradianceMemory& memory, std::size_t blocks, std::size_t block_words, bool narrow);
+  // Follows the memory of each irradiance word, of `blocks` blocks of `block_words` words, if one has changed. `narrow`:
+  // irradiance_word().
+  void follow(std::span<const IrradianceMemory> memories, std::size_t blocks, std::size_t block_words, bool narrow);
   void clear() { *this = {}; }
 
   // 11.4; null if byte offsets would need more than 31 bits.
   const std::int16_t* words() const { return words_.empty() ? nullptr : words_.data(); }
-  // Where each block's words begin; negative: it has none.
+  // From a word of one memory to that of the next.
+  std::size_t plane() const { return plane_; }
+  // Where each block's words begin in the first; negative: no memory has any.
   const std::int32_t* first() const { return first_.data(); }
 
  private:
-  std::uint64_t changes_ = 0;  // IrradianceMemory::changes() of the copy
+  std::uint64_t changes_ = 0;  // IrradianceMemory::changes() of the copy, summed
+  std::size_t plane_ = 0;
   LargeArray<std::int16_t> words_;
   std::vector<std::int32_t> first_;
 };

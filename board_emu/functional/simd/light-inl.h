@@ -143,12 +143,13 @@ HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
   return hn::IfThenElse(hn::Lt(first, hn::Zero(D32())), first, hn::Add(first, cell));
 }
 
-// irradiance(), 11.4.
-HWY_INLINE V irradiance(const SmallPlace& at, V index, const PacketField& field) {
+// irradiance() of a word, 11.4.
+HWY_INLINE V irradiance(const SmallPlace& at, V index, std::size_t word, const PacketField& field) {
   const Mask has = hn::Gt(index, set(-1));
   const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};
-  return hn::IfThenElseZero(
-      has, resample_words(corners_of(field.irradiance, hn::IfThenElseZero(has, index), field.edge), weight));
+  return hn::IfThenElseZero(has, resample_words(corners_of(field.irradiance + word * field.irradiance_plane,
+                                                           hn::IfThenElseZero(has, index), field.edge),
+                                                weight));
 }
 
 // The diffuse part of illuminated(): irradiance * gain * exposure, 15 fraction bits, at most 8.
@@ -166,8 +167,11 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
 HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, const SmallPlace& at, V irradiance_at,
                                         const PacketField& field) {
   const V gain = hn::Or(shading.reflect, hn::ShiftLeft<8>(shading.knee));
-  const V base = hn::Add(lit(irradiance(at, irradiance_at, field), gain, field),
-                         hn::ShiftLeft<kShadeFractionBits - 7>(shading.ambient));
+  const auto base_of = [&](std::size_t word) {
+    return hn::Add(lit(irradiance(at, irradiance_at, word, field), gain, field),
+                   hn::ShiftLeft<kShadeFractionBits - 7>(shading.ambient));
+  };
+  V base = base_of(0);
   V highlight = hn::Zero(D32());
   if (field.specular != nullptr) {
     const V specular = hn::And(gather(field.specular, entry), set(0xFF));
@@ -180,6 +184,7 @@ HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, co
   highlight = hn::Mul(highlight, set(static_cast<std::int32_t>(wire::kColourOne)));
   std::array<V, 3> out{};
   for (std::size_t c = 0; c < 3; ++c) {
+    if (c > 0 && field.irradiance_plane > 0) base = base_of(c);
     const V colour = hn::Add(hn::Mul(shading.colour[c], base), highlight);
     out[c] = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(colour, set(kShadeUnit / 2))),
                      set(static_cast<std::int32_t>(wire::kColourOne)));

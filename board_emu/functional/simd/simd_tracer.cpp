@@ -144,7 +144,8 @@ bool SimdTracer::follow_irradiance(const Frame& frame) {
     return true;
   }
   const std::size_t edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  irradiance_.follow(*frame.irradiance, frame.volume->block_count(), edge * edge * edge, frame.wide);
+  irradiance_.follow({frame.irradiance, frame.light_words}, frame.volume->block_count(), edge * edge * edge,
+                     frame.wide);
   return irradiance_.words() != nullptr;
 }
 
@@ -248,6 +249,7 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
                                           : tables_.depth.data();
   if (frame.lit_by_irradiance) {
     field.irradiance = irradiance_.words();
+    field.irradiance_plane = frame.light_words > 1 ? irradiance_.plane() : 0;
     field.irradiance_first = irradiance_.first();
     field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();
     field.exposure = frame.exposure;

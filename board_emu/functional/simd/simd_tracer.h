@@ -66,6 +66,7 @@ struct PacketField {
   bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
   // Of frames that are lit by irradiance; else null.
   const std::int16_t* irradiance;
+  std::size_t irradiance_plane;  // to that of green, and to blue's; 0: one word for all colours
   const std::int32_t* irradiance_first;
   const std::uint8_t* specular;
   std::uint32_t exposure;

@@ -64,6 +64,7 @@ struct BoardInfo {
   bool agp = false;        // the card has an AGP capability
   bool host_rays = false;  // submit() is offered
   VoxelFormat voxel_format = VoxelFormat::kDensity;
+  int irradiance_words = 1;  // of a voxel (asic.irradiance_words): 1, or 3 for red, green and blue
 };
 
 // What submit() does when OpenOptions::max_rays are under way.
@@ -222,11 +223,12 @@ class GICUBE_API Board {
   // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine), Unsupported (the application's
   // scattering routine in a volume that the card does not store whole): the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
-  // One value per voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
+  // One value per voxel, x fastest, in units of the lights' power: of the whole volume or of a box; with three irradiance words a
+  // voxel's red, green and blue side by side. The simulated host waits for
   // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
   std::vector<float> read_irradiance();
   std::vector<float> read_irradiance(const VoxelBox& box);
-  // Overwrites it: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
+  // Overwrites it, with as many values: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
   // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
   void write_irradiance(const VoxelBox& box, std::span<const float> values);
   // Sets the irradiance to zero, and one unit of its words to `unit` of the lights' power: for kDeposit rays and

@@ -108,7 +108,8 @@ GICUBE_API gicube_status gicube_illuminate(gicube_board* board, const gicube_lig
                                            gicube_lighting_report* report);
 /* Warning `index` of the last gicube_illuminate(); NULL if there is none. Until this board's next one. */
 GICUBE_API const char* gicube_lighting_warning(gicube_board* board, uint32_t index);
-/* One value per voxel of the box, or of the whole volume if it is NULL; count is their number. */
+/* One value per voxel of the box, or of the whole volume if it is NULL, or three (gicube_board_info.irradiance_words); count is their
+   number. */
 GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values,
                                                 size_t count);
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,

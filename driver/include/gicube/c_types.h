@@ -92,7 +92,8 @@ typedef struct gicube_board_info {
   int32_t wide;
   int32_t agp;
   int32_t host_rays;
-  int32_t voxel_format; /* GICUBE_VOXEL_..., what the card stores of a voxel */
+  int32_t voxel_format;     /* GICUBE_VOXEL_..., what the card stores of a voxel */
+  int32_t irradiance_words; /* of a voxel: 1, or 3 for red, green and blue */
 } gicube_board_info;
 
 /* gicube/volume.h: VolumeView; everything pointed to must live until the call returns */
@@ -167,6 +168,7 @@ typedef struct gicube_material {
   int32_t surface;
   uint32_t parameter_count; /* at most 32 */
   const float* parameters;
+  double scattering_colour[3];
 } gicube_material;
 
 /* gicube/scattering.h: ScatterEvent, as the library fills it */
@@ -214,14 +216,20 @@ typedef struct gicube_illumination {
   int32_t leap;
   int32_t lifetime;
   uint32_t seed;
+  const double* light_colours; /* red, green and blue of each light; NULL: all are white */
+  size_t light_colour_count;   /* of lights: 0, or all of them */
 } gicube_illumination;
+typedef struct gicube_light_energy {
+  double emitted, deposited, escaped, scattered_away, given_up, clipped;
+} gicube_light_energy;
 typedef struct gicube_lighting_report {
   uint32_t size;
   uint32_t warnings; /* how many: gicube_lighting_warning() */
   uint64_t rays;
   double emitted, deposited, escaped, scattered_away, given_up, clipped;
   double unit;
-  double escaped_by_face[6]; /* of `escaped`: x = 0, x = size - 1, y = 0, ... */
+  double escaped_by_face[6];      /* of `escaped`: x = 0, x = size - 1, y = 0, ... */
+  gicube_light_energy colours[3]; /* red, green, blue; 0 with one irradiance word */
 } gicube_lighting_report;
 
 /* gicube/view.h: View */

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "gicube/transfer_function.h"
 #include "gicube/vector.h"
 
 namespace gicube {
@@ -59,11 +60,24 @@ struct Illumination {
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
+  // Of each light, on a board of three irradiance words (BoardInfo::irradiance_words): factors of its power for red, green and blue,
+  // not all 0. None: all lights are white. One pass then spreads the three colours, with Material::scattering_colour.
+  std::vector<Colour> light_colours{};
   friend bool operator==(const Illumination&, const Illumination&) = default;
 };
 
+// Of one colour of light, as in LightingReport.
+struct LightEnergy {
+  double emitted = 0;
+  double deposited = 0;
+  double escaped = 0;
+  double scattered_away = 0;
+  double given_up = 0;
+  double clipped = 0;
+};
+
 // Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
-// emitted = deposited + escaped + scattered_away + clipped.
+// emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green and blue.
 struct LightingReport {
   std::uint64_t rays = 0;
   // Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point and distant
@@ -80,12 +94,15 @@ struct LightingReport {
   double given_up = 0;        // of that, with rays at the end of their lifetime
   double clipped = 0;         // did not fit saturated irradiance words
   double unit = 0;
+  std::vector<LightEnergy>
+      colours;  // with three irradiance words: of red, green and blue, which sum to the above; else empty
   std::vector<std::string> warnings;  // a light in a solid, much energy clipped, low albedo where scattering matters
 };
 
 // Error bar of a kHigh pass: the standard error of `irradiance`, one voxel's or the sum over many, in the lights' unit.
 // Photons are absorbed whole, so it falls with the root of rays_per_face_voxel. For a single voxel it is an upper bound,
 // because a photon's energy is split between eight voxels.
+// With three irradiance words: of the sum of red, green and blue.
 inline double standard_error(const LightingReport& report, double irradiance) {
   return report.rays == 0 ? 0 : std::sqrt(irradiance * report.emitted / static_cast<double>(report.rays));
 }

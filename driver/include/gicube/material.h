@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "gicube/transfer_function.h"
+
 namespace gicube {
 
 // A ray of direction D that interacts with a material of normal N (against the gradient, facing the ray) goes on along
@@ -35,6 +37,9 @@ struct Material {
   int routine = 0;                  // kTrap only
   bool surface = false;             // kTrap only: a ray that was scattered passes until it has left the surface
   std::vector<float> parameters{};  // kTrap only: at most 32, for the routine
+  // Factors of `scattering` for red, green and blue of lighting rays, 0..1; other than white only on a board of three irradiance
+  // words (BoardInfo::irradiance_words). Rendering rays are scattered as the colour that is scattered most.
+  Colour scattering_colour{1, 1, 1};
 };
 
 }  // namespace gicube

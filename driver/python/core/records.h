@@ -28,7 +28,7 @@ GICUBE_RECORD(TransferFunction, F(colours), F(opacities));
 GICUBE_RECORD(Phong, F(ambient), F(diffuse), F(specular), F(shininess));
 GICUBE_RECORD(Shading, F(phong), F(light));
 GICUBE_RECORD(Material, F(scattering), F(bsdf), F(gloss), F(seen_through_scattering), F(routine), F(surface),
-              F(parameters));
+              F(parameters), F(scattering_colour));
 GICUBE_RECORD(CutPlane, F(normal), F(offset));
 GICUBE_RECORD(Lamp, F(light), F(colour));
 GICUBE_RECORD(View, F(eye), F(look_at), F(up), F(fov_degrees), F(orthographic_height), F(width), F(height),
@@ -40,15 +40,16 @@ GICUBE_RECORD(DirectionalLight, F(towards), F(irradiance));
 GICUBE_RECORD(RectangleLight, F(corner), F(edge_u), F(edge_v), F(power));
 GICUBE_RECORD(SphereLight, F(centre), F(radius), F(power));
 GICUBE_RECORD(Illumination, F(albedo), F(rules), F(rays_per_face_voxel), F(step), F(jitter), F(leap), F(lifetime),
-              F(seed));
+              F(seed), F(light_colours));
+GICUBE_RECORD(LightEnergy, F(emitted), F(deposited), F(escaped), F(scattered_away), F(given_up), F(clipped));
 GICUBE_RECORD(LightingReport, F(rays), F(emitted), F(deposited), F(escaped), F(escaped_by_face), F(scattered_away),
-              F(given_up), F(clipped), F(unit), F(warnings));
+              F(given_up), F(clipped), F(unit), F(colours), F(warnings));
 GICUBE_RECORD(DepositReport, F(rays), F(samples), F(kept), F(clipped), F(overflowed), F(unit));
 GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime), F(words), F(step), F(leap));
 GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(leap), F(made));
 GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
-              F(agp), F(host_rays), F(voxel_format));
+              F(agp), F(host_rays), F(voxel_format), F(irradiance_words));
 GICUBE_RECORD(AnsweredCommand, F(command), F(count));
 GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));

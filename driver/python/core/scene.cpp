@@ -139,6 +139,7 @@ void add_scenes(py::module_& module) {
                  std::pair{"emissions", &Setup::emissions}, std::pair{"light_colours", &Setup::light_colours},
                  std::pair{"shading", &Setup::shading}, std::pair{"lights", &Setup::lights},
                  std::pair{"background", &Setup::background}});
+  setup.def_property_readonly("light_has_colours", [](const Setup& self) { return self.lighting.colour_passes; });
   setup.def_property_readonly("is_lit", [](const Setup& self) { return self.lighting.on; });
   setup.def_property_readonly("illumination", [](const Setup& self) { return write(self.lighting.settings); });
   setup.def_property_readonly("view", [](const Setup& self) {

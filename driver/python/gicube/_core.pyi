@@ -63,6 +63,7 @@ class SceneSetup:
     scattering_colours: Final[List[Tuple[float, float, float]]]  # by tag
     emissions: Final[List[Tuple[float, float, float]]]  # by tag: power of a unit of area, or of a fog's volume
     light_colours: Final[List[Tuple[float, float, float]]]
+    light_has_colours: Final[bool]
     def load(self, board: Any, own_codebook: bool, progress: Any) -> None: ...
 
 class Scene:

@@ -209,15 +209,16 @@ class Board:
             else:
                 self._core.load_volume(volume if isinstance(volume, Volume) else Volume(np.asarray(volume)), told)
 
-    def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox]) -> Array:
-        """The values of a box, or of all."""
+    def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox], words: int = 1) -> Array:
+        """The values of a box, or of all; `words` a voxel."""
         where = VoxelBox((0, 0, 0), self.dims) if box is None else box
-        return call(where).reshape(tuple(where.size)[::-1])
+        return call(where).reshape(tuple(where.size)[::-1] + (words,) * (words > 1))
 
-    def _write(self, call: Callable[[VoxelBox, Array], object], values: ArrayLike, box: Optional[VoxelBox]) -> None:
-        array = as_array(values, "values", "float32", (None, None, None))
-        where = VoxelBox((0, 0, 0), array.shape[::-1]) if box is None else box
-        if tuple(where.size) != array.shape[::-1]:
+    def _write(self, call: Callable[[VoxelBox, Array], object], values: ArrayLike, box: Optional[VoxelBox], words: int = 1) -> None:
+        array = as_array(values, "values", "float32", (None, None, None) + (words,) * (words > 1))
+        size = array.shape[2::-1]
+        where = VoxelBox((0, 0, 0), size) if box is None else box
+        if tuple(where.size) != size:
             raise BadArgument("values", f"the shape {tuple(where.size)[::-1]}, as the box's", str(array.shape))
         call(where, array)
 
@@ -304,12 +305,13 @@ class Board:
             return self._core.illuminate(list(lights), settings, told)
 
     def read_irradiance(self, box: Optional[VoxelBox] = None) -> Array:
-        """float32 [z, y, x], in units of the lights' power, of a box or of all. Raises Rejected, BadArgument."""
-        return self._read(self._core.read_irradiance, box)
+        """float32 [z, y, x], in units of the lights' power, of a box or of all; with three irradiance words [z, y, x, 3].
+        Raises Rejected, BadArgument."""
+        return self._read(self._core.read_irradiance, box, self.info.irradiance_words)
 
     def write_irradiance(self, values: ArrayLike, box: Optional[VoxelBox] = None) -> None:
         """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and saturate."""
-        self._write(self._core.write_irradiance, values, box)
+        self._write(self._core.write_irradiance, values, box, self.info.irradiance_words)
 
     def clear_irradiance(self, unit: float) -> None:
         """Zero everywhere; one unit of the words is `unit` of the lights' power: for DEPOSIT rays and write_irradiance()."""

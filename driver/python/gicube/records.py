@@ -19,7 +19,7 @@ from gicube import _core
 __all__ = [  # of the package
     "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
     "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
-    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightingReport", "LightPoint", "Loss", "Material",
+    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
     "MeasuredBound",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
     "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
@@ -245,6 +245,7 @@ class Material:
     routine: int = 0
     surface: bool = False
     parameters: Sequence[float] = field(default_factory=list)
+    scattering_colour: Colour = (1.0, 1.0, 1.0)  # factors of Ks, on a board of three irradiance words
 
 
 @dataclass
@@ -343,11 +344,25 @@ class Illumination:
     leap: bool = True
     lifetime: int = 32
     seed: int = 0
+    light_colours: Sequence[Colour] = field(default_factory=list)  # of each light, on a board of three irradiance words
+
+
+@dataclass
+class LightEnergy:
+    """Where the energy of one colour of light went."""
+
+    emitted: float
+    deposited: float
+    escaped: float
+    scattered_away: float
+    given_up: float
+    clipped: float
 
 
 @dataclass
 class LightingReport:
-    """Where the energy went, in units of the lights' power: emitted = deposited + escaped + scattered_away + clipped."""
+    """Where the energy went, in units of the lights' power: emitted = deposited + escaped + scattered_away + clipped.
+    With three irradiance words sums over red, green and blue, which `colours` has one by one."""
 
     rays: int
     emitted: float
@@ -358,6 +373,7 @@ class LightingReport:
     given_up: float
     clipped: float
     unit: float
+    colours: Sequence[LightEnergy]
     warnings: Sequence[str]
 
     def standard_error(self, irradiance: ArrayLike) -> Any:
@@ -443,6 +459,7 @@ class BoardInfo:
     agp: bool
     host_rays: bool
     voxel_format: VoxelFormat
+    irradiance_words: int  # of a voxel: 1, or 3 for red, green and blue
 
 
 @dataclass

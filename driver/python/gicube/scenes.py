@@ -135,6 +135,7 @@ def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, pro
     """Brings a board to a scene: voxels, looks, shading, materials and, unless `light` is False, light. Returns the scene's view.
 
     The first scene of a board brings its own codebook of gradients, and later volumes are coded by that.
+    On a board of three irradiance words light has its colours if the scene's illumination asks for them.
     Raises as Board.load_volume() and Board.illuminate().
     """
     try:
@@ -144,11 +145,13 @@ def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, pro
     with shown(progress, "loading") as told:
         setup.load(board._core, own_codebook, told)
     board.set_shading(setup.shading)
+    coloured = setup.light_has_colours and board.info.irradiance_words > 1
     for tag, material in enumerate(setup.materials):
-        board.set_material(material, tag)
+        board.set_material(replace(material, scattering_colour=setup.scattering_colours[tag]) if coloured else material, tag)
     lit = setup.is_lit and light
     if lit:
-        board.illuminate(setup.lights, setup.illumination, progress=progress)
+        settings = replace(setup.illumination, light_colours=setup.light_colours) if coloured else setup.illumination
+        board.illuminate(setup.lights, settings, progress=progress)
     return replace(setup.view, irradiance=lit, lamps=setup.view.lamps if lit else [])
 
 

@@ -40,9 +40,9 @@ bool refused(const CommandResult& result) {
   return result.error != wire::ErrorCode::kNone && result.error != wire::ErrorCode::kCancelled;
 }
 
-std::size_t bytes_of_result(RayType type, std::size_t rays, std::uint16_t minor) {
+std::size_t bytes_of_result(RayType type, std::size_t rays, std::uint16_t minor, std::size_t irradiance_words) {
   switch (type) {
-    case RayType::kDeposit: return wire::lighting_ledger_bytes(minor);
+    case RayType::kDeposit: return irradiance_words * wire::lighting_ledger_bytes(minor);
     case RayType::kBackproject: return wire::kDepositLedgerBytes;
     default: return rays * wire::kRayBytes;
   }
@@ -57,6 +57,7 @@ Batches::Batch Batches::begin(std::span<const std::span<const HostRay>> rays, co
   batch.lines = std::move(lines);
   batch.type = setup.request.type;
   batch.energy_unit = setup.energy_unit;
+  batch.irradiance_words = setup.irradiance_words;
   batch.sampling = setup.sampling;
   batch.towards_eye = setup.towards_eye;
   return batch;
@@ -251,6 +252,8 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   batches_.erase(entry);
   const bool deposits = batch.type == RayType::kDeposit, backprojects = batch.type == RayType::kBackproject;
   if (deposits) report.lighting.emplace().unit = batch.energy_unit;
+  const std::size_t words = batch.irradiance_words;
+  if (deposits && words > 1) report.lighting->colours.resize(words);
   if (backprojects) report.deposits.emplace().unit = batch.energy_unit;
   for (const Part& part : batch.parts) {
     if (refused(*part.result)) throw_error(part.result->error, error_text(part.result->payload));
@@ -261,11 +264,13 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   const std::uint16_t minor = device_.agreed().minor;
   for (const Part& part : batch.parts) {
     const std::span<const std::uint8_t> bytes = part.result->payload;
-    if (bytes.size() != bytes_of_result(batch.type, part.rays, minor)) {
+    if (bytes.size() != bytes_of_result(batch.type, part.rays, minor, words)) {
       device_.give_up(fmt::format("the board returned {} bytes for {} rays", bytes.size(), part.rays));
     }
     if (backprojects) add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
-    if (deposits) add(wire::decode_lighting_ledger(bytes, minor), *report.lighting);
+    for (std::size_t word = 0; deposits && word < words; ++word) {
+      add(wire::decode_lighting_ledger(bytes.subspan(word * bytes.size() / words), minor), *report.lighting, word);
+    }
     for (std::size_t i = 0; i < part.rays && batch.comes_back(); ++i) {
       const wire::Ray ray = wire::decode<wire::Ray>(bytes.subspan(i * wire::kRayBytes));
       rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);

@@ -18,9 +18,19 @@
 
 namespace gicube {
 
-// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`.
-inline void add(const wire::LightingLedger& ledger, LightingReport& report) {
-  report.rays += ledger.rays;
+// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`. `word`: of three
+// irradiance words.
+inline void add(const wire::LightingLedger& ledger, LightingReport& report, std::size_t word = 0) {
+  if (word == 0) report.rays += ledger.rays;
+  if (!report.colours.empty()) {
+    LightEnergy& colour = report.colours[word];
+    colour.emitted += static_cast<double>(ledger.emitted) * report.unit;
+    colour.deposited += static_cast<double>(ledger.deposited) * report.unit;
+    colour.escaped += static_cast<double>(ledger.escaped) * report.unit;
+    colour.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
+    colour.given_up += static_cast<double>(ledger.given_up) * report.unit;
+    colour.clipped += static_cast<double>(ledger.clipped) * report.unit;
+  }
   report.emitted += static_cast<double>(ledger.emitted) * report.unit;
   report.deposited += static_cast<double>(ledger.deposited) * report.unit;
   report.escaped += static_cast<double>(ledger.escaped) * report.unit;
@@ -92,6 +102,7 @@ class Batches {
     std::size_t rays = 0;
     RayType type = RayType::kIntegrate;
     double energy_unit = 0;
+    std::size_t irradiance_words = 1;
     View sampling;
     Vec3 towards_eye;
     std::vector<std::size_t> lines;

@@ -73,6 +73,7 @@ BoardInfo read_info(Device& device) {
   info.wide = device.read_register(reg::kDatapath) == static_cast<std::uint32_t>(wire::Datapath::kWide);
   if (info.protocol_minor >= wire::kColoursMinor) {
     info.voxel_format = static_cast<VoxelFormat>(read_sane(device, reg::kVoxelFormat, 1, 3) - 1);  // the same order
+    info.irradiance_words = read_sane(device, reg::kIrradianceWords, 1, 3);
   }
   const std::uint64_t hash_high = device.read_register(reg::kConfigHashHigh);
   info.config_hash = hash_high << 32 | device.read_register(reg::kConfigHashLow);
@@ -159,6 +160,7 @@ Board Board::open(std::string_view text, const OpenOptions& options) {
     } else {
       state->info = read_info(state->device);
       state->tables.set_wide(state->info.wide);
+      state->tables.set_irradiance_words(state->info.irradiance_words);
     }
   } catch (const DeviceLost& error) {
     throw OpenFailed(error.what());

@@ -44,6 +44,19 @@ void Board::State::need_no_routine_in_bricks(const char* what, bool lighting) {
   }
 }
 
+void Board::State::need_colours_on_card(const char* what) {
+  if (info.irradiance_words == 1) return;
+  whole(what);
+  for (std::size_t tag = 0; tag < tables.materials().size(); ++tag) {
+    const Material& material = tables.materials()[tag];
+    if (material.bsdf != Bsdf::kTrap || material.routine != kHostRoutine) continue;
+    throw Unsupported(fmt::format(
+        "{}: the material of tag {} is the application's to scatter, whose rays have one energy; a board of three "
+        "irradiance words (asic.irradiance_words) scatters light by its own routines",
+        what, tag));
+  }
+}
+
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
   check_volume(view, state_->max_edge());

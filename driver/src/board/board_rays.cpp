@@ -19,10 +19,15 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   if (deposits && irradiance_unit <= 0) {
     throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");
   }
+  if (deposits) need_colours_on_card("RayType::kDeposit");
   const bool backprojects = request.type == RayType::kBackproject, sums = request.words == SumWords::kSums;
   if (backprojects && (sums ? sum_unit : irradiance_unit) <= 0) {
     throw Rejected(std::string("rays that backproject need a unit of what they leave: ") +
                    (sums ? "clear_sums()" : "clear_irradiance()") + " first");
+  }
+  if (backprojects && !sums && info.irradiance_words > 1) {
+    throw Unsupported(
+        "backprojection into irradiance words needs a board with one of them a voxel (asic.irradiance_words)");
   }
   View sampled = sampling;
   sampled.step = request.step, sampled.leap = request.leap;
@@ -33,7 +38,8 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
                        sampled,
                        sampling_towards_eye,
                        of.min_spacing * of.relative_spacing,
-                       of.range};
+                       of.range,
+                       static_cast<std::size_t>(info.irradiance_words)};
   std::size_t index = 0;
   for (const HostRay& ray : rays | std::views::join) check(ray, index++, setup);
   set_sampling(sampled);

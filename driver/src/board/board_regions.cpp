@@ -23,8 +23,10 @@ void check(const VoxelBox& box, Dims dims) {
 
 std::size_t count(const VoxelBox& box) { return voxel_count(box.size); }
 
-void check_values(const VoxelBox& box, std::span<const float> values, double min_value) {
-  expect(values.size() == count(box), "values", fmt::format("{}, one a voxel of the box", count(box)), values.size());
+void check_values(const VoxelBox& box, std::span<const float> values, double min_value, std::size_t of_voxel = 1) {
+  expect(values.size() == of_voxel * count(box), "values",
+         fmt::format("{}, {} a voxel of the box", of_voxel * count(box), of_voxel == 1 ? "one" : "three"),
+         values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i]) && values[i] >= min_value) continue;
     const char* const expected = std::isfinite(min_value) ? "a finite number of at least 0" : "a finite number";
@@ -123,7 +125,7 @@ class Words {
 
  private:
   std::uint64_t bits() const {
-    return region_.base == wire::kIrradiance.base ? 8 * wire::kIrradianceBytes : wire::kVoxelBits;
+    return region_.base >= wire::kIrradiance.base ? 8 * wire::kIrradianceBytes : wire::kVoxelBits;
   }
 
   std::uint64_t offset(const BlockPart& part) const {  // in its block, bytes
@@ -265,9 +267,17 @@ std::vector<float> Board::read_irradiance(const VoxelBox& box) {
 std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
   const LoadedVolume& of = loaded("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
+  need_colours_on_card("read_irradiance()");
   check(box, of.dims);
-  Words words(device, wire::kIrradiance, of, info.block_voxels, bricks.get());
-  return words.values(box, [&](std::uint64_t word) { return static_cast<double>(word) * irradiance_unit; });
+  const auto count_of_words = static_cast<std::size_t>(info.irradiance_words);
+  std::vector<float> out(count_of_words * count(box));
+  for (std::size_t colour = 0; colour < count_of_words; ++colour) {
+    Words words(device, wire::irradiance_region(colour), of, info.block_voxels, bricks.get());
+    words.read(box, [&](std::size_t index, std::uint64_t word) {
+      out[index * count_of_words + colour] = static_cast<float>(static_cast<double>(word) * irradiance_unit);
+    });
+  }
+  return out;
 }
 
 void Board::write_irradiance(const VoxelBox& box, std::span<const float> values) {
@@ -276,12 +286,18 @@ void Board::write_irradiance(const VoxelBox& box, std::span<const float> values)
   const double unit = state_->irradiance_unit;
   if (unit <= 0) throw Rejected("write_irradiance() needs a unit: illuminate() or clear_irradiance() first");
   check(box, volume.dims);
-  check_values(box, values, 0);
+  const auto count_of_words = static_cast<std::size_t>(state_->info.irradiance_words);
+  state_->need_colours_on_card("write_irradiance()");
+  check_values(box, values, 0, count_of_words);
   const double max_units = state_->info.wide ? 4294967295.0 : 2047.0;
-  Words words(state_->device, wire::kIrradiance, volume, state_->info.block_voxels, state_->bricks.get());
-  words.write(box, [&](std::size_t index) {
-    return static_cast<std::uint32_t>(std::min(std::round(static_cast<double>(values[index]) / unit), max_units));
-  });
+  for (std::size_t colour = 0; colour < count_of_words; ++colour) {
+    Words words(state_->device, wire::irradiance_region(colour), volume, state_->info.block_voxels,
+                state_->bricks.get());
+    words.write(box, [&](std::size_t index) {
+      const auto value = static_cast<double>(values[index * count_of_words + colour]);
+      return static_cast<std::uint32_t>(std::min(std::round(value / unit), max_units));
+    });
+  }
   state_->check_fence();
 }
 

@@ -183,6 +183,9 @@ void Board::set_material(const Material& material, int tag) {
   const auto lock = state_->begin();
   check(material);
   expect_within("tag", tag, 0, wire::kTags - 1);
+  expect(state_->info.irradiance_words > 1 || material.scattering_colour == Colour{1, 1, 1},
+         "material.scattering_colour", "white on a board of one irradiance word (asic.irradiance_words is 1)",
+         "another");
   state_->tables.set_material(material, tag);
   if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on the scattering
 }
@@ -225,18 +228,21 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
                                  const Progress& progress) {
   const auto lock = state_->begin();
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], fmt::format("lights[{}]", i));
-  check(settings);
+  check(settings, lights.size(), state_->info.irradiance_words);
   const LoadedVolume& volume = state_->loaded("illuminate()");
   state_->check_drift("step", settings.step);
   state_->need_routine(true);
   state_->need_no_routine_in_bricks("illuminate() with the application's routine", true);
+  const auto words = static_cast<std::size_t>(state_->info.irradiance_words);
+  state_->need_colours_on_card("illuminate()");
   const LitBox box = lit_box(volume);
   LightingReport report;
+  if (words > 1) report.colours.resize(words);
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
 
   state_->set_lighting(settings);
   const std::uint16_t minor = state_->device.agreed().minor;
-  const std::size_t ledger_bytes = wire::lighting_ledger_bytes(minor);
+  const std::size_t ledger_bytes = words * wire::lighting_ledger_bytes(minor);
   const Picoseconds deadline = state_->deadline();
   state_->device.write_register(reg::kControl, wire::kControlClearIrradiance);
   if (state_->bricks) state_->bricks->light().clear();
@@ -254,11 +260,18 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     }
     const Progress told = state_->watched(part);
     if (state_->bricks) state_->prepare_light(lights[i]);
-    const CommandResult result =
-        state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)), told, deadline);
+    if (words > 1) {
+      const auto colour = light_colour_words(settings, i);
+      for (std::uint32_t c = 0; c < 3; ++c) state_->device.set_register(reg::kLightRed + 4 * c, colour[c]);
+    }
+    const CommandResult result = state_->device.run(
+        wire::encoded(light_command(lights[i], settings, report.unit / brightest_of(settings, i))), told, deadline);
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) state_->device.give_up("a lighting result of wrong size");
     const auto ledger = wire::decode_lighting_ledger(payload, minor);
+    for (std::size_t word = 1; word < words; ++word) {
+      add(wire::decode_lighting_ledger(payload.subspan(word * ledger_bytes / words), minor), report, word);
+    }
     if (state_->bricks) {
       wire::LightingLedger sum;
       state_->run_in_bricks(payload, {.needs = {.light = LightUse::kLeft},
@@ -272,7 +285,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
         add(resumed, report);
       });
     }
-    flux += flux_in_the_middle(lights[i], settings, box);
+    flux += flux_in_the_middle(lights[i], settings, box) * brightest_of(settings, i);
     if (ledger.light_in_solid != 0) {
       report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
     }

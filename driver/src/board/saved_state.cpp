@@ -51,11 +51,13 @@ void Remembered::state(Archive& archive, bool kept) {
     record(info.processors, info.block_voxels, info.max_volume_voxels, info.queue_rays, info.core_khz);
     record(info.vendor_id, info.device_id, info.wide);
     record.at_most(info.voxel_format, VoxelFormat::kRgba);
+    record(info.irradiance_words);
   });
   const auto within = [&archive](const char* name, int value, int low, int high) {
     archive.expect(value >= low && value <= high, name, fmt::format("{}..{}", low, high),
                    static_cast<std::uint64_t>(value));
   };
+  within("info.irradiance_words", info.irradiance_words, 1, 3);
   within("info.block_voxels", info.block_voxels, 2, 1024);
   within("info.max_volume_voxels", info.max_volume_voxels, info.block_voxels, 1024);
   archive.field("units", [this](Archive::Record& record) {

@@ -117,6 +117,8 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     return edge * edge * edge;
   }
   // Throws Unsupported if the card does not store the volume whole and a material that rays meet is the application's to scatter.
+  // For light on a board of three irradiance words: all of the volume on the card, and none of the application's routines.
+  void need_colours_on_card(const char* what);
   void need_no_routine_in_bricks(const char* what, bool lighting);
 
   // How rays of a command go on that wait for blocks.

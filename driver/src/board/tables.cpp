@@ -27,6 +27,9 @@ void Tables::set_material(const Material& material, int tag) {
   ++changes_;
   device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes,
                        wire::encoded(material_record(material)));
+  if (irradiance_words_ == 1) return;
+  device_.write_memory(wire::kScatteringColours.base + static_cast<std::size_t>(tag) * wire::kScatteringColourBytes,
+                       wire::encoded(scattering_colour_record(material)));
 }
 
 void Tables::restore() {
@@ -46,6 +49,7 @@ void Tables::Source::state(Archive::Record& record) {
 
 void Tables::state(Archive& archive) {
   archive("wide", wide_);
+  archive("irradiance_words", irradiance_words_);
   std::vector<Vec3> directions;
   if (codebook_) directions.assign(codebook_->given().begin(), codebook_->given().end());
   archive.list("codebook", directions, wire::kGradientCodes);
@@ -97,7 +101,7 @@ void Tables::send_segmentation(ValueRange range) {
   for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
     if (!functions_[tag]) continue;
     auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong, wide_);
-    if (light_ == SampleLight::kAbsorbed) set_gains(wanted, materials_[tag].scattering);
+    if (light_ == SampleLight::kAbsorbed) set_gains(wanted, scattering_by_colour(materials_[tag]));
     if (light_ == SampleLight::kIncident) set_unit_gains(wanted);
     const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);
     if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;

@@ -28,6 +28,7 @@ class Tables {
   explicit Tables(Device& device) : device_(device) {}
 
   void set_wide(bool wide) { wide_ = wide; }
+  void set_irradiance_words(int words) { irradiance_words_ = words; }
 
   void set_codebook(GradientCodebook codebook) {
     codebook_ = std::move(codebook);
@@ -70,6 +71,7 @@ class Tables {
  private:
   Device& device_;
   bool wide_ = false;
+  int irradiance_words_ = 1;
   std::optional<GradientCodebook> codebook_;
   bool gradients_sent_ = false;
   std::array<std::optional<TransferFunction>, wire::kTags> functions_;

@@ -34,7 +34,8 @@ gicube_board_info to_c(const BoardInfo& info) {
           .wide = info.wide,
           .agp = info.agp,
           .host_rays = info.host_rays,
-          .voxel_format = static_cast<std::int32_t>(info.voxel_format)};
+          .voxel_format = static_cast<std::int32_t>(info.voxel_format),
+          .irradiance_words = info.irradiance_words};
 }
 
 }  // namespace

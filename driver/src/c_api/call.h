@@ -126,6 +126,10 @@ inline constexpr std::size_t kFirstSize<gicube_volume> = offsetof(gicube_volume,
 template <>
 inline constexpr std::size_t kFirstSize<gicube_lighting_report> = offsetof(gicube_lighting_report, escaped_by_face);
 template <>
+inline constexpr std::size_t kFirstSize<gicube_material> = offsetof(gicube_material, scattering_colour);
+template <>
+inline constexpr std::size_t kFirstSize<gicube_illumination> = offsetof(gicube_illumination, light_colours);
+template <>
 inline constexpr std::size_t kFirstSize<gicube_batch_report> = offsetof(gicube_batch_report, escaped_by_face);
 
 // Throws BadArgument.
@@ -256,6 +260,7 @@ void copy_fields(const auto& copy, gicube_material& c, Material& material) {
   copy.truth("seen_through_scattering", c.seen_through_scattering, material.seen_through_scattering);
   copy.number(c.routine, material.routine);
   copy.truth("surface", c.surface, material.surface);
+  for (std::size_t i = 0; i < 3; ++i) copy.number(c.scattering_colour[i], material.scattering_colour[i]);
 }
 
 void copy_fields(const auto& copy, gicube_illumination& c, Illumination& settings) {

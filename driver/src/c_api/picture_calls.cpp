@@ -70,11 +70,16 @@ std::size_t voxels_of(const VoxelBox& box) {
   return count;
 }
 
+// Values of a voxel.
+using WordsOf = std::size_t (*)(const Board&);
+std::size_t one_word(const Board&) { return 1; }
+std::size_t irradiance_words(const Board& board) { return static_cast<std::size_t>(board.info().irradiance_words); }
+
 gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
-                       std::vector<float> (Board::*read)(const VoxelBox&)) {
+                       std::vector<float> (Board::*read)(const VoxelBox&), WordsOf words = one_word) {
   return on_board(board, [&](gicube_board& handle) {
     const VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
+    check_count("count", count, words(handle.board) * voxels_of(voxels));
     checked("values", values);
     const std::vector<float> found = (handle.board.*read)(voxels);
     std::copy(found.begin(), found.end(), values);
@@ -82,10 +87,10 @@ gicube_status read_box(gicube_board* board, const gicube_box* box, float* values
 }
 
 gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
-                        void (Board::*write)(const VoxelBox&, std::span<const float>)) {
+                        void (Board::*write)(const VoxelBox&, std::span<const float>), WordsOf words = one_word) {
   return on_board(board, [&](gicube_board& handle) {
     const VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
+    check_count("count", count, words(handle.board) * voxels_of(voxels));
     (handle.board.*write)(voxels, {&checked("values", values), count});
   });
 }
@@ -149,8 +154,14 @@ gicube_lighting_report to_c(const LightingReport& report) {
                                 .given_up = report.given_up,
                                 .clipped = report.clipped,
                                 .unit = report.unit,
-                                .escaped_by_face = {}};
+                                .escaped_by_face = {},
+                                .colours = {}};
   std::ranges::copy(report.escaped_by_face, record.escaped_by_face);
+  for (std::size_t c = 0; c < report.colours.size(); ++c) {
+    const LightEnergy& energy = report.colours[c];
+    record.colours[c] = {energy.emitted,        energy.deposited, energy.escaped,
+                         energy.scattered_away, energy.given_up,  energy.clipped};
+  }
   return record;
 }
 
@@ -288,7 +299,12 @@ gicube_status gicube_illuminate(gicube_board* board, const gicube_light* lights,
                                 gicube_lighting_report* report) {
   return on_board(board, [&](gicube_board& handle) {
     checked("lights", lights, count);
-    const auto how = read_fields<gicube::Illumination>("settings", settings);
+    gicube_illumination record;
+    auto how = read_fields<gicube::Illumination>("settings", settings, record);
+    const double* colour = checked("settings.light_colours", record.light_colours, 3 * record.light_colour_count);
+    for (std::size_t i = 0; i < record.light_colour_count; ++i, colour += 3) {
+      how.light_colours.push_back({colour[0], colour[1], colour[2]});
+    }
     check_optional("report", report);
     std::vector<gicube::Light> all;
     for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], "lights[" + std::to_string(i) + "]"));
@@ -309,7 +325,7 @@ const char* gicube_lighting_warning(gicube_board* board, uint32_t index) {
 }
 
 gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  if (box != nullptr) return read_box(board, box, values, count, &gicube::Board::read_irradiance);
+  if (box != nullptr) return read_box(board, box, values, count, &gicube::Board::read_irradiance, irradiance_words);
   return on_board(board, [&](gicube_board& handle) {
     checked("values", values);
     const std::vector<float> read = handle.board.read_irradiance();
@@ -319,7 +335,7 @@ gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box,
 }
 
 gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
-  return write_box(board, box, values, count, &gicube::Board::write_irradiance);
+  return write_box(board, box, values, count, &gicube::Board::write_irradiance, irradiance_words);
 }
 
 gicube_status gicube_clear_irradiance(gicube_board* board, double unit) {

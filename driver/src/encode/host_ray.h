@@ -22,8 +22,9 @@ struct RaySetup {
   bool wide = false;     // kDeposit: the board's datapath, which bounds a ray's energy
   View sampling{};       // what the batch is sampled by, should it have to be sent again
   Vec3 towards_eye{};
-  Vec3 spacing{1, 1, 1};  // of voxels
-  ValueRange range{};     // kIntegral
+  Vec3 spacing{1, 1, 1};             // of voxels
+  ValueRange range{};                // kIntegral
+  std::size_t irradiance_words = 1;  // kDeposit
 };
 
 // A ray's step, 16.16 voxels, is at most this: the STEP register.

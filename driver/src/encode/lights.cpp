@@ -93,6 +93,7 @@ void check(const Material& material) {
   const std::size_t count = material.parameters.size();
   expect(count <= wire::kMaterialParameters, "material.parameters", "at most 32", count);
   for (const float value : material.parameters) expect_finite("material.parameters", value);
+  for (const double factor : material.scattering_colour) expect_within("material.scattering_colour", factor, 0, 1);
 }
 
 void check(const Light& light, const std::string& list_place) {
@@ -116,10 +117,50 @@ void check(const Light& light, const std::string& list_place) {
   }
 }
 
-void check(const Illumination& settings) {
+void check(const Illumination& settings, std::size_t lights, int irradiance_words) {
+  const std::vector<Colour>& colours = settings.light_colours;
+  expect(colours.empty() || irradiance_words == 3, "light_colours",
+         "none on a board of one irradiance word (asic.irradiance_words is 1)", colours.size());
+  expect(colours.empty() || colours.size() == lights, "light_colours",
+         "one for each of the " + std::to_string(lights) + " lights, or none", colours.size());
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const std::string name = "light_colours[" + std::to_string(i) + "]";
+    for (const double factor : colours[i]) expect_within(name, factor, 0, std::numeric_limits<double>::max());
+    expect(brightest_of(settings, i) > 0, name, "a colour with a factor above 0", "black");
+  }
   expect_within("rays_per_face_voxel", settings.rays_per_face_voxel, 1, wire::kMaxRaysPerVoxel);
   expect_within("step", settings.step, 1.0 / 64, 16);
   expect_within("lifetime", settings.lifetime, 0, wire::kLifetimeMax);
+}
+
+std::array<double, 3> scattering_by_colour(const Material& material) {
+  std::array<double, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) out[c] = material.scattering * material.scattering_colour[c];
+  return out;
+}
+
+wire::ScatteringColour scattering_colour_record(const Material& material) {
+  const double most = std::ranges::max(material.scattering_colour);
+  wire::ScatteringColour out;
+  for (std::size_t c = 0; c < 3 && most > 0; ++c) {
+    const double lost = 1 - material.scattering_colour[c] / most;
+    out.lost[c] = static_cast<std::uint16_t>(std::lround(lost * wire::kScatteringOne));
+  }
+  return out;
+}
+
+double brightest_of(const Illumination& settings, std::size_t light) {
+  return settings.light_colours.empty() ? 1 : std::ranges::max(settings.light_colours[light]);
+}
+
+std::array<std::uint32_t, 3> light_colour_words(const Illumination& settings, std::size_t light) {
+  const Colour colour = settings.light_colours.empty() ? Colour{1, 1, 1} : settings.light_colours[light];
+  const double most = brightest_of(settings, light);
+  std::array<std::uint32_t, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    out[c] = static_cast<std::uint32_t>(std::lround(colour[c] / most * wire::kScatteringOne));
+  }
+  return out;
 }
 
 wire::Material material_record(const Material& material) {
@@ -127,7 +168,8 @@ wire::Material material_record(const Material& material) {
   out.bsdf = static_cast<wire::Bsdf>(material.bsdf);
   if (material.seen_through_scattering) out.flags |= wire::kScattersRenderingRays;
   if (material.surface) out.flags |= wire::kTrapAtSurface;
-  out.scattering = static_cast<std::uint16_t>(std::lround(material.scattering * wire::kScatteringOne));
+  const double most = std::ranges::max(scattering_by_colour(material));
+  out.scattering = static_cast<std::uint16_t>(std::lround(most * wire::kScatteringOne));
   out.gloss = static_cast<std::uint16_t>(std::lround(material.gloss * (1 << wire::kGlossFractionBits)));
   out.routine = static_cast<std::uint8_t>(material.routine);
   out.parameter_count = static_cast<std::uint8_t>(material.parameters.size());
@@ -173,10 +215,10 @@ double energy_unit(std::span<const Light> lights, const Illumination& settings, 
   const double full = wide ? 16'777'215.0 : settings.albedo == Albedo::kHigh ? 15 : 255;
   const double saturated = wide ? 4'294'967'295.0 : 2047;
   double ray = 0, voxel = 0;
-  for (const Light& light : lights) {
-    const RayEnergy max = max_energy(light, settings, box);
-    ray = std::max(ray, max.ray);
-    voxel += max.voxel;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const RayEnergy max = max_energy(lights[i], settings, box);
+    ray = std::max(ray, max.ray * brightest_of(settings, i));
+    voxel += max.voxel * brightest_of(settings, i);
   }
   return std::max(ray / full, 2 * voxel / saturated);
 }

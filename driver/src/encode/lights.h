@@ -16,9 +16,19 @@ namespace gicube {
 // Throw BadArgument naming the field.
 void check(const Material& material);
 void check(const Light& light, const std::string& name);  // "lights[2]"
-void check(const Illumination& settings);
+// `lights`: how many there are. `irradiance_words`: 1 or 3.
+void check(const Illumination& settings, std::size_t lights, int irradiance_words);
 
 wire::Material material_record(const Material& material);
+// With three irradiance words: what goes with it.
+wire::ScatteringColour scattering_colour_record(const Material& material);
+// Ks for red, green and blue.
+std::array<double, 3> scattering_by_colour(const Material& material);
+
+// A light's factor that is greatest; its power is that of this colour. 1 if lights have none.
+double brightest_of(const Illumination& settings, std::size_t light);
+// The parts of the energy of red, green and blue: the LIGHT_RED register and the two behind it.
+std::array<std::uint32_t, 3> light_colour_words(const Illumination& settings, std::size_t light);
 
 // The box of the volume as lights see it: physical, from 0 to extent.
 struct LitBox {

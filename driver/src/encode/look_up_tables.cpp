@@ -145,14 +145,21 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
   return entries;
 }
 
-void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering) {
+void set_gains(std::vector<wire::SegmentationEntry>& entries, const std::array<double, 3>& scattering) {
   constexpr double kMax = 65535;
   for (wire::SegmentationEntry& entry : entries) {
-    const double kept = entry.opacity / double{wire::kClassifiedOpacityOne} * (1 - scattering);
-    const double gain = kept > 0 ? (1 << wire::kGainFractionBits) / kept : kMax;
+    std::array<double, 3> gains{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double kept = entry.opacity / double{wire::kClassifiedOpacityOne} * (1 - scattering[c]);
+      gains[c] = kept > 0 ? std::min((1 << wire::kGainFractionBits) / kept, kMax) : kMax;
+    }
+    const double most = std::ranges::max(gains);
     entry.ambient = 0;
     entry.specular = wire::kShadeOne;
-    entry.set_gain(static_cast<std::uint32_t>(std::lround(std::min(gain, kMax))));
+    entry.set_gain(static_cast<std::uint32_t>(std::lround(most)));
+    for (std::size_t c = 0; c < 3; ++c) {
+      entry.colour[c] = static_cast<std::uint16_t>(std::lround(entry.colour[c] * gains[c] / most));
+    }
   }
 }
 

@@ -26,7 +26,8 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
 // Entries for samples that are lit by irradiance, in place of the shading coefficients: no ambient part, highlights as the
 // reflectance map has them, and a gain of 1 / (opacity (1 - scattering)), since that is the share of the light that the
 // irradiance words were given; at most 255.99.
-void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering);
+// light of a colour that a sample absorbed; colours that absorb more get less of their factor of the entry's colour.
+void set_gains(std::vector<wire::SegmentationEntry>& entries, const std::array<double, 3>& scattering);
 // The same for words that hold the light which falls on a sample: the gain is 1.
 void set_unit_gains(std::vector<wire::SegmentationEntry>& entries);
 

@@ -29,9 +29,9 @@ constexpr double kNoGain = 0.95;   // chosen: of the bound before; words that ro
 constexpr int kTries = 8;
 constexpr double kLightTimeMargin = 1.25;  // as of pictures
 
-void check_request(const LightPlanRequest& request) {
+void check_request(const LightPlanRequest& request, int irradiance_words) {
   for (std::size_t i = 0; i < request.lights.size(); ++i) check(request.lights[i], fmt::format("lights[{}]", i));
-  check(request.settings);
+  check(request.settings, request.lights.size(), irradiance_words);
   check(request.view);
   expect_within("max_error", request.max_error, 0, 1);
   if ((request.max_error > 0) == (request.time_budget > 0)) {
@@ -310,7 +310,7 @@ double left_for_picture(double max_error, const LightPlan& light) {
 }
 
 LightPlan plan_light(Board& board, const LightPlanRequest& request, const Progress& progress) {
-  check_request(request);
+  check_request(request, board.info().irradiance_words);
   return LightPlanner(board, request, progress).make();
 }
 

@@ -121,7 +121,7 @@ constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence
 inline constexpr std::uint16_t kMajorVersion = 2;
 inline constexpr std::uint16_t kMinorVersion = 3;
 inline constexpr std::uint16_t kCheckpointMinor = 3;         // kCheckpoint
-inline constexpr std::uint16_t kColoursMinor = 3;            // VOXEL_FORMAT, the region of colours
+inline constexpr std::uint16_t kColoursMinor = 3;            // VOXEL_FORMAT, IRRADIANCE_WORDS, the regions of colours
 inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before a version is agreed
 
 enum Capability : std::uint64_t {

@@ -44,4 +44,14 @@ struct Material {
 };
 inline constexpr std::size_t kMaterialBytes = bytes_of<Material>();
 
+// With three irradiance words: what a scattering takes away of red, green and blue, 65535 = all of it. `Material::scattering` is
+// that of the colour that is scattered most.
+struct ScatteringColour {
+  std::array<std::uint16_t, 3> lost{};
+
+  constexpr void fields(auto&& list) { list(lost); }
+  friend constexpr bool operator==(const ScatteringColour&, const ScatteringColour&) = default;
+};
+inline constexpr std::size_t kScatteringColourBytes = bytes_of<ScatteringColour>();
+
 }  // namespace gicube::wire

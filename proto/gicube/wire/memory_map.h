@@ -39,6 +39,9 @@ inline constexpr MemoryRegion kDarkFlags{"dark_flags", 0x0044'0000, std::uint64_
                                          "as empty_flags; 1 = the host has the block's irradiance (host_deposits)"};
 inline constexpr MemoryRegion kMaterials{"materials", 0x0040'0000, std::uint64_t{kTags} * kMaterialBytes, true,
                                          "one record a tag (material.h)"};
+inline constexpr MemoryRegion kScatteringColours{"scattering_colours", 0x0042'0000,
+                                                 std::uint64_t{kTags} * kScatteringColourBytes, true,
+                                                 "one record a tag (material.h)"};
 inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
                                            "36-bit pixels packed two in nine bytes, rows from the top (voxel.h)"};
 inline constexpr MemoryRegion kVolume{"volume", 0x1'0000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, true,
@@ -50,6 +53,15 @@ inline constexpr std::size_t kIrradianceBytes = 4;
 inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
                                           std::uint64_t{1024} * 1024 * 1024 * kIrradianceBytes, true,
                                           "blocks of 32-bit irradiance words"};
+
+// The same of green and blue, on cards of three irradiance words (IRRADIANCE_WORDS); those above are then red's.
+inline constexpr MemoryRegion kGreenIrradiance{"green_irradiance", 0x6'0000'0000, kIrradiance.bytes, true,
+                                               "as irradiance, for green (IRRADIANCE_WORDS)"};
+inline constexpr MemoryRegion kBlueIrradiance{"blue_irradiance", 0x7'0000'0000, kIrradiance.bytes, true,
+                                              "as irradiance, for blue (IRRADIANCE_WORDS)"};
+constexpr const MemoryRegion& irradiance_region(std::size_t word) {
+  return word == 0 ? kIrradiance : word == 1 ? kGreenIrradiance : kBlueIrradiance;
+}
 
 // Sums of backprojecting rays (command.h): where the volume's words of the same blocks lie there are signed 36-bit sums, in
 // two's complement. Read in pieces of whole pairs of words, nine bytes. A block that was never reached is zero.
@@ -73,9 +85,10 @@ inline constexpr MemoryRegion kHostDeposits{
     "host_deposits", 0x8000'0000, std::uint64_t{1} << 30, false,
     "deposits of the latest command in blocks whose dark flag is set (command.h)"};
 
-inline constexpr std::array<MemoryRegion, 14> kMemoryMap{
-    kSegmentationLut, kGradientLut,   kReflectanceMap, kEmptyFlags, kAbsentFlags, kMaterials,  kDarkFlags,
-    kFramebuffer,     kHostRayMemory, kHostDeposits,   kVolume,     kSums,        kIrradiance, kColours};
+inline constexpr std::array<MemoryRegion, 17> kMemoryMap{
+    kSegmentationLut, kGradientLut,     kReflectanceMap, kEmptyFlags,   kAbsentFlags, kMaterials, kScatteringColours,
+    kDarkFlags,       kFramebuffer,     kHostRayMemory,  kHostDeposits, kVolume,      kSums,      kIrradiance,
+    kColours,         kGreenIrradiance, kBlueIrradiance};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

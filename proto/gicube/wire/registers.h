@@ -52,9 +52,13 @@ inline constexpr std::uint32_t kPipeline = 0x068;
 inline constexpr std::uint32_t kLifetime = 0x06C;
 inline constexpr std::uint32_t kExposure = 0x070;
 inline constexpr std::uint32_t kSeed = 0x074;
+inline constexpr std::uint32_t kIrradianceWords = 0x078;
 inline constexpr std::uint32_t kCutPlanes = 0x080;
 inline constexpr std::uint32_t kDropBlock = 0x084;
 inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPlane0 + 16 i + 4 w
+inline constexpr std::uint32_t kLightRed = 0x100;   // green and blue follow
+inline constexpr std::uint32_t kLightGreen = 0x104;
+inline constexpr std::uint32_t kLightBlue = 0x108;
 }  // namespace reg
 
 inline constexpr std::uint32_t kIdValue = 0x42434947;  // "GICB"
@@ -94,6 +98,7 @@ inline constexpr std::uint32_t kStepOne = 1u << 16;       // STEP of one voxel
 inline constexpr std::uint32_t kStepMin = kStepOne / 64;  // below that a step's fixed-point error passes 1% (HARDWARE)
 inline constexpr std::uint32_t kStepMax = 16 * kStepOne;
 inline constexpr std::uint32_t kLifetimeReset = 32;
+inline constexpr std::uint32_t kLightColourReset = 65535;
 inline constexpr std::uint32_t kExposureReset = 256;  // 256 units of irradiance: full colour
 inline constexpr std::uint32_t kSpacingOne = 1u << 16;
 inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
@@ -129,6 +134,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kLifetime, "LIFETIME", Access::kReadWrite, kLifetimeReset, "scatterings until a ray made by the DSP is given up, 0 to 1023"},
     RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset, "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
     RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0, "of lighting rays and of scatterings: another seed draws other random numbers"},
+    RegisterInfo{reg::kIrradianceWords, "IRRADIANCE_WORDS", Access::kReadOnly, 0, "of a voxel: 1, or 3 for red, green and blue; from the configuration"},
     RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
     RegisterInfo{reg::kDropBlock, "DROP_BLOCK", Access::kWriteOnly, 0, "the card forgets the words of the block of that number, and its irradiance"},
 #define GICUBE_CUT_PLANE(i)                                                                                                   \
@@ -139,6 +145,9 @@ inline constexpr std::array kRegisterTable{
     GICUBE_CUT_PLANE(0), GICUBE_CUT_PLANE(1), GICUBE_CUT_PLANE(2),
     GICUBE_CUT_PLANE(3), GICUBE_CUT_PLANE(4), GICUBE_CUT_PLANE(5),
 #undef GICUBE_CUT_PLANE
+    RegisterInfo{reg::kLightRed, "LIGHT_RED", Access::kReadWrite, kLightColourReset, "with three irradiance words: red part of the energy of an illumination's rays, 65535 = all"},
+    RegisterInfo{reg::kLightGreen, "LIGHT_GREEN", Access::kReadWrite, kLightColourReset, "the same of green"},
+    RegisterInfo{reg::kLightBlue, "LIGHT_BLUE", Access::kReadWrite, kLightColourReset, "the same of blue"},
 };
 // clang-format on
 

@@ -34,8 +34,11 @@ enum class VoxelFormat : std::uint32_t {
 };
 inline constexpr std::size_t kColourBytes = 3;
 constexpr bool has_colours(VoxelFormat format) { return format != VoxelFormat::kDensity; }
-constexpr int voxel_bits(VoxelFormat format) {
-  return kVoxelBits + (has_colours(format) ? 8 * static_cast<int>(kColourBytes) : 0);
+inline constexpr int kIrradianceBits = 11;  // of the paper's datapath
+// `irradiance_words`: 1, or 3 for red, green and blue.
+constexpr int voxel_bits(VoxelFormat format, std::uint32_t irradiance_words) {
+  return kVoxelBits + (has_colours(format) ? 8 * static_cast<int>(kColourBytes) : 0) +
+         (static_cast<int>(irradiance_words) - 1) * kIrradianceBits;
 }
 
 struct Voxel {

@@ -150,7 +150,7 @@ TEST(MemoryLimit, RaysThatWaitForBlocksCount) {
 // Of 3 x 1 x 2 blocks of eight: what irradiance (two pointers) and sums (two pointers, two bounds) have for each, and 12 bytes
 // for each of 2^3 cells.
 TEST(MemoryLimit, BlocksCountBeforeAnythingIsStored) {
-  EXPECT_EQ(Aperture::bytes_of_blocks({17, 8, 9}, 8),
+  EXPECT_EQ(Aperture::bytes_of_blocks({17, 8, 9}, 8, 1),
             6 * (VolumeMemory::kBytesOfBlock + 2 * sizeof(void*) + 2 * sizeof(void*) + 16 + 8 * 12));
 }
 

@@ -70,6 +70,7 @@ const std::vector<Field> kFields{
     asic("asic.skew_y", "2", {kSkewed}),
     asic("asic.skew_z", "2", {kSkewed}),
     asic("asic.voxel_format", "rgb"),
+    everywhere("asic.irradiance_words", "3", kLight),  // a ledger of each comes over the bus
     {"asic.datapath", "wide", kRays, kValues, kValues, kValues},
     everywhere("dsp.clock_khz", "100000", kRays),
     {"dsp.run_rays", "8", kRays, kValues, kValues, kValues},

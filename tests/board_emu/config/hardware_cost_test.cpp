@@ -50,6 +50,16 @@ TEST(HardwareCost, EachProcessorHasItsOwnSramAndSharesTheQueues) {
   EXPECT_EQ(eight.sram.bits, 2 * four.sram.bits);
 }
 
+TEST(HardwareCost, OfThreeIrradianceWordsIsTheirWidthAndWhatInterpolatesAndSplitsThem) {
+  v1::BoardConfig config;
+  config.mutable_asic()->set_irradiance_words(3);
+  const HardwareCost one = hardware_cost({}), three = hardware_cost(config);
+  EXPECT_EQ(three.volume_cache.formula, "4 x 33^3 x 58");
+  EXPECT_EQ(three.logic.size(), one.logic.size() + 2);
+  config.mutable_asic()->set_voxel_format(v1::rgb);
+  EXPECT_EQ(hardware_cost(config).volume_cache.formula, "4 x 33^3 x 82");
+}
+
 TEST(HardwareCost, OfVoxelsWithColoursIsTheirWidthInTheCacheAndTheirChannelsInThePipeline) {
   v1::BoardConfig config;
   config.mutable_asic()->set_voxel_format(v1::rgb);

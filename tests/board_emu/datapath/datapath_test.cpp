@@ -6,7 +6,6 @@
 #include <random>
 #include <vector>
 
-#include "datapath/classify.h"
 #include "datapath/composite.h"
 #include "datapath/opacity_correction.h"
 #include "datapath/ray_step.h"

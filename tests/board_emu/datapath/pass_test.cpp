@@ -68,7 +68,7 @@ TEST(Passes, OfABackprojectingRayLeaveItsAmountAtEachStepOfItsSegment) {
     const BlockView view = frame.volume->view(0);
     const Interaction left = sample(ray, {at, view, 0, 9}, frame, counters);
     EXPECT_TRUE(left.deposits);
-    EXPECT_EQ(left.units, 5u);
+    EXPECT_EQ(left.units[0], 5u);
   }
   EXPECT_EQ(end(ray, frame), Termination::kLeft);
   EXPECT_EQ(counters.samples, 16u);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "datapath/classify.h"
 #include "datapath/fixed.h"
 #include "datapath/resample.h"
 #include "datapath/trilinear_splat.h"

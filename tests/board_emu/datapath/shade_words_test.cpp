@@ -129,22 +129,26 @@ TEST(PipelineWords, ALitSampleHasItsColourTimesIrradianceGainAndExposure) {
     const Point gradient{static_cast<int>(words(-16352, 16352)), static_cast<int>(words(-16352, 16352)),
                          static_cast<int>(words(0, 16352))};
     const double length = std::hypot(gradient[0], gradient[1], gradient[2]);
-    const std::int64_t product = std::int64_t{light} * entry.gain() * exposure;
-    const std::int64_t lit = std::min<std::int64_t>(reference::nearest(product, 1 << 13), 8 << 15);
+    const auto lit_by = [&](std::uint32_t irradiance) {
+      const std::int64_t product = std::int64_t{irradiance} * entry.gain() * exposure;
+      return std::min<std::int64_t>(reference::nearest(product, 1 << 13), 8 << 15);
+    };
+    const std::array<std::int64_t, 3> lit{lit_by(light), lit_by(light / 2), lit_by(0)};
     const std::int64_t highlight =
         length < 1022 ? 0 : reference::nearest(std::int64_t{entry.specular} * reflectance(map.data(), gradient), 128);
-    const Colour12 got = illuminated(entry, light, exposure, gradient, map.data());
+    const Colour12 got = illuminated(entry, {light, light / 2, 0}, exposure, gradient, map.data());
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::int64_t sum = entry.colour[c] * (lit + entry.ambient * 256) + 4095 * highlight;
+      const std::int64_t sum = entry.colour[c] * (lit[c] + entry.ambient * 256) + 4095 * highlight;
       ASSERT_EQ(got[c], std::min<std::int64_t>(reference::nearest(sum, 1 << 15), 4095));
     }
   }
   wire::SegmentationEntry white;
   white.colour = {4095, 4095, 4095};
   white.set_gain(256);
-  EXPECT_EQ(illuminated(white, 8, 65536, {}, map.data()), (Colour12{2048, 2048, 2048})) << "2047.5 rounded up";
+  EXPECT_EQ(illuminated(white, {8, 8, 8}, 65536, {}, map.data()), (Colour12{2048, 2048, 2048})) << "2047.5 rounded up";
   white.set_gain(1);
-  EXPECT_EQ(illuminated(white, 9, 4096, {}, map.data()), (Colour12{1, 1, 1})) << "a shade of 4.5 is 5: 0.62 units";
+  EXPECT_EQ(illuminated(white, {9, 9, 9}, 4096, {}, map.data()), (Colour12{1, 1, 1}))
+      << "a shade of 4.5 is 5: 0.62 units";
 }
 
 }  // namespace

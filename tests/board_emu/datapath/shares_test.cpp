@@ -79,7 +79,7 @@ TEST(Shares, ThePrintedRulesTakeAllOfTheOpacityAndDepositTheAbsorbedPart) {
     RayState ray = fog.ray(wire::kLightingRay, i);
     ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
     const Interaction out = fog.take(ray);
-    if (out.deposits) deposited += out.units;
+    if (out.deposits) deposited += out.units[0];
     lost += 200 - static_cast<double>(ray.energy()) / 4096;
   }
   const double a = alpha_of(fog) / double{wire::kOpacityOne};
@@ -104,7 +104,7 @@ TEST(Shares, OfOneSampleAPhotonIsAbsorbedScatteredOrPassesByItsOpacity) {
     absorbed += out.outcome == Outcome::kEnded;
     scattered += ray.generation == 1;
     if (out.outcome == Outcome::kEnded) {
-      ASSERT_EQ(out.units, 15u);
+      ASSERT_EQ(out.units[0], 15u);
     }
     ASSERT_EQ(ray.energy(), std::uint64_t{15} << kEnergyFractionBits);
   }

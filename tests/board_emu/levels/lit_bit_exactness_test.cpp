@@ -41,6 +41,12 @@ void draw_materials(Frame& frame, Dice& dice) {
     material.gloss = static_cast<std::uint16_t>(dice.one_of({0, 1000, 9000}));
     material.flags = static_cast<std::uint8_t>(dice.number(0, 3));
   }
+  for (std::size_t word = 0; word < kColours; ++word) {
+    frame.light_colour[word] = static_cast<std::uint16_t>(dice.one_of({0, 700, 40'000, 65'535}));
+    for (auto& colour : frame.scattering_colour) {
+      colour[word] = static_cast<std::uint16_t>(dice.one_of({0, 9'000, 65'535}));
+    }
+  }
 }
 
 wire::IlluminateCommand draw_light(const Scene& scene, Dice& dice) {
@@ -61,26 +67,32 @@ wire::IlluminateCommand draw_light(const Scene& scene, Dice& dice) {
 }
 
 struct Irradiance {
-  Irradiance(const Scene& scene, bool wide)
-      : memory(scene.volume.block_voxels(), wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost) {
-    memory.resize(scene.volume.size());
+  // With as many words as the scene's frame.
+  Irradiance(const Scene& scene, bool wide) {
+    for (std::size_t word = 0; word < scene.frame.light_words; ++word) {
+      memory.emplace_back(scene.volume.block_voxels(),
+                          wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
+      memory.back().resize(scene.volume.size());
+    }
   }
   // Every word of every block, copies too; blocks that were not reached as zeros.
   std::vector<std::uint32_t> words(const Scene& scene) const {
     const auto edge = static_cast<std::size_t>(scene.volume.block_voxels()) + 1, count = edge * edge * edge;
     std::vector<std::uint32_t> all;
-    for (std::size_t block = 0; block < scene.volume.block_count(); ++block) {
-      const std::uint32_t* view = memory.view(block);
-      if (view == nullptr) {
-        all.insert(all.end(), count, 0);
-      } else {
-        all.insert(all.end(), view, view + count);
+    for (const IrradianceMemory& each : memory) {
+      for (std::size_t block = 0; block < scene.volume.block_count(); ++block) {
+        const std::uint32_t* view = each.view(block);
+        if (view == nullptr) {
+          all.insert(all.end(), count, 0);
+        } else {
+          all.insert(all.end(), view, view + count);
+        }
       }
     }
     return all;
   }
 
-  IrradianceMemory memory;
+  std::vector<IrradianceMemory> memory;
 };
 
 // All copies of a voxel on the faces of blocks hold the same.
@@ -117,12 +129,15 @@ void expect_equal(const RayCounters& a, const RayCounters& b) {
   EXPECT_EQ(a.traps, b.traps);
   EXPECT_EQ(a.trap_cycles, b.trap_cycles);
   EXPECT_EQ(a.deposits, b.deposits);
-  EXPECT_EQ(a.energy.deposited.kept, b.energy.deposited.kept);
-  EXPECT_EQ(a.energy.deposited.clipped, b.energy.deposited.clipped);
-  EXPECT_EQ(a.energy.escaped, b.energy.escaped);
-  EXPECT_EQ(a.energy.escaped_by_face, b.energy.escaped_by_face);
-  EXPECT_EQ(a.energy.scattered_away, b.energy.scattered_away);
-  EXPECT_EQ(a.energy.given_up, b.energy.given_up);
+  for (std::size_t word = 0; word < kColours; ++word) {
+    const EnergyCounters &mine = a.energy_of(word), &its = b.energy_of(word);
+    EXPECT_EQ(mine.deposited.kept, its.deposited.kept);
+    EXPECT_EQ(mine.deposited.clipped, its.deposited.clipped);
+    EXPECT_EQ(mine.escaped, its.escaped);
+    EXPECT_EQ(mine.escaped_by_face, its.escaped_by_face);
+    EXPECT_EQ(mine.scattered_away, its.scattered_away);
+    EXPECT_EQ(mine.given_up, its.given_up);
+  }
 }
 
 std::uint64_t value(const std::vector<wire::Counter>& list, const std::string& name) {
@@ -146,10 +161,10 @@ void expect_passes_to_leave(const Irradiance& expected, const RayCounters& count
   ASSERT_TRUE(PassMachine::covers(config));
   Progress work;
   Irradiance exact_held(scene, scene.frame.wide), held(scene, scene.frame.wide);
-  scene.frame.irradiance = &exact_held.memory;
+  scene.frame.irradiance = exact_held.memory.data();
   Machine machine(config, scene.volume.blocks());
   machine.run(rays, scene.frame, work);
-  scene.frame.irradiance = &held.memory;
+  scene.frame.irradiance = held.memory.data();
   PassMachine passes(config, scene.volume.blocks());
   TracedPasses traced(rays, {0, rays.count()}, scene.frame, nullptr, 2, config.cache().splat_rule());
   const RunResult ran = passes.run(traced, scene.frame, work, true);
@@ -186,6 +201,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   draw_materials(frame, dice);
   frame.type = wire::RayType::kDeposit;
   frame.wide = wide;
+  frame.light_words = config.asic().irradiance_words();
   frame.routines = &routine;
   frame.seed = GetParam();
   const std::uint32_t threshold = std::exchange(frame.opacity_threshold, wire::kOpacityOne);
@@ -199,19 +215,22 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
 
   Irradiance expected(scene, wide), held(scene, wide), shuffled_held(scene, wide);
   Progress work;
-  frame.irradiance = &expected.memory;
+  frame.irradiance = expected.memory.data();
   const RayCounters counts = run_functional(rays, frame, 2).rays;
-  frame.irradiance = &held.memory;
+  frame.irradiance = held.memory.data();
   Machine machine(config, scene.volume.blocks());
   const RunResult ran = machine.run(rays, frame, work);
   EXPECT_EQ(held.words(scene), expected.words(scene));
-  expect_equal_copies(scene, held.memory);
+  for (const IrradianceMemory& memory : held.memory) expect_equal_copies(scene, memory);
   expect_equal(ray_counters(machine), counts);
-  EXPECT_EQ(ran.rays.energy.emitted, counts.energy.emitted);
-  const EnergyCounters& energy = counts.energy;
-  EXPECT_EQ(energy.emitted, energy.deposited.kept + energy.deposited.clipped + energy.escaped + energy.scattered_away);
-  EXPECT_EQ(std::accumulate(energy.escaped_by_face.begin(), energy.escaped_by_face.end(), std::uint64_t{0}),
-            energy.escaped);
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    const EnergyCounters& energy = counts.energy_of(word);
+    EXPECT_EQ(ran.rays.energy_of(word).emitted, energy.emitted);
+    EXPECT_EQ(energy.emitted,
+              energy.deposited.kept + energy.deposited.clipped + energy.escaped + energy.scattered_away);
+    EXPECT_EQ(std::accumulate(energy.escaped_by_face.begin(), energy.escaped_by_face.end(), std::uint64_t{0}),
+              energy.escaped);
+  }
 
   std::uint64_t tiles = 0, fetched = 0, packets = 0, written = 0, read = 0;
   for (const auto& processor : machine.processors()) {
@@ -227,12 +246,12 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
     written += memory->channel().counters().packets_written;
     read += memory->channel().counters().packets_read;
   }
-  EXPECT_EQ(written, tiles);  // each changed tile has gone to the memory
+  EXPECT_EQ(written, tiles * (frame.light_words == 3 ? 2 : 1));  // each changed tile has gone to the memory
   EXPECT_EQ(read, (fetched + (config.ideal().memory() != 0 ? 0 : packets)) * packets_of_tile(config));
 
   expect_passes_to_leave(expected, counts, scene, rays, assignments);
 
-  frame.irradiance = &shuffled_held.memory;
+  frame.irradiance = shuffled_held.memory.data();
   Machine shuffled(config, scene.volume.blocks());
   shuffled.shuffle_ticks(GetParam() + 1);
   EXPECT_EQ(shuffled.run(rays, frame, work).cycles, ran.cycles);

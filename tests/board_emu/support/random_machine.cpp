@@ -76,6 +76,7 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
   const bool tags_of_voxels = dice.chance(15);  // direct mapped, and not written back
   return {
       set("asic.block_voxels", block_voxels),
+      set("asic.max_volume_voxels", 128),  // so that one channel stores it in every voxel format
       set("asic.processors", dice.number(1, 16)),
       name("asic.voxel_format", in_cells ? "density" : any_of(*v1::VoxelFormat_descriptor(), dice)),
       set("asic.queue_rays", dice.one_of({1, 2, 3, 8, 40, 256})),
@@ -113,6 +114,7 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
       set("ddr.processors_per_channel", dice.number(1, 2)),
       set("ddr.clocks_per_core_cycle", dice.one_of({1, 2, 4})),
       set("ddr.refresh_interval", dice.one_of({0, 100, 1562})),
+      set("asic.irradiance_words", in_cells ? 1 : dice.one_of({1, 3})),
   };
 }
 
@@ -167,7 +169,8 @@ wire::VoxelFormat format_of(const v1::BoardConfig& config) {
 }
 
 std::uint32_t packets_of_tile(const v1::BoardConfig& config) {
-  return wire::has_colours(format_of(config)) ? 2 : 1;  // 4 x 60 bits in packets of 144
+  const std::uint32_t packets = wire::has_colours(format_of(config)) ? 2 : 1;  // 4 x 60 bits in packets of 144
+  return packets + (config.asic().irradiance_words() == 3 ? 1 : 0);            // 22 more a voxel
 }
 
 std::string text(const std::vector<std::string>& assignments) {

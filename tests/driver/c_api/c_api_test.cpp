@@ -1,6 +1,7 @@
 // The C ABI does what the C++ API does, bit by bit.
 #include "c_board.h"
 
+#include <algorithm>
 #include <fstream>
 #include <numeric>
 
@@ -224,6 +225,36 @@ TEST_F(CApi, IlluminatesAndScattersByTheCallersRoutine) {
   light.kind = 4;
   EXPECT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &report), GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "lights[0].kind");
+}
+
+TEST_F(CApi, LightHasThreeColoursOnABoardOfThreeIrradianceWords) {
+  gicube_close(board_);
+  ASSERT_EQ(gicube_open("emu:?set=asic.irradiance_words=3", nullptr, &board_), GICUBE_OK) << gicube_last_error();
+  load();
+  gicube_light light{};
+  light.kind = GICUBE_LIGHT_POINT;
+  light.power = 1;
+  for (double& axis : light.position) axis = -20;
+  const double colour[] = {1, 0.5, 0.25};
+  gicube_illumination settings = made(gicube_illumination_init);
+  settings.light_colours = colour;
+  settings.light_colour_count = 1;
+  gicube_lighting_report report = made(gicube_lighting_report_init);
+  ASSERT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &report), GICUBE_OK)
+      << gicube_last_error();
+  EXPECT_NEAR(report.colours[1].emitted, report.colours[0].emitted / 2, 0.02 * report.colours[0].emitted);
+  EXPECT_NEAR(report.colours[0].emitted + report.colours[1].emitted + report.colours[2].emitted, report.emitted,
+              1e-9 * report.emitted);
+  const gicube_box box{{8, 8, 8}, {16, 16, 16}};
+  std::vector<float> values(3 * 16 * 16 * 16);
+  EXPECT_EQ(gicube_read_irradiance(board_, &box, values.data(), values.size() / 3), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "count");
+  ASSERT_EQ(gicube_read_irradiance(board_, &box, values.data(), values.size()), GICUBE_OK) << gicube_last_error();
+  EXPECT_GT(*std::max_element(values.begin(), values.end()), 0);
+  ASSERT_EQ(gicube_write_irradiance(board_, &box, values.data(), values.size()), GICUBE_OK) << gicube_last_error();
+  settings.light_colours = nullptr;
+  EXPECT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &report), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "settings.light_colours");
 }
 
 TEST_F(CApi, AProgressCallbackCanEndTheCall) {

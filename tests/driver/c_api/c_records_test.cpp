@@ -28,11 +28,11 @@ auto fields(Shading& shading) {
   return std::tie(a, b, c, d, light);
 }
 auto fields(Material& material) {
-  auto& [a, b, c, d, e, f, parameters] = material;  // parameters: see to_material()
-  return std::tie(a, b, c, d, e, f);
+  auto& [a, b, c, d, e, f, parameters, colour] = material;  // parameters: see to_material()
+  return std::tie(a, b, c, d, e, f, colour[0], colour[1], colour[2]);
 }
 auto fields(Illumination& settings) {
-  auto& [a, b, c, d, e, f, g, h] = settings;
+  auto& [a, b, c, d, e, f, g, h, light_colours] = settings;  // the last: see gicube_illuminate()
   return std::tie(a, b, c, d, e, f, g, h);
 }
 auto fields(View& view) {

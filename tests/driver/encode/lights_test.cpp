@@ -28,7 +28,7 @@ template <typename Edit>
 std::string refused_settings(Edit&& edit) {
   Illumination settings;
   edit(settings);
-  return refusal([&] { check(settings); });
+  return refusal([&] { check(settings, 0, 1); });
 }
 
 TEST(MaterialCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {

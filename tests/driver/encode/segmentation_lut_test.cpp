@@ -69,7 +69,7 @@ TEST(SegmentationLut, ShadingCoefficientsAreIn128ths) {
 TEST(SegmentationLut, GainsTurnWhatWasAbsorbedIntoWhatFellOnASampleAndAreOneIfTheWordsHoldThat) {
   const TransferFunction f{{{0, {}}}, {{0, 0.25}}};
   auto entries = segmentation_entries(f, {0, 1}, {});
-  set_gains(entries, 0.5);
+  set_gains(entries, {0.5, 0.5, 0.5});
   EXPECT_EQ(entries[7].gain(), 8u << wire::kGainFractionBits);
   set_unit_gains(entries);
   EXPECT_EQ(entries[7].gain(), 1u << wire::kGainFractionBits);
@@ -77,11 +77,25 @@ TEST(SegmentationLut, GainsTurnWhatWasAbsorbedIntoWhatFellOnASampleAndAreOneIfTh
   EXPECT_EQ(entries[7].opacity, 16384);
 }
 
+TEST(SegmentationLut, OfColoursThatAreScatteredMoreTheGainIsGreaterAndOthersGetLessOfTheirFactor) {
+  const TransferFunction f{{{0, {1, 1, 0.5}}}, {{0, 0.25}}};
+  auto entries = segmentation_entries(f, {0, 1}, {});
+  const auto before = entries[7].colour;
+  set_gains(entries, {0.5, 0.75, 1});
+  EXPECT_EQ(entries[7].gain(), 65535u) << "of blue nothing is absorbed";
+  EXPECT_EQ(entries[7].colour[2], before[2]);
+  set_gains(entries = segmentation_entries(f, {0, 1}, {}), {0.5, 0.75, 0});
+  EXPECT_EQ(entries[7].gain(), 16u << wire::kGainFractionBits);
+  EXPECT_EQ(entries[7].colour[1], before[1]);
+  EXPECT_NEAR(entries[7].colour[0], before[0] / 2.0, 0.5);
+  EXPECT_NEAR(entries[7].colour[2], before[2] / 4.0, 0.5);
+}
+
 TEST(SegmentationLut, GainsOfIrradianceLeaveNoAmbientAndAWholeHighlight) {
   const TransferFunction f{{{0, {1, 1, 1}}}, {{0, 0.5}}};
   auto entries = segmentation_entries(f, {0, 4095}, {.ambient = 0.5, .diffuse = 0.25});
   ASSERT_EQ(entries[7].ambient, 64);
-  set_gains(entries, 0);
+  set_gains(entries, {});
   EXPECT_EQ(entries[7].ambient, 0);
   EXPECT_EQ(entries[7].specular, 128);
 }

@@ -59,6 +59,26 @@ def test_light_that_goes_in_comes_out(loaded):
     assert loaded.render(view_of_ball(irradiance=True)).rgb.max() > 0
 
 
+def test_light_has_three_colours_on_a_board_of_three_irradiance_words():
+    with gicube.open("emu:?set=asic.irradiance_words=3") as board:
+        assert board.info.irradiance_words == 3
+        board.load_volume(ball())
+        board.set_transfer_function(LOOK)
+        board.set_material(gicube.Material(scattering=0.5, bsdf=gicube.Bsdf.DIFFUSE, scattering_colour=(1, 0.5, 0)))
+        settings = gicube.Illumination(rays_per_face_voxel=2, light_colours=[(1, 0.5, 0.25)])
+        report = board.illuminate([gicube.PointLight((15.5, 15.5, 1))], settings)
+        assert report.emitted == pytest.approx(sum(colour.emitted for colour in report.colours))
+        red, green, blue = report.colours
+        assert green.emitted == pytest.approx(red.emitted / 2, rel=0.02) and blue.emitted == pytest.approx(red.emitted / 4, rel=0.02)
+        irradiance = board.read_irradiance()
+        assert irradiance.shape == (32, 32, 32, 3)
+        assert irradiance.sum(axis=(0, 1, 2)) == pytest.approx([colour.deposited for colour in report.colours], rel=1e-5)
+        board.write_irradiance(irradiance[:, :, :, ::-1])
+        assert (board.read_irradiance() == irradiance[:, :, :, ::-1]).all()
+        with pytest.raises(gicube.BadArgument, match="values: expected"):
+            board.write_irradiance(irradiance[:, :, :, 0])
+
+
 def test_sums_of_rays_are_what_they_carried(loaded):
     loaded.clear_sums(2.0**-16)
     rays = gicube.rays_between([[2, 16, 16]], [[12, 16, 16]], energy=3)

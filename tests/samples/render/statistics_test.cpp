@@ -83,7 +83,7 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   LightingStatistics red;
   red.channel = "red";
   red.settings.albedo = Albedo::kHigh;
-  red.report = {100, 10, 4, 3, {0, 0, 0, 0, 2, 1}, 2, 1, 1, 0.01, {"a light stands in a solid"}};
+  red.report = {100, 10, 4, 3, {0, 0, 0, 0, 2, 1}, 2, 1, 1, 0.01, {}, {"a light stands in a solid"}};
   red.duration = 5'000'000'000;
   red.reused = true;
   statistics.lighting = {red};
@@ -101,6 +101,11 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   EXPECT_EQ(json.at("escaped_by_face").at("z_min"), 2);
   EXPECT_EQ(json.at("escaped_by_face").at("z_max"), 1);
   EXPECT_EQ(json.at("warnings").at(0), "a light stands in a solid");
+  EXPECT_TRUE(json.at("colours").is_null());
+  statistics.lighting[0].report.colours = {{1, 2, 3, 4, 5, 6}, {}, {.escaped = 7}};
+  const auto colours = to_json(statistics).at("lighting").at(0).at("colours");
+  EXPECT_EQ(colours.at("red").at("clipped"), 6);
+  EXPECT_EQ(colours.at("blue").at("escaped"), 7);
 }
 
 TEST(Statistics, SayWhatTheRunCostItsComputer) {

@@ -61,6 +61,7 @@ void state_of(Archive& archive, const char* name, Material& material) {
     record.at_most(material.bsdf, Bsdf::kTrap);
     record(material.gloss, material.seen_through_scattering, material.routine, material.surface);
     record.list(material.parameters, 32);
+    record(material.scattering_colour);
   });
   checked(archive, name, [&material] { check(material); });
 }

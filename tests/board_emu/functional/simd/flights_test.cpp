@@ -40,18 +40,23 @@ struct Flown {
 Flown fly(const Scene& scene, std::vector<wire::Ray> rays, const SimdTracer* tracer, bool recorded) {
   Flown out{std::move(rays), {}, {}, {}, {}};
   Frame frame = scene.frame;
-  IrradianceMemory irradiance(scene.volume.block_voxels(),
-                              frame.wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
-  irradiance.resize(scene.volume.size());
-  if (frame.lights()) frame.irradiance = &irradiance;
+  std::vector<IrradianceMemory> irradiance;
+  for (std::size_t word = 0; word < frame.light_words; ++word) {
+    irradiance.emplace_back(scene.volume.block_voxels(),
+                            frame.wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
+    irradiance.back().resize(scene.volume.size());
+  }
+  if (frame.lights()) frame.irradiance = irradiance.data();
   if (recorded) out.trails.resize(out.rays.size());
   const TrailRecord record{out.trails};
   out.ended = integrate_all(out.rays, frame, out.counters, recorded ? &record : nullptr, tracer);
   const auto edge = static_cast<std::size_t>(scene.volume.block_voxels()) + 1;
-  for (std::size_t block = 0; block < scene.volume.block_count(); ++block) {
-    const std::uint32_t* const words = irradiance.view(block);
-    if (words != nullptr) out.irradiance.insert(out.irradiance.end(), words, words + edge * edge * edge);
-    out.irradiance.push_back(words != nullptr);
+  for (const IrradianceMemory& memory : irradiance) {
+    for (std::size_t block = 0; block < scene.volume.block_count(); ++block) {
+      const std::uint32_t* const words = memory.view(block);
+      if (words != nullptr) out.irradiance.insert(out.irradiance.end(), words, words + edge * edge * edge);
+      out.irradiance.push_back(words != nullptr);
+    }
   }
   return out;
 }
@@ -80,6 +85,10 @@ std::vector<std::uint64_t> numbers(const RayCounters& counters) {
                                  energy.scattered_away,
                                  energy.given_up};
   out.insert(out.end(), energy.escaped_by_face.begin(), energy.escaped_by_face.end());
+  for (const EnergyCounters& more : counters.more_energy) {
+    out.insert(out.end(),
+               {more.deposited.kept, more.deposited.clipped, more.escaped, more.scattered_away, more.given_up});
+  }
   return out;
 }
 
@@ -141,10 +150,18 @@ void draw_frame(Scene& scene, Dice& dice, const Routines& routine) {
     frame.type = wire::RayType::kDeposit;
     frame.opacity_threshold = wire::kOpacityOne;
     frame.rules = dice.chance(30) ? wire::EnergyRules::kAsPrinted : wire::EnergyRules::kConserving;
+    frame.light_words = dice.chance(40) ? 3 : 1;
+    for (std::size_t word = 0; word < kColours; ++word) {
+      frame.light_colour[word] = static_cast<std::uint16_t>(dice.one_of({0, 700, 40'000, 65'535}));
+      for (auto& colour : frame.scattering_colour) {
+        colour[word] = static_cast<std::uint16_t>(dice.one_of({0, 9'000, 65'535}));
+      }
+    }
   } else {
     frame.scatter = dice.chance(80);
     frame.high_albedo = !frame.scatter || dice.chance(30);
     frame.lit_by_irradiance = dice.chance(50);
+    frame.light_words = dice.chance(30) ? 3 : 1;
     frame.exposure = static_cast<std::uint32_t>(dice.one_of({4'000, 65'536, 900'000}));
   }
   scene.set_depths();
@@ -162,7 +179,6 @@ void draw_light(Scene& scene, IrradianceMemory& light, Dice& dice) {
     light.add(deposit);
   }
   light.expect_deposits();
-  scene.frame.irradiance = &light;
 }
 
 // Some of another kind than the most, some that have been scattered or trapped before.
@@ -195,8 +211,12 @@ TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
   Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n, format);
   draw_media(scene, dice);
   draw_frame(scene, dice, routine);
-  IrradianceMemory light(scene.volume.block_voxels(), IrradianceMemory::kWideMost);
-  draw_light(scene, light, dice);
+  std::vector<IrradianceMemory> light;
+  for (std::size_t word = 0; word < scene.frame.light_words; ++word) {
+    light.emplace_back(scene.volume.block_voxels(), IrradianceMemory::kWideMost);
+    draw_light(scene, light.back(), dice);
+  }
+  scene.frame.irradiance = light.data();
   SimdTracer tracer(scene.opacity_correction);
   ASSERT_TRUE(tracer.prepare(1 << 20, scene.frame, 0, 2));
   std::vector<wire::Ray> rays = draw_flights(scene, dice);

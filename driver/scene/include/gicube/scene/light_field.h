@@ -36,8 +36,8 @@ GICUBE_API void take_channel(const Image& from, int channel, const std::optional
 // a field without light.
 GICUBE_API double exposure_for(const LightField& field);
 
-// A picture of the volume on the board, which has the field's size, in that light: one rendering, or one a channel whose
-// channels are put together. Opaque over a background; without one alpha is the volume's. What shows brighter than four times white
+// A picture of the volume on the board, which has the field's size, in that light: one rendering, or, on a board of one
+// irradiance word, one a channel whose channels are put together. Opaque over a background; without one alpha is the volume's. What shows brighter than four times white
 // under `exposure` is clipped [C], so that the paper's 11 bits of irradiance are left for the rest.
 GICUBE_API Image picture_of(Board& board, const LightField& field, View view, double exposure,
                             const std::optional<Background>& background, const Progress& progress = {});
