@@ -10,8 +10,6 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr int kSubPixels = 16;  // u and v are 12.4 pixels
-
 template <typename T>
 void add_atomically(T& sum, T value) {
   std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
@@ -25,16 +23,26 @@ std::uint64_t rescale(std::uint64_t sum, std::uint64_t weight, std::uint64_t fro
 
 }  // namespace
 
-void Framebuffer::clear(int width, int height, wire::Filter filter) {
+void Framebuffer::clear(int width, const ImageRows& rows, wire::Filter filter) {
   width_ = width;
-  height_ = height;
+  height_ = rows.count();
+  rows_ = rows;
   filter_ = filter;
-  sums_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Sum{});
+  sums_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Sum{});
+}
+
+void Framebuffer::begin(const wire::RenderCommand& command, bool goes_on) {
+  if (goes_on) {
+    rows_ = ImageRows(command);
+  } else {
+    clear(command.width, ImageRows(command), command.filter);
+  }
 }
 
 void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
-  if (weight == 0 || x < 0 || x >= width_ || y < 0 || y >= height_) return;
-  Sum& sum = sums_[index(x, y)];
+  const int row = place(y);
+  if (weight == 0 || x < 0 || x >= width_ || row < 0) return;
+  Sum& sum = sums_[index(x, row)];
   for (std::size_t c = 0; c < 3; ++c) add_atomically(sum.colour[c], ray.colour[c] * weight);
   add_atomically(sum.weight, weight);
   add_atomically(sum.opacity, std::uint64_t{ray.opacity} * weight);
@@ -58,13 +66,14 @@ DspTask Framebuffer::task(int u, int v, bool alone) const {
   if (alone && filter_ == wire::Filter::kBox) {
     constexpr std::uint64_t kFinishedBytes = 8;
     return DspTask{.loop = &kStorePixel}.with(
-        {sdram_map::kFramebuffer + index(u / kSubPixels, v / kSubPixels) * kFinishedBytes, kFinishedBytes,
+        {sdram_map::kFramebuffer + index(u / kSubPixels, place(v / kSubPixels)) * kFinishedBytes, kFinishedBytes,
          SdramUse::Kind::kWrite});
   }
   DspTask task{.loop = &kAddToPixel};
   const auto change = [&](int x, int y) {
-    if (x < 0 || x >= width_ || y < 0 || y >= height_) return;
-    task.with({sdram_map::kFramebuffer + index(x, y) * kBytesPerPixel, kBytesPerPixel, SdramUse::Kind::kChange});
+    const int row = place(y);
+    if (x < 0 || x >= width_ || row < 0) return;
+    task.with({sdram_map::kFramebuffer + index(x, row) * kBytesPerPixel, kBytesPerPixel, SdramUse::Kind::kChange});
   };
   if (filter_ == wire::Filter::kBox) {
     change(u / kSubPixels, v / kSubPixels);
@@ -79,9 +88,9 @@ DspTask Framebuffer::task(int u, int v, bool alone) const {
 }
 
 void Framebuffer::add_alone(const wire::Ray& ray) {
-  const int x = ray.u / kSubPixels, y = ray.v / kSubPixels;
-  if (filter_ != wire::Filter::kBox || x >= width_ || y >= height_) return add(ray);
-  Sum& sum = sums_[index(x, y)];
+  const int x = ray.u / kSubPixels, row = place(ray.v / kSubPixels);
+  if (filter_ != wire::Filter::kBox || x >= width_ || row < 0) return add(ray);
+  Sum& sum = sums_[index(x, row)];
   for (std::size_t c = 0; c < 3; ++c) sum.colour[c] += ray.colour[c];
   sum.weight += 1;
   sum.opacity += ray.opacity;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "firmware/image_rows.h"
 #include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
@@ -26,15 +27,17 @@ class Framebuffer {
   static constexpr std::uint64_t kBytesPerPixel = 24;
 
   // A black, transparent image; what was there is gone.
-  void clear(int width, int height, wire::Filter filter);
+  void clear(int width, const ImageRows& rows, wire::Filter filter);
+  // Clears it for the rows that a card makes, unless the image `goes_on` that was begun before.
+  void begin(const wire::RenderCommand& command, bool goes_on);
 
   std::uint64_t bytes() const { return std::uint64_t{kBytesPerPixel} * sums_.size(); }  // of the SDRAM
   std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }         // of the host's
 
   int width() const { return width_; }
-  int height() const { return height_; }
+  int height() const { return height_; }  // rows that are here
 
-  // Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
+  // Of an image whose rows are dealt to several cards, others' pixels are left out. Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
   void add(const wire::Ray& ray);
   // The same, from a thread that alone adds to the pixel of (u, v). Atomic sums would cost as much as making the ray.
   void add_alone(const wire::Ray& ray);
@@ -68,11 +71,17 @@ class Framebuffer {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
+  // Where a row of the image is here; -1 if it is not.
+  int place(int y) const {
+    const int row = rows_.place(y);
+    return row < height_ ? row : -1;
+  }
   void add(int x, int y, std::uint32_t weight, const wire::Ray& ray);
   static wire::Pixel resolve(const Sum& sum);
 
   int width_ = 0;
   int height_ = 0;
+  ImageRows rows_;
   wire::Filter filter_ = wire::Filter::kBox;
   std::vector<Sum> sums_;
 };

@@ -17,6 +17,8 @@ void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame
   if (life.x >= command.width || life.y >= command.height) {
     life.refused = "pixel: expected one of the picture's " + std::to_string(command.width) + " x " +
                    std::to_string(command.height) + ", got " + std::to_string(life.x) + "," + std::to_string(life.y);
+  } else if (command.parts != 0) {
+    life.refused = "picture: expected a whole one, got a part of one that several boards make";
   } else if (frame.in_bricks()) {
     life.refused = "volume: expected one that the card stores whole, got one in bricks";
   } else if (in_segments) {

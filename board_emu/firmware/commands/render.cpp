@@ -18,6 +18,11 @@ namespace gicube::emu {
 
 namespace {
 
+// That the card makes.
+std::uint64_t pixels_of(const wire::RenderCommand& command) {
+  return std::uint64_t{command.width} * static_cast<std::uint64_t>(ImageRows(command).count());
+}
+
 void check_image(const wire::RenderCommand& command, std::uint64_t framebuffer_mb) {
   expect(command.width >= 1 && command.width <= wire::kMaxImageSize, "width", "1..4095", command.width);
   expect(command.height >= 1 && command.height <= wire::kMaxImageSize, "height", "1..4095", command.height);
@@ -31,7 +36,15 @@ void check_image(const wire::RenderCommand& command, std::uint64_t framebuffer_m
       refuse("origin, forward, du, dv: expected finite numbers");
     }
   }
-  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
+  if (command.parts == 0) {
+    expect(command.part == 0 && command.strip_rows == 0, "part, strip_rows", "0 of a whole picture", command.part);
+  } else {
+    expect(command.part < command.parts, "part", "less than parts", command.part);
+    expect(command.strip_rows >= 1 && command.strip_rows <= command.height, "strip_rows", "1..height",
+           command.strip_rows);
+    expect(command.strip_rows * command.part < command.height, "part", "one with rows of the picture", command.part);
+  }
+  const std::uint64_t bytes = pixels_of(command) * Framebuffer::kBytesPerPixel;
   if (bytes > framebuffer_mb * 1'000'000) {
     refuse("width x height: expected an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb) +
            ", got " + std::to_string(bytes) + " bytes");
@@ -70,7 +83,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
     waiting_rays_.begin(WaitingKind::kPicture);
   }
   set_bricks(frame);
-  expect_memory(frame, std::uint64_t{command.width} * command.height);
+  expect_memory(frame, pixels_of(command));
   if (!goes_on_) host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
   lamps_ = Lamps(lamps, frame.spacing);
@@ -95,10 +108,10 @@ RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Fra
 RunResult DspCommands::render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work) {
   std::vector<int> borders =
       Partition(config_.asic(), aperture_.volume().blocks()).borders(aperture_.volume().blocks()[0]);
-  const std::uint64_t samples =
-      std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
-  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel +
-                              samples * (borders.size() + 1) * SegmentRays::kBytesPerPart;
+  const std::uint64_t samples = std::uint64_t{command.width} * command.samples_per_axis *
+                                ImageRows(command).sample_rows(command.samples_per_axis, command.filter).size();
+  const std::uint64_t bytes =
+      pixels_of(command) * Framebuffer::kBytesPerPixel + samples * (borders.size() + 1) * SegmentRays::kBytesPerPart;
   if (bytes > config_.dsp().framebuffer_mb() * std::uint64_t{1'000'000}) {
     refuse("width x height: expected an image whose sums and segments fit dsp.framebuffer_mb = " +
            std::to_string(config_.dsp().framebuffer_mb()) + ", got " + std::to_string(bytes) + " bytes");

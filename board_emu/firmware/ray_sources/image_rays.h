@@ -25,13 +25,14 @@ class ImageRays : public RaySource {
         framebuffer_(framebuffer),
         across_(std::uint64_t{command.width} * command.samples_per_axis),
         spacing_(kSubPixels / command.samples_per_axis),
+        rows_(ImageRows(command).sample_rows(command.samples_per_axis, command.filter)),
         tiles_across_((command.width + kTile - 1) / kTile),
         rules_(rules),
         lamps_(lamps) {
-    if (!goes_on) framebuffer.clear(command.width, command.height, command.filter);
+    framebuffer.begin(command, goes_on);
   }
 
-  std::uint64_t count() const override { return across_ * command_.height * command_.samples_per_axis; }
+  std::uint64_t count() const override { return across_ * rows_.size(); }
   std::uint64_t run_end(std::uint64_t i) const override {
     return in_runs() ? i / across_ * across_ + run_at(timed_, i).end : i + 1;
   }
@@ -44,7 +45,7 @@ class ImageRays : public RaySource {
     return task;
   }
   DspTask taking(std::uint64_t i) const override {
-    return framebuffer_.task(place(i % across_), place(i / across_), command_.samples_per_axis == 1);
+    return framebuffer_.task(place(i % across_), place_of_row(i / across_), command_.samples_per_axis == 1);
   }
   DspTask looking(const wire::Ray& ray) const override { return lamps_.task(ray); }
   std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const override {
@@ -54,7 +55,7 @@ class ImageRays : public RaySource {
 
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override {
     wire::Ray miss;
-    const std::uint16_t u = place(i % across_), v = place(i / across_);
+    const std::uint16_t u = place(i % across_), v = place_of_row(i / across_);
     const auto ray = in_runs() ? extrapolated(run_at(made_, i), i % across_, v, miss) : viewing_ray_at(u, v, miss);
     if (!ray) framebuffer_.add(miss);
     return ray;
@@ -62,14 +63,17 @@ class ImageRays : public RaySource {
   void take(std::uint64_t, const wire::Ray& ray) override { framebuffer_.add(lamps_.seen_by(ray)); }
 
   std::size_t divide(std::size_t) override {
-    return static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>((command_.height + kTile - 1) / kTile);
+    const std::size_t rows = tile_rows();
+    return static_cast<std::size_t>(tiles_across_) * ((rows_.size() + rows - 1) / rows);
   }
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
     auto batch = std::make_unique<RayBatch>();
-    const int left = static_cast<int>(b) % tiles_across_ * kTile, top = static_cast<int>(b) / tiles_across_ * kTile;
-    const int right = std::min(left + kTile, int{command_.width}), bottom = std::min(top + kTile, int{command_.height});
+    const int left = static_cast<int>(b) % tiles_across_ * kTile;
+    const int right = std::min(left + kTile, int{command_.width});
+    const std::size_t top = b / static_cast<std::size_t>(tiles_across_) * tile_rows();
+    const std::size_t bottom = std::min(top + tile_rows(), rows_.size());
     const int samples = command_.samples_per_axis;
-    batch->room.reserve(static_cast<std::size_t>((right - left) * (bottom - top) * samples * samples));
+    batch->room.reserve(static_cast<std::size_t>((right - left) * samples) * (bottom - top));
     const auto keep = [&](const std::optional<wire::Ray>& ray, const wire::Ray& miss) {
       if (ray) {
         batch->room.push_back(*ray);
@@ -77,9 +81,9 @@ class ImageRays : public RaySource {
         framebuffer_.add_alone(miss);  // tiles share no pixel
       }
     };
-    for (int row = top * samples; row < bottom * samples; ++row) {
+    for (std::size_t row = top; row < bottom; ++row) {
       wire::Ray miss;
-      const std::uint16_t v = place(static_cast<std::uint64_t>(row));
+      const std::uint16_t v = place_of_row(row);
       const auto begin = static_cast<std::uint64_t>(left * samples), end = static_cast<std::uint64_t>(right * samples);
       if (in_runs()) {
         for_each_of_runs(v, begin, end,
@@ -97,7 +101,6 @@ class ImageRays : public RaySource {
 
  private:
   static constexpr std::uint32_t kBeginRowCycles = kBeginRow.setup() + kBeginRow.interval();
-  static constexpr int kSubPixels = 16;  // u and v are 12.4 pixels
   static constexpr int kTile =
       16;  // pixels an edge; chosen: the rays of a tile share the voxels that fit a core's cache
 
@@ -107,6 +110,9 @@ class ImageRays : public RaySource {
     std::uint64_t begin = 0, end = 0;
     std::vector<ViewingRun> runs;
   };
+
+  // Of samples in a tile.
+  std::size_t tile_rows() const { return static_cast<std::size_t>(kTile) * command_.samples_per_axis; }
 
   bool in_runs() const { return rules_.rays > 1; }
 
@@ -123,7 +129,7 @@ class ImageRays : public RaySource {
     if (row != known.row || at < known.begin || at >= known.end) {
       known.row = row;
       known.begin = at / rules_.rays * rules_.rays;
-      known.runs = runs_of(place(row), known.begin);
+      known.runs = runs_of(place_of_row(row), known.begin);
       known.end = known.runs.back().end;
     }
     return *std::ranges::find_if(known.runs, [at](const ViewingRun& run) { return at < run.end; });
@@ -142,6 +148,8 @@ class ImageRays : public RaySource {
   std::uint16_t place(std::uint64_t sample) const {
     return static_cast<std::uint16_t>(sample * static_cast<unsigned>(spacing_) + static_cast<unsigned>(spacing_) / 2);
   }
+
+  std::uint16_t place_of_row(std::uint64_t row) const { return place(rows_[row]); }
 
   // The ray of a place of the image, 12.4 pixels; else `miss` is what the framebuffer gets for it.
   std::optional<wire::Ray> viewing_ray_at(std::uint16_t u, std::uint16_t v, wire::Ray& miss) const {
@@ -164,8 +172,9 @@ class ImageRays : public RaySource {
   const wire::RenderCommand& command_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  std::uint64_t across_;  // rays in a row
-  int spacing_;           // between samples, in sub-pixels
+  std::uint64_t across_;             // rays in a row
+  int spacing_;                      // between samples, in sub-pixels
+  std::vector<std::uint16_t> rows_;  // of samples
   int tiles_across_;
   RunRules rules_;
   Lamps lamps_;

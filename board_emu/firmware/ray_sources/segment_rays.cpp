@@ -10,8 +10,6 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint64_t kSubPixels = 16;  // u and v are 12.4 pixels
-
 // Planes whose normals are one unit long keep whole positions: x >= from, and x < to.
 Plane from_plane(std::int32_t from) { return {{1, 0, 0}, from}; }
 Plane below_plane(std::int32_t to) { return {{-1, 0, 0}, 1 - std::int64_t{to}}; }
@@ -39,15 +37,16 @@ SegmentRays::SegmentRays(const wire::RenderCommand& command, const Frame& frame,
       frame_(frame),
       framebuffer_(framebuffer),
       across_(std::uint64_t{command.width} * command.samples_per_axis),
-      spacing_(kSubPixels / command.samples_per_axis),
+      spacing_(static_cast<std::uint64_t>(kSubPixels) / command.samples_per_axis),
+      rows_(ImageRows(command).sample_rows(command.samples_per_axis, command.filter)),
       borders_(std::move(borders)),
       frames_(borders_.size() + 1, frame) {
-  if (!goes_on) framebuffer.clear(command.width, command.height, command.filter);
+  framebuffer.begin(command, goes_on);
   for (std::size_t slab = 0; slab < frames_.size(); ++slab) {
     if (slab > 0) frames_[slab].cut_planes.push_back(from_plane(borders_[slab - 1]));
     if (slab < borders_.size()) frames_[slab].cut_planes.push_back(below_plane(borders_[slab]));
   }
-  const std::uint64_t samples = across_ * command.height * command.samples_per_axis;
+  const std::uint64_t samples = across_ * rows_.size();
   first_.reserve(static_cast<std::size_t>(samples) + 1);
   first_.push_back(0);
   waits_for_.reserve(static_cast<std::size_t>(samples));
@@ -64,7 +63,7 @@ std::size_t SegmentRays::slab_of(std::int32_t x) const {
 }
 
 std::vector<SegmentRays::Part> SegmentRays::parts_of(std::uint64_t sample) const {
-  const std::uint16_t u = place(sample % across_), v = place(sample / across_);
+  const std::uint16_t u = place(sample % across_), v = place(rows_[sample / across_]);
   const Line line = viewing_line(command_, u / double{kSubPixels}, v / double{kSubPixels});
   std::optional<wire::Ray> whole = viewing_ray(line, u, v, frame_.extent, frame_.cut_planes);
   if (!whole) return {};
@@ -112,7 +111,8 @@ DspTask SegmentRays::taking(std::uint64_t i) const {
                     static_cast<std::uint32_t>(of * kBytesPerPart), kind};
   };
   if (parts > 1 && waits_for_[sample] > 0) return DspTask{.loop = &kKeepPart}.with(use(i, 1, SdramUse::Kind::kWrite));
-  DspTask task = framebuffer_.task(place(sample % across_), place(sample / across_), command_.samples_per_axis == 1);
+  DspTask task =
+      framebuffer_.task(place(sample % across_), place(rows_[sample / across_]), command_.samples_per_axis == 1);
   if (parts > 1 && task.use_count < DspTask::kMaxUses) {
     task.with(use(first_[sample], parts, SdramUse::Kind::kRead));
     task.more_cycles += static_cast<std::uint32_t>(parts) * kCompositePart.interval();
@@ -149,7 +149,7 @@ void SegmentRays::composite(std::uint64_t sample) {
     over_premultiplied(whole, unpacked_part(kept_[part]));
   }
   whole.u = place(sample % across_);
-  whole.v = place(sample / across_);
+  whole.v = place(rows_[sample / across_]);
   framebuffer_.add(whole);
 }
 

@@ -70,8 +70,9 @@ class SegmentRays : public RaySource {
   const wire::RenderCommand& command_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  std::uint64_t across_;   // samples in a row
-  std::uint64_t spacing_;  // between samples, in sub-pixels
+  std::uint64_t across_;             // samples in a row
+  std::uint64_t spacing_;            // between samples, in sub-pixels
+  std::vector<std::uint16_t> rows_;  // of samples
   std::vector<std::int32_t> borders_;
   std::vector<Frame> frames_;  // by slab: rays end at its borders
   std::vector<std::uint64_t>

@@ -321,6 +321,7 @@ class GICUBE_API Board {
   Counters counters();
 
  private:
+  friend class BoardGroup;  // gicube/board_group.h
   struct State;
   explicit Board(std::shared_ptr<State> state);
   std::shared_ptr<State> state_;  // futures have weak ones

@@ -1,5 +1,4 @@
 // Rays of the host application.
-#include <ranges>
 #include <string>
 
 #include "encode/argument.h"
@@ -10,7 +9,7 @@
 namespace gicube {
 
 Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
-                            std::vector<std::size_t> lines) {
+                            std::vector<std::size_t> lines, std::span<const std::size_t> numbers) {
   if (!info.host_rays) throw Unsupported("this board takes no host rays");
   check(request);
   const LoadedVolume& of = request.type == RayType::kBackproject ? whole("RayType::kBackproject") : loaded("submit()");
@@ -41,7 +40,10 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
                        of.range,
                        static_cast<std::size_t>(info.irradiance_words)};
   std::size_t index = 0;
-  for (const HostRay& ray : rays | std::views::join) check(ray, index++, setup);
+  for (std::size_t list = 0; list < rays.size(); ++list) {
+    if (!numbers.empty()) index = numbers[list];
+    for (const HostRay& ray : rays[list]) check(ray, index++, setup);
+  }
   set_sampling(sampled);
   if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;

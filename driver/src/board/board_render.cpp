@@ -110,63 +110,77 @@ Board::State::BrickRun Board::State::picture_run(const View& view, const wire::R
 
 void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const auto lock = state_->begin();
+  state_->render(view, {}, progress);
+}
+
+void Board::State::render(const View& view, const PicturePart& picture, const Progress& progress) {
   check(view);
-  const LoadedVolume& volume = state_->loaded("rendering");
-  if (view.irradiance && state_->irradiance_unit <= 0) {
+  const LoadedVolume& of = loaded("rendering");
+  if (view.irradiance && irradiance_unit <= 0) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
   if (view.scatter) {
-    state_->need_routine(false);
-    state_->need_no_routine_in_bricks("View::scatter with the application's routine", false);
+    need_routine(false);
+    need_no_routine_in_bricks("View::scatter with the application's routine", false);
   }
   const bool sees_lamps = view.scatter && !view.lamps.empty();
-  if (sees_lamps && state_->device.agreed().minor < wire::kLampsMinor) {
+  if (sees_lamps && device.agreed().minor < wire::kLampsMinor) {
     throw Rejected(fmt::format("View::lamps needs a board of protocol 2.{}, this one has 2.{}", wire::kLampsMinor,
-                               state_->device.agreed().minor));
+                               device.agreed().minor));
   }
-  state_->check_drift("step", view.step);
-  const Vec3 eye = towards_eye(view, volume.relative_spacing);
+  check_drift("step", view.step);
+  const Vec3 eye = towards_eye(view, of.relative_spacing);
   std::uint32_t parts = 1;  // of which the board tells now and then
   Progress part;
   if (progress) part = [&](std::uint32_t done, std::uint32_t all) { progress(done, parts = all); };
-  const Progress told = state_->watched(part);
-  state_->set_sampling(view);
-  if (view.shade) state_->tables.send_reflectance(eye);
-  wire::RenderCommand camera = viewing_command(view, volume.relative_spacing);
+  const Progress told = watched(part);
+  set_sampling(view);
+  if (view.shade) tables.send_reflectance(eye);
+  wire::RenderCommand camera = viewing_command(view, of.relative_spacing);
   std::vector<wire::Lamp> lamps;
-  if (sees_lamps) lamps = lamp_records(view, state_->exposure_of(view));
+  if (sees_lamps) lamps = lamp_records(view, exposure_of(view));
   camera.lamps = static_cast<std::uint8_t>(lamps.size());
+  camera.strip_rows = picture.strip_rows;
+  camera.part = picture.part;
+  camera.parts = picture.parts;
   std::vector<std::uint8_t> payload = wire::encoded(camera);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
-  const Picoseconds deadline = state_->deadline();
-  if (state_->bricks) {
-    state_->bricks->prepare(state_->device, view.irradiance ? LightUse::kSeen : LightUse::kNone);
-    state_->check_fence();
+  const Picoseconds last = deadline();
+  if (bricks) {
+    bricks->prepare(device, view.irradiance ? LightUse::kSeen : LightUse::kNone);
+    check_fence();
   }
-  CommandResult result = state_->device.run(payload, told, deadline);
-  state_->sampling = view;
-  state_->sampling_towards_eye = eye;
-  state_->framebuffer_size = {};  // no picture until all rays have come to their ends
-  if (state_->bricks) {
-    state_->run_in_bricks(result.payload, state_->picture_run(view, camera, deadline));
+  CommandResult result;
+  const bool has_rows = wire::rows_of(camera) > 0;
+  if (has_rows) result = device.run(payload, told, last);
+  sampling = view;
+  sampling_towards_eye = eye;
+  framebuffer_size = {};  // no picture until all rays have come to their ends
+  if (!has_rows) return;
+  if (bricks) {
+    run_in_bricks(result.payload, picture_run(view, camera, last));
   } else {
-    state_->scatter_waiting(result.payload, {});
+    scatter_waiting(result.payload, {});
   }
-  state_->framebuffer_size = {view.width, view.height};
+  framebuffer_size = {view.width, wire::rows_of(camera)};
   if (told) told(parts, parts);
 }
 
 Image Board::read_framebuffer() {
   const auto lock = state_->begin();
-  const auto [width, height] = state_->framebuffer_size;
+  return state_->read_picture();
+}
+
+Image Board::State::read_picture() {
+  const auto [width, height] = framebuffer_size;
   if (width == 0) throw Rejected("read_framebuffer() needs a picture: render first");
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const std::size_t bytes = wire::packed36_bytes(count);
-  const std::size_t max_bytes = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
+  const std::size_t max_bytes = device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
   Image image{width, height, std::vector<Pixel>(count)};
   std::span<Pixel> left = image.pixels;
   for (std::size_t at = 0; at < bytes; at += max_bytes) {
-    const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
+    const auto part = device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
     const std::size_t pixels = std::min(left.size(), max_bytes / 9 * 2);
     take_pixels(part, left.first(pixels));
     left = left.subspan(pixels);

@@ -142,6 +142,13 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   // Bytes of a region, in pieces of whole records.
   std::vector<std::uint8_t> read_pieces(const wire::MemoryRegion& region, std::uint64_t from, std::uint64_t bytes,
                                         std::size_t record);
+  // Board::render_to_framebuffer() of a part of the picture (wire::RenderCommand). Of a part without rows the view is remembered.
+  struct PicturePart {
+    std::uint16_t strip_rows = 0;
+    std::uint8_t part = 0, parts = 0;
+  };
+  void render(const View& view, const PicturePart& part, const Progress& progress);
+  Image read_picture();  // as many rows as were made
   // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
   BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);
 
@@ -188,8 +195,9 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step` voxels.
   void check_drift(const char* field, double step) const;
   void set_sampling(const View& view);
+  // `numbers`: by which errors name each span's first ray; empty: those of one list of all rays.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
-                std::vector<std::size_t> lines);
+                std::vector<std::size_t> lines, std::span<const std::size_t> numbers = {});
   void send_batches_again() {
     batches.send_again([this](const View& view, Vec3 towards_eye) {
       set_sampling(view);

@@ -46,19 +46,31 @@ struct RenderCommand {
   Projection projection = Projection::kPerspective;
   std::uint8_t samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   Filter filter = Filter::kBox;
-  std::uint8_t lamps = 0;          // records behind the command, at most kMaxLamps
+  std::uint8_t lamps = 0;  // records behind the command, at most kMaxLamps
+  // A card makes part `part` of the picture's `parts`: strips of `strip_rows` rows from the top are dealt to the parts in turn. The
+  // framebuffer has the part's rows, one below the other. 0 parts: the whole picture, and the two others are 0.
+  std::uint16_t strip_rows = 0;
+  std::uint8_t part = 0;
+  std::uint8_t parts = 0;
   std::array<double, 3> origin{};  // voxels, as all below
   std::array<double, 3> forward{};
   std::array<double, 3> du{};
   std::array<double, 3> dv{};
 
   constexpr void fields(auto&& list) {
-    list(Opcode::kRender, width, height, projection, samples_per_axis, filter, lamps, Reserved<4>{}, origin, forward,
-         du, dv);
+    list(Opcode::kRender, width, height, projection, samples_per_axis, filter, lamps, strip_rows, part, parts, origin,
+         forward, du, dv);
   }
   friend constexpr bool operator==(const RenderCommand&, const RenderCommand&) = default;
 };
 inline constexpr std::size_t kRenderCommandBytes = bytes_of<RenderCommand>();
+
+// Rows of pixels that a card makes for a command that it takes.
+constexpr int rows_of(const RenderCommand& command) {
+  if (command.parts == 0) return command.height;
+  const int strip = command.strip_rows, period = strip * command.parts;
+  return command.height / period * strip + std::clamp(command.height % period - command.part * strip, 0, strip);
+}
 
 // ---- kTrace: host rays in, host rays out in its completion, in the order in which they were sent. A TraceHeader, then `count`
 // ray packets (ray.h) with the flag kHostRay alone; of deposit also kLightingRay, and kHighAlbedo as `albedo`.
@@ -188,6 +200,7 @@ inline constexpr std::size_t kIlluminateCommandBytes = bytes_of<IlluminateComman
 // kSphere: `position` is the centre, u[0] the radius; it is seen from outside. Units as above.
 inline constexpr std::size_t kMaxLamps = 32;  // chosen: their records in the DSP's tables fill half of its data cache
 inline constexpr std::uint16_t kLampsMinor = 3;
+inline constexpr std::uint16_t kPartsMinor = 3;  // RenderCommand::parts
 struct Lamp {
   LightKind kind = LightKind::kRectangle;
   std::array<std::uint32_t, 3> colour{};  // 16.16, 65536 = full colour

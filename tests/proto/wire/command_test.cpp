@@ -17,13 +17,16 @@ TEST(RenderCommand, HasTheBytesThatItsTableSays) {
   command.samples_per_axis = 2;
   command.filter = Filter::kTent;
   command.lamps = 3;
+  command.strip_rows = 16;
+  command.part = 2;
+  command.parts = 5;
   command.origin = {1, -2, 0.5};  // 3FF, C00, 3FE and thirteen zeros
   command.forward = {0, 0, 1};
   command.du = {0.25, 0, 0};   // 3FD
   command.dv = {0, -0.25, 0};  // BFD
   const std::string zero = " 00 00 00 00 00 00 00 00";
   EXPECT_EQ(hex_of<kRenderCommandBytes>(command),
-            "01 00 00 00 00 02 00 01 01 02 01 03 00 00 00 00"
+            "01 00 00 00 00 02 00 01 01 02 01 03 10 00 02 05"
             " 00 00 00 00 00 00 F0 3F 00 00 00 00 00 00 00 C0 00 00 00 00 00 00 E0 3F" +
                 zero + zero + " 00 00 00 00 00 00 F0 3F" +  // forward
                 " 00 00 00 00 00 00 D0 3F" + zero + zero +  // du

@@ -93,6 +93,9 @@ inline RenderCommand any_render() {
   command.samples_per_axis = any_bits<std::uint8_t>(8);
   command.filter = static_cast<Filter>(any_bits<std::uint8_t>(1));
   command.lamps = any_bits<std::uint8_t>(8);
+  command.strip_rows = any_bits<std::uint16_t>(16);
+  command.part = any_bits<std::uint8_t>(8);
+  command.parts = any_bits<std::uint8_t>(8);
   for (auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
     for (double& x : *vector) x = *rc::gen::arbitrary<double>();
   }

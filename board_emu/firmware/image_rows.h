@@ -1,0 +1,64 @@
+// The rows of a picture that a card makes: all of them, or strips that are dealt to several cards in turn.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "gicube/wire/command.h"
+
+namespace gicube::emu {
+
+inline constexpr int kSubPixels = 16;  // u and v of a ray are 12.4 pixels
+
+class ImageRows {
+ public:
+  // All of an image of that height.
+  ImageRows(int height = 0) : height_(height), count_(height), strip_(std::max(height, 1)) {}
+  // Of a command with a strip that the image reaches.
+  explicit ImageRows(const wire::RenderCommand& command) : ImageRows(command.height) {
+    if (command.parts == 0) return;
+    count_ = wire::rows_of(command);
+    strip_ = command.strip_rows;
+    part_ = command.part;
+    parts_ = command.parts;
+  }
+
+  int count() const { return count_; }
+  // Where a row of the image stands among them; -1 if it does not.
+  int place(int row) const {
+    if (row < 0 || row >= height_) return -1;
+    if (parts_ == 1) return row;
+    const int strip = row / strip_;
+    return strip % parts_ == part_ ? strip / parts_ * strip_ + row % strip_ : -1;
+  }
+
+  // The image's rows of samples, from the top, that have a part in these rows of pixels. By a tent some do that lie in the rows next to a
+  // strip.
+  std::vector<std::uint16_t> sample_rows(int samples_per_axis, wire::Filter filter) const {
+    std::vector<std::uint16_t> rows;
+    const int spacing = kSubPixels / samples_per_axis;
+    for (int row = 0; row < height_ * samples_per_axis; ++row) {
+      if (counts(row * spacing + spacing / 2, filter)) rows.push_back(static_cast<std::uint16_t>(row));
+    }
+    return rows;
+  }
+
+ private:
+  bool counts(int v, wire::Filter filter) const {
+    const int own = v / kSubPixels;
+    if (place(own) >= 0) return true;
+    if (filter == wire::Filter::kBox) return false;
+    const int middle = own * kSubPixels + kSubPixels / 2;
+    return v != middle && place(v < middle ? own - 1 : own + 1) >= 0;
+  }
+
+  int height_ = 0;  // of the whole image
+  int count_ = 0;   // of them here
+  int strip_ = 1;   // rows
+  int part_ = 0;
+  int parts_ = 1;
+};
+
+}  // namespace gicube::emu

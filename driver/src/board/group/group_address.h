@@ -1,0 +1,21 @@
+// The address of several emulated boards.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gicube/board_group.h"
+
+namespace gicube {
+
+struct GroupAddress {
+  std::vector<std::string> boards;  // one address each
+  std::optional<HostBuses> buses;   // if the address says so
+};
+
+// Throws BadArgument (boards, buses).
+GroupAddress parse_group(std::string_view address);
+
+}  // namespace gicube
