@@ -1,6 +1,7 @@
 // gicube-render: pictures of a volume or a scene from a GI-Cube board.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -31,14 +32,33 @@ void print_lighting(const LightingStatistics& lighting) {
   for (const std::string& warning : report.warnings) fmt::print(stderr, "gicube-render: warning: {}\n", warning);
 }
 
+// Where the time of several boards went, on average.
+void print_boards(const FrameStatistics& statistics) {
+  gicube::BoardTime sum;
+  for (const gicube::BoardTime& time : statistics.boards) {
+    sum = {sum.bus + time.bus, sum.work + time.work, sum.bus_wait + time.bus_wait, sum.skew + time.skew};
+  }
+  const auto percent = [&](gicube::Picoseconds time) {
+    return 100 * static_cast<double>(time) /
+           static_cast<double>(std::max<gicube::Picoseconds>(sum.bus + sum.work + sum.bus_wait + sum.skew, 1));
+  };
+  fmt::print(
+      "{} boards, {}: each works {:.1f}% of the frame, transfers {:.1f}%, waits {:.1f}% for the bus and {:.1f}% for "
+      "the last one\n",
+      statistics.boards.size(), statistics.own_buses ? "own buses" : "a shared bus", percent(sum.work),
+      percent(sum.bus), percent(sum.bus_wait), percent(sum.skew));
+}
+
 void print_summary(const std::filesystem::path& file, const FrameStatistics& statistics) {
   for (const LightingStatistics& lighting : statistics.lighting) {
     if (!lighting.reused) print_lighting(lighting);
   }
   const double frame_ms = gicube::to_ms(statistics.frame);
-  const double share = frame_ms > 0 ? 100 * bus_ms(statistics.counters) / frame_ms : 0;
+  const double boards = static_cast<double>(std::max<std::size_t>(statistics.boards.size(), 1));
+  const double share = frame_ms > 0 ? 100 * bus_ms(statistics.counters) / frame_ms / boards : 0;
   fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", file.string(), frame_ms, share,
              statistics.width, statistics.height);
+  if (!statistics.boards.empty()) print_boards(statistics);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(

@@ -281,7 +281,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_explain_options(app, options);
   add_checkpoint_options(app, options);
   add_plan_options(app, options.plan, "a picture");
-  add_board_options(app, options.board);
+  add_board_options(app, options.board, true);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options);
   check_animation(options.animation);

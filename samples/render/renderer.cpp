@@ -44,6 +44,39 @@ std::optional<Background> background_of(const RenderOptions& options, const std:
   return Background(*colour, options.composite.value_or(Composite::kDisplay));
 }
 
+// What one board knows or writes.
+void check_several_boards(const RenderOptions& options) {
+  const char* const against = options.plan.wanted()             ? "--max-error or --time-budget"
+                              : options.crop                    ? "--crop"
+                              : options.level_of_detail > 0     ? "--level-of-detail"
+                              : !options.lighting.field.empty() ? "--irradiance"
+                              : options.explain_pixel           ? "--explain-pixel"
+                              : options.checkpoint.unit || !options.board.restore.empty() ? "--checkpoint or --restore"
+                                                                                          : nullptr;
+  if (against != nullptr) throw UsageError(std::string("several boards: expected without ") + against);
+}
+
+void add(const std::vector<BoardTime>& times, std::vector<BoardTime>& sums) {
+  sums.resize(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    sums[i].bus += times[i].bus;
+    sums[i].work += times[i].work;
+    sums[i].bus_wait += times[i].bus_wait;
+    sums[i].skew += times[i].skew;
+  }
+}
+
+// Of a window of two readings.
+std::vector<BoardTime> between(const std::vector<BoardTime>& begin, std::vector<BoardTime> end) {
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    end[i].bus -= begin[i].bus;
+    end[i].work -= begin[i].work;
+    end[i].bus_wait -= begin[i].bus_wait;
+    end[i].skew -= begin[i].skew;
+  }
+  return end;
+}
+
 }  // namespace
 
 Renderer::Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting)
@@ -51,7 +84,9 @@ Renderer::Renderer(const RenderOptions& options, Steps steps, const std::functio
       steps_(std::move(steps)),
       input_(input_scene(options)),
       events_(events_for(options)),
-      board_(open_board(with_events(board_for(options.plan, options.board), events_.get()), while_waiting)) {
+      boards_(open_boards(with_events(board_for(options.plan, options.board), events_.get()), while_waiting)),
+      board_(boards_.board(0)) {
+  if (boards_.size() > 1) check_several_boards(options);
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
 
@@ -123,17 +158,18 @@ bool Renderer::holds(const Scene& scene) const {
 }
 
 Picoseconds Renderer::set_voxels(const Scene& scene) {
-  const Picoseconds begin = board_.now();
+  const Picoseconds begin = boards_.now();
   if (holds(scene)) {
     set_look(scene, setup_);
     if (loaded_->transfer_function == options_.transfer_function) return 0;
     lit_.reset();
     const ValueRange range = board_.value_range();
     for (std::size_t tag = 0; tag < setup_.materials.size(); ++tag) {
-      board_.set_transfer_function(in_values_of(range, setup_.materials[tag]), static_cast<int>(tag));
+      const TransferFunction function = in_values_of(range, setup_.materials[tag]);
+      boards_.on_all([&](Board& board) { board.set_transfer_function(function, static_cast<int>(tag)); });
     }
     loaded_->transfer_function = options_.transfer_function;
-    return board_.now() - begin;
+    return boards_.now() - begin;
   }
   steps_("reading the scene");
   const bool is_first = !set_up_before_;
@@ -150,7 +186,7 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   set_phong(options_, setup_.shading.phong);
   check_renders(setup_.volume.dims, board_.info(), setup_.volume.source);
   if (field_) check_size(*field_, setup_.volume.dims);
-  board_.set_shading(setup_.shading);
+  boards_.on_all([&](Board& board) { board.set_shading(setup_.shading); });
   const bool own_codebook = is_first && scene.world && scene.own_codebook && !moves_nodes(scene);
   set_up_before_ = true;
   plan_.reset();
@@ -165,11 +201,13 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
     part_ = load_derived(board_, setup_, options_.crop, options_.level_of_detail, own_codebook,
                          steps_("loading the volume"));
   } else {
-    load(board_, setup_, own_codebook, steps_("loading the volume"));
+    const Progress told = steps_("loading the volume");
+    boards_.on_all(
+        [&](Board& board, std::size_t index) { load(board, setup_, own_codebook, index == 0 ? told : Progress()); });
   }
   setup_.free_voxels();
   loaded_ = Loaded{scene, options_.transfer_function, options_.crop, options_.level_of_detail};
-  return board_.now() - begin;
+  return boards_.now() - begin;
 }
 
 void Renderer::take_over(const Scene& scene) {
@@ -201,9 +239,11 @@ void Renderer::write_checkpoint_if_due(std::size_t frame) {
 }
 
 void Renderer::set_optics(const LightPass& pass) {
-  for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
-    board_.set_material(pass.optics[tag], static_cast<int>(tag));
-  }
+  boards_.on_all([&](Board& board) {
+    for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
+      board.set_material(pass.optics[tag], static_cast<int>(tag));
+    }
+  });
 }
 
 // Spreads the pass's light unless it is there; whether that had to be done.
@@ -215,10 +255,14 @@ bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t pass
   Illumination settings = scene.lighting.settings;
   settings.light_colours = pass.light_colours;
   settings = planned(pass, settings, passes, channel);
-  RunWindow window(board_);
+  RunWindow window(boards_);
   lighting_ = {};
   has_lit_ = true;
-  lighting_.report = board_.illuminate(pass.lights, settings, steps_("lighting" + channel));
+  const Progress told = steps_("lighting" + channel);
+  boards_.on_all([&](Board& board, std::size_t index) {
+    LightingReport report = board.illuminate(pass.lights, settings, index == 0 ? told : Progress());
+    if (index == 0) lighting_.report = std::move(report);  // each has the same
+  });
   lighting_.channel = name_of(pass);
   lighting_.settings = settings;
   lighting_.lights = pass.lights.size();
@@ -258,8 +302,9 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   View view = setup_.view;
   view.exposure = setup_.lighting.exposure;
   plan_view(pass, view);
-  RunWindow window(board_);
-  board_.set_shading(setup_.shading);
+  RunWindow window(boards_);
+  const std::vector<BoardTime> before = boards_.times();
+  boards_.on_all([&](Board& board) { board.set_shading(setup_.shading); });
   set_optics(pass);
   frame.background = background_of(options_, setup_.background);
   if (field_) {
@@ -267,7 +312,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
     frame.image =
         picture_of(board_, *field_, view, asked > 0 ? asked : exposure_for(*field_), frame.background, steps_(what));
   } else {
-    put_together(pass, board_.render(view, steps_(what)), frame.background, frame.image);
+    put_together(pass, boards_.render(view, steps_(what)), frame.background, frame.image);
   }
 
   FrameStatistics& statistics = frame.statistics;
@@ -276,6 +321,10 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   statistics.host_seconds += window.host_seconds();
   statistics.counters = sum_of(statistics.counters, window.counters());
   statistics.board = board_.info();
+  if (boards_.size() > 1) {
+    add(between(before, boards_.times()), statistics.boards);
+    statistics.own_buses = boards_.buses() == HostBuses::kOwn;
+  }
   statistics.width = frame.image.width;
   statistics.height = frame.image.height;
   statistics.dims = setup_.volume.dims;

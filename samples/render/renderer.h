@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gicube/board.h"
+#include "gicube/board_group.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "gicube/scene/light_field.h"
@@ -53,7 +54,7 @@ class Renderer {
   // Of the last picture; without voxels.
   const SceneSetup& setup() const { return setup_; }
   const Scene& input() const { return input_; }
-  Board& board() { return board_; }
+  Board& board() { return board_; }  // the first
 
  private:
   Scene at(double time) const;
@@ -85,7 +86,8 @@ class Renderer {
   Steps steps_;
   Scene input_;
   std::unique_ptr<EventFile> events_;  // of the pixel that is to be explained
-  Board board_;
+  BoardGroup boards_;
+  Board& board_;                     // the first of them; what all must do goes to boards_
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   bool set_up_before_ = false;     // the board can't take another codebook

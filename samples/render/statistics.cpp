@@ -87,6 +87,18 @@ Json lighting_json(const LightingStatistics& lighting) {
           {"counters", to_json(lighting.counters)}};
 }
 
+Json boards_json(const FrameStatistics& statistics) {
+  if (statistics.boards.empty()) return nullptr;
+  Json json{{"buses", statistics.own_buses ? "own" : "shared"}, {"each", Json::array()}};
+  for (const BoardTime& time : statistics.boards) {
+    json["each"].push_back({{"bus_ms", to_ms(time.bus)},
+                            {"work_ms", to_ms(time.work)},
+                            {"bus_wait_ms", to_ms(time.bus_wait)},
+                            {"skew_ms", to_ms(time.skew)}});
+  }
+  return json;
+}
+
 }  // namespace
 
 Json to_json(const FrameStatistics& statistics) {
@@ -107,6 +119,7 @@ Json to_json(const FrameStatistics& statistics) {
   for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(lighting_json(lighting));
   json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);
   for (const LightPlan& plan : statistics.light_plans) json["plan"]["light"].push_back(to_json(plan));
+  json["boards"] = boards_json(statistics);
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gicube/board.h"
+#include "gicube/board_group.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "scene/program/host_usage.h"
@@ -42,18 +43,22 @@ struct FrameStatistics {
   std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
   std::optional<Plan> plan;                  // by which it was made
   std::vector<LightPlan> light_plans;        // and its light, a pass each
+  std::vector<BoardTime> boards;             // of several: where each one's simulated time of the window went
+  bool own_buses = false;                    // and whether each has a bus of its own
   std::optional<RunUsage> host;              // of the whole run until the frame was there
   nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan host pixel counters
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan boards host pixel counters
 // fidelity_report (of program/run_json.h). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
 // does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy
 // report in units of the lights' power, and its own counters. plan: null without one; its `light` has
-// that of each pass. host: of program/host_usage.h.
+// that of each pass. boards: null for one, else buses (shared,
+// own) and each board's bus_ms, work_ms, bus_wait_ms and skew_ms, which add up to frame_ms; counters are the sums of all boards, and
+// figures per second those of one board's ASIC. host: of program/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.

@@ -79,10 +79,24 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
   return false;
 }
 
-void add_board_options(CLI::App& app, BoardOptions& options) {
+void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
   OptionGroup group(app, "Board and run");
-  group.value("--board", options.board, "emu: (a private emulated board), unix:PATH, tcp:HOST:PORT or tls:HOST:PORT")
-      ->capture_default_str();
+  const std::string addresses = "emu: (a private emulated board), unix:PATH, tcp:HOST:PORT or tls:HOST:PORT";
+  if (several) {
+    const auto take = [&options](const std::vector<std::string>& texts) {
+      options.board = texts.front();
+      options.others.assign(texts.begin() + 1, texts.end());
+    };
+    app.add_option_function<std::vector<std::string>>("--board", take,
+                                                      addresses + "; repeatable, emu:?boards=N are N boards  [emu:]")
+        ->type_name("ADDRESS")
+        ->expected(1)
+        ->take_all()
+        ->group("Board and run");
+    group.flag("--own-buses", options.own_buses, "several boards have a host bus each, instead of sharing one");
+  } else {
+    group.value("--board", options.board, addresses)->capture_default_str();
+  }
   group.value("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle");
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile);
@@ -147,6 +161,16 @@ std::string board_uri(const BoardOptions& options) {
   if (!options.events.empty()) add("events_of", options.events_of);
   if (!options.restore.empty()) add("restore", options.restore.string());
   return uri;
+}
+
+std::vector<std::string> board_uris(const BoardOptions& options) {
+  std::vector<std::string> uris{board_uri(options)};
+  for (const std::string& other : options.others) {
+    BoardOptions of_other = options;
+    of_other.board = other;
+    uris.push_back(board_uri(of_other));
+  }
+  return uris;
 }
 
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count) {

@@ -38,6 +38,8 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
 
 struct BoardOptions {
   std::string board = "emu:";
+  std::vector<std::string> others;    // boards besides that one
+  bool own_buses = false;             // several boards have a bus each
   std::string fidelity;               // empty: the board's own
   std::filesystem::path config;       // empty: none
   std::vector<std::string> settings;  // path.to.field=value
@@ -51,12 +53,15 @@ struct BoardOptions {
   std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
 };
 
-// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run".
-void add_board_options(CLI::App& app, BoardOptions& options);
+// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
+// be given several times, and there is --own-buses.
+void add_board_options(CLI::App& app, BoardOptions& options, bool several = false);
 
 // The URI for Board::open(): emu: with the options as its query. Throws UsageError if a running board (unix:, tcp:) is
 // asked to be configured: its own configuration holds.
 std::string board_uri(const BoardOptions& options);
+// The same of all boards.
+std::vector<std::string> board_uris(const BoardOptions& options);
 
 // Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option`, unless there are `count` finite ones.
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count);

@@ -9,15 +9,41 @@
 
 namespace gicube::samples {
 
+namespace {
+
+OpenOptions open_options(const BoardOptions& options, const std::function<void()>& while_waiting) {
+  OpenOptions how;
+  how.watchdog = options.watchdog;
+  how.while_waiting = while_waiting;
+  return how;
+}
+
+// Of a running board; an emulated one begins with it.
+void restore_running(const BoardOptions& options, Board& board) {
+  if (!options.restore.empty() && !options.board.starts_with("emu:")) board.restore(options.restore.string());
+}
+
+}  // namespace
+
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting) {
   const std::string uri = board_uri(options);
   try {
-    OpenOptions how;
-    how.watchdog = options.watchdog;
-    how.while_waiting = while_waiting;
-    Board board = Board::open(uri, how);
-    if (!options.restore.empty() && !uri.starts_with("emu:")) board.restore(options.restore.string());
+    Board board = Board::open(uri, open_options(options, while_waiting));
+    restore_running(options, board);
     return board;
+  } catch (const BadArgument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+BoardGroup open_boards(const BoardOptions& options, const std::function<void()>& while_waiting) {
+  const std::vector<std::string> uris = board_uris(options);
+  GroupOptions how{.buses = options.own_buses ? HostBuses::kOwn : HostBuses::kShared,
+                   .board = open_options(options, while_waiting)};
+  try {
+    BoardGroup boards = uris.size() == 1 ? BoardGroup::open(uris[0], how) : BoardGroup::open(uris, how);
+    restore_running(options, boards.board(0));
+    return boards;
   } catch (const BadArgument& error) {
     throw UsageError(error.what());
   }

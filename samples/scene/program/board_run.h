@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gicube/board.h"
+#include "gicube/board_group.h"
 #include "gicube/scene/scene.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
@@ -15,6 +16,9 @@ namespace gicube::samples {
 // `while_waiting`: as OpenOptions. Throws UsageError (options that make no URI) and what Board::open() throws.
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
+// The same of one or several boards.
+BoardGroup open_boards(const BoardOptions& options, const std::function<void()>& while_waiting = {});
+
 // Whether pictures can be taken of such a volume, which the card need not store whole (docs/guide/bricks.md). Throws InputError.
 void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source);
 // Whether the card stores it. Throws InputError that says how an emulated board is made larger.
@@ -23,17 +27,24 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
 // Wall and simulated time of a part of the work, and what the board counted in it.
 class RunWindow {
  public:
-  explicit RunWindow(Board& board)
-      : board_(board), counters_(board.counters()), begin_(board.now()), start_(std::chrono::steady_clock::now()) {}
+  // `boards`: a Board or a BoardGroup, which must outlive this.
+  template <typename Boards>
+  explicit RunWindow(Boards& boards)
+      : now_([&boards] { return boards.now(); }),
+        count_([&boards] { return boards.counters(); }),
+        counters_(count_()),
+        begin_(now_()),
+        start_(std::chrono::steady_clock::now()) {}
 
-  Picoseconds simulated() const { return board_.now() - begin_; }
+  Picoseconds simulated() const { return now_() - begin_; }
   double host_seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  Counters counters() { return board_.counters() - counters_; }
+  Counters counters() { return count_() - counters_; }
 
  private:
-  Board& board_;
+  std::function<Picoseconds()> now_;
+  std::function<Counters()> count_;
   Counters counters_;
   Picoseconds begin_;
   std::chrono::steady_clock::time_point start_;

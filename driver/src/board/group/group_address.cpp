@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 
 #include "gicube/error.h"
@@ -22,6 +23,9 @@ HostBuses buses_of(std::string_view value) {
   if (value == "own") return HostBuses::kOwn;
   throw BadArgument("URI option buses", "shared or own", fmt::format("\"{}\"", value));
 }
+
+// Files that a board writes.
+constexpr std::array<std::string_view, 4> kFilesOfOne{"trace=", "events=", "capture=", "fault_log="};
 
 }  // namespace
 
@@ -46,6 +50,14 @@ GroupAddress parse_group(std::string_view address) {
       } else {
         one += (one.ends_with(':') ? '?' : '&') + std::string(option);
       }
+    }
+  }
+  for (const std::string_view file : kFilesOfOne) {
+    const bool asked = one.find("?" + std::string(file)) != std::string::npos ||
+                       one.find("&" + std::string(file)) != std::string::npos;
+    if (asked && boards.value_or(1) > 1) {
+      throw BadArgument("URI option " + std::string(file.substr(0, file.size() - 1)),
+                        "one board, which writes the file", fmt::format("{}", *boards));
     }
   }
   group.boards.assign(boards.value_or(1), one);
