@@ -83,12 +83,15 @@ class Recorder {
   }
 }
 
-// Strips that are dealt in turn: narrow enough that each board has several, so that none has only what is costly; high enough that rays of
-// a strip share voxels. Boards that send themselves the blocks that their rays need each get one strip, which needs fewest.
-std::uint16_t strip_rows(int height, std::size_t boards, bool in_bricks) {
-  const int of_each = (height + static_cast<int>(boards) - 1) / static_cast<int>(boards);
-  constexpr int kStrips = 4, kHighest = 16;  // chosen: measured, docs/guide/boards.md
-  return static_cast<std::uint16_t>(in_bricks ? of_each : std::clamp(of_each / kStrips, 1, kHighest));
+// Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in it, and are made for
+// both strips: higher ones have fewer of them. Boards that send themselves the blocks that their rays need get one strip each, which
+// needs fewest. Measured: docs/guide/boards.md.
+std::uint16_t strip_rows(const View& view, std::size_t boards, bool in_bricks) {
+  const int of_each = (view.height + static_cast<int>(boards) - 1) / static_cast<int>(boards);
+  if (in_bricks) return static_cast<std::uint16_t>(of_each);
+  constexpr int kHighest = 8, kStrips = 4;  // chosen: at most an eighth more rays; four strips a board are even enough
+  const bool twice = view.filter == PixelFilter::kTent && view.samples_per_axis > 1;
+  return static_cast<std::uint16_t>(twice ? std::clamp(of_each / kStrips, 1, kHighest) : 1);
 }
 
 // Of rays that are dealt in turn.
@@ -246,7 +249,7 @@ Image BoardGroup::render(const View& view, const Progress& progress) {
   const bool in_bricks =
       std::ranges::any_of(boards, [](const Board& board) { return board.state_->bricks != nullptr; });
   Board::State::PicturePart part;
-  if (size() > 1) part = {strip_rows(view.height, size(), in_bricks), 0, static_cast<std::uint8_t>(size())};
+  if (size() > 1) part = {strip_rows(view, size(), in_bricks), 0, static_cast<std::uint8_t>(size())};
   std::vector<Image> parts(size());
   state_->call(true, [&](std::size_t i, Recorder& recorder) {
     Board::State::PicturePart own = part;

@@ -43,11 +43,18 @@ BlockOrder::BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, st
   std::ranges::stable_sort(order_, {}, [&](std::uint32_t block) { return distance[block]; });
 }
 
-// The four planes between which all rays of the picture lie.
+// The four planes between which all rays of the picture lie, or of its part.
 void BlockOrder::add_pyramid(const wire::RenderCommand& camera) {
   const Vec3 origin = to_vector(camera.origin), forward = to_vector(camera.forward);
-  const Vec3 across = camera.width * to_vector(camera.du), down = camera.height * to_vector(camera.dv);
-  const std::array<Vec3, 5> corners{Vec3{}, across, across + down, down, 0.5 * (across + down)};
+  double top = 0, bottom = camera.height;  // rows
+  if (camera.parts != 0 &&
+      camera.strip_rows * camera.parts >= camera.height) {  // one strip, and by a tent half a row beside it
+    top = std::max(camera.part * camera.strip_rows - 1, 0);
+    bottom = std::min((camera.part + 1) * camera.strip_rows + 1, int{camera.height});
+  }
+  const Vec3 across = camera.width * to_vector(camera.du);
+  const Vec3 up = top * to_vector(camera.dv), down = bottom * to_vector(camera.dv);
+  const std::array<Vec3, 5> corners{up, across + up, across + down, down, 0.5 * (across + up + down)};
   const bool parallel = camera.projection == wire::Projection::kOrthographic;
   for (std::size_t i = 0; i < 4; ++i) {
     const Vec3 a = corners[i], b = corners[(i + 1) % 4], middle = corners[4];

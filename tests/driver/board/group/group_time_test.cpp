@@ -111,7 +111,7 @@ TEST(GroupTime, OfAPictureIsThatOfTheBoardWithMostWorkWhereEachHasItsBus) {
   const auto before = group.times();
   const Picoseconds begin = group.now();
   View view = front_view(32);
-  view.height = 31;  // strips of 4 rows: 16 and 15 rows
+  view.height = 31;  // 16 and 15 rows
   group.render(view);
   const auto after = group.times();
   Picoseconds most = 0;
