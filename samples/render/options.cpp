@@ -178,7 +178,9 @@ void check_explain_options(const RenderOptions& options) {
       throw UsageError("--explain-svg: expected --explain-pixel X,Y beside it, got none");
     return;
   }
+  const bool several = !options.board.others.empty() || options.board.board.find("boards=") != std::string::npos;
   const char* const against = !options.board.board.starts_with("emu:") ? "a running board (--board)"
+                              : several                                ? "several boards"
                               : options.plan.wanted()                  ? "--max-error or --time-budget"
                               : options.animation.frames > 1           ? "more than one of --frames"
                               : options.lighting.colour_passes         ? "--colour-passes"

@@ -50,7 +50,6 @@ void check_several_boards(const RenderOptions& options) {
                               : options.crop                    ? "--crop"
                               : options.level_of_detail > 0     ? "--level-of-detail"
                               : !options.lighting.field.empty() ? "--irradiance"
-                              : options.explain_pixel           ? "--explain-pixel"
                               : options.checkpoint.unit || !options.board.restore.empty() ? "--checkpoint or --restore"
                                                                                           : nullptr;
   if (against != nullptr) throw UsageError(std::string("several boards: expected without ") + against);

@@ -124,7 +124,8 @@ def scaling(_):
     shutil.rmtree(RUNS / "scaling")
 
 
-POINTS = {"lighting": [], "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"]}  # programs that they take
+POINTS = {"lighting": [], "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
+          "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS}, "emulator": emulator,
             "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}
 # On which the approximate level was adjusted; no chart.

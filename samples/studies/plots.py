@@ -145,6 +145,19 @@ def volume_texture(folder):
     draw(folder, "volume_texture", lines, log_x=True, log_y=True, lines_y=[(30, "30 Hz")])
 
 
+def boards(folder):
+    strong, weak = (grouped(rows_of(folder / f"boards_{kind}.csv"), "buses") for kind in ("strong", "weak"))
+    names = {"own": "a bus each", "shared": "one PCI bus"}
+    lines = [series(names[buses], rows, "boards", "frame_ms") for buses, rows in strong.items()]
+    one = column(strong["own"], "frame_ms")[0]
+    lines.append(Series("one board's / N", column(strong["own"], "boards"), [one / n for n in column(strong["own"], "boards")], look="line", colour=-1,
+                        dashed=True))
+    draw_panels(folder, "boards", [
+        Panel(WORDS["boards"][1], "simulated ms of the same picture, 512²", lines, log_x=True, log_y=True),
+        Panel(WORDS["boards"][1], "simulated ms of a picture of 256² pixels a board",
+              [series(names[buses], rows, "boards", "frame_ms") for buses, rows in weak.items()], log_x=True, log_y=True)])
+
+
 def by_time(groups, **of_panel):
     """Of a sweep's series: error by the board's time and by the bus's."""
     lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look, boxed=True)
@@ -239,5 +252,5 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, volume_texture, emulator, held_out, scaling)} | {
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, volume_texture, boards, emulator, held_out, scaling)} | {
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

@@ -128,7 +128,12 @@ std::vector<std::uint8_t> render(Input& input) {
   wire::RenderCommand view = known_view();
   const std::uint8_t kind = input.u8();
   if (kind & 1) view.width = input.u8() == 255 ? input.u16() : static_cast<std::uint16_t>(input.u8() % 12);
-  if (kind & 2) view.height = static_cast<std::uint16_t>(input.u8() % 12);
+  if (kind & 2) {
+    view.height = static_cast<std::uint16_t>(input.u8() % 12);
+    view.parts = input.u8() % 4;
+    view.part = input.u8() % 4;
+    view.strip_rows = input.u8() % 8;
+  }
   if (kind & 4) view.projection = static_cast<wire::Projection>(input.u8() % 3);
   if (kind & 8) view.samples_per_axis = static_cast<std::uint8_t>(input.u8() % 5);
   if (kind & 8) view.filter = static_cast<wire::Filter>(input.u8() % 3);

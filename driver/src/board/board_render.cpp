@@ -113,7 +113,8 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   state_->render(view, {}, progress);
 }
 
-void Board::State::render(const View& view, const PicturePart& picture, const Progress& progress) {
+void Board::State::render(const View& view, const PicturePart& picture, const Progress& progress,
+                          const std::function<void()>& tables_there) {
   check(view);
   const LoadedVolume& of = loaded("rendering");
   if (view.irradiance && irradiance_unit <= 0) {
@@ -136,6 +137,10 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   const Progress told = watched(part);
   set_sampling(view);
   if (view.shade) tables.send_reflectance(eye);
+  if (tables_there) {
+    check_fence();
+    tables_there();
+  }
   wire::RenderCommand camera = viewing_command(view, of.relative_spacing);
   std::vector<wire::Lamp> lamps;
   if (sees_lamps) lamps = lamp_records(view, exposure_of(view));

@@ -147,7 +147,9 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     std::uint16_t strip_rows = 0;
     std::uint8_t part = 0, parts = 0;
   };
-  void render(const View& view, const PicturePart& part, const Progress& progress);
+  // `tables_there`: called when its tables are on the board; the simulated host waits for them then.
+  void render(const View& view, const PicturePart& part, const Progress& progress,
+              const std::function<void()>& tables_there = {});
   Image read_picture();  // as many rows as were made
   // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
   BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);

@@ -177,6 +177,41 @@ TEST(RenderCommand, ShowsTheTableThatWasWrittenLast) {
   }
 }
 
+// Also where a tent takes rays from the rows beside a strip, and where the last strip is cut short.
+TEST(RenderCommand, MakesThePartsThatTogetherAreTheWholePicture) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 300);
+  for (const auto& [samples, filter, strip, parts] : {std::tuple{1, wire::Filter::kBox, 1, 3},
+                                                      {2, wire::Filter::kBox, 2, 2},
+                                                      {1, wire::Filter::kTent, 1, 4},
+                                                      {2, wire::Filter::kTent, 1, 3},
+                                                      {4, wire::Filter::kTent, 3, 2},
+                                                      {2, wire::Filter::kTent, 10, 1}}) {
+    wire::RenderCommand view = corner_view({17, 17, 17}, 10);
+    view.samples_per_axis = static_cast<std::uint8_t>(samples);
+    view.filter = filter;
+    const auto whole = board.render(view);
+    view.strip_rows = static_cast<std::uint16_t>(strip);
+    view.parts = static_cast<std::uint8_t>(parts);
+    int rows = 0;
+    for (view.part = 0; view.part < parts; ++view.part) {
+      const auto part = board.render(view);
+      int here = 0;
+      for (int y = 0; y < 10; ++y) {
+        if (y / strip % parts != view.part) continue;
+        for (std::size_t x = 0; x < 10; ++x) {
+          ASSERT_EQ(part[static_cast<std::size_t>(here) * 10 + x], whole[static_cast<std::size_t>(y) * 10 + x])
+              << samples << ' ' << strip << ' ' << parts << ", row " << y;
+        }
+        ++here;
+      }
+      EXPECT_EQ(part.size(), static_cast<std::size_t>(here) * 10);
+      rows += here;
+    }
+    EXPECT_EQ(rows, 10);
+  }
+}
+
 TEST(RenderCommand, RefusesWhatIsBeyondItsFields) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 100);
@@ -197,6 +232,21 @@ TEST(RenderCommand, RefusesWhatIsBeyondItsFields) {
   EXPECT_EQ(refused([](View& view) { view.samples_per_axis = 3; }), "samples_per_axis: expected 1, 2 or 4, got 3");
   EXPECT_EQ(refused([](View& view) { view.filter = static_cast<wire::Filter>(2); }), "filter: expected 0 or 1, got 2");
   EXPECT_EQ(refused([](View& view) { view.dv[2] = HUGE_VAL; }), "origin, forward, du, dv: expected finite numbers");
+  const auto part = [&refused](int strip_rows, int number, int parts) {
+    return refused([&](View& view) {
+      view.strip_rows = static_cast<std::uint16_t>(strip_rows);
+      view.part = static_cast<std::uint8_t>(number);
+      view.parts = static_cast<std::uint8_t>(parts);
+    });
+  };
+  EXPECT_EQ(part(1, 0, 1), "accepted");
+  EXPECT_EQ(part(2, 3, 4), "accepted");
+  EXPECT_EQ(part(8, 0, 255), "accepted");
+  EXPECT_EQ(part(0, 0, 2), "strip_rows: expected 1..height, got 0");
+  EXPECT_EQ(part(9, 0, 2), "strip_rows: expected 1..height, got 9");
+  EXPECT_EQ(part(1, 2, 2), "part: expected less than parts, got 2");
+  EXPECT_EQ(part(2, 4, 5), "part: expected one with rows of the picture, got 4");
+  EXPECT_EQ(part(1, 0, 0), "part, strip_rows: expected 0 of a whole picture, got 0");
   std::vector<std::uint8_t> cut = wire::encoded(corner_view({17, 17, 17}, 8));
   cut.pop_back();
   EXPECT_EQ(refusal(board, cut), "payload: expected at least 112 bytes, got 111");

@@ -126,7 +126,7 @@ class BareBoard {
     const Completion& completion = outcome.completions.at(0);
     if (completion.error != wire::ErrorCode::kNone)
       throw std::runtime_error(std::string(completion.payload.begin(), completion.payload.end()));
-    const std::size_t pixels = std::size_t{view.width} * view.height;
+    const std::size_t pixels = std::size_t{view.width} * static_cast<std::size_t>(wire::rows_of(view));
     const Reply reply = read_memory(wire::kFramebuffer.base, wire::packed36_bytes(pixels));
     std::vector<wire::Pixel> image(pixels);
     for (std::size_t i = 0; i < pixels; ++i) image[i] = wire::to_pixel(wire::load36(reply.payload, i));

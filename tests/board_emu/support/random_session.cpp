@@ -155,6 +155,11 @@ std::vector<std::uint8_t> RandomHost::render(Dice& dice) {
     lamp.u = {dice.number(10, 400) / 10.0, 0, 0};
   }
   view.lamps = static_cast<std::uint8_t>(lamps.size());
+  if (dice.chance(20)) {
+    view.strip_rows = static_cast<std::uint16_t>(dice.number(1, view.height / 2));
+    view.part = static_cast<std::uint8_t>(dice.number(0, 1));
+    view.parts = 2;
+  }
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
   wire::encode(view, payload);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);

@@ -41,6 +41,45 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
   EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 64 * 48);
 }
 
+TEST_F(RenderProgram, DrawsTheSamePictureOnSeveralBoardsAndSaysWhereTheirTimeWent) {
+  const std::string scene = "builtin:buckyball --volume-size 48 --size 40x40 --illumination low ";
+  ASSERT_EQ(run(scene + "--quiet -o " + path("one.png")).code, 0);
+  const ProgramResult three =
+      run(scene + "--board emu:?boards=3 -o " + path("three.png") + " --stats " + path("three.json"));
+  ASSERT_EQ(three.code, 0) << three.err;
+  EXPECT_THAT(three.out, HasSubstr("3 boards, a shared bus: each works "));
+  EXPECT_EQ(pixels_of(path("three.png")), pixels_of(path("one.png")));
+  const auto json = nlohmann::json::parse(text_of(path("three.json")));
+  EXPECT_EQ(json.at("boards").at("buses"), "shared");
+  ASSERT_EQ(json.at("boards").at("each").size(), 3u);
+  for (const auto& board : json.at("boards").at("each")) {
+    double sum = 0;
+    for (const char* part : {"bus_ms", "work_ms", "bus_wait_ms", "skew_ms"}) sum += board.at(part).get<double>();
+    EXPECT_NEAR(sum, json.at("frame_ms").get<double>(), 1e-6);
+  }
+  EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 40 * 40);
+
+  const ProgramResult two = run(scene + "--board emu: --board emu: --own-buses -o " + path("two.png"));
+  ASSERT_EQ(two.code, 0) << two.err;
+  EXPECT_THAT(two.out, HasSubstr("2 boards, own buses: "));
+  EXPECT_EQ(pixels_of(path("two.png")), pixels_of(path("one.png")));
+}
+
+TEST_F(RenderProgram, SaysWhatSeveralBoardsDoNotDo) {
+  const std::string several =
+      "builtin:buckyball --volume-size 32 --size 8x8 --board emu:?boards=2 -o " + path("ball.png");
+  for (const char* option : {"--crop", "--level-of-detail 1", "--max-error 0.1"}) {
+    const ProgramResult result = run(several + " " + option);
+    EXPECT_EQ(result.code, 2) << option;
+    EXPECT_THAT(result.err, HasSubstr("several boards: expected without --")) << option;
+  }
+  EXPECT_THAT(run(several + " --explain-pixel 1,1").err, HasSubstr("--explain-pixel: expected without several boards"));
+  EXPECT_THAT(run("builtin:buckyball --board emu:?boards=99 -o " + path("ball.png")).err,
+              HasSubstr("URI option boards: expected a number from 1 to 64"));
+  EXPECT_THAT(run("builtin:buckyball --board emu: --board unix:" + path("none") + " -o " + path("ball.png")).err,
+              HasSubstr("board 2 of 2 (unix:"));
+}
+
 TEST_F(RenderProgram, SaysWhatMemoryTheBoardTakesOnItsComputer) {
   const auto peak = [&](const char* edge) {
     const ProgramResult result = run(std::string("builtin:buckyball --size 8x8 --volume-size ") + edge + " -o " +

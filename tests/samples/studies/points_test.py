@@ -10,10 +10,10 @@ import pytest
 BIN = os.environ["GICUBE_BIN_DIR"]
 os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 
-from studies import charts, cone_beam, form_factors, lighting, points, volume_texture  # noqa: E402
+from studies import boards, charts, cone_beam, form_factors, lighting, points, volume_texture  # noqa: E402
 from studies.points import Kept, Table, measure, text_of  # noqa: E402
 
-MODULES = {"lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
+MODULES = {"boards": boards, "lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
 
 
 @pytest.fixture(autouse=True)
@@ -245,3 +245,16 @@ def test_a_volumetric_texture_is_bound_by_the_bus_that_its_rays_cross_twice():
     least = 2 * 32 * pci["rays"] / 132e6 * 1e3  # ms, at the paper's 132 MB/s
     assert least < pci["ms"] < 1.3 * least
     assert agp["ms"] < 0.5 * pci["ms"]
+
+
+# ---- several boards
+
+
+def test_several_boards_divide_a_picture_and_wait_for_a_shared_bus():
+    one, own, shared = (boards.measured("strong", buses, count, "functional", 32, 64) for buses, count in (("own", 1), ("own", 4), ("shared", 4)))
+    assert own["bus_wait_ms"] == 0 < shared["bus_wait_ms"]
+    assert one["frame_ms"] / 4 < own["frame_ms"] < 0.5 * one["frame_ms"]
+    assert shared["frame_ms"] > own["frame_ms"]
+    for each in (own, shared):
+        parts = sum(each[part] for part in ("work_ms", "bus_ms", "bus_wait_ms", "skew_ms"))
+        assert parts == pytest.approx(each["frame_ms"])

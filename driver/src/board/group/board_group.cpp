@@ -17,7 +17,7 @@
 namespace gicube {
 namespace {
 
-Picoseconds bus_busy(Board& board) {
+Picoseconds bus_busy(Device& board) {
   const Counters counters = board.counters();
   return counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps");
 }
@@ -25,11 +25,11 @@ Picoseconds bus_busy(Board& board) {
 // What one board does in a call, in phases of its own simulated time.
 class Recorder {
  public:
-  explicit Recorder(Board& board) : board_(board), begin_(board.now()), busy_(bus_busy(board)) {}
+  explicit Recorder(Device& board) : board_(board), begin_(board.clock().now()), busy_(bus_busy(board)) {}
 
   // A phase ends here.
   void mark() {
-    const Picoseconds now = board_.now(), busy = bus_busy(board_);
+    const Picoseconds now = board_.clock().now(), busy = bus_busy(board_);
     const Picoseconds more = busy >= busy_ ? busy - busy_ : busy;  // a reopened board counts anew
     phases_.push_back({now - begin_, std::min(now - begin_, more)});
     begin_ = now;
@@ -40,13 +40,13 @@ class Recorder {
     try {
       mark();
     } catch (const Error&) {
-      phases_.push_back({board_.now() - begin_, 0});
+      phases_.push_back({board_.clock().now() - begin_, 0});
     }
   }
   const std::vector<BusPhase>& phases() const { return phases_; }
 
  private:
-  Board& board_;
+  Device& board_;
   Picoseconds begin_;
   Picoseconds busy_;
   std::vector<BusPhase> phases_;
@@ -114,7 +114,8 @@ struct BoardGroup::State {
   using Work = std::function<void(std::size_t index, Recorder& recorder)>;
   // All boards do their part of a call, from the same simulated time on. `at_once`: on a thread each.
   void call(bool at_once, const Work& work);
-  void render(std::size_t index, const View& view, const Board::State::PicturePart& part, const Progress& progress);
+  void render(std::size_t index, const View& view, const Board::State::PicturePart& part, const Progress& progress,
+              Recorder& recorder);
   void align();
   void account(std::span<const std::vector<BusPhase>> phases);
 };
@@ -164,7 +165,7 @@ void BoardGroup::State::call(bool at_once, const Work& work) {
       errors[i] = std::current_exception();
     }
   };
-  for (std::size_t i = 0; i < boards.size(); ++i) attempt(i, [&] { recorders[i].emplace(boards[i]); });
+  for (std::size_t i = 0; i < boards.size(); ++i) attempt(i, [&] { recorders[i].emplace(boards[i].state_->device); });
   const auto run = [&](std::size_t i) {
     if (!recorders[i]) return;
     attempt(i, [&] { work(i, *recorders[i]); });
@@ -184,14 +185,17 @@ void BoardGroup::State::call(bool at_once, const Work& work) {
 }
 
 void BoardGroup::State::render(std::size_t index, const View& view, const Board::State::PicturePart& part,
-                               const Progress& progress) {
+                               const Progress& progress, Recorder& recorder) {
   Board::State& board = *boards[index].state_;
   const auto lock = board.begin();
   if (part.parts > 0 && board.device.agreed().minor < wire::kPartsMinor) {
     throw Unsupported(fmt::format("parts of a picture need a board of protocol 2.{}, this one has 2.{}",
                                   wire::kPartsMinor, board.device.agreed().minor));
   }
-  board.render(view, part, index == 0 ? progress : Progress{});
+  std::function<void()> mark;  // one board takes the time of a Board
+  if (part.parts > 0) mark = [&recorder] { recorder.mark(); };
+  board.render(view, part, index == 0 ? progress : Progress{}, mark);
+  recorder.mark();
 }
 
 BoardGroup BoardGroup::open(std::span<const std::string> addresses, const GroupOptions& options) {
@@ -208,7 +212,7 @@ BoardGroup BoardGroup::open(std::span<const std::string> addresses, const GroupO
     try {
       state->boards.push_back(Board::open(addresses[i], of_board));
       const Picoseconds opened = state->boards.back().now();
-      phases.push_back({{opened, std::min(opened, bus_busy(state->boards.back()))}});
+      phases.push_back({{opened, std::min(opened, bus_busy(state->boards.back().state_->device))}});
     } catch (...) {
       rethrow(std::current_exception(), addresses.size() > 1 ? state->names.back() : "");
     }
@@ -254,8 +258,7 @@ Image BoardGroup::render(const View& view, const Progress& progress) {
   state_->call(true, [&](std::size_t i, Recorder& recorder) {
     Board::State::PicturePart own = part;
     own.part = static_cast<std::uint8_t>(i);
-    state_->render(i, view, own, progress);
-    recorder.mark();
+    state_->render(i, view, own, progress, recorder);
     const bool has_rows = static_cast<int>(i) * part.strip_rows < view.height;
     if (has_rows) parts[i] = boards[i].read_framebuffer();
   });
