@@ -104,7 +104,7 @@ bool leaves_energy(RayType type) { return type == RayType::kDeposit || type == R
 
 }  // namespace
 
-struct BoardGroup::State {
+struct GICUBE_HIDDEN BoardGroup::State {
   HostBuses buses = HostBuses::kShared;
   std::vector<Board> boards;
   std::vector<std::string> names;  // as errors begin: "board 2 of 4 (emu:): "
