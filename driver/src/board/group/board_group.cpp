@@ -52,34 +52,26 @@ class Recorder {
   std::vector<BusPhase> phases_;
 };
 
+template <typename Kind>
+void throw_if(const Error& error, const std::string& board) {
+  if (dynamic_cast<const Kind*>(&error) != nullptr) throw Kind(board + error.what());
+}
+
+template <typename... Kinds>
+void throw_as(const Error& error, const std::string& board) {
+  (throw_if<Kinds>(error, board), ...);
+}
+
 // Throws what `error` holds, with the name of the board if it is an error of that board's.
 [[noreturn]] void rethrow(const std::exception_ptr& error, const std::string& board) {
   try {
     std::rethrow_exception(error);
-  } catch (const BadArgument&) {
-    throw;
   } catch (const DeviceLost& lost) {
     throw DeviceLost(board + lost.what(), lost.cause());
-  } catch (const TimedOut& named) {
-    throw TimedOut(board + named.what());
-  } catch (const OpenFailed& named) {
-    throw OpenFailed(board + named.what());
-  } catch (const BoardBusy& named) {
-    throw BoardBusy(board + named.what());
-  } catch (const VersionMismatch& named) {
-    throw VersionMismatch(board + named.what());
-  } catch (const Rejected& named) {
-    throw Rejected(board + named.what());
-  } catch (const ScatteringFailed& named) {
-    throw ScatteringFailed(board + named.what());
-  } catch (const MemoryFault& named) {
-    throw MemoryFault(board + named.what());
-  } catch (const Unsupported& named) {
-    throw Unsupported(board + named.what());
-  } catch (const DeadlinePassed& named) {
-    throw DeadlinePassed(board + named.what());
-  } catch (const WouldBlock& named) {
-    throw WouldBlock(board + named.what());
+  } catch (const Error& named) {
+    throw_as<TimedOut, OpenFailed, BoardBusy, VersionMismatch, Rejected, ScatteringFailed, MemoryFault, Unsupported,
+             DeadlinePassed, WouldBlock>(named, board);
+    throw;
   }
 }
 
@@ -201,6 +193,8 @@ void BoardGroup::State::render(std::size_t index, const View& view, const Board:
 BoardGroup BoardGroup::open(std::span<const std::string> addresses, const GroupOptions& options) {
   expect(!addresses.empty() && addresses.size() <= kMaxBoards, "addresses", fmt::format("1 to {}", kMaxBoards),
          addresses.size());
+  expect(addresses.size() == 1 || options.board.capture.empty(), "board.capture", "none of several boards",
+         options.board.capture);
   auto state = std::make_unique<State>();
   state->buses = options.buses;
   state->times.resize(addresses.size());

@@ -105,6 +105,22 @@ TEST(BoardGroup, GivesThePictureOfOneInStripsOfOneRowAndLeavesBoardsWithoutRowsO
   }
 }
 
+TEST(BoardGroup, OfDifferentLevelsAndBusesGivesThePictureOfOne) {
+  Board one = open_board(kBoards);
+  const std::vector<std::string> addresses{kBoards + "&fidelity=cycle&bus=agp2x", kBoards,
+                                           kBoards + "&fidelity=approximate&set=asic.processors=8"};
+  BoardGroup group = BoardGroup::open(addresses, {.buses = HostBuses::kOwn});
+  const BoxVolume volume(24, 4, 19);
+  const auto set_up = [&](Board& board) {
+    board.set_transfer_function(step_function(0.3));
+    board.load_volume(volume.view());
+  };
+  set_up(one);
+  group.on_all(set_up);
+  EXPECT_TRUE(group.render(front_view(24)) == one.render(front_view(24)));
+  EXPECT_LT(group.times()[0].bus, group.times()[1].bus) << "AGP 2x is faster than PCI";
+}
+
 class LitGroup : public testing::TestWithParam<const char*> {};
 
 TEST_P(LitGroup, HasTheLightOfOneBoardAndItsPictures) {

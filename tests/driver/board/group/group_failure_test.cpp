@@ -121,6 +121,9 @@ TEST(GroupFailure, OfAddressesAndOptionsSaysWhatWasExpected) {
         BoardGroup::open(std::vector<std::string>{"emu:", "unix:/nowhere"});
       },
       ThrowsMessage<OpenFailed>(StartsWith("board 2 of 2 (unix:/nowhere): ")));
+  EXPECT_THAT(open("emu:?boards=2&trace=file"), ThrowsMessage<BadArgument>(HasSubstr("one board, which writes")));
+  EXPECT_THAT([] { BoardGroup::open("emu:?boards=2", {.board = {.capture = "file"}}); },
+              ThrowsMessage<BadArgument>(HasSubstr("board.capture")));
   BoardGroup group = BoardGroup::open("emu:?boards=2");
   EXPECT_THAT([&] { group.board(2); }, ThrowsMessage<BadArgument>(HasSubstr("less than 2")));
 }
