@@ -4,8 +4,7 @@
 #include <string>
 
 #include "gicube/scene/scene.h"
-#include "reference/paths/path_scene.h"
-#include "scene/names.h"
+#include "light_reference/path_scene_of.h"
 
 namespace gicube::samples {
 
@@ -75,26 +74,6 @@ inline LightScene glass_scene() {
           "  parameter: 1.5 }"
           "light { sphere { centre { x: 0.2 y: -0.3 z: 1.8 } radius: 0.65 } power: 25 }" +
           kView};
-}
-
-// With the surfaces that the samples give to solids: of a scene's, half of the density.
-inline reference::paths::PathScene to_paths(const SceneSetup& setup) {
-  reference::paths::PathScene out;
-  out.normal_reach = 0.5;  // as Medium::normal()
-  out.scene.volume = setup.volume_view();
-  out.scene.view = setup.view;
-  const ValueRange range{0, kMaxDensity};
-  for (std::size_t tag = 0; tag < setup.optics.size(); ++tag) {
-    out.scene.functions[tag] = in_values_of(range, setup.materials[tag]);
-    const Bsdf bsdf = setup.optics[tag].bsdf;
-    const bool glass = bsdf == Bsdf::kTrap && setup.optics[tag].surface;
-    if (glass || bsdf == Bsdf::kDiffuse || bsdf == Bsdf::kSpecular) out.surfaces[tag] = kMaxDensity / 2.0;
-    out.materials[tag] = setup.optics[tag];
-    out.scattering_colours[tag] = setup.scattering_colours[tag];
-  }
-  out.lights = setup.lights;
-  for (const Colour& colour : setup.light_colours) out.light_colours.push_back(colour);
-  return out;
 }
 
 inline SceneSetup setup_of(const LightScene& scene) {

@@ -64,6 +64,7 @@ Extinction::Extinction(const PathScene& scene, const Field& field)
       for (int x = 0; x < cubes_[0]; ++x) bounds_.push_back(bound_of_cube({x, y, z}, values));
     }
   }
+  any_ = std::any_of(bounds_.begin(), bounds_.end(), [](double bound) { return bound > 0; });
   if (std::none_of(scene.materials.begin(), scene.materials.end(), depends_on_normal)) return;
   for (int z = 0; z < dims[2]; ++z) {
     for (int y = 0; y < dims[1]; ++y) {
@@ -152,6 +153,7 @@ double Extinction::real_share(Flight& flight, Vec3 position, double bound, int& 
 // Calls visit(distance, position, bound) for each tentative collision until it returns false.
 template <typename Visit>
 void Extinction::track(Flight& flight, double limit, CounterRandom& random, const Visit& visit) const {
+  if (!any_) return;
   const Dims dims = field_.volume().dims;
   const Vec3 high = place_of({dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0});
   const Interval inside = kept(flight.origin, flight.direction, high, spacing_, scene_.scene.view.cut_planes);
@@ -167,6 +169,7 @@ void Extinction::track(Flight& flight, double limit, CounterRandom& random, cons
     const double face = cube[axis] + (step[axis] > 0 ? 1.0 : 0.0);
     next[axis] = inside.begin + (face - from[axis]) / step[axis];
   }
+  double depth = random.exponential();  // to the next tentative collision
   for (double distance = inside.begin; distance < end;) {
     const auto axis = static_cast<std::size_t>(std::min_element(next.begin(), next.end()) - next.begin());
     const double border = std::min(next[axis], end);
@@ -174,9 +177,12 @@ void Extinction::track(Flight& flight, double limit, CounterRandom& random, cons
     if (bound == 0) {
       flight.at_surface = false;
     } else {
-      for (double t = distance + random.exponential() / bound; t < border; t += random.exponential() / bound) {
+      double t = distance;
+      for (; t + depth / bound < border; depth = random.exponential()) {
+        t += depth / bound;
         if (!visit(t, flight.origin + t * flight.direction, bound)) return;
       }
+      depth -= (border - t) * bound;
     }
     distance = border;
     cube[axis] += step[axis] > 0 ? 1 : -1;

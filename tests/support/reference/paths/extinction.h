@@ -70,6 +70,7 @@ class Extinction {
   Vec3 spacing_;
   std::array<int, 3> cubes_{};
   std::vector<double> bounds_;
+  bool any_ = false;                             // medium: something that is not a sharp solid
   std::vector<std::array<float, 3>> gradients_;  // of the voxels
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "empty_space.h"
 #include "path_scene.h"
 #include "reference/field.h"
 
@@ -27,13 +28,13 @@ class Solids {
 
  private:
   struct Cell {
-    std::array<std::size_t, 3> cube{};
+    std::array<double, 3> low{};
     int tag = 0;
+    std::array<double, 8> corners{};  // x fastest
   };
   Cell cell(Vec3 middle) const;
-  double value(const Cell& cell, Vec3 voxel) const;
   Vec3 gradient(const Cell& cell, Vec3 voxel) const;
-  double corner(const Cell& cell, std::size_t i) const;
+  EmptySpace empty_space() const;
 
   const Field& field_;
   std::array<std::optional<double>, 4> levels_;
@@ -41,6 +42,7 @@ class Solids {
   std::array<std::size_t, 3> dims_{};
   std::vector<double> values_;
   bool any_ = false;
+  EmptySpace empty_;  // of solids
 };
 
 }  // namespace gicube::reference::paths
