@@ -15,7 +15,7 @@ namespace gicube::reference::paths {
 
 namespace {
 
-constexpr double kRouletteBelow = 0.1;  // of a path's weight
+constexpr double kRouletteBelow = 0.1;  // of the share that a path's scatterings let go on
 
 void add(Rgb& sum, const Rgb& weight, double factor, const Rgb& colour) {
   for (std::size_t c = 0; c < 3; ++c) sum[c] += weight[c] * factor * colour[c];
@@ -45,7 +45,7 @@ class RgbTally {
 
 }  // namespace
 
-PathTracer::PathTracer(const PathScene& scene)
+PathTracer::PathTracer(const PathScene& scene, bool guided)
     : scene_(scene), field_(scene.scene.volume, {}), extinction_(scene, field_) {
   if (scene.lights.size() != scene.light_colours.size()) {
     throw std::invalid_argument("light_colours: expected " + std::to_string(scene.lights.size()) + ", got " +
@@ -53,6 +53,7 @@ PathTracer::PathTracer(const PathScene& scene)
   }
   for (const Material& material : scene.materials) check(material);
   for (const Light& light : scene.lights) lights_.push_back(to_physical(light, field_.spacing()));
+  if (guided) guide_.emplace(scene, extinction_, lights_);
 }
 
 // Facing the ray.
@@ -66,10 +67,10 @@ Vec3 PathTracer::normal_at(const Collision& collision, Vec3 direction, bool& ent
   return enters ? normal : -1.0 * normal;
 }
 
-void PathTracer::add_seen_lights(Rgb& sum, const Rgb& weight, const Flight& flight, double reach) const {
+void PathTracer::add_seen_lights(Rgb& sum, const Rgb& weight, const Flight& flight, double reach, double most) const {
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     const auto hit = hit_light(lights_[i], flight.origin, flight.direction);
-    if (hit && hit->distance < reach) add(sum, weight, hit->radiance, scene_.light_colours[i]);
+    if (hit && hit->distance < reach) add(sum, weight, std::min(most, hit->radiance), scene_.light_colours[i]);
   }
 }
 
@@ -86,14 +87,32 @@ void PathTracer::add_connections(Rgb& sum, const Rgb& weight, const Collision& c
   }
 }
 
+// By the material or by the guide, and weighed by the density of both together.
+Vec3 PathTracer::go_on(const Material& material, const Collision& collision, Vec3 direction, Vec3 normal, Rgb& weight,
+                       CounterRandom& random) const {
+  const LightGuide::Cell cell = guide_ ? guide_->cell(extinction_.voxel_of(collision.position)) : LightGuide::Cell{};
+  if (cell.sums == nullptr) return scatter(material, direction, normal, true, random);
+  const bool guided = random.uniform() < 0.5;
+  const Vec3 out = guided ? guide_->sample(cell, random) : scatter(material, direction, normal, true, random);
+  const double own = density(material, direction, normal, out);
+  if (own == 0) return {};
+  for (double& part : weight) part *= own / (0.5 * own + 0.5 * guide_->density(cell, out));
+  return out;
+}
+
 Rgb PathTracer::radiance(Vec3 origin, Vec3 direction, CounterRandom& random) const {
   Rgb sum{}, weight{1, 1, 1};
+  Rgb shares{
+      1, 1,
+      1};  // of the light that goes on; the weight without those of choices, which are small where much light comes from
   Flight flight{extinction_.place_of(origin), normalise(direction)};
   bool sees_lights = scene_.sees_lights;
+  double most_seen = scene_.max_seen;  // until the light has been scattered every way
   for (int scatterings = 0;; ++scatterings) {
     const auto collision = extinction_.collide(flight, std::numeric_limits<double>::infinity(), random);
     if (sees_lights) {
-      add_seen_lights(sum, weight, flight, collision ? collision->distance : std::numeric_limits<double>::infinity());
+      add_seen_lights(sum, weight, flight, collision ? collision->distance : std::numeric_limits<double>::infinity(),
+                      most_seen);
     }
     if (!collision) {
       if (scene_.environment) add(sum, weight, 1, scene_.environment(flight.direction));
@@ -102,22 +121,29 @@ Rgb PathTracer::radiance(Vec3 origin, Vec3 direction, CounterRandom& random) con
     const auto tag = static_cast<std::size_t>(collision->tag);
     const Material& material = scene_.materials[tag];
     if (material.bsdf == Bsdf::kNone || scatterings == scene_.max_scatterings) return sum;
-    for (std::size_t c = 0; c < 3; ++c) weight[c] *= material.scattering * scene_.scattering_colours[tag][c];
-    const double most = *std::max_element(weight.begin(), weight.end());
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double share = material.scattering * scene_.scattering_colours[tag][c];
+      weight[c] *= share, shares[c] *= share;
+    }
+    const double most = *std::max_element(shares.begin(), shares.end());
     const double survives = std::min(1.0, most / kRouletteBelow);
     if (random.uniform() >= survives) return sum;
-    for (double& part : weight) part /= survives;
+    for (std::size_t c = 0; c < 3; ++c) weight[c] /= survives, shares[c] /= survives;
 
     bool enters = true, flat = true;
     const Vec3 normal = normal_at(*collision, flight.direction, enters, flat);
     const bool sharp = is_sharp(material), trap = material.bsdf == Bsdf::kTrap;
     if (!sharp) add_connections(sum, weight, *collision, flight, normal, random);
     const bool straight = flat && trap && sharp;  // Fresnel's routine without a surface
-    const Vec3 out = straight ? flight.direction : scatter(material, flight.direction, normal, enters, random);
+    const Vec3 out = straight ? flight.direction
+                     : sharp  ? scatter(material, flight.direction, normal, enters, random)
+                              : go_on(material, *collision, flight.direction, normal, weight, random);
+    if (out == Vec3{}) return sum;
     const bool solid = collision->normal != Vec3{};
     flight = {collision->position, out, true, trap && material.surface,
               solid && trap && dot(out, collision->normal) < 0};
     sees_lights = sharp;
+    if (!sharp) most_seen = std::numeric_limits<double>::infinity();
   }
 }
 

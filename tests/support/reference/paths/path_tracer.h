@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "extinction.h"
+#include "light_guide.h"
 #include "path_scene.h"
 #include "reference/camera.h"
 #include "reference/photons.h"
@@ -27,8 +28,8 @@ struct RadiancePicture {
 class PathTracer {
  public:
   // The scene must outlive it. Throws std::invalid_argument for a routine that the board does not have built in, and unless
-  // there is a colour for each light.
-  explicit PathTracer(const PathScene& scene);
+  // there is a colour for each light. `guided`: for seconds of preparation paths find lamps behind mirrors and glass more often.
+  explicit PathTracer(const PathScene& scene, bool guided = false);
 
   // Of one path that begins at `origin` (voxels, anywhere) along `direction` (physical, any length but 0).
   Rgb radiance(Vec3 origin, Vec3 direction, CounterRandom& random) const;
@@ -43,12 +44,17 @@ class PathTracer {
   Vec3 normal_at(const Collision& collision, Vec3 direction, bool& enters, bool& flat) const;
   void add_connections(Rgb& sum, const Rgb& weight, const Collision& collision, const Flight& flight, Vec3 normal,
                        CounterRandom& random) const;
-  void add_seen_lights(Rgb& sum, const Rgb& weight, const Flight& flight, double reach) const;
+  void add_seen_lights(Rgb& sum, const Rgb& weight, const Flight& flight, double reach, double most) const;
 
   const PathScene& scene_;
   Field field_;
   Extinction extinction_;
+  // A direction to go on, 0 if nothing does; `weight` is what the choice leaves of the path's.
+  Vec3 go_on(const Material& material, const Collision& collision, Vec3 direction, Vec3 normal, Rgb& weight,
+             CounterRandom& random) const;
+
   std::vector<Light> lights_;  // physical
+  std::optional<LightGuide> guide_;
 };
 
 }  // namespace gicube::reference::paths
