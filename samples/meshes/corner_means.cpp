@@ -1,15 +1,8 @@
 #include "meshes/corner_means.h"
 
+#include "meshes/triangulate.h"
+
 namespace gicube::samples {
-namespace {
-
-Vec3 area_of(const Mesh& mesh, std::size_t triangle) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  return 0.5 * cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a]);
-}
-
-}  // namespace
-
 std::vector<std::array<TriangleValue, 3>> corner_means(const Mesh& mesh, std::span<const TriangleValue> values) {
   constexpr double kAlike = 0.8;  // chosen: cosine
   std::vector<std::vector<std::size_t>> around(mesh.points.size());

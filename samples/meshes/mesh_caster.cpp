@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kDevice = "threads=1,isa=sse2";
 // chosen: crossings of one edge are this near, relative to the distance; Embree's single precision has 6e-8.
 constexpr double kSamePlace = 1e-6;
+constexpr double kTouching = 1e-6;  // chosen
 
 struct Collector : RTCIntersectContext {
   std::vector<std::pair<std::uint32_t, std::uint32_t>>* found = nullptr;  // mesh, triangle
@@ -147,6 +148,18 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
     if (!again) found[kept++] = each;
   }
   found.resize(kept);
+}
+
+std::optional<Crossing> MeshCaster::first(Vec3 from, Vec3 direction) const {
+  thread_local std::vector<Crossing> crossings;
+  find(from, direction, crossings);
+  const auto met = std::ranges::find_if(crossings, [](const Crossing& c) { return c.distance > kTouching; });
+  return met == crossings.end() ? std::nullopt : std::optional(*met);
+}
+
+bool MeshCaster::blocked(Vec3 from, Vec3 direction, double distance) const {
+  const auto met = first(from, direction);
+  return met && met->distance < distance - kTouching;
 }
 
 }  // namespace gicube::samples

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,10 @@ class MeshCaster {
   // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner of triangles of
   // one mesh crosses the surface once there.
   void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
+  // The nearest of them. A ray that begins on a triangle does not meet it: nothing counts within 1e-6.
+  std::optional<Crossing> first(Vec3 from, Vec3 direction) const;
+  // Whether there is one nearer than `distance`, where another triangle may be that is not counted.
+  bool blocked(Vec3 from, Vec3 direction, double distance) const;
   // Those triangles alone, each a mesh and its triangle, in no order.
   void meet(Vec3 from, Vec3 direction, std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
   // Of unit length, to the side from which the corners are counter-clockwise; zero of a triangle without area.

@@ -73,6 +73,12 @@ std::vector<PolygonSurface> take_polygons(Scene& scene) {
 }
 
 // By places: sides of a box have corners of their own.
+std::vector<Mesh> meshes_of(const std::vector<PolygonSurface>& surfaces) {
+  std::vector<Mesh> out;
+  for (const PolygonSurface& surface : surfaces) out.push_back(surface.mesh);
+  return out;
+}
+
 bool is_closed(const Mesh& mesh) {
   const auto before = [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
   std::map<Vec3, std::size_t, decltype(before)> places(before);

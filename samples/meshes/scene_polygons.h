@@ -7,6 +7,7 @@
 
 #include "gicube/scene/mesh.h"
 #include "gicube/scene/scene.h"
+#include "meshes/triangulate.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -21,6 +22,17 @@ struct PolygonSurface {
 // In the scene's units. The nodes are groups without content from then on. Throws InputError that names the node: another solid, a
 // material that is not diffuse or not opaque; FileError: of a mesh.
 std::vector<PolygonSurface> take_polygons(Scene& scene);
+
+// In another space, where no edge is longer than `edge`.
+template <class Place>
+void refine(std::vector<PolygonSurface>& surfaces, double edge, const Place& place) {
+  for (PolygonSurface& surface : surfaces) {
+    for (Vec3& point : surface.mesh.points) point = place(point);
+    surface.mesh = refined(surface.mesh, edge);
+  }
+}
+
+std::vector<Mesh> meshes_of(const std::vector<PolygonSurface>& surfaces);
 
 // Whether each edge has one triangle on either side: the mesh is the surface of a solid, and nothing sees its backs.
 bool is_closed(const Mesh& mesh);

@@ -6,6 +6,16 @@
 namespace gicube::samples {
 
 // Corner i has the higher x, y, z where bits 0, 1, 2 of i are set.
+std::array<Vec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  return {mesh.points[a], mesh.points[b], mesh.points[c]};
+}
+
+Vec3 area_of(const Mesh& mesh, std::size_t triangle) {
+  const auto [a, b, c] = corners_of(mesh, triangle);
+  return 0.5 * cross(b - a, c - a);
+}
+
 Mesh mesh_of(const BoxShape& box) {
   constexpr std::array<std::array<int, 4>, 6> kSides{
       {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};

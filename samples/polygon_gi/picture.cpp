@@ -36,31 +36,14 @@ Rgb PolygonGi::seen(const End& end) const {
     for (std::size_t c = 0; c < 3; ++c) out[c] += reflected[c];
     return out;
   }
-  const Vec3 voxel = medium_.voxel_of(end.place);
-  std::array<double, 3> at{voxel.x, voxel.y, voxel.z}, way{};
-  std::array<int, 3> low{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double centre = at[axis] / settings_.zone - 0.5;
-    low[axis] = static_cast<int>(std::floor(centre));
-    way[axis] = centre - low[axis];
-  }
   Rgb sum{};
   double weights = 0;
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::size_t index = 0;
-    for (std::size_t axis = 3; axis-- > 0;) {
-      const bool high = (corner >> axis & 1) != 0;
-      const int zone = low[axis] + (high ? 1 : 0);
-      weight *= zone < 0 || zone >= zones_[axis] ? 0 : high ? way[axis] : 1 - way[axis];
-      index = index * static_cast<std::size_t>(zones_[axis]) +
-              static_cast<std::size_t>(std::clamp(zone, 0, zones_[axis] - 1));
-    }
-    const std::uint32_t i = zone_of_[index];
-    if (i == kNoElement || rows_[i].shares.empty() || weight == 0) continue;
+  zones_.around(end.place, [&](std::size_t zone, double weight) {
+    const std::uint32_t i = zone_of_[zone];
+    if (i == kNoElement || rows_[i].shares.empty()) return;
     weights += weight;
     for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * radiosity_[i][c];
-  }
+  });
   for (double& part : sum) part /= weights > 0 ? weights : 1;
   return sum;
 }
@@ -68,17 +51,12 @@ Rgb PolygonGi::seen(const End& end) const {
 RadiancePicture PolygonGi::picture(const View& view, int rays) {
   const Eye eye(view, medium_);
   RadianceSum sum(view.width, view.height);
-  const auto width = static_cast<std::size_t>(view.width);
   for (int ray = 0; ray < rays; ++ray) {
     std::vector<Rgb> pixels(sum.pixels());
     for (std::size_t first = 0; first < pixels.size(); first += kFlightsAtOnce) {
       std::vector<Flight> flights;
-      for (std::size_t i = first; i < std::min(pixels.size(), first + kFlightsAtOnce); ++i) {
-        PathRandom random(settings_.seed ^ 0xE7E, i);
-        const auto [u, v] = spread_point(ray, {random.uniform(), random.uniform()});
-        flights.push_back(
-            {eye.place(), eye.direction(static_cast<double>(i % width) + u, static_cast<double>(i / width) + v)});
-      }
+      for (std::size_t i = first; i < std::min(pixels.size(), first + kFlightsAtOnce); ++i)
+        flights.push_back({eye.place(), eye.direction(i, ray, settings_.seed)});
       const std::vector<End> all = ends(flights);
       for (std::size_t k = 0; k < all.size(); ++k) {
         const Rgb radiosity = seen(all[k]);

@@ -4,33 +4,24 @@
 #include <cmath>
 
 #include "gicube/scene/error.h"
+#include "meshes/triangulate.h"
 
 namespace gicube::samples {
-namespace {
-
-std::vector<Mesh> meshes_of(const std::vector<PolygonSurface>& surfaces) {
-  std::vector<Mesh> out;
-  for (const PolygonSurface& surface : surfaces) out.push_back(surface.mesh);
-  return out;
-}
-
-}  // namespace
-
 PolygonGi::PolygonGi(Board& board, const Medium& medium, std::vector<PolygonSurface> surfaces,
                      const PolygonGiSettings& settings)
     : medium_(medium),
       surfaces_(std::move(surfaces)),
       settings_(settings),
       flights_(board, medium, settings.step, settings.seed),
-      caster_(meshes_of(surfaces_)) {
+      caster_(meshes_of(surfaces_)),
+      zones_(medium, settings.zone) {
   for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
     first_.push_back(static_cast<std::uint32_t>(elements_.size()));
     const bool closed = is_closed(surfaces_[s].mesh);
     for (std::uint32_t t = 0; t < surfaces_[s].mesh.triangles.size(); ++t) {
       for (const bool back : {false, true}) {
         GiElement side{s, t, back, false, closed && back, 0, surfaces_[s].albedo, back ? Rgb{} : surfaces_[s].emission};
-        const auto [a, b, c] = corners(side);
-        side.weight = 0.5 * length(cross(b - a, c - a));
+        side.weight = length(area_of(surfaces_[s].mesh, t));
         elements_.push_back(side);
         if (const double power = side.weight * std::ranges::max(side.emission); power > 0) {
           lamps_.push_back(static_cast<std::uint32_t>(elements_.size() - 1));
@@ -57,56 +48,27 @@ void PolygonGi::check(Vec3 place) const {
 
 // A zone's extinction and albedo are means of its voxels' eighths.
 void PolygonGi::add_zones() {
-  const Dims dims = medium_.dims();
-  for (std::size_t axis = 0; axis < 3; ++axis) zones_[axis] = (dims[axis] - 2) / settings_.zone + 1;
-  const double volume =
-      std::abs(dot(medium_.place_of({1, 0, 0}), cross(medium_.place_of({0, 1, 0}), medium_.place_of({0, 0, 1}))));
-  for (int z = 0; z < zones_[2]; ++z) {
-    for (int y = 0; y < zones_[1]; ++y) {
-      for (int x = 0; x < zones_[0]; ++x) {
-        GiElement zone{.zone = true};
-        zone.triangle = static_cast<std::uint32_t>(zone_of_.size());
-        const int n = 2 * settings_.zone;
-        for (int i = 0; i < n * n * n; ++i) {
-          const Vec3 voxel{x * settings_.zone + (i % n + 0.5) / 2, y * settings_.zone + (i / n % n + 0.5) / 2,
-                           z * settings_.zone + (i / n / n + 0.5) / 2};
-          if (voxel.x > dims[0] - 1 || voxel.y > dims[1] - 1 || voxel.z > dims[2] - 1) continue;
-          const Vec3 place = medium_.place_of(voxel);
-          check(place);
-          const double kappa = medium_.extinction(place);
-          zone.weight += 4 * kappa * volume / 8;
-          const Rgb& albedo = medium_.optics(medium_.tag(place)).albedo;
-          for (std::size_t c = 0; c < 3; ++c) zone.albedo[c] += albedo[c] * 4 * kappa * volume / 8;
-        }
-        zone_of_.push_back(zone.weight > 0 ? static_cast<std::uint32_t>(elements_.size()) : kNoElement);
-        if (!(zone.weight > 0)) continue;
-        for (double& part : zone.albedo) part /= zone.weight;
-        elements_.push_back(zone);
-      }
-    }
+  const double eighth =
+      std::abs(dot(medium_.place_of({1, 0, 0}), cross(medium_.place_of({0, 1, 0}), medium_.place_of({0, 0, 1})))) / 8;
+  for (std::size_t i = 0; i < zones_.count(); ++i) {
+    GiElement zone{.triangle = static_cast<std::uint32_t>(i), .zone = true};
+    zones_.sample(i, [&](Vec3 place) {
+      check(place);
+      const double weight = 4 * medium_.extinction(place) * eighth;
+      zone.weight += weight;
+      const Rgb& albedo = medium_.optics(medium_.tag(place)).albedo;
+      for (std::size_t c = 0; c < 3; ++c) zone.albedo[c] += albedo[c] * weight;
+    });
+    zone_of_.push_back(zone.weight > 0 ? static_cast<std::uint32_t>(elements_.size()) : kNoElement);
+    if (!(zone.weight > 0)) continue;
+    for (double& part : zone.albedo) part /= zone.weight;
+    elements_.push_back(zone);
   }
 }
 
-std::array<Vec3, 3> PolygonGi::corners(const GiElement& element) const {
-  const Mesh& mesh = surfaces_[element.surface].mesh;
-  const auto& [a, b, c] = mesh.triangles[element.triangle];
-  return {mesh.points[a], mesh.points[b], mesh.points[c]};
-}
-
 Vec3 PolygonGi::normal(const GiElement& element) const {
-  const auto [a, b, c] = corners(element);
-  const Vec3 area = cross(b - a, c - a);
+  const Vec3 area = area_of(surfaces_[element.surface].mesh, element.triangle);
   return length(area) > 0 ? (element.back ? -1.0 : 1.0) * normalise(area) : Vec3{0, 0, 1};
-}
-
-std::optional<std::uint32_t> PolygonGi::zone_at(Vec3 place) const {
-  const Vec3 voxel = medium_.voxel_of(place);
-  const auto part = [&](double v, std::size_t axis) {
-    return std::clamp(static_cast<int>(std::floor(v / settings_.zone)), 0, zones_[axis] - 1);
-  };
-  const int index = (part(voxel.z, 2) * zones_[1] + part(voxel.y, 1)) * zones_[0] + part(voxel.x, 0);
-  const std::uint32_t element = zone_of_[static_cast<std::size_t>(index)];
-  return element == kNoElement ? std::nullopt : std::optional(element);
 }
 
 void PolygonGi::solve(const Progress& told) {

@@ -23,6 +23,7 @@
 #include "transport/eye.h"
 #include "transport/flights.h"
 #include "transport/radiance.h"
+#include "transport/zones.h"
 
 namespace gicube::samples {
 
@@ -37,7 +38,7 @@ struct PolygonGiSettings {
 
 // One side of a triangle, or a zone.
 struct GiElement {
-  std::uint32_t surface = 0, triangle = 0;  // of a side; of a zone `triangle` is its place
+  std::uint32_t surface = 0, triangle = 0;  // of a side; of a zone `triangle` is its index
   bool back = false, zone = false;
   bool dark = false;  // the back of a closed surface: within a solid
   double weight = 0;  // area, or 4 times the extinction's integral over the zone
@@ -87,14 +88,10 @@ class PolygonGi {
   void check(Vec3 place) const;
   void add_zones();
   std::vector<End> ends(std::span<const Flight> flights);
-  std::optional<std::uint32_t> zone_at(Vec3 place) const;
   Flight start(const GiElement& element, int ray, const std::array<double, 2>& shift, PathRandom& random) const;
-  std::array<Vec3, 3> corners(const GiElement& element) const;
   Vec3 normal(const GiElement& element) const;  // out of the side
-  bool sees(Vec3 from, Vec3 to) const;          // past all triangles
   // Of a ray's direction from an element, per solid angle: what it gathers by, too.
   double density(const GiElement& element, Vec3 direction) const;
-  double lamp_density(const GiElement& lamp) const;  // of points on emitters, per area
   void add_direct(std::span<const std::uint32_t> of, std::span<const Flight> flights, std::span<const End> ends,
                   std::span<const double> weights, std::span<Row> rows);
   void iterate();
@@ -111,8 +108,8 @@ class PolygonGi {
   std::vector<double> chances_;       // running sums of their powers
   std::vector<std::uint32_t> first_;  // of each surface's elements
   std::vector<GiElement> elements_;
-  std::array<int, 3> zones_{};          // along each axis
-  std::vector<std::uint32_t> zone_of_;  // element by place in that grid
+  Zones zones_;
+  std::vector<std::uint32_t> zone_of_;  // element by zone
   std::vector<Row> rows_;
   std::vector<Rgb> radiosity_, incident_;
   std::vector<std::array<Rgb, 3>> at_corners_;  // of sides: what they reflect, between them and their neighbours

@@ -5,13 +5,9 @@
 #include <numbers>
 #include <tuple>
 
+#include "meshes/triangulate.h"
+
 namespace gicube::samples {
-namespace {
-
-constexpr double kTouching = 1e-6;  // chosen: edges; a ray that begins on a triangle does not meet it
-
-}  // namespace
-
 // The ray'th of a row's.
 Flight PolygonGi::start(const GiElement& element, int ray, const std::array<double, 2>& shift,
                         PathRandom& random) const {
@@ -19,7 +15,7 @@ Flight PolygonGi::start(const GiElement& element, int ray, const std::array<doub
   const int cell = ray % (strata * strata);
   const double u = (cell % strata + random.uniform()) / strata, v = (cell / strata + random.uniform()) / strata;
   if (!element.zone) {
-    const auto [a, b, c] = corners(element);
+    const auto [a, b, c] = corners_of(surfaces_[element.surface].mesh, element.triangle);
     auto [s, t] = spread_point(ray, shift);
     if (s + t > 1) s = 1 - s, t = 1 - t;
     const double ring = std::sqrt(u), turn = 2 * std::numbers::pi * v;
@@ -27,49 +23,29 @@ Flight PolygonGi::start(const GiElement& element, int ray, const std::array<doub
             turned({ring * std::cos(turn), ring * std::sin(turn), std::sqrt(1 - u)}, normal(element))};
   }
   const double z = 1 - 2 * u, ring = std::sqrt(std::max(0.0, 1 - z * z)), turn = 2 * std::numbers::pi * v;
-  Flight flight{{}, {ring * std::cos(turn), ring * std::sin(turn), z}};
-  const int place = static_cast<int>(element.triangle), x = place % zones_[0], y = place / zones_[0] % zones_[1],
-            z0 = place / zones_[0] / zones_[1];
-  const Dims& dims = medium_.dims();
-  const auto within = [&](int part, int size) {
-    return std::min(size - 1.0, (part + random.uniform()) * settings_.zone);
-  };
-  flight.place = medium_.place_of({within(x, dims[0]), within(y, dims[1]), within(z0, dims[2])});
-  return flight;
+  return {zones_.place(element.triangle, random), {ring * std::cos(turn), ring * std::sin(turn), z}};
 }
 
 std::vector<PolygonGi::End> PolygonGi::ends(std::span<const Flight> flights) {
   const std::vector<std::optional<Hit>> hits = flights_.first_hits(flights);
   std::vector<End> out(flights.size());
-  std::vector<Crossing> crossings;
-  const auto element_of = [&](const Crossing& c) { return first_[c.mesh] + 2 * c.triangle + (c.from_outside ? 0 : 1); };
   for (std::size_t i = 0; i < flights.size(); ++i) {
-    caster_.find(flights[i].place, flights[i].direction, crossings);
-    const auto met = std::ranges::find_if(crossings, [](const Crossing& c) { return c.distance > kTouching; });
-    if (hits[i] && (met == crossings.end() || hits[i]->distance < met->distance)) {
-      out[i] = {zone_at(hits[i]->place), hits[i]->place};
-    } else if (met != crossings.end()) {
-      out[i] = {element_of(*met), flights[i].place + met->distance * flights[i].direction};
+    const auto met = caster_.first(flights[i].place, flights[i].direction);
+    const std::uint32_t element =
+        met ? first_[met->mesh] + 2 * met->triangle + (met->from_outside ? 0 : 1) : kNoElement;
+    if (hits[i] && (!met || hits[i]->distance < met->distance)) {
+      const std::uint32_t zone = zone_of_[zones_.at(hits[i]->place)];
+      out[i] = {zone == kNoElement ? std::nullopt : std::optional(zone), hits[i]->place};
+    } else if (met) {
+      out[i] = {element, flights[i].place + met->distance * flights[i].direction};
     }
-    out[i].in_solid = met != crossings.end() && elements_[element_of(*met)].dark;
+    out[i].in_solid = met && elements_[element].dark;
   }
   return out;
 }
 
-bool PolygonGi::sees(Vec3 from, Vec3 to) const {
-  thread_local std::vector<Crossing> crossings;
-  const double distance = length(to - from);
-  caster_.find(from, normalise(to - from), crossings);
-  return std::ranges::none_of(
-      crossings, [&](const Crossing& c) { return c.distance > kTouching && c.distance < distance - kTouching; });
-}
-
 double PolygonGi::density(const GiElement& element, Vec3 direction) const {
   return element.zone ? 1 / (4 * std::numbers::pi) : std::max(0.0, dot(normal(element), direction)) / std::numbers::pi;
-}
-
-double PolygonGi::lamp_density(const GiElement& lamp) const {
-  return std::ranges::max(lamp.emission) / chances_.back();
 }
 
 // `weights`: of flights, 1 in the mean of a row.
@@ -80,7 +56,8 @@ void PolygonGi::add_direct(std::span<const std::uint32_t> of, std::span<const Fl
   const auto share = [&](const GiElement& from, const GiElement& lamp, Vec3 direction, double squared) {
     const double by_ray = density(from, direction), facing = -dot(normal(lamp), direction);
     if (!(facing > 0) || !(by_ray > 0)) return 0.0;
-    return by_ray / (settings_.rays * by_ray + settings_.lamp_rays * lamp_density(lamp) * squared / facing);
+    return by_ray / (settings_.rays * by_ray +
+                     settings_.lamp_rays * std::ranges::max(lamp.emission) / chances_.back() * squared / facing);
   };
   const auto add = [](Rgb& to, const Rgb& emission, double factor) {
     for (std::size_t c = 0; c < 3; ++c) to[c] += factor * emission[c];
@@ -105,11 +82,11 @@ void PolygonGi::add_direct(std::span<const std::uint32_t> of, std::span<const Fl
       const std::uint32_t lamp = lamps_[std::min(static_cast<std::size_t>(which), lamps_.size() - 1)];
       double s = random.uniform(), t = random.uniform();
       if (s + t > 1) s = 1 - s, t = 1 - t;
-      const auto [a, b, c] = corners(elements_[lamp]);
+      const auto [a, b, c] = corners_of(surfaces_[elements_[lamp].surface].mesh, elements_[lamp].triangle);
       const Vec3 place = a + s * (b - a) + t * (c - a), way = place - flights[i].place;
       const double value =
           dot(way, way) > 0 ? weights[i] * share(own, elements_[lamp], normalise(way), dot(way, way)) : 0;
-      if (!(value > 0) || !sees(flights[i].place, place)) continue;
+      if (!(value > 0) || caster_.blocked(flights[i].place, normalise(way), length(way))) continue;
       segments.push_back({flights[i].place, place});
       found.emplace_back(k, lamp, value);
     }

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "gicube/parallel_for.h"
+#include "meshes/triangulate.h"
 
 namespace gicube::samples {
 namespace {
-
-constexpr double kTouching = 1e-6;  // chosen: edges; a ray that begins on a triangle does not meet it
 
 struct Facet {
   Vec3 middle, area;
@@ -17,16 +17,10 @@ struct Facet {
 
 std::vector<Facet> facets(const Mesh& mesh) {
   std::vector<Facet> out;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 p = mesh.points[a], q = mesh.points[b], r = mesh.points[c];
-    out.push_back({1.0 / 3 * (p + q + r), 0.5 * cross(q - p, r - p)});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [p, q, r] = corners_of(mesh, t);
+    out.push_back({1.0 / 3 * (p + q + r), area_of(mesh, t)});
   }
-  return out;
-}
-
-std::vector<Mesh> meshes_of(const std::vector<PolygonSurface>& surfaces) {
-  std::vector<Mesh> out;
-  for (const PolygonSurface& surface : surfaces) out.push_back(surface.mesh);
   return out;
 }
 
@@ -80,19 +74,14 @@ Irradiance SubsurfacePicture::lit(std::size_t surface, int lamp_rays) const {
   Irradiance out(all.size());
   parallel_for(all.size(), 0, [&](std::size_t t) {
     PathRandom random(seed_ + surface, t);
-    std::vector<Crossing> crossings;
     for (int i = 0; i < lamp_rays; ++i) {
       const LightPoint point = lights_.point(random);
       const bool distant = lights_.is_distant(point.light);
       const Vec3 way = distant ? 4 * medium_.radius() * point.place : point.place - all[t].middle;
       const double cosine = dot(all[t].area, way) / (length(all[t].area) * length(way));
       if (!(cosine > 0)) continue;
-      caster_.find(all[t].middle, normalise(way), crossings);
-      if (std::ranges::any_of(crossings, [&](const Crossing& c) {
-            return c.distance > kTouching && (distant || c.distance < length(way));
-          })) {
-        continue;
-      }
+      const double clear = distant ? std::numeric_limits<double>::infinity() : length(way);
+      if (caster_.blocked(all[t].middle, normalise(way), clear)) continue;
       const Rgb power = lights_.emitted(point, -1.0 * normalise(way));
       for (std::size_t c = 0; c < 3; ++c) out[t][c] += power[c] * cosine / (distant ? 1 : dot(way, way)) / lamp_rays;
     }
@@ -103,13 +92,10 @@ Irradiance SubsurfacePicture::lit(std::size_t surface, int lamp_rays) const {
 RadiancePicture SubsurfacePicture::picture(const View& view, int rays) const {
   const Eye eye(view, medium_);
   RadianceSum sum(view.width, view.height);
-  const auto width = static_cast<std::size_t>(view.width);
   for (int ray = 0; ray < rays; ++ray) {
     std::vector<Rgb> pixels(sum.pixels());
     parallel_for(pixels.size(), 0, [&](std::size_t i) {
-      PathRandom random(seed_ ^ 0xE7E, i);
-      const auto [u, v] = spread_point(ray, {random.uniform(), random.uniform()});
-      const Vec3 direction = eye.direction(static_cast<double>(i % width) + u, static_cast<double>(i / width) + v);
+      const Vec3 direction = eye.direction(i, ray, seed_);
       std::vector<Crossing> crossings;
       caster_.find(eye.place(), direction, crossings);
       if (crossings.empty()) return;

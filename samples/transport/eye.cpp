@@ -22,6 +22,13 @@ Vec3 Eye::direction(double x, double y) const {
   return normalise(forward_ + pixel_ * (x - width_ / 2.0) * right_ + pixel_ * (height_ / 2.0 - y) * up_);
 }
 
+Vec3 Eye::direction(std::size_t pixel, int ray, std::uint64_t seed) const {
+  PathRandom random(seed ^ 0xE7E, pixel);
+  const auto [u, v] = spread_point(ray, {random.uniform(), random.uniform()});
+  const auto width = static_cast<std::size_t>(width_);
+  return direction(static_cast<double>(pixel % width) + u, static_cast<double>(pixel / width) + v);
+}
+
 std::optional<std::size_t> Eye::pixel_of(Vec3 direction) const {
   const double ahead = dot(direction, forward_);
   if (!(ahead > 0)) return std::nullopt;

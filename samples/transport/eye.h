@@ -1,6 +1,7 @@
 // The eye of a view, as the board's pictures have it: pixels of a perspective image.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "gicube/view.h"
@@ -16,6 +17,8 @@ class Eye {
   Vec3 place() const { return eye_; }
   // Through image point (x, y), pixels from the top left corner; unit.
   Vec3 direction(double x, double y) const;
+  // Of the `ray`th ray through a pixel (rows from the top); a pixel's rays are spread evenly.
+  Vec3 direction(std::size_t pixel, int ray, std::uint64_t seed) const;
   std::optional<std::size_t> pixel_of(Vec3 direction) const;
   // Density of a direction whose image point is even over a pixel, per solid angle.
   double density(Vec3 direction) const;

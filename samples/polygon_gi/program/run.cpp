@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "meshes/triangulate.h"
 #include "polygon_gi/program/options.h"
 #include "scene/program/board_run.h"
 #include "scene/program/program.h"
@@ -20,10 +19,7 @@ void run(const PolygonGiOptions& options, ProgressLine& progress) {
   Board board = open_board(options.board);
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   const Medium medium(board, setup, progress.parts("loading the volume"));
-  for (PolygonSurface& surface : surfaces) {
-    for (Vec3& point : surface.mesh.points) point = medium.place_of(setup.grid.voxel_of(point));
-    surface.mesh = refined(surface.mesh, options.edge);
-  }
+  refine(surfaces, options.edge, [&](Vec3 point) { return medium.place_of(setup.grid.voxel_of(point)); });
   PolygonGi light(board, medium, std::move(surfaces), options.settings);
 
   RunWindow window(board);

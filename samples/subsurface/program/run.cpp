@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "meshes/triangulate.h"
 #include "scene/common/whole_file.h"
 #include "scene/program/board_run.h"
 #include "scene/program/program.h"
@@ -59,10 +58,7 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
 
   const Medium medium(board, setup, progress.parts("loading the scene"));
   const Lights lights(setup, medium);
-  for (PolygonSurface& surface : surfaces) {
-    for (Vec3& point : surface.mesh.points) point = medium.place_of(setup.grid.voxel_of(point));
-    surface.mesh = refined(surface.mesh, options.edge);
-  }
+  refine(surfaces, options.edge, [&](Vec3 point) { return medium.place_of(setup.grid.voxel_of(point)); });
   const double scale = options.scale * slab.grid.voxel / setup.grid.voxel;  // voxels of the scene for one of the slab
   progress.show("the picture");
   const SubsurfacePicture drawn(medium, lights, std::move(surfaces), profile, of_material, scale, options.lamp_rays,
