@@ -39,7 +39,7 @@ def tables_of(name):
 
 def by_points(name, jobs):
     tables = tables_of(name)
-    programs = [*(BIN / program for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
+    programs = [*(next(folder / program for folder in (BIN, TESTS) if (folder / program).exists()) for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
     measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
         pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{each}.csv" for each in ("views", "ray_spacing", "accumulator", "sart")],
@@ -124,7 +124,8 @@ def scaling(_):
     shutil.rmtree(RUNS / "scaling")
 
 
-POINTS = {"lighting": [], "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
+POINTS = {"lighting": [], "light": ["gicube-render", "gicube-path", "gicube-photon-map", "gicube-light-reference"],
+          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS}, "emulator": emulator,
             "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}

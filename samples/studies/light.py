@@ -18,26 +18,29 @@ SCENES = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box",
 HELD_OUT = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("glass", "mirror_buckyball")},
             "room": ROOT / "samples/studies/light_scenes/held_out_room.scene"}
 SIZE = "128x128"
-VOXELS = 96
+VOXELS = {"fog_box": 48}  # along the longest edge; where nearly every voxel takes light a pass takes minutes of the host
+MANY_VOXELS = 96
 TILE = 4  # pixels along an edge
-# Paths a pixel of the truth: standard errors of tiles of 8 x 8 pixels of about 0.5%.
-PATHS = {"fog_box": 500, "golden_ring": 900, "mirror_buckyball_area": 320, "mirror_head": 900, "engine": 300,
-         "glass": 3000, "mirror_buckyball": 400, "room": 1300}
+# Paths a pixel of the truth. Standard errors of tiles of 8 x 8 pixels are below 0.5% for the first five but fog_box, and 1 to 2%.
+PATHS = {"fog_box": 150, "golden_ring": 900, "mirror_buckyball_area": 320, "mirror_head": 900, "engine": 300,
+         "glass": 300, "mirror_buckyball": 100, "room": 100}
 LAMP = 0.3  # world units: radius of the ball that stands for a point light, which no path from the eye comes upon
 
-# By name: what is set of the illumination, and of the board.
+# Pictures of gicube-render by method: what is set of the illumination, and of the board. k: rays_per_face_voxel.
 LIGHTING = {
-    **{f"low, k={k}": ({"rays_per_face_voxel": k}, "") for k in (1, 4, 16, 64)},
-    **{f"low, k=16, step {step}": ({"step": step}, "") for step in (1, 2)},
-    **{f"high, k={k}": ({"albedo": '"high"', "rays_per_face_voxel": k}, "") for k in (16, 64)},
-    **{f"low, k={k}, paper": ({"rays_per_face_voxel": k}, "--set asic.datapath=paper") for k in (4, 16)},
-    "low, k=16, rgb": ({}, "--set asic.voxel_format=rgb"),
-    "low, k=16, one pass": ({"colour_passes": "false"}, ""),
+    **{f"low-k{k}": ({"rays_per_face_voxel": k}, "") for k in (1, 4, 16, 64)},
+    **{f"low-k16-step{step}": ({"step": step}, "") for step in (1, 2)},
+    "high-k16": ({"albedo": '"high"'}, ""),
+    **{f"low-k{k}-paper": ({"rays_per_face_voxel": k}, "asic.datapath=paper") for k in (4, 16)},
+    "low-k16-rgb": ({}, "asic.voxel_format=rgb"),
+    "low-k16-onepass": ({"colour_passes": "false"}, ""),  # light without colour
 }
-BY_HOST_RAYS = {
-    **{f"paths from the eye, {n} passes": ("gicube-path", f"--light-scatterings 0 --passes {n}") for n in (4, 16, 64)},
-    **{f"paths from both ends, {n} passes": ("gicube-path", f"--passes {n}") for n in (4, 16)},
-    **{f"photon map, {n} passes": ("gicube-photon-map", f"--photons 100000 --neighbours 60 --passes {n}") for n in (1, 4)},
+PLANS = {"plan-10": "10%"}  # gicube-render --max-error
+# Pictures by rays of the host: the program, and its words.
+HOST_RAYS = {
+    **{f"eye-{n}": ("gicube-path", f"--light-scatterings 0 --passes {n}") for n in (4, 16)},
+    **{f"both-ends-{n}": ("gicube-path", f"--passes {n}") for n in (4, 16)},
+    **{f"photons-{n}": ("gicube-photon-map", f"--photons 100000 --neighbours 60 --passes {n}") for n in (1, 4)},
 }
 
 
@@ -82,10 +85,10 @@ def judged(file, **of_illumination):
     return text
 
 
-def radiances(file, size):
+def radiances(file, shape):
     """Means and standard errors [row, column, channel] from the pixels that the programs of paths write."""
     columns = np.genfromtxt(file, delimiter=",", skip_header=1)
-    return columns[:, 2:5].reshape(*size, 3), columns[:, 5:8].reshape(*size, 3)
+    return columns[:, 2:5].reshape(shape), columns[:, 5:8].reshape(shape)
 
 
 def tiles(picture, edge=TILE):
@@ -104,56 +107,80 @@ def error(shown, truth, noise):
     return off(1), off((shown * truth).sum() / (shown ** 2).sum())
 
 
-def reference(scene, file, size=SIZE, voxels=VOXELS, paths=None):
+def reference(scene, file, size=SIZE, voxels=None, paths=None):
     """What is shown of the truth, its standard errors (as nested lists), and the factor from radiances to what is shown."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file))
         run(folder, "../tests/gicube-light-reference",
-            f"@x.scene --volume-size {voxels} --size {size} --paths {paths or PATHS[scene]} --pixels @x.csv")
+            f"@x.scene --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --paths {paths or PATHS[scene]} --pixels @x.csv")
         said = json.loads((folder / "log").read_text())
-        mean, noise = radiances(folder / "x.csv", [int(edge) for edge in size.split("x")][::-1])
+        width, height = map(int, size.split("x"))
+        mean, noise = radiances(folder / "x.csv", (height, width, 3))
     factor = np.pi * said["exposure"]
     return {**said, "factor": factor, "shown": (factor * mean).round(6).tolist(), "noise": (factor * noise).round(6).tolist()}
 
 
-def measured(kept, scene, method, file, size=SIZE, voxels=VOXELS, paths=None, fidelity="approximate", more=""):
-    """Milliseconds of the board for light and picture, the picture's error, the same at the best brightness, rays of one lighting ray a
-    face voxel or of the host."""
+def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="approximate"):
+    """Milliseconds of the board for light and picture, of them for light; the picture's errors; what a plan of light said."""
     truth = kept.of(f"truth/{scene}", lambda: reference(scene, file, size, voxels, paths))
     shown, noise = (np.array(truth[name]) for name in ("shown", "noise"))
+    fields, board = LIGHTING.get(method, ({}, ""))
+    plan = f" --max-error {PLANS[method]}" if method in PLANS else ""
+    program, words = HOST_RAYS.get(method, ("gicube-render", f"-o @x.exr{plan}"))
+    by_host = method in HOST_RAYS
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        program, words = BY_HOST_RAYS.get(method, ("gicube-render", ""))
-        fields, of_board = LIGHTING.get(method, ({}, ""))
         (folder / "x.scene").write_text(judged(file, **{"rays_per_face_voxel": 16, "step": 0.5, **fields}))
-        common = f"@x.scene --volume-size {voxels} --size {size} --fidelity {fidelity} --quiet --stats @x.json {words}{of_board} {more}"
-        wide = "" if "datapath" in of_board else " --set asic.datapath=wide"
-        if program == "gicube-render":
-            run(folder, program, f"{common}{wide} -o @x.exr")
-            picture = read_picture(folder / "x.exr")[..., :3].astype(float)
-        else:
-            run(folder, program, f"{common}{wide} --pixels @x.csv")
-            picture = truth["factor"] * radiances(folder / "x.csv", shown.shape[:2])[0]
+        settings = " ".join(f"--set {each}" for each in dict.fromkeys(["asic.datapath=wide", board]) if each)
+        run(folder, program, f"@x.scene --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
+            + " --pixels @x.csv" * by_host)
+        picture = truth["factor"] * radiances(folder / "x.csv", shown.shape)[0] if by_host else read_picture(folder / "x.exr")[..., :3].astype(float)
         stats = statistics(folder / "x.json")
-    lighting = stats.get("lighting", [])
-    ms = stats["frame_ms"] + sum(each["pass_ms"] for each in lighting) if lighting else stats["board_ms"]
-    return {"ms": ms, "light_ms": sum(each["pass_ms"] for each in lighting), "errors": error(picture, shown, noise),
-            "plan": stats.get("light_plans"), "mean": picture.mean(axis=(0, 1)).tolist()}
+    light = sum(each["pass_ms"] for each in stats.get("lighting", []))
+    return {"ms": stats["board_ms"] if by_host else stats["frame_ms"] + light, "light_ms": light, "errors": error(picture, shown, noise),
+            "plans": (stats.get("plan") or {}).get("light")}
+
+
+def of_scenes(found):
+    """Scene, method, measured, whether it is on the scene's front of time and error."""
+    scenes = {}
+    for name, each in found:
+        scenes.setdefault(name.split("/")[1], []).append((name, each))
+    for scene, points in scenes.items():
+        for (name, each), front in zip(points, on_front([(each["ms"], each["errors"][0]) for _, each in points])):
+            yield name, scene, name.split("/")[2], each, front
 
 
 def rows(found):
-    by_scene = {scene: [each for name, each in found if name.split("/")[1] == scene] for scene in SCENES}
-    fronts = {scene: dict(zip(map(id, each), on_front([(one["ms"], one["errors"][0]) for one in each]))) for scene, each in by_scene.items()}
-    for name, each in found:
-        _, scene, method = name.split("/")
-        absolute, scaled = each["errors"]
-        yield name, [scene, method, f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", f"{absolute:.4g}", f"{scaled:.4g}",
-                     int(fronts[scene][id(each)])]
+    for name, scene, method, each, front in of_scenes(found):
+        yield name, [scene, method, f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", *(f"{off:.4g}" for off in each["errors"]), int(front)]
+
+
+def plan_rows(found):
+    for name, scene, method, each, front in of_scenes(found):
+        chosen = [plan["chosen"] for plan in each["plans"] or []]
+        yield name, [scene, method, "/".join(str(point["rays_per_face_voxel"]) for point in chosen),
+                     f"{max(point['error_bound'] for point in chosen):.4g}" if chosen else "",
+                     f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", *(f"{off:.4g}" for off in each["errors"]), int(front)]
 
 
 def tables():
-    points = {f"light/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
-              for (scene, file), method in itertools.product(SCENES.items(), [*LIGHTING, *BY_HOST_RAYS])
-              if method != "low, k=16, one pass" or "colour_passes: true" in file.read_text()}
-    return [Table("light", ["scene", "method", "board_ms", "light_ms", "error", "error_at_best_brightness", "front"], points, rows)]
+    def points(table, scenes, methods):
+        return {f"{table}/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
+                for (scene, file), method in itertools.product(scenes.items(), methods)
+                if method != "low-k16-onepass" or "colour_passes: true" in file.read_text()}
+    errors = ["board_ms", "light_ms", "error", "error_at_best_brightness", "front"]
+    return [Table("light", ["scene", "method", *errors], points("light", SCENES, [*LIGHTING, *HOST_RAYS]), rows),
+            Table("light_plans", ["scene", "method", "rays", "bound", *errors],
+                  points("light_plans", HELD_OUT, [*PLANS, "low-k1", "low-k4", "low-k16", "low-k64"]), plan_rows)]
+
+
+def summary(rows):
+    """The table of docs/studies/light.md: error in percent at milliseconds of the board, bold where nothing that is cheaper is better."""
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.3g}".format(100 * float(row["error"]), "**" * int(row["front"]), float(row["board_ms"]))
+             for row in rows}
+    lines = [["method", *scenes], ["---"] * (1 + len(scenes))]
+    lines += [[method, *(cells.get((method, scene), "") for scene in scenes)] for method in dict.fromkeys(row["method"] for row in rows)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)

@@ -77,6 +77,17 @@ def lighting(folder):
     draw(folder, "lighting_error", [*lines, front(rows, "pass_ms", "error")], log_x=True, log_y=True)
 
 
+def light(folder):
+    kinds = {"low albedo, by k": r"low-k\d+", "low albedo, steps of 1 and 2": r"low-k16-step\d", "low albedo, paper's words": r"low-k\d+-paper",
+             "high albedo, by k": r"high-k\d+", "paths from the eye": r"eye-\d+", "paths from both ends": r"both-ends-\d+",
+             "photon map": r"photons-\d+"}
+    parts = [Panel("simulated ms of light and picture", "relative RMS error of the picture",
+                   [series(kind, [row for row in rows if re.fullmatch(names, row["method"])], "board_ms", "error", colour=colour, boxed=True)
+                    for colour, (kind, names) in enumerate(kinds.items())], title=scene, log_x=True, log_y=True)
+             for scene, rows in grouped(rows_of(folder / "light.csv"), "scene").items()]
+    draw_panels(folder, "light_error", parts)
+
+
 def emulator(folder):
     rows = rows_of(folder / "emulator.csv")
 
@@ -252,5 +263,5 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, volume_texture, boards, emulator, held_out, scaling)} | {
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, emulator, held_out, scaling)} | {
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

@@ -10,10 +10,10 @@ import pytest
 BIN = os.environ["GICUBE_BIN_DIR"]
 os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 
-from studies import boards, charts, cone_beam, form_factors, lighting, points, volume_texture  # noqa: E402
+from studies import boards, charts, cone_beam, form_factors, light, lighting, points, volume_texture  # noqa: E402
 from studies.points import Kept, Table, measure, text_of  # noqa: E402
 
-MODULES = {"boards": boards, "lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
+MODULES = {"boards": boards, "lighting": lighting, "light": light, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
 
 
 @pytest.fixture(autouse=True)
@@ -258,3 +258,64 @@ def test_several_boards_divide_a_picture_and_wait_for_a_shared_bus():
     for each in (own, shared):
         parts = sum(each[part] for part in ("work_ms", "bus_ms", "bus_wait_ms", "skew_ms"))
         assert parts == pytest.approx(each["frame_ms"])
+# ---- light
+
+
+ROOM = """world {
+  size: 16
+  node { name: "floor" material: "paper" box { low { x: -1.3 y: -1.3 z: -1.3 } high { x: 1.3 y: 1.3 z: -0.3 } } }
+}
+material {
+  name: "paper" solid { opacity: 0.5 colour { red: 0.1 green: 0.1 blue: 0.1 } }
+  scattering: 0.5 scattering_colour { red: 1 green: 0.5 blue: 0 } bsdf: "diffuse"
+}
+light { point { position { x: 0.5 z: 2 } } power: 20 }
+illumination { albedo: "low" rays_per_face_voxel: 2 exposure: 1 colour_passes: true }
+phong { ambient: 0.3 diffuse: 0.7 specular: 0 }
+camera { eye { y: -4 z: 3 } look_at { } fov_degrees: 30 }
+background { red: 1 green: 1 blue: 1 }
+"""
+
+
+@pytest.fixture
+def room(tmp_path):
+    file = tmp_path / "room.scene"
+    file.write_text(ROOM)
+    return file
+
+
+def test_all_methods_see_one_light_in_a_judged_scene(room):
+    text = light.judged(room, rays_per_face_voxel=8, lifetime=3)
+    assert "colour { red: 0.5 green: 0.25 blue: 0 }" in text and "scattering_colour { red: 1 green: 0.5 blue: 0 }" in text
+    assert f"sphere {{ centre {{ x: 0.5 z: 2 }} radius: {light.LAMP} }}" in text and "point {" not in text
+    assert "ambient: 0 " in text and "background" not in text
+    assert "rays_per_face_voxel: 8 " in text and "lifetime: 3 " in text and "rays_per_face_voxel: 2" not in text
+
+
+def test_a_mirror_of_a_judged_scene_shows_nothing_of_its_own(room):
+    room.write_text(ROOM.replace('bsdf: "diffuse"', 'bsdf: "specular" seen_through_scattering: true'))
+    assert "colour { red: 0 green: 0 blue: 0 }" in light.judged(room)
+
+
+def test_the_error_of_a_picture_leaves_out_the_truths_own_and_what_is_beyond_white():
+    truth = np.full((8, 8, 3), 0.5)
+    truth[:4] = 3  # white
+    none = np.zeros_like(truth)
+    assert light.error(truth, truth, none) == (0, 0)
+    assert light.error(np.minimum(truth, 1), truth, none) == (0, 0)
+    dark, scaled = light.error(truth / 2, truth, none)  # the white half stays white
+    assert dark == pytest.approx(np.sqrt(2 * 0.25 ** 2 / (2 * 1 + 2 * 0.25))) and 0 < scaled < dark
+    noise = np.where(truth < 1, 4 * 0.25, 0)  # of pixels; of tiles a quarter of it
+    assert light.error(truth / 2, truth, noise)[0] == pytest.approx(0, abs=1e-6)
+
+
+def test_the_board_and_paths_come_near_the_truth_of_a_floor_under_a_lamp(kept, room):
+    found = {method: light.measured(kept, "room", method, room, "32x32", 16, 200, "functional") for method in ("low-k4", "eye-16", "photons-4")}
+    assert found["eye-16"]["errors"][0] < 0.1
+    assert found["photons-4"]["errors"][0] < 0.3
+    assert found["low-k4"]["errors"][0] < 0.6 and found["low-k4"]["light_ms"] > 0
+
+
+def test_the_documents_table_of_light_is_that_of_its_points():
+    with open(charts.CHARTS / "light.csv") as file:
+        assert light.summary(list(csv.DictReader(file))) in (points.ROOT / "docs/studies/light.md").read_text()
