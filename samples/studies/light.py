@@ -34,6 +34,7 @@ LIGHTING = {
     **{f"low-k{k}-paper": ({"rays_per_face_voxel": k}, "asic.datapath=paper") for k in (4, 16)},
     "low-k16-rgb": ({}, "asic.voxel_format=rgb"),
     "low-k16-onepass": ({"colour_passes": "false"}, ""),  # light without colour
+    "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces within a voxel
 }
 PLANS = {"plan-10": "10%"}  # gicube-render --max-error
 # Pictures by rays of the host: the program, and its words.
@@ -54,10 +55,12 @@ def braces(text, start):
     raise ValueError("unbalanced")
 
 
-def judged(file, **of_illumination):
+def judged(file, opacity=None, **of_illumination):
     """The text of a scene file as all methods see the same light in it: materials show what they scatter, mirrors and glass nothing of
-    their own; no ambient light, no background; balls for point lights. Fields of the illumination are set."""
+    their own; no ambient light, no background; balls for point lights. Fields of the illumination are set, and `opacity`, that of all surfaces."""
     text = file.read_text()
+    if opacity:
+        text = re.sub(r"\bopacity: 0\.\d+", f"opacity: {opacity}", text)
 
     def look(material):
         share = float(re.search(r"scattering: ([\d.]+)", material)[1])

@@ -289,6 +289,7 @@ def test_all_methods_see_one_light_in_a_judged_scene(room):
     assert "colour { red: 0.5 green: 0.25 blue: 0 }" in text and "scattering_colour { red: 1 green: 0.5 blue: 0 }" in text
     assert f"sphere {{ centre {{ x: 0.5 z: 2 }} radius: {light.LAMP} }}" in text and "point {" not in text
     assert "ambient: 0 " in text and "background" not in text
+    assert "opacity: 0.5" in text and "opacity: 1 " in light.judged(room, opacity=1)
     assert "rays_per_face_voxel: 8 " in text and "lifetime: 3 " in text and "rays_per_face_voxel: 2" not in text
 
 

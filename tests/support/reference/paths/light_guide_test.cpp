@@ -43,6 +43,16 @@ TEST(LightGuide, FindsALampInAMirrorAndLeavesItsLightWhatItIs) {
   }
 }
 
+TEST(PathTracer, ShowsALampInAMirrorAsBrightAsIsAskedForAtMost) {
+  MirroredLamp room;
+  const double radiance = 100 / (4 * std::numbers::pi * std::numbers::pi * 2 * 2);
+  const auto seen = [&] { return PathTracer(room.scene).estimate({8, 4, 8}, {0, 26, 12}, 10, 62); };
+  EXPECT_NEAR(seen()[0].mean, 0.9 * radiance, 1e-9);
+  room.scene.max_seen = 0.7 * radiance;
+  EXPECT_NEAR(seen()[0].mean, 0.7 * radiance, 1e-9);
+  EXPECT_NEAR(seen()[1].mean, 0.9 * radiance / 2, 1e-9);
+}
+
 TEST(LightGuide, KnowsNothingWhereNoMirrorSendsLight) {
   MirroredLamp room;
   room.scene.materials[1] = room.scene.materials[0];

@@ -35,7 +35,7 @@ struct PathScene {
   // What full opacity is taken for: extinction per smallest voxel edge. A solid's surface is soft by its inverse.
   double max_extinction = 16;
   int max_scatterings = 1 << 20;  // of a path; the light of longer ones is missing
-  // The greatest radiance of a light that the eye sees in mirrors and glass alone.
+  // The greatest radiance that the eye has of a light which it sees in mirrors and glass alone.
   double max_seen = std::numeric_limits<double>::infinity();
   bool sees_lights = false;  // rays straight from the eye see rectangles and spheres; reflected ones always do
 };

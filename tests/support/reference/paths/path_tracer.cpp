@@ -70,7 +70,9 @@ Vec3 PathTracer::normal_at(const Collision& collision, Vec3 direction, bool& ent
 void PathTracer::add_seen_lights(Rgb& sum, const Rgb& weight, const Flight& flight, double reach, double most) const {
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     const auto hit = hit_light(lights_[i], flight.origin, flight.direction);
-    if (hit && hit->distance < reach) add(sum, weight, std::min(most, hit->radiance), scene_.light_colours[i]);
+    if (!hit || hit->distance >= reach) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      sum[c] += std::min(most, weight[c] * hit->radiance * scene_.light_colours[i][c]);
   }
 }
 
