@@ -78,12 +78,12 @@ def lighting(folder):
 
 
 def light(folder):
-    kinds = {"low albedo, by k": r"low-k\d+", "low albedo, steps of 1 and 2": r"low-k16-step\d", "low albedo, paper's words": r"low-k\d+-paper",
-             "high albedo, by k": r"high-k\d+", "paths from the eye": r"eye-\d+", "paths from both ends": r"both-ends-\d+",
+    kinds = {"low albedo, by k": r"low-k\d+", "low albedo, steps of 1 and 2": r"low-k16-step\d", "low albedo, surfaces of opacity 1": r"low-k\d+-opaque",
+             "high albedo": r"high-k\d+", "paths from the eye": r"eye-\d+", "paths from both ends": r"both-ends-\d+",
              "photon map": r"photons-\d+"}
     parts = [Panel("simulated ms of light and picture", "relative RMS error of the picture",
                    [series(kind, [row for row in rows if re.fullmatch(names, row["method"])], "board_ms", "error", colour=colour, boxed=True)
-                    for colour, (kind, names) in enumerate(kinds.items())], title=scene, log_x=True, log_y=True)
+                    for colour, (kind, names) in enumerate(kinds.items())], title=scene, log_x=True, log_y=True, y_range=(0.02, 0.8))
              for scene, rows in grouped(rows_of(folder / "light.csv"), "scene").items()]
     draw_panels(folder, "light_error", parts)
 

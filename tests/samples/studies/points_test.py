@@ -317,6 +317,14 @@ def test_the_board_and_paths_come_near_the_truth_of_a_floor_under_a_lamp(kept, r
     assert found["low-k4"]["errors"][0] < 0.6 and found["low-k4"]["light_ms"] > 0
 
 
+def test_a_soft_floor_and_fog_show_the_light_that_is_in_them_and_an_opaque_floor_what_falls_on_it(kept):
+    ratios = {name: float(row["shown_over_truth"]) for name in ("light_laws/0.5/80", "light_laws/0.5/20", "light_laws/1/80", "light_laws/fog/80")
+              for row in rows_of(light.tables()[2], kept, name)}
+    assert ratios["light_laws/0.5/80"] < 0.8 < 0.95 < ratios["light_laws/0.5/20"]
+    assert ratios["light_laws/fog/80"] == pytest.approx(4, rel=0.1)
+    assert ratios["light_laws/1/80"] == pytest.approx(1, abs=0.1)
+
+
 def test_the_documents_table_of_light_is_that_of_its_points():
     with open(charts.CHARTS / "light.csv") as file:
         assert light.summary(list(csv.DictReader(file))) in (points.ROOT / "docs/studies/light.md").read_text()
