@@ -18,7 +18,7 @@ SCENES = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box",
 HELD_OUT = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("glass", "mirror_buckyball")},
             "room": ROOT / "samples/studies/light_scenes/held_out_room.scene"}
 SIZE = "128x128"
-VOXELS = {"fog_box": 48}  # along the longest edge; where nearly every voxel takes light a pass takes minutes of the host
+VOXELS = {"fog_box": 48, "room": 48}  # along the longest edge; where nearly every voxel takes light a pass takes minutes of the host
 MANY_VOXELS = 96
 TILE = 4  # pixels along an edge
 # Paths a pixel of the truth. Standard errors of tiles of 8 x 8 pixels are below 0.5% for the first five but fog_box, and 1 to 2%.

@@ -83,7 +83,7 @@ def light(folder):
              "photon map": r"photons-\d+"}
     parts = [Panel("simulated ms of light and picture", "relative RMS error of the picture",
                    [series(kind, [row for row in rows if re.fullmatch(names, row["method"])], "board_ms", "error", colour=colour, boxed=True)
-                    for colour, (kind, names) in enumerate(kinds.items())], title=scene, log_x=True, log_y=True, y_range=(0.02, 0.8))
+                    for colour, (kind, names) in enumerate(kinds.items())], title=scene, log_x=True, log_y=True, y_range=(0.008, 0.8))
              for scene, rows in grouped(rows_of(folder / "light.csv"), "scene").items()]
     draw_panels(folder, "light_error", parts)
 
