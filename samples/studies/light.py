@@ -215,7 +215,7 @@ def tables():
 def summary(rows):
     """The table of docs/studies/light.md: error in percent at milliseconds of the board, bold where nothing that is cheaper is better."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.3g}".format(100 * float(row["error"]), "**" * int(row["front"]), float(row["board_ms"]))
+    cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.0f}".format(100 * float(row["error"]), "**" * int(row["front"]), float(row["board_ms"]))
              for row in rows}
     lines = [["method", *scenes], ["---"] * (1 + len(scenes))]
     lines += [[method, *(cells.get((method, scene), "") for scene in scenes)] for method in dict.fromkeys(row["method"] for row in rows)]
