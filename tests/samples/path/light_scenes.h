@@ -5,6 +5,7 @@
 
 #include "gicube/scene/scene.h"
 #include "light_reference/path_scene_of.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 
