@@ -33,6 +33,7 @@ LIGHTING = {
     "high-k16": ({"albedo": '"high"'}, ""),
     **{f"low-k{k}-paper": ({"rays_per_face_voxel": k}, "asic.datapath=paper") for k in (4, 16)},
     "low-k16-rgb": ({}, "asic.voxel_format=rgb"),
+    "low-k16-words3": ({}, "asic.irradiance_words=3"),  # all colours in one pass
     "low-k16-onepass": ({"colour_passes": "false"}, ""),  # light without colour
     "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces within a voxel
 }
