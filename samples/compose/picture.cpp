@@ -168,7 +168,7 @@ class Tracer {
 
 std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, MediumCost& cost) {
   const StageMedium& medium = stage.media[index];
-  check_fits(medium.setup.volume.dims, board.info(), medium.setup.volume.source);
+  check_renders(medium.setup.volume.dims, board.info(), medium.setup.volume.source);
   const Picoseconds begin = board.now();
   load(board, medium.setup, false);
   aim(board, stage, medium);

@@ -96,7 +96,7 @@ void run_project(const ProjectOptions& options) {
   } else {
     progress.show("starting the board");
     Board board = open_board(options.board);
-    check_fits(geometry.volume.dims, board.info(), options.object.name);
+    check_renders(geometry.volume.dims, board.info(), options.object.name);
     RunWindow window(board);
     projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
     stats = cost_json(board.info(), window);

@@ -79,7 +79,7 @@ void run(const SolveOptions& options, ProgressLine& progress) {
   scene.lighting.on = false;
   const SceneSetup setup = set_up(scene, options.board.threads);
   Board board = open_board(board_for(options.plan, options.board));
-  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  check_renders(setup.volume.dims, board.info(), setup.volume.source);
 
   RunWindow window(board);
   const Emissions emissions = emissions_of(scene, setup);

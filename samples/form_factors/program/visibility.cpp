@@ -126,7 +126,7 @@ void run(const VisibilityOptions& options, ProgressLine& progress) {
   progress.show("reading the scene");
   const SceneSetup setup = set_up(scene_of(options.input), options.board.threads);
   Board board = open_board(options.board);
-  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  check_renders(setup.volume.dims, board.info(), setup.volume.source);
   load(board, setup, false, progress.parts("loading the volume"));
   const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
   const PairRequest request{.rays = static_cast<std::uint32_t>(options.rays),

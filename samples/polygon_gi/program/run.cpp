@@ -17,7 +17,7 @@ void run(const PolygonGiOptions& options, ProgressLine& progress) {
   std::vector<PolygonSurface> surfaces = take_polygons(scene);
   const SceneSetup setup = set_up_light(scene, options.light, options.board.threads);
   Board board = open_board(options.board);
-  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  check_renders(setup.volume.dims, board.info(), setup.volume.source);
   const Medium medium(board, setup, progress.parts("loading the volume"));
   refine(surfaces, options.edge, [&](Vec3 point) { return medium.place_of(setup.grid.voxel_of(point)); });
   PolygonGi light(board, medium, std::move(surfaces), options.settings);

@@ -45,7 +45,7 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
   const SceneSetup slab = set_up(at_time(read_scene(options.material), 0), options.board.threads);
   const SceneSetup setup = set_up_light(scene, options.light, options.board.threads);
   Board board = open_board(options.board);
-  check_fits(slab.volume.dims, board.info(), slab.volume.source);
+  check_renders(slab.volume.dims, board.info(), slab.volume.source);
   RunWindow window(board);
   Profile profile;
   {

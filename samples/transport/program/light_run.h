@@ -32,7 +32,7 @@ void run_light(const LightOptions<Settings>& options, const std::string& what,
   progress.show("reading the scene");
   const SceneSetup setup = set_up_light(light_scene(options.light), options.light, options.board.threads);
   Board board = open_board(options.board);
-  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  check_renders(setup.volume.dims, board.info(), setup.volume.source);
   const Medium medium(board, setup, progress.parts("loading the volume"));
   const Lights lights(setup, medium);
   Method method(board, medium, lights, setup.view, options.settings);

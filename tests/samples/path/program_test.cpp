@@ -36,6 +36,17 @@ TEST_F(PathProgram, MakesAPictureWithItsNoiseAndItsCost) {
   EXPECT_TRUE(text_of(path("x.png")).starts_with("\x89PNG"));
 }
 
+TEST_F(PathProgram, MakesTheSameLightWithACardThatDoesNotStoreTheVolume) {
+  std::vector<std::string> pictures;
+  for (const char* card : {"64", "16"}) {
+    const ProgramResult result = run("builtin:buckyball --volume-size 30 --size 8x6 --passes 1 --pixels " +
+                                     path("x.csv") + " --set asic.block_voxels=8 --set asic.max_volume_voxels=" + card);
+    ASSERT_EQ(result.code, 0) << result.err;
+    pictures.push_back(text_of(path("x.csv")));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
 TEST_F(PathProgram, MakesTheSameLightAtEveryLevelAndWithAnyThreads) {
   std::vector<std::string> pictures;
   for (const char* how :
