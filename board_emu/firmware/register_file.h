@@ -84,8 +84,8 @@ class PciConfigFile {
   void write(std::uint32_t offset, std::uint32_t value) {
     namespace pci = wire::pci;
     // BAR2 covers the memory map, rounded up to a power of two.
-    constexpr std::uint64_t kBar2Bytes = std::uint64_t{1} << 35;
-    static_assert(wire::kColours.base + wire::kColours.bytes <= kBar2Bytes);
+    constexpr std::uint64_t kBar2Bytes = std::uint64_t{1} << 36;
+    static_assert(wire::kBlueIrradiance.base + wire::kBlueIrradiance.bytes <= kBar2Bytes);
     switch (offset) {
       case pci::kCommandStatus: space_[offset / 4] = (space_[offset / 4] & 0xFFFF'0000u) | (value & 0x0007u); break;
       case pci::kBar0Register: space_[offset / 4] = value & ~(wire::kBar0Bytes - 1); break;

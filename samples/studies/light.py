@@ -203,7 +203,7 @@ def tables():
     def points(table, scenes, methods):
         return {f"{table}/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
                 for (scene, file), method in itertools.product(scenes.items(), methods)
-                if method != "low-k16-onepass" or "colour_passes: true" in file.read_text()}
+                if method not in ("low-k16-onepass", "low-k16-words3") or "colour_passes: true" in file.read_text()}
     errors = ["board_ms", "light_ms", "error", "error_at_best_brightness", "front"]
     return [Table("light", ["scene", "method", *errors], points("light", SCENES, [*LIGHTING, *HOST_RAYS]), rows),
             Table("light_plans", ["scene", "method", "rays", "bound", *errors],

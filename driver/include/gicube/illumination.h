@@ -94,9 +94,9 @@ struct LightingReport {
   double given_up = 0;        // of that, with rays at the end of their lifetime
   double clipped = 0;         // did not fit saturated irradiance words
   double unit = 0;
-  std::vector<LightEnergy>
-      colours;  // with three irradiance words: of red, green and blue, which sum to the above; else empty
   std::vector<std::string> warnings;  // a light in a solid, much energy clipped, low albedo where scattering matters
+  // With three irradiance words: of red, green and blue, which sum to the above; else empty.
+  std::vector<LightEnergy> colours{};
 };
 
 // Error bar of a kHigh pass: the standard error of `irradiance`, one voxel's or the sum over many, in the lights' unit.

@@ -43,7 +43,7 @@ GICUBE_RECORD(Illumination, F(albedo), F(rules), F(rays_per_face_voxel), F(step)
               F(seed), F(light_colours));
 GICUBE_RECORD(LightEnergy, F(emitted), F(deposited), F(escaped), F(scattered_away), F(given_up), F(clipped));
 GICUBE_RECORD(LightingReport, F(rays), F(emitted), F(deposited), F(escaped), F(escaped_by_face), F(scattered_away),
-              F(given_up), F(clipped), F(unit), F(colours), F(warnings));
+              F(given_up), F(clipped), F(unit), F(warnings), F(colours));
 GICUBE_RECORD(DepositReport, F(rays), F(samples), F(kept), F(clipped), F(overflowed), F(unit));
 GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime), F(words), F(step), F(leap));
 GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(leap), F(made));

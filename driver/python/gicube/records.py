@@ -373,8 +373,8 @@ class LightingReport:
     given_up: float
     clipped: float
     unit: float
-    colours: Sequence[LightEnergy]
     warnings: Sequence[str]
+    colours: Sequence[LightEnergy] = ()
 
     def standard_error(self, irradiance: ArrayLike) -> Any:
         """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""

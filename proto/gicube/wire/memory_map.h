@@ -55,9 +55,9 @@ inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
                                           "blocks of 32-bit irradiance words"};
 
 // The same of green and blue, on cards of three irradiance words (IRRADIANCE_WORDS); those above are then red's.
-inline constexpr MemoryRegion kGreenIrradiance{"green_irradiance", 0x6'0000'0000, kIrradiance.bytes, true,
+inline constexpr MemoryRegion kGreenIrradiance{"green_irradiance", 0x6'4000'0000, kIrradiance.bytes, true,
                                                "as irradiance, for green (IRRADIANCE_WORDS)"};
-inline constexpr MemoryRegion kBlueIrradiance{"blue_irradiance", 0x7'0000'0000, kIrradiance.bytes, true,
+inline constexpr MemoryRegion kBlueIrradiance{"blue_irradiance", 0x7'8000'0000, kIrradiance.bytes, true,
                                               "as irradiance, for blue (IRRADIANCE_WORDS)"};
 constexpr const MemoryRegion& irradiance_region(std::size_t word) {
   return word == 0 ? kIrradiance : word == 1 ? kGreenIrradiance : kBlueIrradiance;

@@ -83,7 +83,7 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   LightingStatistics red;
   red.channel = "red";
   red.settings.albedo = Albedo::kHigh;
-  red.report = {100, 10, 4, 3, {0, 0, 0, 0, 2, 1}, 2, 1, 1, 0.01, {}, {"a light stands in a solid"}};
+  red.report = {100, 10, 4, 3, {0, 0, 0, 0, 2, 1}, 2, 1, 1, 0.01, {"a light stands in a solid"}};
   red.duration = 5'000'000'000;
   red.reused = true;
   statistics.lighting = {red};

@@ -305,7 +305,7 @@ TEST(PciConfigFile, SizesItsBarsByWritingOnes) {
   config.write(wire::pci::kBar2High, 0xFFFF'FFFF);
   const std::uint64_t mask =
       std::uint64_t{config.read(wire::pci::kBar2High)} << 32 | (config.read(wire::pci::kBar2Low) & ~0xFu);
-  EXPECT_EQ(~mask + 1, std::uint64_t{32} << 30);
+  EXPECT_EQ(~mask + 1, std::uint64_t{64} << 30);
   EXPECT_EQ(config.read(0x100), wire::kUnmappedRead);
   config.write(wire::pci::kIds, 0);
   EXPECT_EQ(config.read(wire::pci::kIds) & 0xFFFF, wire::kVendorId);
