@@ -1,23 +1,21 @@
 // Board: sessions, volumes, tables, light, pictures, rays.
 #include "gicube/board.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cstring>
 
 #include "call.h"
 
 namespace gicube::python {
-namespace {
 
-using namespace pybind11::literals;
-
-// Runs Python's handlers of signals that came, on its main thread. Throws what they raise: KeyboardInterrupt for Ctrl-C.
 void take_signals() {
   const py::gil_scoped_acquire held;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
+
+namespace {
+
+using namespace pybind11::literals;
 
 // A Python object that the driver may copy and destroy without the interpreter's lock.
 std::shared_ptr<py::object> shared(py::handle object) {
@@ -64,43 +62,16 @@ std::uint32_t submit_lines(Handle& self, const py::list& points, const std::vect
 
 }  // namespace
 
-Handle::Handle(Board board) : board_(std::make_shared<Board>(std::move(board))), process_(::getpid()) {}
-
-Handle::~Handle() {
-  if (is_forked()) {
-    // Never destroyed: its threads are the parent's.
-    [[maybe_unused]] const auto* const kept = std::make_unique<std::shared_ptr<Board>>(std::move(board_)).release();
-  } else {
-    close();
-  }
-}
-
-bool Handle::is_forked() const { return process_ != ::getpid(); }
-
-std::shared_ptr<Board> Handle::board() const {
-  if (is_forked()) {
-    throw Error("this board was opened by the process " + std::to_string(process_) + ": a forked one opens its own");
-  }
-  if (!board_) throw DeviceLost("the board is closed");
-  return board_;
-}
-
-void Handle::close() {
-  if (is_forked()) return;
-  std::shared_ptr<Board> last;
-  last.swap(board_);
-  const py::gil_scoped_release free;
-  last.reset();
-}
-
 py::object given_back(Image&& image) {
   const py::array pixels = to_array(std::move(image.pixels));
   return py::module_::import("gicube.image").attr("Image")(pixels.attr("reshape")(image.height, image.width));
 }
 
+py::object given_back(RayBatch&& batch) { return report_of(batch, to_array(std::move(batch.rays))); }
+
 py::object given_back(std::vector<RayBatch>&& batches) {
   py::list out;
-  for (RayBatch& batch : batches) out.append(report_of(batch, to_array(std::move(batch.rays))));
+  for (RayBatch& batch : batches) out.append(given_back(std::move(batch)));
   return out;
 }
 
@@ -185,7 +156,8 @@ void add_board(py::module_& module) {
   type.def(py::init([](const std::string& uri, const py::dict& given) {
     auto options = read_as<OpenOptions>(given, "");
     options.while_waiting = take_signals;
-    return without_interpreter([&] { return std::make_unique<Handle>(Board::open(uri, options)); });
+    return without_interpreter(
+        [&] { return std::make_unique<Handle>(std::make_shared<Board>(Board::open(uri, options))); });
   }));
   type.def("close", &Handle::close);
   type.def_property_readonly("info", call(&Board::info));

@@ -89,6 +89,7 @@ py::object given_back(std::vector<T>&& values) {
 }
 inline py::object given_back(Ticket ticket) { return py::int_(ticket.id); }
 py::object given_back(Image&& image);
+py::object given_back(RayBatch&& batch);
 py::object given_back(std::vector<RayBatch>&& batches);
 py::object given_back(const Counters& counters);
 py::object given_back(DerivedVolume&& volume);

@@ -70,6 +70,7 @@ PYBIND11_MODULE(_core, module) {
   end_forked_ones();
   add_errors();
   add_board(module);
+  add_group(module);
   add_plans(module);
   add_scenes(module);
 }

@@ -4,37 +4,67 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <unistd.h>
+
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "gicube/board.h"
+#include "gicube/error.h"
 #include "gicube/level_of_detail.h"
 
 namespace gicube::python {
 
 void add_errors();
 void add_board(pybind11::module_& module);
+void add_group(pybind11::module_& module);
 void add_plans(pybind11::module_& module);
 void add_scenes(pybind11::module_& module);
 
-// What Python holds of a board. A call keeps it alive, so close() on another thread ends it after that call.
-class Handle {
+// What Python holds of a board, or of several. A call keeps it alive, so close() on another thread ends it after that call.
+template <typename T>
+class Owned {
  public:
-  explicit Handle(Board board);
+  explicit Owned(std::shared_ptr<T> what) : what_(std::move(what)), process_(::getpid()) {}
   // In a forked process the session is the parent's: it is left alone.
-  ~Handle();
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
+  ~Owned() {
+    if (is_forked()) {
+      // Never destroyed: its threads are the parent's.
+      [[maybe_unused]] const auto* const kept = std::make_unique<std::shared_ptr<T>>(std::move(what_)).release();
+    } else {
+      close();
+    }
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
 
   // Throws DeviceLost if it is closed, Error in a forked process.
-  std::shared_ptr<Board> board() const;
-  void close();
+  std::shared_ptr<T> board() const {
+    if (is_forked()) {
+      throw Error("this board was opened by the process " + std::to_string(process_) + ": a forked one opens its own");
+    }
+    if (!what_) throw DeviceLost("the board is closed");
+    return what_;
+  }
+  void close() {
+    if (is_forked()) return;
+    std::shared_ptr<T> last;
+    last.swap(what_);
+    const pybind11::gil_scoped_release free;
+    last.reset();
+  }
 
  private:
-  bool is_forked() const;
+  bool is_forked() const { return process_ != ::getpid(); }
 
-  std::shared_ptr<Board> board_;
+  std::shared_ptr<T> what_;
   pid_t process_;
 };
+using Handle = Owned<Board>;
+
+// Runs Python's handlers of signals that came, on its main thread. Throws what they raise: KeyboardInterrupt for Ctrl-C.
+void take_signals();
 
 // Python's callable(done, all), or None; signals are looked for in between. The callable must outlive it.
 Progress progress_of(pybind11::handle callable);

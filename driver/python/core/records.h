@@ -3,6 +3,7 @@
 
 #include "convert.h"
 #include "gicube/board.h"
+#include "gicube/board_group.h"
 #include "gicube/fidelity.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/light_plan.h"
@@ -55,6 +56,8 @@ GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on)
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
               F(wait_for_board), F(capture), F(token_file), F(ca_file), F(go_on));
+GICUBE_RECORD(GroupOptions, F(buses), F(board));
+GICUBE_RECORD(BoardTime, F(bus), F(work), F(bus_wait), F(skew));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));
 GICUBE_RECORD(Placement, F(low), F(edge));
 GICUBE_RECORD(LevelError, F(largest_density), F(rms_density), F(largest_opacity));

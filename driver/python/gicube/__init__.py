@@ -17,6 +17,7 @@ from gicube._core import LightPlan as LightPlan, Plan as Plan, Scene as Scene, S
 from gicube._core import __version__ as __version__
 from gicube.arrays import *
 from gicube.board import NO_DEADLINE as NO_DEADLINE, Board as Board, Future as Future, open as open
+from gicube.board_group import BoardGroup as BoardGroup
 from gicube.counters import Counters as Counters, fidelity_report as fidelity_report
 from gicube.errors import *
 from gicube.image import Image as Image

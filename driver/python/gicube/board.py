@@ -73,7 +73,7 @@ class Future:
         return self._open_board().receive_async(self._ticket).__await__()
 
 
-_open_boards: "weakref.WeakSet[Board]" = weakref.WeakSet()
+_open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()  # what close() ends
 
 
 @atexit.register
@@ -131,6 +131,13 @@ class Board:
         options |= {"capture": os.fspath(capture), "token_file": os.fspath(token_file), "ca_file": os.fspath(ca_file)}
         self._core = _core.Board(uri, options)
         _open_boards.add(self)
+
+    @classmethod
+    def _of(cls, uri: str, core: Any) -> "Board":
+        """A board of a group."""
+        board = cls.__new__(cls)
+        board.uri, board._core = uri, core
+        return board
 
     def close(self) -> None:
         """Ends the session; calls of other threads end first. May be called again."""

@@ -19,6 +19,7 @@ from gicube import _core
 __all__ = [  # of the package
     "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
     "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
+    "BoardTime", "HostBuses",
     "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
     "MeasuredBound",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
@@ -37,6 +38,13 @@ class Fidelity(Enum):
     FUNCTIONAL = "functional"
     APPROXIMATE = "approximate"
     CYCLE = "cycle"
+
+
+class HostBuses(Enum):
+    """Whether the boards of a group are on one PCI bus, which serves them in turn, or each has its own."""
+
+    SHARED = "shared"
+    OWN = "own"
 
 
 class VoxelFormat(Enum):
@@ -379,6 +387,16 @@ class LightingReport:
     def standard_error(self, irradiance: ArrayLike) -> Any:
         """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""
         return np.sqrt(np.asarray(irradiance) * (self.emitted / self.rays if self.rays else 0.0))
+
+
+@dataclass
+class BoardTime:
+    """Where the simulated time of one board of a group has gone, picoseconds; the parts sum to BoardGroup.now (gicube/board_group.h)."""
+
+    bus: int  # its own transfers
+    work: int  # what it did meanwhile without the bus
+    bus_wait: int  # on a shared bus: for other boards' transfers
+    skew: int  # done, until the last board was
 
 
 @dataclass

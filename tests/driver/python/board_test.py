@@ -9,14 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import LOOK, ball
+from conftest import LOOK, ball, view_of_ball
 
 import gicube
 from gicube.testing import BoardSetup, Window, assert_counter, assert_share, assert_time
-
-
-def view_of_ball(**fields):
-    return gicube.fit_view(gicube.Volume(ball()), [LOOK], **{"width": 64, "height": 64, **fields})
 
 
 def test_a_closed_board_says_so_and_may_be_closed_again():

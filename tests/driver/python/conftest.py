@@ -18,6 +18,10 @@ def ball(size=32, radius=10):
 LOOK = gicube.TransferFunction([(0, (1, 1, 1))], [(100, 0), (100, 1)])
 
 
+def view_of_ball(**fields):
+    return gicube.fit_view(gicube.Volume(ball()), [LOOK], **{"width": 64, "height": 64, **fields})
+
+
 @pytest.fixture
 def loaded(board):
     """A board with a white ball."""
