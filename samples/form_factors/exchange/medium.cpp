@@ -92,11 +92,6 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
 }
 
 void load(Board& board, const Medium& medium) {
-  const int longest = *std::max_element(medium.dims.begin(), medium.dims.end());
-  if (longest > board.info().max_volume_voxels) {
-    throw InputError("setup.volume", fmt::format("at most {} voxels an edge", board.info().max_volume_voxels),
-                     fmt::format("{}", longest));
-  }
   TransferFunction fog{{{0, {1, 1, 1}}}, {}};
   for (int density = 0; density <= kDensityMax; ++density) {
     fog.opacities.push_back({static_cast<double>(density), opacity_of(medium.max_kappa, density)});

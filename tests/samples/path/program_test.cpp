@@ -38,8 +38,8 @@ TEST_F(PathProgram, MakesAPictureWithItsNoiseAndItsCost) {
 
 TEST_F(PathProgram, MakesTheSameLightWithACardThatDoesNotStoreTheVolume) {
   std::vector<std::string> pictures;
-  for (const char* card : {"64", "16"}) {
-    const ProgramResult result = run("builtin:buckyball --volume-size 30 --size 8x6 --passes 1 --pixels " +
+  for (const char* card : {"64", "32"}) {
+    const ProgramResult result = run("builtin:buckyball --volume-size 40 --size 8x6 --passes 1 --pixels " +
                                      path("x.csv") + " --set asic.block_voxels=8 --set asic.max_volume_voxels=" + card);
     ASSERT_EQ(result.code, 0) << result.err;
     pictures.push_back(text_of(path("x.csv")));
