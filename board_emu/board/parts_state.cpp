@@ -35,7 +35,7 @@ void Board::Parts::state(Archive& archive, bool with_level) {
   bool in_command = carried.has_value();
   archive("in_command", in_command);
   if (in_command) {
-    if (archive.loads()) carried.emplace().header.type = wire::FrameType::kCommand;
+    if (archive.loads()) carried.emplace(Carried{}).header.type = wire::FrameType::kCommand;
     archive.field("carried", [this](Archive::Record& record) {
       record(carried->header.id);
       record.at_most(carried->header.time_ps, kEndOfTime);

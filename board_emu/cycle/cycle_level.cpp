@@ -37,7 +37,7 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
     Machine& machine = goes_on ? machine_to_go_on(source, frame) : machine_for(frame);
     if (!goes_on) {
       if (frame.sums != nullptr) frame.sums->moved_anywhere(frame.max_moved);
-      run_.emplace().before = ray_counters(machine);
+      run_.emplace(Run{}).before = ray_counters(machine);
     }
     run_->source = &source;
     RunResult& all = run_->all;
@@ -112,7 +112,7 @@ void CycleLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
   archive("machine", *machine_);
   archive.set_in_run(false);
   if (!is_in_run) return;
-  if (archive.loads()) run_.emplace();
+  if (archive.loads()) run_.emplace(Run{});
   archive("run", *run_);
   if (RaySource* const source = run_->source; source != nullptr) {
     NumbersArchive numbers(false, of_source_);

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "datapath/frame.h"
+#include "gicube/archive.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
-#include "gicube/archive.h"
 
 namespace gicube::emu {
 

@@ -18,8 +18,8 @@
 #include <cstdint>
 
 #include "datapath/advance.h"
-#include "datapath/resample.h"
 #include "datapath/composite.h"
+#include "datapath/resample.h"
 #include "datapath/shade.h"
 #include "simd_tracer.h"
 
