@@ -267,7 +267,7 @@ std::vector<float> Board::read_irradiance(const VoxelBox& box) {
 std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
   const LoadedVolume& of = loaded("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
-  need_colours_on_card("read_irradiance()");
+  if (info.irradiance_words > 1) whole("read_irradiance()");  // the host holds one word of blocks that are not there
   check(box, of.dims);
   const auto count_of_words = static_cast<std::size_t>(info.irradiance_words);
   std::vector<float> out(count_of_words * count(box));
@@ -287,7 +287,7 @@ void Board::write_irradiance(const VoxelBox& box, std::span<const float> values)
   if (unit <= 0) throw Rejected("write_irradiance() needs a unit: illuminate() or clear_irradiance() first");
   check(box, volume.dims);
   const auto count_of_words = static_cast<std::size_t>(state_->info.irradiance_words);
-  state_->need_colours_on_card("write_irradiance()");
+  if (state_->info.irradiance_words > 1) state_->whole("write_irradiance()");
   check_values(box, values, 0, count_of_words);
   const double max_units = state_->info.wide ? 4294967295.0 : 2047.0;
   for (std::size_t colour = 0; colour < count_of_words; ++colour) {

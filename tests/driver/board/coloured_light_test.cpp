@@ -233,6 +233,7 @@ TEST(ColouredLight, WhatTheRaysOfThreeEnergiesCanNotDoIsUnsupportedAndTheBoardLi
   board.set_scattering_routine([](const ScatterEvent&) { return ScatterAnswer{}; });
   EXPECT_THAT([&] { board.illuminate(kLights, {}); },
               ThrowsMessage<Unsupported>(HasSubstr("the application's to scatter, whose rays have one energy")));
+  EXPECT_EQ(board.read_irradiance().size(), 3u * 32 * 32 * 32);  // it is not scattered
   board.set_material(chalk());
   EXPECT_GT(board.illuminate(kLights, {}).deposited, 0);
 
