@@ -272,4 +272,13 @@ TEST(Radiosity, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
+TEST(Radiosity, OfAVolumeThatTheCardDoesNotStoreHasTheSameLight) {
+  const std::string blocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=";
+  Board whole = reference::open_board(blocks + "64"), small = reference::open_board(blocks + "32");
+  const SceneSetup setup = reference::setup_of({.size = 38});  // 40 with walls: 125 blocks, of which one card stores 64
+  const auto expected = solve_radiosity(whole, setup, kWalls, {}), got = solve_radiosity(small, setup, kWalls, {});
+  EXPECT_EQ(got.statistics.energy.absorbed_by_faces, expected.statistics.energy.absorbed_by_faces);
+  EXPECT_GT(expected.statistics.energy.absorbed_by_faces[0], 0);
+}
+
 }  // namespace gicube::samples
