@@ -14,12 +14,13 @@
 namespace gicube::emu {
 
 struct WaitingRay {
-  RayState ray_state;
+  RayState ray_state{};
   std::uint64_t number = 0;  // among the rays of its commands, which go on in this order
   std::uint32_t block = 0;
-  bool trapped = false;  // it waits for a routine's answer besides, which the sample at its place is asked for
+  std::uint16_t home = 0;  // 0: this card made it; else by wire::ForwardedRay
+  bool trapped = false;    // it waits for a routine's answer besides, which the sample at its place is asked for
 
-  void state(Archive::Record& record) { record(ray_state, number, block, trapped); }
+  void state(Archive::Record& record) { record(ray_state, number, block, home, trapped); }
 };
 
 class WaitingRayQueue {

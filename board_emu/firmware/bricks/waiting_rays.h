@@ -12,7 +12,7 @@
 #include "datapath/bricks.h"
 #include "datapath/scattering.h"
 #include "gicube/archive.h"
-#include "gicube/wire/command.h"
+#include "gicube/wire/forwarded_ray.h"
 
 namespace gicube::emu {
 
@@ -29,12 +29,16 @@ class WaitingRays : public WaitingRayQueue {
 
   // So many bytes of the host's memory are left for rays.
   void set_room(std::uint64_t bytes) { max_ = std::min<std::uint64_t>(bytes / kBytesOfRay, kMax); }
-  std::uint64_t memory_bytes() const { return (waiting_.capacity() + continued_.capacity()) * sizeof(WaitingRay); }
+  std::uint64_t memory_bytes() const {
+    return (waiting_.capacity() + continued_.capacity()) * sizeof(WaitingRay) +
+           ended_.capacity() * sizeof(wire::EndedRay);
+  }
 
   // Forgets all rays. `header`: of kHostRays; of kLight its type and rules.
   void begin(WaitingKind kind, const wire::TraceHeader& header = {}) {
     waiting_ = {};
     continued_ = {};
+    ended_ = {};
     before_ = first_ = next_ = 0;
     kind_ = kind;
     header_ = header;
@@ -60,16 +64,21 @@ class WaitingRays : public WaitingRayQueue {
 
   void add(const WaitingRay& ray, std::uint64_t index) override {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() >= max_) {
-      throw RoutineFault("more than " + std::to_string(max_) + " rays wait for blocks" +
-                         (max_ < kMax ? ", for which memory is left (gicube-board --max-memory)" : "") +
-                         ": a smaller image or fewer rays would help");
+    expect_room(1);
+    WaitingRay& added = waiting_.emplace_back(ray);
+    if (const WaitingRay* const before = find(index)) {
+      added.number = before->number;
+      added.home = before->home;
+    } else if (kind_ == WaitingKind::kPicture) {
+      added.number = std::uint32_t{ray.ray_state.v} << 16 | ray.ray_state.u;  // no two rays share it
+    } else {
+      added.number = first_ + index;
     }
-    waiting_.push_back(ray);
-    waiting_.back().number = !continued_.empty() ? continued_[static_cast<std::size_t>(index)].number
-                             : kind_ == WaitingKind::kPicture
-                                 ? std::uint32_t{ray.ray_state.v} << 16 | ray.ray_state.u  // no two rays share it
-                                 : first_ + index;
+  }
+  // A ray of another card's has come to its end. From several threads.
+  void add_ended(const wire::EndedRay& ray) {
+    const std::lock_guard lock(mutex_);
+    ended_.push_back(ray);
   }
   const WaitingRay* find(std::uint64_t index) const override {
     return continued_.empty() ? nullptr : &continued_[static_cast<std::size_t>(index)];
@@ -85,11 +94,42 @@ class WaitingRays : public WaitingRayQueue {
     continued_.assign(ready, waiting_.end());
     waiting_.erase(ready, waiting_.end());
     before_ = waiting_.size();
-    std::ranges::sort(continued_, {}, &WaitingRay::number);
+    std::ranges::sort(continued_, {}, order_of<WaitingRay>);
     return continued_;
   }
   // Of the latest call.
   std::span<const WaitingRay> continued() const { return continued_; }
+  // Takes rays out, the first by home and number of those that wait for `blocks`, ascending, and at most `most` of them.
+  std::vector<WaitingRay> take(std::span<const std::uint32_t> blocks, std::size_t most) {
+    continued_ = {};
+    std::ranges::sort(waiting_, {}, order_of<WaitingRay>);  // in which threads have not added them
+    std::vector<WaitingRay> out;
+    std::erase_if(waiting_, [&](const WaitingRay& ray) {
+      const bool taken = out.size() < most && std::ranges::binary_search(blocks, ray.block);
+      if (taken) out.push_back(ray);
+      return taken;
+    });
+    return out;
+  }
+  std::vector<wire::EndedRay> take_ended(std::size_t most) {
+    std::ranges::sort(ended_, {}, order_of<wire::EndedRay>);
+    const auto last = ended_.begin() + static_cast<std::ptrdiff_t>(std::min(most, ended_.size()));
+    std::vector<wire::EndedRay> out(ended_.begin(), last);
+    ended_.erase(ended_.begin(), last);
+    return out;
+  }
+  std::size_t ended() const { return ended_.size(); }
+  std::size_t count(std::span<const std::uint32_t> blocks) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        waiting_, [&](const WaitingRay& ray) { return std::ranges::binary_search(blocks, ray.block); }));
+  }
+  // Rays that have waited elsewhere; their number is bounded as add()'s.
+  void give(std::span<const WaitingRay> rays) {
+    continued_ = {};
+    expect_room(rays.size());
+    waiting_.insert(waiting_.end(), rays.begin(), rays.end());
+    before_ = waiting_.size();
+  }
   // The materials' tags of those that are trapped, one bit each.
   std::uint32_t trapped_tags() const {
     std::uint32_t tags = 0;
@@ -128,8 +168,8 @@ class WaitingRays : public WaitingRayQueue {
     archive.bytes("seen", seen_, 0, blocks);
     const auto check = [&](const std::vector<WaitingRay>& rays) {
       for (std::size_t i = 0; archive.loads() && i < rays.size(); ++i) {
-        const bool has_place =
-            kind_ != WaitingKind::kHostRays || header_.type == wire::RayType::kDeposit || rays[i].number < kept;
+        const bool has_place = rays[i].home != 0 || kind_ != WaitingKind::kHostRays ||
+                               header_.type == wire::RayType::kDeposit || rays[i].number < kept;
         const bool fits = inside(rays[i].ray_state.position, extent) && rays[i].block < blocks && has_place;
         archive.expect(fits, "rays", "rays in the volume", i);
       }
@@ -139,10 +179,28 @@ class WaitingRays : public WaitingRayQueue {
     archive.at_most("before", before_, waiting_.size());
     archive.list("continued", continued_);
     check(continued_);
+    std::vector<std::uint8_t> ended;
+    for (const wire::EndedRay& ray : ended_) wire::append(ended, ray);
+    archive.bytes("ended", ended, 0, kMax * wire::kEndedRayBytes);
+    if (!archive.loads()) return;
+    ended_.clear();
+    for (std::size_t at = 0; at + wire::kEndedRayBytes <= ended.size(); at += wire::kEndedRayBytes) {
+      ended_.push_back(wire::decode<wire::EndedRay>(std::span(ended).subspan(at)));
+    }
   }
 
  private:
   static constexpr std::uint8_t kWaitedFor = 1, kLoaded = 2;
+  template <typename Ray>
+  static std::pair<std::uint16_t, std::uint64_t> order_of(const Ray& ray) {
+    return {ray.home, ray.number};
+  }
+  void expect_room(std::size_t more) const {
+    if (waiting_.size() + more <= max_) return;
+    throw RoutineFault("more than " + std::to_string(max_) + " rays wait for blocks" +
+                       (max_ < kMax ? ", for which memory is left (gicube-board --max-memory)" : "") +
+                       ": a smaller image or fewer rays would help");
+  }
   bool note(std::size_t block, std::size_t blocks, std::uint8_t what) {
     seen_.resize(blocks);
     const std::uint8_t before = seen_[block];
@@ -150,9 +208,10 @@ class WaitingRays : public WaitingRayQueue {
     return before != seen_[block] && seen_[block] == (kWaitedFor | kLoaded);
   }
 
-  std::mutex mutex_;  // of waiting_
+  std::mutex mutex_;  // of waiting_ and ended_
   std::vector<WaitingRay> waiting_;
   std::vector<WaitingRay> continued_;  // of the command in work
+  std::vector<wire::EndedRay> ended_;  // of other cards, for their hosts to fetch
   std::size_t before_ = 0;             // rays that wait on
   std::size_t max_ = kMax;             // rays
   WaitingKind kind_ = WaitingKind::kPicture;

@@ -121,6 +121,7 @@ CommandResult DspCommands::continue_rays(std::span<const std::uint8_t> payload, 
   } else {
     ends.host_rays = aperture_.host_rays();
   }
+  if (!frame.lights()) ends.others = &waiting_rays_;
   ContinuedRays rays(ready, frame, ends);
   const RunResult ran = run_level(rays, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};

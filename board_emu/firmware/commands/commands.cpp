@@ -102,6 +102,7 @@ Acceptance DspCommands::range_of(std::uint32_t offset) const {
     case reg::kPipeline: return within(0, wire::kPipelineBits);
     case reg::kLifetime: return within(0, wire::kLifetimeMax);
     case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
+    case reg::kBricks: return within(0, 1);
     default: return Acceptance::kTaken;
   }
 }
@@ -129,7 +130,7 @@ void DspCommands::state(Archive& archive) {
   archive.list("memory_errors", memory_errors_);
   archive.field("counters", [this](Archive::Record& record) {
     record(answered_, viewing_rays_, host_rays_, lighting_rays_, pair_rays_, host_traps_total_, waits_total_,
-           block_loads_, min_block_loads_, host_deposits_total_);
+           block_loads_, min_block_loads_, host_deposits_total_, forwarded_rays_, arrived_rays_);
     record(level_volume_, words_bytes_, memory_asked_bytes_);
   });
   if (!archive.loads()) return;
@@ -307,7 +308,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   };
   using wire::Opcode;
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kContinue);
+  const bool known = opcode >= 1 && opcode < wire::kOpcodeNames.size();
   goes_on_ = level_.in_run();
   const Finally ended{[this] {
     if (level_.in_run()) level_.reset();  // of a checkpoint, and the command was not the one that had begun it
@@ -323,8 +324,12 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
       case Opcode::kVerify: return verify(payload, work);
       case Opcode::kPairs: return pairs(payload, work);
       case Opcode::kContinue: return continue_rays(payload, work);
+      case Opcode::kTakeRays: return take_rays(payload);
+      case Opcode::kGiveRays: return give_rays(payload);
     }
-    refuse("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs) or 7 (continue)",
+    refuse("opcode",
+           "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs), 7 (continue), 8 (take rays) or 9 "
+           "(give rays)",
            opcode);
   } catch (const CommandFault& fault) {
     return error(fault.error, fault.text);
@@ -355,6 +360,10 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
     list.push_back({"dsp.block_loads", "block", block_loads_});
     list.push_back({"dsp.min_block_loads", "block", min_block_loads_});
     list.push_back({"dsp.host_deposits", "voxel", host_deposits_total_});
+  }
+  if (forwarded_rays_ != 0 || arrived_rays_ != 0) {
+    list.push_back({"dsp.forwarded_rays", "ray", forwarded_rays_});
+    list.push_back({"dsp.arrived_rays", "ray", arrived_rays_});
   }
   const RayCounters rays = level_.rays();
   list.push_back({"pipeline.rays", "ray", rays.rays});

@@ -18,8 +18,9 @@
 #include "firmware/pixel_life.h"
 #include "firmware/register_file.h"
 #include "gicube/v1/board_config.pb.h"
-#include "gicube/wire/command.h"
+#include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/frame.h"
+#include "gicube/wire/registers.h"
 #include "levels/level.h"
 #include "words/clock.h"
 
@@ -39,6 +40,9 @@ struct CommandResult {
 
 // What became of a posted write.
 enum class Acceptance { kTaken, kOutOfRange, kTooMuchMemory };
+
+// Throws CommandFault that names a field, but count.
+void check_trace_header(const wire::TraceHeader& header);
 
 // Sets the frame for rays between two points that gather opacity alone, up to `opacity` (24 bits).
 void set_opacity_rays(Frame& frame, std::uint32_t opacity);
@@ -99,6 +103,9 @@ class DspCommands {
   CommandResult verify(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult continue_rays(std::span<const std::uint8_t> payload, Progress& work);
+  CommandResult take_rays(std::span<const std::uint8_t> payload);
+  CommandResult give_rays(std::span<const std::uint8_t> payload);
+  void begin_given(const wire::GiveRaysHeader& header);
   Acceptance range_of(std::uint32_t offset) const;
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   [[noreturn]] void meet_memory_error();
@@ -106,8 +113,8 @@ class DspCommands {
   void add_trap_list(CommandResult& result, std::size_t max_rays);
   std::uint64_t capacity_blocks() const;  // that the card stores
   bool in_bricks() const {
-    return aperture_.volume().block_count() > capacity_blocks();
-  }  // it stores not the whole volume
+    return registers_.value(wire::reg::kBricks) != 0 || aperture_.volume().block_count() > capacity_blocks();
+  }  // it stores not the whole volume, or is told to take it so
   void set_bricks(Frame& frame);
   void set_dark(Frame& frame);
   Frame continued_frame();
@@ -139,7 +146,7 @@ class DspCommands {
   void check_materials(bool host_answers = true) const;
 
   static constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
-  static constexpr std::size_t kOpcodes = static_cast<std::size_t>(wire::Opcode::kContinue) + 1;
+  static constexpr std::size_t kOpcodes = wire::kOpcodeNames.size();
 
   const v1::BoardConfig& config_;
   const RegisterFile& registers_;
@@ -176,7 +183,8 @@ class DspCommands {
   // Blocks whose words came to a card that does not store the whole volume; of those, that rays of a picture, a light or a series of
   // trace commands waited for, each once.
   std::uint64_t block_loads_ = 0, min_block_loads_ = 0;
-  std::uint64_t host_deposits_total_ = 0;  // voxels of other blocks that got energy, each once a command
+  std::uint64_t host_deposits_total_ = 0;          // voxels of other blocks that got energy, each once a command
+  std::uint64_t forwarded_rays_ = 0, arrived_rays_ = 0;  // off the card, and to it
 };
 
 }  // namespace gicube::emu

@@ -23,10 +23,9 @@ void check_choice(const char* name, unsigned value, bool has) {
   expect(value <= (has ? 1u : 0u), name, has ? "0 or 1" : "0", value);
 }
 
-void check_header(const wire::TraceHeader& header, std::size_t payload_bytes) {
-  if (payload_bytes != wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes) {
-    refuse("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays", payload_bytes);
-  }
+}  // namespace
+
+void check_trace_header(const wire::TraceHeader& header) {
   expect(header.type <= RayType::kBackproject, "type", "0..6", static_cast<std::uint64_t>(header.type));
   const bool deposit = header.type == RayType::kDeposit, threshold = wire::has_threshold(header.type);
   check_choice("albedo", static_cast<unsigned>(header.albedo), deposit);
@@ -36,6 +35,8 @@ void check_header(const wire::TraceHeader& header, std::size_t payload_bytes) {
   expect(!threshold || (header.opacity >= 1 && header.opacity <= wire::kOpacityOne), "opacity", "1..2^24 - 1",
          header.opacity);
 }
+
+namespace {
 
 std::uint8_t flags_of(const wire::TraceHeader& header) {
   if (header.type != RayType::kDeposit) return wire::kHostRay;
@@ -141,7 +142,10 @@ std::span<wire::Ray> DspCommands::take_in(const wire::TraceHeader& header, std::
 CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
   expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
   const auto header = wire::decode<wire::TraceHeader>(payload);
-  check_header(header, payload.size());
+  if (payload.size() != wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes) {
+    refuse("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays", payload.size());
+  }
+  check_trace_header(header);
   check_volume();
   const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = in_bricks();
   if (!waits) check_all_there();

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "datapath/bricks.h"
+#include "firmware/bricks/waiting_rays.h"
 #include "firmware/framebuffer.h"
 #include "firmware/lamps.h"
 #include "firmware/ray_sources/host_rays.h"
@@ -14,11 +15,12 @@ namespace gicube::emu {
 
 class ContinuedRays : public RayByRaySource {
  public:
-  // Where rays go that come to their ends: into one of these, or nowhere.
+  // Where rays go that come to their ends: into one of these, or nowhere. Those of other cards go to `others`, if it is not null.
   struct Ends {
     Framebuffer* framebuffer = nullptr;
     const Lamps* lamps = nullptr;  // with a framebuffer
     std::span<wire::Ray> host_rays{};
+    WaitingRays* others = nullptr;
   };
 
   // All must outlive this.
@@ -32,6 +34,9 @@ class ContinuedRays : public RayByRaySource {
   }
   DspTask taking(std::uint64_t i) const override {
     const RayState& ray = rays_[i].ray_state;
+    if (rays_[i].home != 0) {
+      return ends_.others != nullptr ? DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kWrite)) : DspTask{};
+    }
     if (ends_.framebuffer != nullptr) return ends_.framebuffer->task(ray.u, ray.v, false);
     if (ends_.host_rays.empty()) return {};
     return DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kWrite));
@@ -43,7 +48,9 @@ class ContinuedRays : public RayByRaySource {
   // As it stands: the level has its other bits from the frame's WaitingRayQueue.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override { return pack(rays_[i].ray_state, frame_); }
   void take(std::uint64_t i, const wire::Ray& ray) override {
-    if (ends_.framebuffer != nullptr) {
+    if (rays_[i].home != 0) {
+      if (ends_.others != nullptr) ends_.others->add_ended({rays_[i].number, rays_[i].home, ray});
+    } else if (ends_.framebuffer != nullptr) {
       ends_.framebuffer->add(ends_.lamps->seen_by(ray));
     } else if (!ends_.host_rays.empty()) {
       put_back(ray, ends_.host_rays[static_cast<std::size_t>(rays_[i].number)]);

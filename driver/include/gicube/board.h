@@ -28,6 +28,7 @@
 #include "gicube/material.h"
 #include "gicube/pair.h"
 #include "gicube/ray.h"
+#include "gicube/ray_exchange.h"
 #include "gicube/scattering.h"
 #include "gicube/shading.h"
 #include "gicube/time.h"
@@ -78,6 +79,9 @@ struct OpenOptions {
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
+  // Rays that wait for blocks of a volume that the card does not store whole: so many stay on the card, as many more in the host's memory,
+  // 128 bytes each, and others in a file without a name in the folder TMPDIR, or else in /var/tmp. 1024 or more.
+  std::size_t max_waiting_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
   // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel (7.5 with colours), so that reopen() can load them again.
   bool keep_volume = false;
@@ -317,6 +321,16 @@ class GICUBE_API Board {
   // DeadlinePassed, with the clock at that deadline. The board finishes its command, but the result is lost: the
   // framebuffer's content is unknown, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
+
+  // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume, tables and materials,
+  // and its card is sent only its own blocks of the volume and their faces; rays that come to others' blocks go there (RayExchange), and
+  // come home at their ends. Bits are those of one endless card. From now on these calls are collective: load_volume(), render(),
+  // render_to_framebuffer(), read_framebuffer(), illuminate(), submit(). All ranks give the same view, lights and settings, and get the whole
+  // picture, report and irradiance; host rays are each rank's own, and come back to it, but the report of rays that leave energy is all
+  // ranks'. Blocks are dealt anew when one rank has taken over a tenth more samples than the mean. Calls that need the volume on one card
+  // throw Unsupported, and so do pair_factors() and save(). If a rank throws, the job must end (RayExchange).
+  // Throws BadArgument (exchange), Rejected (a volume is loaded), Unsupported (a board before protocol 2.3, a card of less than 8 blocks).
+  void share_blocks(std::shared_ptr<RayExchange> exchange);
 
   Counters counters();
 

@@ -55,6 +55,8 @@ typedef struct gicube_open_options {
   const char* ca_file;  /* NULL, or a file with the certificates of those who may have signed the board's, for tls: */
   int32_t go_on;        /* the board goes on from the checkpoint that its process began with, instead of being reset */
   int32_t reserved_too; /* 0 */
+  uint64_t
+      max_waiting_rays; /* for blocks of a volume: on the card, and as many in the host's memory; others in a file */
 } gicube_open_options;
 
 /* gicube/board.h: Reopened */

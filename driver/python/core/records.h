@@ -55,7 +55,7 @@ GICUBE_RECORD(AnsweredCommand, F(command), F(count));
 GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
-              F(wait_for_board), F(capture), F(token_file), F(ca_file), F(go_on));
+              F(wait_for_board), F(capture), F(token_file), F(ca_file), F(go_on), F(max_waiting_rays));
 GICUBE_RECORD(GroupOptions, F(buses), F(board));
 GICUBE_RECORD(BoardTime, F(bus), F(work), F(bus_wait), F(skew));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));

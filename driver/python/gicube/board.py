@@ -107,6 +107,7 @@ class Board:
         token_file: Union[str, "os.PathLike[str]"] = "",
         ca_file: Union[str, "os.PathLike[str]"] = "",
         go_on: bool = False,
+        max_waiting_rays: int = 1 << 22,
     ) -> None:
         """Opens a board and resets it.
 
@@ -121,13 +122,15 @@ class Board:
         token_file, ca_file: access over TCP and TLS (docs/reference/security.md).
         go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with (gicube-board
             --restore); "emu:?restore=FILE" does the same.
+        max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card, as many
+            in the host's memory, others in a file in TMPDIR.
 
         Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
         """
         self.uri = uri
         options = {"watchdog": watchdog, "max_rays": max_rays, "back_pressure": back_pressure, "keep_volume": keep_volume}
         options |= {"reopen_attempts": reopen_attempts, "force": force, "wait_for_board": wait_for_board}
-        options |= {"go_on": go_on}
+        options |= {"go_on": go_on, "max_waiting_rays": max_waiting_rays}
         options |= {"capture": os.fspath(capture), "token_file": os.fspath(token_file), "ca_file": os.fspath(ca_file)}
         self._core = _core.Board(uri, options)
         _open_boards.add(self)

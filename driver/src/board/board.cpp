@@ -23,6 +23,7 @@ OpenOptions checked(const OpenOptions& given) {
   constexpr std::chrono::hours kLongestWatchdog{24 * 365};
   OpenOptions options = given;
   expect(options.max_rays >= 4096, "max_rays", "at least 4096", options.max_rays);
+  expect(options.max_waiting_rays >= 1024, "max_waiting_rays", "at least 1024", options.max_waiting_rays);
   const auto wait = options.wait_for_board;
   expect(wait.count() >= 0 && wait <= kLongestWait, "wait_for_board", "0 milliseconds to one week", wait.count());
   expect(options.reopen_attempts >= 0, "reopen_attempts", "0 or more", options.reopen_attempts);

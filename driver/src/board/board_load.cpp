@@ -28,12 +28,17 @@ Dims block_grid(Dims dims, int n) { return {(dims[0] + n - 1) / n, (dims[1] + n 
 
 LoadedVolume& Board::State::whole(const char* what) {
   LoadedVolume& all = loaded(what);
+  need_all_blocks(what);
   if (!bricks) return all;
   const std::size_t n = static_cast<std::size_t>(info.block_voxels);
   throw Unsupported(
       fmt::format("dims: {} expects a volume that the card stores whole, at most {} blocks of {}^3 voxels "
                   "(asic.max_volume_voxels), got {} x {} x {} voxels in {} blocks",
                   what, capacity_blocks(), n, all.dims[0], all.dims[1], all.dims[2], all.statistics.size()));
+}
+
+void Board::State::need_all_blocks(const char* what) const {
+  if (shared) throw Unsupported(fmt::format("{} is not for a board that shares its volume's blocks with others", what));
 }
 
 void Board::State::need_no_routine_in_bricks(const char* what, bool lighting) {
@@ -94,7 +99,7 @@ void Board::State::load(Planes planes, const Progress& progress) {
   loaded.coloured = planes.have_colours();
   loaded.gradients = shape.find_gradients || !shape.gradients.empty();
   loaded.blocks = block_grid(shape.dims, n);
-  if (voxel_count(loaded.blocks) <= capacity_blocks()) {
+  if (voxel_count(loaded.blocks) <= capacity_blocks() && !shared) {
     const VolumeView view = planes.window(0, shape.dims[2]);
     const auto densities = to_densities(view, loaded.range);
     const auto codes = gradient_codes(view, loaded.range, tables.codebook(), threads);
@@ -109,6 +114,11 @@ void Board::State::load(Planes planes, const Progress& progress) {
     BrickLight light(voxel_count(loaded.blocks), n, max_irradiance(info), place);
     bricks = std::make_unique<Bricks>(loaded.blocks, n, std::move(store), std::move(light), capacity_blocks());
     begin_volume(loaded);
+    if (shared) {
+      std::vector<std::uint8_t> stored(bricks->count());
+      for (std::size_t block = 0; block < stored.size(); ++block) stored[block] = bricks->has_voxels(block) ? 1 : 0;
+      shared->begin(loaded.blocks, stored);
+    }
     bricks->begin(device);
   }
   tables.send_segmentation(loaded.range);
@@ -144,6 +154,20 @@ BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Pro
   });
   if (progress) progress(static_cast<std::uint32_t>(all), static_cast<std::uint32_t>(all));
   return store;
+}
+
+void Board::share_blocks(std::shared_ptr<RayExchange> exchange) {
+  const auto lock = state_->begin();
+  expect(exchange != nullptr, "exchange", "one", "none");
+  expect(exchange->ranks() >= 1 && exchange->rank() >= 0 && exchange->rank() < exchange->ranks(), "exchange",
+         "a rank of 0..ranks() - 1", fmt::format("{} of {}", exchange->rank(), exchange->ranks()));
+  if (state_->volume) throw Rejected("share_blocks() comes before load_volume()");
+  if (state_->info.protocol_minor < wire::kBricksMinor || state_->capacity_blocks() < kMinCapacity) {
+    throw Unsupported(fmt::format("share_blocks() needs a board of protocol 2.{} that stores {} blocks or more",
+                                  wire::kBricksMinor, kMinCapacity));
+  }
+  state_->shared = std::make_unique<SharedBlocks>(std::move(exchange));
+  state_->device.set_register(reg::kBricks, 1);
 }
 
 void Board::State::begin_volume(const LoadedVolume& of) {

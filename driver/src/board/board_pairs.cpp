@@ -168,6 +168,7 @@ std::vector<PairFactor> Board::pair_factors(std::span<const Element> elements, s
   const auto lock = state_->begin();
   check(request);
   const LoadedVolume& volume = state_->loaded("pair_factors()");
+  state_->need_all_blocks("pair_factors()");
   state_->check_drift("request.step", request.step);
   for (std::size_t i = 0; i < elements.size(); ++i) check(elements[i], i, volume.dims);
   for (std::size_t i = 0; i < pairs.size(); ++i) check(pairs[i], i, elements.size());

@@ -49,15 +49,18 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
   if (!bricks) return batches.submit(rays, setup, std::move(lines));
+  if (shared) share_anew();
   BrickRun run;
+  run.of = {.of = wire::RaysOf::kTrace, .trace = trace_header(request, 0)};
   if (deposits) {
     run.needs.light = LightUse::kLeft;
     run.take_ledger = [](const wire::LightingLedger&) {};
   } else if (gathers_colour && sampled.irradiance) {
     run.needs.light = LightUse::kSeen;
   }
-  return batches.submit(rays, setup, std::move(lines),
-                        [&](std::span<const EncodedRays> parts) { return trace_in_bricks(parts, run); });
+  return batches.submit(rays, setup, std::move(lines), [&](std::span<const EncodedRays> parts) {
+    return deposits ? deposit_in_bricks(parts, run) : trace_in_bricks(parts, run);
+  });
 }
 
 Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {

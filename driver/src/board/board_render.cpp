@@ -12,6 +12,7 @@
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
+#include "picture_parts.h"
 #include "state.h"
 
 namespace gicube {
@@ -130,6 +131,10 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
                                device.agreed().minor));
   }
   check_drift("step", view.step);
+  if (shared) {
+    share_anew();
+    expect(shared->ranks() <= 255, "ranks", "at most 255 for a picture", shared->ranks());
+  }
   const Vec3 eye = towards_eye(view, of.relative_spacing);
   std::uint32_t parts = 1;  // of which the board tells now and then
   Progress part;
@@ -145,9 +150,9 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   std::vector<wire::Lamp> lamps;
   if (sees_lamps) lamps = lamp_records(view, exposure_of(view));
   camera.lamps = static_cast<std::uint8_t>(lamps.size());
-  camera.strip_rows = picture.strip_rows;
-  camera.part = picture.part;
-  camera.parts = picture.parts;
+  camera.strip_rows = shared ? strip_rows(view, shared->ranks(), false) : picture.strip_rows;
+  camera.part = shared ? static_cast<std::uint8_t>(shared->rank()) : picture.part;
+  camera.parts = shared ? static_cast<std::uint8_t>(shared->ranks()) : picture.parts;
   std::vector<std::uint8_t> payload = wire::encoded(camera);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
   const Picoseconds last = deadline();
@@ -156,7 +161,7 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
     check_fence();
   }
   CommandResult result;
-  const bool has_rows = wire::rows_of(camera) > 0;
+  const bool has_rows = shared || wire::rows_of(camera) > 0;
   if (has_rows) result = device.run(payload, told, last);
   sampling = view;
   sampling_towards_eye = eye;
@@ -173,7 +178,38 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
 
 Image Board::read_framebuffer() {
   const auto lock = state_->begin();
-  return state_->read_picture();
+  return state_->shared ? state_->gather_picture() : state_->read_picture();
+}
+
+// Of a job of several ranks: of all rows.
+Image Board::State::gather_picture() {
+  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
+  const int width = sampling.width, height = sampling.height;
+  const std::uint16_t rows = strip_rows(sampling, shared->ranks(), false);
+  const auto bytes_of = [](const Image& image) {
+    std::vector<std::uint8_t> bytes(wire::packed36_bytes(image.pixels.size()));
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      const Pixel& pixel = image.pixels[i];
+      wire::store36(bytes, i, wire::to_word(wire::Pixel{pixel.red, pixel.green, pixel.blue, pixel.alpha}));
+    }
+    return bytes;
+  };
+  const auto all = gather(bytes_of(framebuffer_size.second > 0 ? read_picture() : Image{}));
+  std::vector<Image> parts;
+  for (std::size_t rank = 0; rank < all.size(); ++rank) {
+    const wire::RenderCommand part{.height = static_cast<std::uint16_t>(height),
+                                   .strip_rows = rows,
+                                   .part = static_cast<std::uint8_t>(rank),
+                                   .parts = static_cast<std::uint8_t>(all.size())};
+    Image& image = parts.emplace_back(Image{width, wire::rows_of(part), {}});
+    image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(image.height));
+    if (all[rank].size() != wire::packed36_bytes(image.pixels.size())) {
+      throw Error(fmt::format("RayExchange::exchange() returned {} bytes for {} rows of a picture", all[rank].size(),
+                              image.height));
+    }
+    take_pixels(all[rank], image.pixels);
+  }
+  return join_rows(width, height, rows, parts);
 }
 
 Image Board::State::read_picture() {
@@ -259,6 +295,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   if (words > 1) report.colours.resize(words);
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
 
+  if (state_->shared) state_->share_anew();
   state_->set_lighting(settings);
   const std::uint16_t minor = state_->device.agreed().minor;
   const std::size_t ledger_bytes = words * wire::lighting_ledger_bytes(minor);
@@ -267,7 +304,20 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   if (state_->bricks) state_->bricks->light().clear();
   state_->irradiance_unit = report.unit;
   double flux = 0;
+  std::vector<std::uint8_t> in_solid(lights.size());
+  wire::LightingLedger sum;
+  Board::State::BrickRun run{
+      .needs = {.light = LightUse::kLeft},
+      .take_ledger = [&sum](const auto& each) { wire::add(each, sum); },
+      .deadline = deadline,
+      .of = {.of = wire::RaysOf::kLight,
+             .trace = {.type = wire::RayType::kDeposit, .rules = static_cast<wire::EnergyRules>(settings.rules)}}};
   for (std::size_t i = 0; i < lights.size(); ++i) {
+    flux += flux_in_the_middle(lights[i], settings, box) * brightest_of(settings, i);
+    if (state_->shared && i % state_->shared->ranks() != static_cast<std::size_t>(state_->shared->rank())) {
+      state_->run_waiting({}, run);
+      continue;
+    }
     const auto all = static_cast<std::uint32_t>(lights.size()), before = static_cast<std::uint32_t>(i);
     Progress part;
     if (progress) {  // each light an equal part of the whole
@@ -292,23 +342,27 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
       add(wire::decode_lighting_ledger(payload.subspan(word * ledger_bytes / words), minor), report, word);
     }
     if (state_->bricks) {
-      wire::LightingLedger sum;
-      state_->run_in_bricks(payload, {.needs = {.light = LightUse::kLeft},
-                                      .take_ledger = [&sum](const wire::LightingLedger& each) { wire::add(each, sum); },
-                                      .deadline = deadline});
-      add(sum, report);
+      state_->run_in_bricks(payload, run);
     } else {
-      add(ledger, report);
-      state_->scatter_waiting(payload.subspan(ledger_bytes), [&report](wire::LightingLedger resumed) {
+      wire::add(ledger, sum);
+      state_->scatter_waiting(payload.subspan(ledger_bytes), [&sum](wire::LightingLedger resumed) {
         resumed.emitted = 0;  // it was counted when its rays were made
-        add(resumed, report);
+        wire::add(resumed, sum);
       });
     }
-    flux += flux_in_the_middle(lights[i], settings, box) * brightest_of(settings, i);
-    if (ledger.light_in_solid != 0) {
-      report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
-    }
+    in_solid[i] = ledger.light_in_solid != 0 ? 1 : 0;
     if (told) told(1, 1);
+  }
+  if (state_->shared) {
+    state_->end_shared_light(sum);
+    for (const auto& of_rank : state_->gather(in_solid)) {
+      for (std::size_t i = 0; i < std::min(of_rank.size(), in_solid.size()); ++i) in_solid[i] |= of_rank[i];
+    }
+  }
+  add(sum, report);
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (in_solid[i] != 0)
+      report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
   }
   state_->bright_flux = flux;
   if (report.clipped > 0.01 * report.emitted) {

@@ -122,6 +122,7 @@ void Remembered::state(Archive& archive, bool kept) {
 }
 
 void Board::State::save(const std::function<void(Bytes)>& sink) {
+  need_all_blocks("save()");
   const std::uint32_t last_id = device.last_id();
   device.begin_checkpoint();
   FieldWriter writer;

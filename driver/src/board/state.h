@@ -14,12 +14,15 @@
 
 #include "batches.h"
 #include "bricks/bricks.h"
+#include "bricks/ray_queue.h"
+#include "bricks/shared_blocks.h"
 #include "device.h"
 #include "encode/volume/planes.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/command.h"
+#include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/trap.h"
 #include "tables.h"
@@ -64,6 +67,8 @@ struct Remembered {
 struct GICUBE_HIDDEN Board::State : Remembered {
   State(const Uri& uri, const OpenOptions& options)
       : keep_volume(options.keep_volume),
+        max_waiting_rays(options.max_waiting_rays),
+        ray_queue(options.max_waiting_rays),
         threads(uri.threads),
         device(uri, options),
         tables(device),
@@ -129,16 +134,41 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     // If the rays leave energy: each completion begins with a ledger.
     std::function<void(const wire::LightingLedger&)> take_ledger{};
     Picoseconds deadline = kNoDeadline;
+    wire::GiveRaysHeader of{};  // of which commands they are; for a job of several ranks
   };
   // Until none waits; `payload`: of the completion of the command that made them.
-  void run_in_bricks(std::span<const std::uint8_t> payload, const BrickRun& run);
+  void run_in_bricks(std::span<const std::uint8_t> payload, const BrickRun& run) {
+    run_waiting(take_waiting(payload, run), run);
+  }
+  void run_waiting(std::vector<wire::WaitingBlock> waiting, const BrickRun& run);
+  void queue_excess(std::vector<wire::WaitingBlock>& waiting);
+  std::vector<wire::WaitingBlock> with_queue(std::span<const wire::WaitingBlock> waiting) const;
+  void give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run);
   std::vector<wire::WaitingBlock> take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run);
   void deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger);
   // What the trace commands would return if the card stored the whole volume.
   static constexpr std::size_t kMaxTracedAtOnce =
       wire::kMaxHostRays / 4;  // chosen: 128 MB of packets, all of which may wait
   std::vector<CommandResult> trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
+  std::vector<CommandResult> deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
+  CommandResult finish(std::uint32_t ticket);  // throws what the result's error stands for
+  // Of this rank, or of all.
+  bool any_left(std::size_t parts) { return shared ? shared->exchange().sum(parts) > 0 : parts > 0; }
   void trace_group(std::span<const EncodedRays> parts, const BrickRun& run, std::vector<CommandResult>& results);
+  // Of a job of several ranks (forward_rays.cpp), collective. forward(): sends the rays away that wait for `others`, and lists those
+  // that wait then; false: no rank has sent one.
+  bool forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
+               const BrickRun& run);
+  std::vector<wire::WaitingBlock> give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
+                                            const wire::GiveRaysHeader& of);
+  // What each rank has, by rank. Their hosts go on at the time of the last.
+  std::vector<std::vector<std::uint8_t>> gather(std::vector<std::uint8_t> own);
+  void begin_shared_light();
+  void end_shared_light(wire::LightingLedger& ledger);
+  wire::LightingLedger sum_of_ranks(const wire::LightingLedger& ledger);
+  void share_anew();
+  // Throws Unsupported if the board shares its volume's blocks with others.
+  void need_all_blocks(const char* what) const;
   // Bytes of a region, in pieces of whole records.
   std::vector<std::uint8_t> read_pieces(const wire::MemoryRegion& region, std::uint64_t from, std::uint64_t bytes,
                                         std::size_t record);
@@ -151,6 +181,7 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   void render(const View& view, const PicturePart& part, const Progress& progress,
               const std::function<void()>& tables_there = {});
   Image read_picture();  // as many rows as were made
+  Image gather_picture();
   // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
   BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);
 
@@ -225,15 +256,20 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   std::uint32_t exposure_word(const View& view) const;
 
   const bool keep_volume;
+  const std::size_t max_waiting_rays;  // on the card, and as many with the host
+  RayQueue ray_queue;
   const unsigned threads;  // for the driver's own work, 0 = one a core
   std::mutex mutex;
   std::atomic<std::thread::id> in_callback{};
   Device device;
   Tables tables;
   Batches batches;
-  ScatteringRoutine scattering_routine;                     // the application's; empty: none
-  Picoseconds time_per_scattering = 0;                      // of the host
-  bool restoring = false;                                   // restore() has begun and not ended
+  std::unique_ptr<SharedBlocks> shared;  // after share_blocks()
+  bool may_have_ended = false;           // the board may have rays of others that have come to their ends
+  std::uint64_t samples_before = 0;      // of share_anew()
+  ScatteringRoutine scattering_routine;  // the application's; empty: none
+  Picoseconds time_per_scattering = 0;   // of the host
+  bool restoring = false;                // restore() has begun and not ended
   std::map<std::uint32_t, std::uint32_t> registers_before;  // it
 };
 

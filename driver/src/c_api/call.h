@@ -233,6 +233,7 @@ void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& options)
   copy.reserved("reserved", c.reserved);
   copy.truth("go_on", c.go_on, options.go_on);
   copy.reserved("reserved_too", c.reserved_too);
+  copy.number(c.max_waiting_rays, options.max_waiting_rays);
   copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
 }
 

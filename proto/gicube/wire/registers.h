@@ -55,6 +55,7 @@ inline constexpr std::uint32_t kSeed = 0x074;
 inline constexpr std::uint32_t kIrradianceWords = 0x078;
 inline constexpr std::uint32_t kCutPlanes = 0x080;
 inline constexpr std::uint32_t kDropBlock = 0x084;
+inline constexpr std::uint32_t kBricks = 0x088;
 inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPlane0 + 16 i + 4 w
 inline constexpr std::uint32_t kLightRed = 0x100;   // green and blue follow
 inline constexpr std::uint32_t kLightGreen = 0x104;
@@ -137,6 +138,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kIrradianceWords, "IRRADIANCE_WORDS", Access::kReadOnly, 0, "of a voxel: 1, or 3 for red, green and blue; from the configuration"},
     RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
     RegisterInfo{reg::kDropBlock, "DROP_BLOCK", Access::kWriteOnly, 0, "the card forgets the words of the block of that number, and its irradiance"},
+    RegisterInfo{reg::kBricks, "BRICKS", Access::kReadWrite, 0, "1: rays wait for absent blocks also of a volume that the card could store whole"},
 #define GICUBE_CUT_PLANE(i)                                                                                                   \
     RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0, "signed 1.14: points with normal . p >= offset are kept"}, \
     RegisterInfo{reg::kCutPlane0 + 16 * (i) + 4, "CUT" #i "_NORMAL_Y", Access::kReadWrite, 0, "the same in y"},                \

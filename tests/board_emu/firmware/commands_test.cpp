@@ -245,7 +245,7 @@ TEST(RenderCommand, RefusesWhatIsBeyondItsFields) {
   EXPECT_EQ(part(0, 0, 2), "strip_rows: expected 1..height, got 0");
   EXPECT_EQ(part(9, 0, 2), "strip_rows: expected 1..height, got 9");
   EXPECT_EQ(part(1, 2, 2), "part: expected less than parts, got 2");
-  EXPECT_EQ(part(2, 4, 5), "part: expected one with rows of the picture, got 4");
+  EXPECT_EQ(part(2, 4, 5), "accepted") << "a part without rows";
   EXPECT_EQ(part(1, 0, 0), "part, strip_rows: expected 0 of a whole picture, got 0");
   std::vector<std::uint8_t> cut = wire::encoded(corner_view({17, 17, 17}, 8));
   cut.pop_back();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gicube/wire/checksum.h"
+#include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/pair.h"
 
 namespace gicube::emu {
@@ -306,7 +307,11 @@ void RandomHost::step(Board& board) {
     case 3:
     case 4: return command(board, trace(dice));
     case 5: return command(board, resume(dice));
-    case 6: return command(board, wire::encoded(wire::ContinueCommand{}));
+    case 6: {
+      if (dice.chance(60)) return command(board, wire::encoded(wire::ContinueCommand{}));
+      const auto ended = static_cast<std::uint8_t>(dice.number(0, 1));
+      return command(board, wire::encoded(wire::TakeRaysHeader{.max_rays = 50, .ended = ended}));
+    }
     case 7: {
       const auto bits = static_cast<std::uint32_t>(dice.number(0, static_cast<int>(wire::kPipelineBits)));
       return write_register(board, reg::kPipeline, dice.chance(50) ? bits & 7 : bits);

@@ -25,12 +25,19 @@ View make_view(std::mt19937& random, const Dims& dims, int pixels);
 
 TransferFunction fog_and_balls(double fog);
 
+Light make_light(std::mt19937& random, const Dims& dims);
+Material make_material(std::mt19937& random);
+Illumination make_illumination(std::mt19937& random, std::uint32_t seed);
+
+void expect_same_accounts(const LightingReport& got, const LightingReport& expected);
+
 // `card`, `endless`: asic.max_volume_voxels.
 struct BrickBoards {
   Board small, large;
 
-  BrickBoards(const std::string& base, const std::string& card, const std::string& endless = "128")
-      : small(open_board(base + "&set=asic.max_volume_voxels=" + card)),
+  BrickBoards(const std::string& base, const std::string& card, const std::string& endless = "128",
+              const OpenOptions& options = {})
+      : small(open_board(base + "&set=asic.max_volume_voxels=" + card, options)),
         large(open_board(base + "&set=asic.max_volume_voxels=" + endless)) {}
   std::array<Board*, 2> both() { return {&small, &large}; }
 };

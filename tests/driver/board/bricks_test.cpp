@@ -1,9 +1,11 @@
 // Pictures of volumes that the card does not store whole have the same bits as on a card that does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <random>
 #include <string>
 
@@ -14,11 +16,12 @@ namespace gicube::reference {
 namespace {
 
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 void expect_same_pictures(const std::string& base, const std::string& card, const std::string& endless, int scenes,
-                          int least, int most, int pixels, unsigned seed) {
+                          int least, int most, int pixels, unsigned seed, const OpenOptions& options = {}) {
   std::mt19937 random(seed);
-  BrickBoards boards(base, card, endless);
+  BrickBoards boards(base, card, endless, options);
   auto& [small, large] = boards;
   for (int scene = 0; scene < scenes; ++scene) {
     const Blobs blobs = make_blobs(random, least, most);
@@ -47,6 +50,61 @@ TEST(Bricks, GiveTheBitsOfAnEndlessCardThatStoresEightBlocks) {
 
 TEST(Bricks, GiveTheBitsOfAnEndlessCardOnTheWideDatapath) {
   expect_same_pictures("emu:?set=asic.block_voxels=8&set=asic.datapath=wide", "32", "128", 10, 36, 90, 40, 3);
+}
+
+// So many files without a name does this process have open.
+std::ptrdiff_t scratch_files() {
+  return std::ranges::count_if(std::filesystem::directory_iterator("/proc/self/fd"), [](const auto& entry) {
+    std::error_code gone;
+    return std::filesystem::read_symlink(entry, gone).string().find("gicube-volume") != std::string::npos;
+  });
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCardIfRaysWaitInAFile) {
+  const OpenOptions options{.max_waiting_rays = 1024};
+  const std::ptrdiff_t before = scratch_files();
+  expect_same_pictures("emu:?set=asic.block_voxels=8", "32", "128", 4, 50, 80, 60, 6, options);
+  expect_same_pictures("emu:?fidelity=cycle&set=asic.block_voxels=16", "32", "128", 1, 50, 60, 36, 7, options);
+  EXPECT_EQ(scratch_files(), before) << "they go with their boards";
+}
+
+// Files of this process may not grow beyond a size while it lives.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit full{bytes, limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, before_);
+  }
+
+ private:
+  rlimit limit_{};
+  void (*before_)(int);
+};
+
+TEST(Bricks, NameTheFolderIfItIsFullOfRaysThatWaitAndTheBoardLivesOn) {
+  std::mt19937 random(8);
+  const Blobs blobs = make_blobs(random, 60, 80);
+  BrickBoards boards("emu:?set=asic.block_voxels=8", "32", "128", {.max_waiting_rays = 1024});
+  View view = make_view(random, blobs.dims, 120);
+  for (Board* board : boards.both()) {
+    board->set_transfer_function(fog_and_balls(0.02));
+    board->load_volume(blobs.view());
+  }
+  view.eye = {40, 40, -150};
+  view.look_at = {40, 40, 40};
+  const Image expected = boards.large.render(view);
+  {
+    const FullDisk full(64 * 1024);
+    EXPECT_THAT([&] { boards.small.render(view); }, ThrowsMessage<Error>(HasSubstr("volume: expected a folder /")));
+    EXPECT_THROW(boards.small.read_framebuffer(), Rejected);
+  }
+  EXPECT_EQ(boards.small.render(view).pixels, expected.pixels);
+  EXPECT_EQ(scratch_files(), 1);
 }
 
 TEST(Bricks, GiveTheBitsOfAnEndlessCardAtTheCycleLevel) {

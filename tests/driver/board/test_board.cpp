@@ -9,9 +9,9 @@
 
 namespace gicube::reference {
 
-Board open_board(const std::string& uri) {
+Board open_board(const std::string& uri, const OpenOptions& options) {
   ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
-  return Board::open(uri);
+  return Board::open(uri, options);
 }
 
 // A script that says its id and becomes the board stands in for it.

@@ -15,7 +15,7 @@ namespace gicube::reference {
 constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 // Opens `uri` with the gicube-board of this build tree.
-Board open_board(const std::string& uri = "emu:");
+Board open_board(const std::string& uri = "emu:", const OpenOptions& options = {});
 
 // A board like open_board(kSmallBlocks)'s with the id of its process, which may be stopped or killed.
 struct BoardProcess {

@@ -15,8 +15,8 @@ namespace {
 
 auto fields(OpenOptions& options) {
   // Those between: pointers of the record's, see to_options(), and what a C host has no use for, since nothing can be thrown through C.
-  auto& [a, b, c, d, e, f, g, capture, token, ca, go_on, while_waiting] = options;
-  return std::tie(a, b, c, d, e, f, g, go_on);
+  auto& [a, b, waiting_rays, c, d, e, f, g, capture, token, ca, go_on, while_waiting] = options;
+  return std::tie(a, b, waiting_rays, c, d, e, f, g, go_on);
 }
 auto fields(VolumeView& volume) {
   auto& [samples, type, dims, spacing, range, gradients, tags, colours, find] = volume;  // the others: see to_volume()

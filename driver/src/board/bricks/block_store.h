@@ -1,21 +1,20 @@
 // Words of a volume's blocks, in memory or in a file.
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "gicube/archive.h"
-#include "transport/fd.h"
+#include "scratch_file.h"
 
 namespace gicube {
 
 class BlockStore {
  public:
-  // A file has no name, so it goes with the process; it lies in the folder TMPDIR, or in /var/tmp. Throws Error that names the folder.
+  // In memory, or in a ScratchFile, whose Errors it throws.
   enum class Place { kMemory, kFile };
   BlockStore(std::size_t blocks, std::size_t block_bytes, Place place);
 
@@ -40,7 +39,7 @@ class BlockStore {
   std::vector<std::int64_t> places_;  // of each block, in blocks; -1: it is not there
   std::int64_t next_ = 0;
   std::vector<std::vector<std::uint8_t>> memory_;  // by place
-  Fd file_;
+  std::optional<ScratchFile> file_;
 };
 
 }  // namespace gicube

@@ -91,6 +91,18 @@ void BrickLight::write(Device& device, std::size_t block, std::size_t at, std::s
   store_.put(block, all);
 }
 
+std::uint64_t BrickLight::add_words(Device& device, std::size_t block, std::span<const std::uint8_t> more) {
+  std::vector<std::uint8_t> bytes = read(device, block);
+  std::uint64_t clipped = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += wire::kIrradianceBytes) {
+    const std::uint64_t sum = std::uint64_t{wire::load<std::uint32_t>(bytes, at)} + wire::load<std::uint32_t>(more, at);
+    clipped += sum - std::min<std::uint64_t>(sum, most_);
+    wire::store(std::span(bytes), at, static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, most_)));
+  }
+  write(device, block, 0, bytes);
+  return clipped;
+}
+
 void BrickLight::state(Archive& archive) {
   archive("store", store_);
   archive.bytes("on_card", on_card_, on_card_.size(), on_card_.size());

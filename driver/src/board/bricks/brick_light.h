@@ -10,6 +10,7 @@
 #include "block_store.h"
 #include "board/device.h"
 #include "gicube/wire/command.h"
+#include "gicube/wire/memory_map.h"
 
 namespace gicube {
 
@@ -26,6 +27,7 @@ class BrickLight {
         on_card_(blocks),
         changed_(blocks) {}
 
+  std::size_t bytes_of_block() const { return words_ * wire::kIrradianceBytes; }
   bool on_card(std::size_t block) const { return on_card_[block] != 0; }
   // False: all its words are 0.
   bool may_have(std::size_t block) const { return store_.has(block) || changed_[block] != 0; }
@@ -55,6 +57,9 @@ class BrickLight {
   std::vector<std::uint8_t> read(Device& device, std::size_t block);
   // Some of them, from byte `at` on.
   void write(Device& device, std::size_t block, std::size_t at, std::span<const std::uint8_t> bytes);
+
+  // Adds to all words of a block, wherever they are; returns what they clipped, in units.
+  std::uint64_t add_words(Device& device, std::size_t block, std::span<const std::uint8_t> more);
 
   // Throws CheckpointFault.
   void state(Archive& archive);

@@ -42,11 +42,14 @@ class Bricks {
   Dims blocks() const { return blocks_; }
   std::size_t count() const { return store_.count(); }
   int block_voxels() const { return n_; }
-  std::size_t capacity() const { return capacity_; }  // of the card, blocks
+  bool has_voxels(std::size_t block) const { return store_.has(block); }  // not all of it is zero
+  std::size_t capacity() const { return capacity_; }                      // of the card, blocks
   BrickLight& light() { return light_; }
 
   // The card, which knows the volume's size and has no irradiance of it, forgets all blocks.
   void begin(Device& device);
+  // For the rays of the last load() or prepare().
+  bool is_absent(std::size_t block) const { return (absent_[block / 8] >> block % 8 & 1) != 0; }
   // To be called before each command: says which blocks the card has for rays of such needs.
   void prepare(Device& device, LightUse light);
   // Sends blocks in which rays want to take samples, most important first: the first of them, and as many others as there is room for.

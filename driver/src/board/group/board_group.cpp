@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "board/picture_parts.h"
 #include "board/state.h"
 #include "encode/argument.h"
 #include "group_address.h"
@@ -73,17 +74,6 @@ void throw_as(const Error& error, const std::string& board) {
              DeadlinePassed, WouldBlock>(named, board);
     throw;
   }
-}
-
-// Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in it, and are made for
-// both strips: higher ones have fewer of them. Boards that send themselves the blocks that their rays need get one strip each, which
-// needs fewest. Measured: docs/guide/boards.md.
-std::uint16_t strip_rows(const View& view, std::size_t boards, bool in_bricks) {
-  const int of_each = (view.height + static_cast<int>(boards) - 1) / static_cast<int>(boards);
-  if (in_bricks) return static_cast<std::uint16_t>(of_each);
-  constexpr int kHighest = 8, kStrips = 4;  // chosen: at most an eighth more rays; four strips a board are even enough
-  const bool twice = view.filter == PixelFilter::kTent && view.samples_per_axis > 1;
-  return static_cast<std::uint16_t>(twice ? std::clamp(of_each / kStrips, 1, kHighest) : 1);
 }
 
 // Of rays that are dealt in turn.
@@ -257,18 +247,7 @@ Image BoardGroup::render(const View& view, const Progress& progress) {
     if (has_rows) parts[i] = boards[i].read_framebuffer();
   });
   if (size() == 1) return std::move(parts[0]);
-  Image image{view.width, view.height, {}};
-  image.pixels.reserve(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
-  std::vector<std::size_t> taken(size());  // pixels
-  for (int row = 0; row < view.height; row += part.strip_rows) {
-    const std::size_t from = static_cast<std::size_t>(row / part.strip_rows) % size();
-    const std::size_t pixels = static_cast<std::size_t>(std::min<int>(part.strip_rows, view.height - row)) *
-                               static_cast<std::size_t>(view.width);
-    const auto first = parts[from].pixels.begin() + static_cast<std::ptrdiff_t>(taken[from]);
-    image.pixels.insert(image.pixels.end(), first, first + static_cast<std::ptrdiff_t>(pixels));
-    taken[from] += pixels;
-  }
-  return image;
+  return join_rows(view.width, view.height, part.strip_rows, parts);
 }
 
 RayBatch BoardGroup::trace(std::span<const HostRay> rays, const RayRequest& request) {

@@ -1,0 +1,207 @@
+// Rays that go on on another card: taken off this one, and given to it (wire/forwarded_ray.h).
+#include <bit>
+#include <cstring>
+
+#include "command_fault.h"
+#include "commands.h"
+#include "firmware/ray_sources/host_rays.h"
+
+namespace gicube::emu {
+
+namespace {
+
+wire::ForwardedRay to_record(const WaitingRay& ray) {
+  const RayState& state = ray.ray_state;
+  wire::ForwardedRay out{.number = ray.number,
+                         .block = ray.block,
+                         .home = ray.home,
+                         .trapped = ray.trapped,
+                         .position = state.position,
+                         .step = state.step,
+                         .exponent = state.exponent,
+                         .length = state.length,
+                         .opacity = state.opacity,
+                         .interacted = state.interacted,
+                         .colour = state.colour,
+                         .direction = state.direction,
+                         .u = state.u,
+                         .v = state.v,
+                         .lifetime = state.lifetime,
+                         .generation = state.generation,
+                         .under_way = state.under_way,
+                         .flags = state.flags,
+                         .rest = state.rest,
+                         .step_rest = state.step_rest,
+                         .green_energy = state.more_energy[0],
+                         .blue_energy = state.more_energy[1]};
+  out.wide[0] = std::bit_cast<std::uint32_t>(state.wide.opacity);
+  for (std::size_t c = 0; c < kColours; ++c) out.wide[1 + c] = std::bit_cast<std::uint32_t>(state.wide.colour[c]);
+  return out;
+}
+
+WaitingRay of_record(const wire::ForwardedRay& ray) {
+  WaitingRay out{.number = ray.number, .block = ray.block, .home = ray.home, .trapped = ray.trapped != 0};
+  RayState& state = out.ray_state;
+  state.position = ray.position;
+  state.step = ray.step;
+  state.exponent = ray.exponent;
+  state.length = ray.length;
+  state.opacity = ray.opacity;
+  state.interacted = ray.interacted;
+  state.colour = ray.colour;
+  state.direction = ray.direction;
+  state.u = ray.u, state.v = ray.v;
+  state.lifetime = ray.lifetime;
+  state.generation = ray.generation & 15;
+  state.under_way = ray.under_way & 1;
+  state.flags = ray.flags;
+  state.wide.opacity = std::bit_cast<float>(ray.wide[0]);
+  for (std::size_t c = 0; c < kColours; ++c) state.wide.colour[c] = std::bit_cast<float>(ray.wide[1 + c]);
+  state.rest = ray.rest;
+  state.step_rest = ray.step_rest;
+  state.more_energy = {ray.green_energy, ray.blue_energy};
+  return out;
+}
+
+// A number between 0 and `most`; not NaN.
+bool is_within(std::uint32_t bits, float most) {
+  const float value = std::bit_cast<float>(bits);
+  return value >= 0 && value <= most;
+}
+
+void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
+  if (!inside(ray.position, frame.extent)) refuse("position: expected a point of the volume");
+  expect(ray.block < frame.empty.size(), "block", "one of the volume", ray.block);
+  if (ray.step == Point{} && ray.step_rest == Rest{}) refuse("step: expected one that leads on, got 0");
+  expect(ray.opacity <= wire::kOpacityOne, "opacity", "at most 2^24 - 1", ray.opacity);
+  expect(ray.generation <= 15, "generation", "0..15", ray.generation);
+  expect(ray.under_way <= 1, "under_way", "0 or 1", ray.under_way);
+  expect(ray.trapped <= 1, "trapped", "0 or 1", ray.trapped);
+  for (const std::uint16_t colour : ray.colour) expect(colour <= wire::kColourOne, "colour", "at most 4095", colour);
+  if (!is_within(ray.wide[0], 1)) refuse("wide: expected an opacity of 0..1");
+  for (const std::uint32_t bits : std::span(ray.wide).subspan(1)) {
+    if (!is_within(bits, wire::kColourOne)) refuse("wide: expected colours of 0..4095");
+  }
+}
+
+}  // namespace
+
+CommandResult DspCommands::take_rays(std::span<const std::uint8_t> payload) {
+  expect(payload.size() >= wire::kTakeRaysHeaderBytes, "payload", "at least 16 bytes", payload.size());
+  const auto header = wire::decode<wire::TakeRaysHeader>(payload);
+  if (payload.size() != wire::kTakeRaysHeaderBytes + std::uint64_t{header.blocks} * 4) {
+    refuse("payload", "16 bytes and 4 for each of its " + std::to_string(header.blocks) + " blocks", payload.size());
+  }
+  expect(header.ended <= 1, "ended", "0 or 1", header.ended);
+  expect(header.ended == 0 || header.blocks == 0, "blocks", "0 where rays that have ended are taken", header.blocks);
+  expect(header.max_rays >= 1 && header.max_rays <= 65536, "max_rays", "1..65536", header.max_rays);
+  std::vector<std::uint32_t> blocks(header.blocks);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    blocks[i] = wire::load<std::uint32_t>(payload, wire::kTakeRaysHeaderBytes + 4 * i);
+    if (i > 0 && blocks[i] <= blocks[i - 1]) refuse("blocks: expected ascending numbers");
+  }
+  CommandResult result;
+  std::size_t taken = 0, left = 0;
+  std::vector<std::uint8_t> records;
+  if (header.ended != 0) {
+    const auto rays = waiting_rays_.take_ended(header.max_rays);
+    for (const wire::EndedRay& ray : rays) wire::append(records, ray);
+    taken = rays.size(), left = waiting_rays_.ended();
+  } else {
+    const auto rays = waiting_rays_.take(blocks, header.max_rays);
+    for (const WaitingRay& ray : rays) wire::append(records, to_record(ray));
+    taken = rays.size(), left = waiting_rays_.count(blocks);
+  }
+  result.payload =
+      wire::encoded(wire::TakenHeader{static_cast<std::uint32_t>(taken), static_cast<std::uint32_t>(left)});
+  result.payload.insert(result.payload.end(), records.begin(), records.end());
+  result.up_bytes = result.payload.size();
+  forwarded_rays_ += taken;
+  const bool last = taken > 0 && waiting_rays_.count() == 0;
+  if (last && waiting_rays_.kind() == WaitingKind::kPicture) aperture_.resolve_framebuffer(threads_);
+  if (config_.ideal().dsp() == 0) result.dsp_cycles = records.size() / wire::kRayBytes * kPassRay.interval();
+  return result;
+}
+
+// The rays are of the commands whose rays wait here; or of those that begin here with them.
+void DspCommands::begin_given(const wire::GiveRaysHeader& header) {
+  if (header.of == wire::RaysOf::kPicture) {
+    const bool begun = waiting_rays_.kind() == WaitingKind::kPicture && aperture_.framebuffer().width() > 0;
+    if (!begun) refuse("of: expected 1 or 2, since no picture was begun, got 0");
+    return;
+  }
+  wire::TraceHeader trace = header.trace;
+  trace.count = 0;
+  const WaitingKind kind = header.of == wire::RaysOf::kTrace ? WaitingKind::kHostRays : WaitingKind::kLight;
+  if (kind == WaitingKind::kLight) trace = {.type = wire::RayType::kDeposit, .rules = trace.rules};
+  if (waiting_rays_.kind() == kind && waiting_rays_.header() == trace) return;
+  if (waiting_rays_.count() > 0) refuse("of, trace: expected those of the rays that wait, got others");
+  drop_rays();
+  waiting_rays_.begin(kind, trace);
+}
+
+CommandResult DspCommands::give_rays(std::span<const std::uint8_t> payload) {
+  expect(payload.size() >= wire::kGiveRaysHeaderBytes, "payload", "at least 32 bytes", payload.size());
+  const auto header = wire::decode<wire::GiveRaysHeader>(payload);
+  const std::uint64_t bytes = std::uint64_t{header.rays} * wire::kForwardedRayBytes;
+  if (payload.size() != wire::kGiveRaysHeaderBytes + bytes + std::uint64_t{header.ended} * wire::kEndedRayBytes) {
+    refuse("payload", "32 bytes, 128 for each of its rays and 64 for each that has ended", payload.size());
+  }
+  expect(header.of <= wire::RaysOf::kLight, "of", "0..2", static_cast<std::uint64_t>(header.of));
+  check_volume();
+  if (!in_bricks()) refuse("BRICKS: expected 1, or a volume with more blocks than the card stores");
+  if (header.of != wire::RaysOf::kPicture) {
+    check_trace_header(header.trace);
+    expect(header.trace.type != wire::RayType::kBackproject, "type", "0..5",
+           static_cast<std::uint64_t>(header.trace.type));
+  }
+  begin_given(header);
+  const Frame frame = continued_frame();
+  const bool picture = header.of == wire::RaysOf::kPicture;
+  const std::span<wire::Ray> host_rays(aperture_.host_rays());
+  std::vector<WaitingRay> rays;
+  rays.reserve(header.rays);
+  for (std::size_t i = 0; i < header.rays; ++i) {
+    const auto record =
+        wire::decode<wire::ForwardedRay>(payload.subspan(wire::kGiveRaysHeaderBytes + i * wire::kForwardedRayBytes));
+    check_part("ray", i, [&] {
+      check_forwarded(record, frame);
+      expect(((record.flags & wire::kLightingRay) != 0) == frame.lights(), "flags", "those of a ray of these commands",
+             record.flags);
+      const bool has_place = record.home != 0 || header.of != wire::RaysOf::kTrace || frame.lights();
+      expect(has_place || record.number < host_rays.size(), "number", "one of the host rays in the DSP's memory",
+             record.number);
+    });
+    rays.push_back(of_record(record));
+  }
+  std::vector<wire::EndedRay> ended;
+  for (std::size_t i = 0; i < header.ended; ++i) {
+    const std::size_t at = wire::kGiveRaysHeaderBytes + static_cast<std::size_t>(bytes) + i * wire::kEndedRayBytes;
+    ended.push_back(wire::decode<wire::EndedRay>(payload.subspan(at)));
+    check_part("ended ray", i, [&] {
+      expect(ended.back().home == 0, "home", "0", ended.back().home);
+      expect(picture || ended.back().number < host_rays.size(), "number", "one of the host rays in the DSP's memory",
+             ended.back().number);
+    });
+  }
+  aperture_.host_deposits().begin();
+  waiting_rays_.give(rays);
+  arrived_rays_ += rays.size() + ended.size();
+  for (const wire::EndedRay& each : ended) {
+    if (picture) {
+      aperture_.framebuffer().add(lamps_.seen_by(each.ray));
+    } else {
+      put_back(each.ray, host_rays[static_cast<std::size_t>(each.number)]);
+    }
+  }
+  if (picture && waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
+  CommandResult result;
+  if (config_.ideal().dsp() == 0) {
+    const std::size_t packets = (payload.size() - wire::kGiveRaysHeaderBytes) / wire::kRayBytes;
+    result.dsp_cycles = packets * kPassRay.interval() + (picture ? ended.size() * kAddToPixel.interval() : 0);
+  }
+  add_waiting(result);
+  return result;
+}
+
+}  // namespace gicube::emu

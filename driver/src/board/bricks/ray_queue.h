@@ -1,0 +1,54 @@
+// Rays that wait with the host for blocks of a volume in bricks, since the card has enough of them: a queue a block, in memory, and
+// beyond a limit in a file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gicube/wire/command.h"
+#include "scratch_file.h"
+
+namespace gicube {
+
+class RayQueue {
+ public:
+  // So many rays are in memory at most.
+  explicit RayQueue(std::size_t max_in_memory) : max_in_memory_(max_in_memory) {}
+
+  bool empty() const { return blocks_.empty(); }
+  // All blocks that rays here wait for.
+  std::vector<wire::WaitingBlock> by_block() const;
+  bool has(std::uint32_t block) const { return blocks_.contains(block); }
+
+  // Records of ForwardedRays for a block, and the sum of their contributions. Throws Error: the file can't take them.
+  void add(std::uint32_t block, std::uint64_t importance, std::span<const std::uint8_t> records);
+  // At most `most` of them. Throws Error: the file can't be read.
+  std::vector<std::uint8_t> take(std::uint32_t block, std::size_t most);
+  void clear();
+
+ private:
+  struct Piece {
+    std::uint64_t at = 0;  // of the file, bytes
+    std::size_t bytes = 0;
+  };
+  struct Rays {
+    std::size_t count = 0;
+    std::uint64_t importance = 0;
+    std::vector<std::uint8_t> in_memory;
+    std::vector<Piece> in_file;
+  };
+  void write_largest();
+
+  std::size_t max_in_memory_;
+  std::size_t bytes_in_memory_ = 0;
+  std::map<std::uint32_t, Rays> blocks_;
+  std::optional<ScratchFile> file_;
+  std::uint64_t file_end_ = 0;
+  std::size_t pieces_ = 0;  // in the file; at none it is written from its beginning again
+};
+
+}  // namespace gicube

@@ -1,0 +1,30 @@
+// A file without a name in the folder TMPDIR, or in /var/tmp. It is gone with the process.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "transport/fd.h"
+
+namespace gicube {
+
+class ScratchFile {
+ public:
+  // `what` is kept there, for errors: "a volume larger than the card". Throws Error that names the folder.
+  explicit ScratchFile(std::string what);
+
+  // Throws Error: the folder is full, or the file can't be written.
+  void write(std::uint64_t at, std::span<const std::uint8_t> bytes);
+  // Throws Error: the file can't be read, or ends before.
+  void read(std::uint64_t at, std::span<std::uint8_t> bytes) const;
+
+ private:
+  [[noreturn]] void fail(const char* does, const std::string& got) const;
+  void in_steps(std::size_t bytes, const char* does, const auto& step) const;
+
+  std::string what_;
+  Fd file_;
+};
+
+}  // namespace gicube
