@@ -49,6 +49,17 @@ void print_boards(const FrameStatistics& statistics) {
       percent(sum.bus), percent(sum.bus_wait), percent(sum.skew));
 }
 
+void print_detail(const FrameStatistics& statistics) {
+  if (!statistics.detail) return;
+  const gicube::BrickDetail& detail = *statistics.detail;
+  const auto& [whole, of_2, of_4, of_8] = detail.blocks;
+  fmt::print(
+      "blocks: {} as they are, {} in cells of 2^3 voxels, {} of 4^3, {} of 8^3; densities within {:.0f} of 4095, "
+      "opacities of a "
+      "voxel within {:.4f}\n",
+      whole, of_2, of_4, of_8, detail.largest_density, detail.largest_opacity);
+}
+
 void print_summary(const std::filesystem::path& file, const FrameStatistics& statistics) {
   for (const LightingStatistics& lighting : statistics.lighting) {
     if (!lighting.reused) print_lighting(lighting);
@@ -59,6 +70,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
   fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", file.string(), frame_ms, share,
              statistics.width, statistics.height);
   if (!statistics.boards.empty()) print_boards(statistics);
+  print_detail(statistics);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(

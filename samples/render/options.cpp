@@ -113,6 +113,12 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
       ->check(CLI::Range(0, 6))
       ->type_name("N")
       ->capture_default_str();
+  group
+      .value("--brick-detail", options.brick_detail,
+             "send blocks of a volume larger than the card as means of 2, 4 or 8 voxels an edge where these are at "
+             "most X pixels wide")
+      ->check(CLI::Range(0.0, 64.0))
+      ->type_name("X");
   group.flag("--no-shade", options.no_shade, "colours as they are, without light");
   group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
@@ -273,7 +279,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "
-                 ".nii .nii.gz, others with --dims), or a folder of slices")
+                 ".nii .nii.gz .tif .tiff, others with --dims), or a folder of slices")
       ->required();
   add_volume_options(app, options);
   add_camera_options(app, options);

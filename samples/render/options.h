@@ -80,6 +80,7 @@ struct RenderOptions {
   std::optional<double> step, threshold;
   bool crop = false;
   int level_of_detail = 0;  // the volume's voxels are those of 2^level along each axis
+  double brick_detail = 0;  // pixels that a cell of a coarse block may be wide; 0: blocks are as they are
   bool no_shade = false, jitter = false, no_leap = false;
   std::vector<CutPlane> cut_planes;
   std::optional<Vec3> light;

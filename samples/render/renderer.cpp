@@ -185,7 +185,10 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   set_phong(options_, setup_.shading.phong);
   check_renders(setup_.volume.dims, board_.info(), setup_.volume.source);
   if (field_) check_size(*field_, setup_.volume.dims);
-  boards_.on_all([&](Board& board) { board.set_shading(setup_.shading); });
+  boards_.on_all([&](Board& board) {
+    board.set_shading(setup_.shading);
+    board.set_brick_detail(options_.brick_detail);
+  });
   const bool own_codebook = is_first && scene.world && scene.own_codebook && !moves_nodes(scene);
   set_up_before_ = true;
   plan_.reset();
@@ -236,6 +239,19 @@ void Renderer::write_checkpoint_if_due(std::size_t frame) {
   checkpoint_written_ = true;
   steps_(fmt::format("checkpoint before picture {} at {:.3f} ms: {}", frame, to_ms(board_.now()), asked.file.string()));
 }
+
+namespace {
+
+void add_detail(Board& board, std::optional<BrickDetail>& sum) {
+  const auto own = board.brick_detail();
+  if (!own) return;
+  if (!sum) sum.emplace();
+  for (std::size_t level = 0; level < own->blocks.size(); ++level) sum->blocks[level] += own->blocks[level];
+  sum->largest_density = std::max(sum->largest_density, own->largest_density);
+  sum->largest_opacity = std::max(sum->largest_opacity, own->largest_opacity);
+}
+
+}  // namespace
 
 void Renderer::set_optics(const LightPass& pass) {
   boards_.on_all([&](Board& board) {
@@ -324,6 +340,8 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
     add(between(before, boards_.times()), statistics.boards);
     statistics.own_buses = boards_.buses() == HostBuses::kOwn;
   }
+  for (std::size_t i = 0; options_.brick_detail > 0 && i < boards_.size(); ++i)
+    add_detail(boards_.board(i), statistics.detail);
   statistics.width = frame.image.width;
   statistics.height = frame.image.height;
   statistics.dims = setup_.volume.dims;

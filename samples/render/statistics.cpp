@@ -87,6 +87,13 @@ Json lighting_json(const LightingStatistics& lighting) {
           {"counters", to_json(lighting.counters)}};
 }
 
+Json detail_json(const std::optional<BrickDetail>& detail) {
+  if (!detail) return nullptr;
+  return {{"blocks", detail->blocks},  // as they are, in cells of 2^3, 4^3, 8^3 voxels
+          {"largest_density", detail->largest_density},
+          {"largest_opacity", detail->largest_opacity}};
+}
+
 Json boards_json(const FrameStatistics& statistics) {
   if (statistics.boards.empty()) return nullptr;
   Json json{{"buses", statistics.own_buses ? "own" : "shared"}, {"each", Json::array()}};
@@ -115,6 +122,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["time"] = statistics.time;
   json["image"] = {{"width", statistics.width}, {"height", statistics.height}};
   json["volume"] = {{"dims", statistics.dims}};
+  json["brick_detail"] = detail_json(statistics.detail);
   json["lighting"] = nullptr;
   for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(lighting_json(lighting));
   json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);

@@ -44,13 +44,14 @@ struct FrameStatistics {
   std::optional<Plan> plan;                  // by which it was made
   std::vector<LightPlan> light_plans;        // and its light, a pass each
   std::vector<BoardTime> boards;             // of several: where each one's simulated time of the window went
+  std::optional<BrickDetail> detail;         // with --brick-detail, of a volume larger than the card
   bool own_buses = false;                    // and whether each has a bus of its own
   std::optional<RunUsage> host;              // of the whole run until the frame was there
   nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan boards host pixel counters
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume brick_detail lighting plan boards host pixel counters
 // fidelity_report (of program/run_json.h). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level

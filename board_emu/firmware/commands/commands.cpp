@@ -326,10 +326,12 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
       case Opcode::kContinue: return continue_rays(payload, work);
       case Opcode::kTakeRays: return take_rays(payload);
       case Opcode::kGiveRays: return give_rays(payload);
+      case Opcode::kLoadCoarse: return load_coarse(payload);
     }
     refuse("opcode",
-           "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs), 7 (continue), 8 (take rays) or 9 "
-           "(give rays)",
+           "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs), 7 (continue), 8 (take rays), 9 "
+           "(give "
+           "rays) or 10 (load coarse)",
            opcode);
   } catch (const CommandFault& fault) {
     return error(fault.error, fault.text);

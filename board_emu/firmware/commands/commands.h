@@ -105,6 +105,7 @@ class DspCommands {
   CommandResult continue_rays(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult take_rays(std::span<const std::uint8_t> payload);
   CommandResult give_rays(std::span<const std::uint8_t> payload);
+  CommandResult load_coarse(std::span<const std::uint8_t> payload);
   void begin_given(const wire::GiveRaysHeader& header);
   Acceptance range_of(std::uint32_t offset) const;
   Picoseconds reading_time(std::size_t first, std::size_t count) const;

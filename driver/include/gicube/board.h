@@ -15,6 +15,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@
 #include "gicube/export.h"
 #include "gicube/illumination.h"
 #include "gicube/image.h"
+#include "gicube/level_of_detail.h"
 #include "gicube/material.h"
 #include "gicube/pair.h"
 #include "gicube/ray.h"
@@ -321,6 +323,15 @@ class GICUBE_API Board {
   // DeadlinePassed, with the clock at that deadline. The board finishes its command, but the result is lost: the
   // framebuffer's content is unknown, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
+
+  // Level of detail in volumes that the card does not store whole [P §5.3]. Where 2, 4 or 8 voxels are at most `detail` pixels wide, a
+  // block is sent as the means of cells of so many voxels an edge, an 8th, 64th or 512th of its bytes, and the card gives its voxels
+  // these values. 1: cells are no larger than a pixel; 0, the default: blocks are as they are. Of a block the part nearest to the eye
+  // counts; near the eye, for scattered pictures, host rays and light they are as they are. So a picture depends on its view alone.
+  // Throws BadArgument (detail: 0..64), Unsupported (a board before protocol 2.3).
+  void set_brick_detail(double detail);
+  // What the last picture had of it; nothing if the card stores the volume whole. Throws Rejected if there is no picture.
+  std::optional<BrickDetail> brick_detail();
 
   // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume, tables and materials,
   // and its card is sent only its own blocks of the volume and their faces; rays that come to others' blocks go there (RayExchange), and

@@ -2,6 +2,7 @@
 // Sources: [P §5.3], pixel-to-voxel ratios below one.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -71,6 +72,13 @@ GICUBE_API LevelError level_error(const VolumeView& volume, const DerivedVolume&
 GICUBE_API double voxels_a_pixel(const View& view, const VoxelBox& box, Vec3 spacing);
 // The coarsest level whose voxels are not larger than that: the level of detail that a picture can show [P §5.3].
 GICUBE_API int level_for(double voxels_a_pixel);
+
+// Of the last picture of a volume in bricks (Board::set_brick_detail()).
+struct BrickDetail {
+  std::array<std::size_t, 4> blocks{};  // on the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels
+  double largest_density = 0;           // by which a sample's density can be wrong, 4095 = the value range: a bound
+  double largest_opacity = 0;           // and its opacity of one voxel length, 0..1, the worst tag: a bound
+};
 
 // The smallest box of whole 4^3 blocks in which any sample can have an opacity, and one voxel more on each side for the
 // gradients; nothing outside shows in a picture. The whole volume if nothing is visible at all.

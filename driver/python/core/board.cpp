@@ -210,6 +210,8 @@ void add_board(py::module_& module) {
   type.def("pair_factors", call(&Board::pair_factors, "elements", "pairs", "", "progress"));
 
   type.def("host_compute", call(&Board::host_compute, "duration"));
+  type.def("set_brick_detail", call(&Board::set_brick_detail, "detail"));
+  type.def("brick_detail", call(&Board::brick_detail));
   type.def("set_time_limit", call(&Board::set_time_limit, "limit"));
   type.def("counters", call(&Board::counters));
 

@@ -60,6 +60,7 @@ GICUBE_RECORD(GroupOptions, F(buses), F(board));
 GICUBE_RECORD(BoardTime, F(bus), F(work), F(bus_wait), F(skew));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));
 GICUBE_RECORD(Placement, F(low), F(edge));
+GICUBE_RECORD(BrickDetail, F(blocks), F(largest_density), F(largest_opacity));
 GICUBE_RECORD(LevelError, F(largest_density), F(rms_density), F(largest_opacity));
 GICUBE_RECORD(PlanRequest, F(view), F(max_error), F(time_budget), F(pilot_pixels));
 GICUBE_RECORD(LightPlanRequest, F(settings), F(view), F(channel), F(max_error), F(time_budget), F(max_rays),

@@ -22,7 +22,7 @@ from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array
 from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
-from gicube.records import Array, BackPressure, BoardInfo, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
+from gicube.records import Array, BackPressure, BoardInfo, BrickDetail, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
 from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
 from gicube.records import ValueRange, View, VoxelBox
 from gicube.volume import Volume, VolumeStream
@@ -441,6 +441,18 @@ class Board:
     def host_compute(self, duration: int) -> None:
         """The simulated host works for that long, picoseconds; the board goes on meanwhile."""
         self._core.host_compute(duration)
+
+    def set_brick_detail(self, detail: float) -> None:
+        """Blocks of a volume that the card does not store whole are sent in cells of 2, 4 or 8 voxels an edge, as their means, where these
+        are at most that many pixels wide. 0: as they are (gicube/board.h).
+
+        Raises BadArgument (detail: 0..64), Unsupported.
+        """
+        self._core.set_brick_detail(detail)
+
+    def brick_detail(self) -> Optional[BrickDetail]:
+        """What the last picture had of it; None if the card stores the volume whole. Raises Rejected if there is no picture."""
+        return self._core.brick_detail()
 
     def set_time_limit(self, limit: int) -> None:
         """From now on a picture or a lighting pass that takes longer, in simulated picoseconds, raises DeadlinePassed. 0: none."""

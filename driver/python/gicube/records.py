@@ -18,7 +18,7 @@ from gicube import _core
 
 __all__ = [  # of the package
     "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
-    "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
+    "BackPressure", "BoardInfo", "BrickDetail", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
     "BoardTime", "HostBuses",
     "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
     "MeasuredBound",
@@ -486,6 +486,18 @@ class Reopened:
 
     resumed: bool
     volume: bool
+
+
+@dataclass
+class BrickDetail:
+    """Of the last picture of a volume that the card does not store whole (Board.set_brick_detail())."""
+
+    blocks: Tuple[int, int, int, int]
+    """On the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels."""
+    largest_density: float
+    """By which a sample's density can be wrong, 4095 = the value range: a bound."""
+    largest_opacity: float
+    """And its opacity of one voxel length, 0..1, the worst tag: a bound."""
 
 
 @dataclass

@@ -30,7 +30,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
-    """NRRD, MetaImage, NIfTI, a folder of image slices, or raw samples by `raw`; gzipped too (gicube/scene/volume_file.h).
+    """NRRD, MetaImage, NIfTI, TIFF of many pages, a folder of image slices, or raw samples by `raw`; gzipped too (gicube/scene/volume_file.h).
 
     Raises FileError.
     """

@@ -53,7 +53,8 @@ Volume read_slices(const std::filesystem::path& folder);
 // The same, each slice when it is asked for.
 Volume open_slices(const std::filesystem::path& folder);
 
-// One such file, its pages as slices (TIFF; others have one). They must be grey.
+// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF has. They must be grey.
+Volume open_pages(const std::filesystem::path& file);  // each page when it is asked for
 Volume read_pages(const std::filesystem::path& file);
 
 }  // namespace gicube::scene

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "scene/common/checks.h"
+#include "scene/formats/ome_tiff.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {
@@ -185,32 +186,6 @@ StoredLayout layout_of(const std::filesystem::path& source, const Slice& first, 
   return layout;
 }
 
-// A volume of `count` slices; read(z) gives the file and the slice's pixels.
-template <typename Read>
-Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
-  std::vector<std::pair<std::filesystem::path, Slice>> slices;
-  bool coloured = false;
-  for (std::size_t z = 0; z < count; ++z) {
-    slices.push_back(read(z));
-    const auto& [file, pixels] = slices.back();
-    if (z > 0) check_same(file, pixels, slices.front().second);
-    coloured = coloured || is_coloured(pixels);
-  }
-  Slice first = slices.front().second;
-  first.samples.clear();
-  std::vector<std::byte> samples;
-  std::vector<std::uint8_t> colours;
-  for (auto& [file, pixels] : slices) {
-    const Slice slice = slice_of(file, std::exchange(pixels, {}), coloured, first);
-    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
-    colours.insert(colours.end(), slice.colours.begin(), slice.colours.end());
-  }
-  if (coloured) first.type = SampleType::kUint8;
-  Volume volume = to_volume(std::move(samples), layout_of(source, first, count));
-  volume.colours = std::move(colours);
-  return volume;
-}
-
 }  // namespace
 
 bool natural_less(std::string_view a, std::string_view b) {
@@ -249,7 +224,26 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
-  return pile(folder, files.size(), [&](std::size_t z) { return std::pair(files[z], read_pixels(files[z])); });
+  std::vector<Slice> slices;
+  bool coloured = false;
+  for (const auto& file : files) {
+    slices.push_back(read_pixels(file));
+    if (slices.size() > 1) check_same(file, slices.back(), slices.front());
+    coloured = coloured || is_coloured(slices.back());
+  }
+  Slice first = slices.front();
+  first.samples.clear();
+  std::vector<std::byte> samples;
+  std::vector<std::uint8_t> colours;
+  for (std::size_t z = 0; z < files.size(); ++z) {
+    const Slice slice = slice_of(files[z], std::exchange(slices[z], {}), coloured, first);
+    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
+    colours.insert(colours.end(), slice.colours.begin(), slice.colours.end());
+  }
+  if (coloured) first.type = SampleType::kUint8;
+  Volume volume = to_volume(std::move(samples), layout_of(folder, first, files.size()));
+  volume.colours = std::move(colours);
+  return volume;
 }
 
 Volume open_slices(const std::filesystem::path& folder) {
@@ -285,17 +279,42 @@ Volume open_slices(const std::filesystem::path& folder) {
   return volume;
 }
 
-Volume read_pages(const std::filesystem::path& file) {
-  const auto input = open(file);
+Volume open_pages(const std::filesystem::path& file) {
+  const std::shared_ptr<OIIO::ImageInput> input = open(file);
+  const auto ome = ome_pixels(file, input->spec().get_string_attribute("ImageDescription"));
   int pages = 1;
   while (pages <= kMaxFileDim && input->seek_subimage(pages, 0)) ++pages;
   if (pages > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
-  Volume volume = pile(file, static_cast<std::size_t>(pages), [&](std::size_t z) {
-    const int page = static_cast<int>(z);
+  if (ome && ome->size_z != pages) {
+    throw FileError(file, "SizeZ", fmt::format("{}, a plane a page", pages), fmt::format("{}", ome->size_z));
+  }
+  const auto read = [file, input](int page) {
     if (!input->seek_subimage(page, 0)) throw FileError(file, "image", "a whole image", input->geterror());
-    return std::pair(file, read_pixels(file, *input, page));
-  });
-  if (!volume.colours.empty()) throw FileError(file, "colour", "a grey image", "a coloured one");
+    Slice pixels = read_pixels(file, *input, page);
+    if (is_coloured(pixels)) throw FileError(file, "colour", "a grey image", "a coloured one");
+    return pixels;
+  };
+  Slice first = read(0);
+  first.samples.clear();
+  Volume volume = to_volume({}, layout_of(file, first, static_cast<std::size_t>(pages)));
+  if (ome) volume.spacing = ome->spacing;
+  volume.planes = [file, first, read](int z, int count, std::span<std::byte> out) {
+    for (const int end = z + count; z < end; ++z) {
+      Slice pixels = read(z);
+      check_same(file, pixels, first);
+      const Slice slice = slice_of(file, std::move(pixels), false, first);
+      std::ranges::copy(slice.samples, out.begin());
+      out = out.subspan(slice.samples.size());
+    }
+  };
+  return volume;
+}
+
+Volume read_pages(const std::filesystem::path& file) {
+  Volume volume = open_pages(file);
+  volume.samples.resize(voxels_of(volume.dims) * bytes_per_sample(volume.type));
+  volume.planes(0, volume.dims[2], volume.samples);
+  volume.planes = nullptr;
   return volume;
 }
 

@@ -41,7 +41,7 @@ Finder finder_by_contents(const std::filesystem::path& path) {
   if (is_nrrd(path)) return kNrrd;
   if (is_meta_image(path)) return kMetaImage;
   if (is_nifti(path)) return kNifti;
-  throw FileError(path, "format", "NRRD, MetaImage, NIfTI, a folder of slices, or the layout of raw samples",
+  throw FileError(path, "format", "NRRD, MetaImage, NIfTI, TIFF, a folder of slices, or the layout of raw samples",
                   "an unknown format and no layout");
 }
 
@@ -123,22 +123,34 @@ StoredFile find(const VolumeSource& source) {
   return (named != nullptr ? named : finder_by_contents(source.file))(source);
 }
 
-bool is_folder(const VolumeSource& source) {
+// Of pictures: a folder of them, or the pages of a TIFF.
+enum class Slices { kNone, kFolder, kPages };
+Slices slices_of(const VolumeSource& source) {
   std::error_code fault;
+  const std::string name = lower_case(source.file.filename().string());
   const bool folder = std::filesystem::is_directory(source.file, fault);
-  if (folder && source.raw)
+  const bool pages = name.ends_with(".tif") || name.ends_with(".tiff");
+  if ((folder || pages) && source.raw)
     throw FileError(source.file, "layout", "none: slices say their own", "the layout of raw samples");
-  return folder;
+  return folder ? Slices::kFolder : pages ? Slices::kPages : Slices::kNone;
 }
 
 }  // namespace
 
 Volume read_volume(const VolumeSource& source) {
-  return with_spacing(is_folder(source) ? read_slices(source.file) : read_stored(find(source)), source.spacing);
+  const Slices slices = slices_of(source);
+  return with_spacing(slices == Slices::kFolder  ? read_slices(source.file)
+                      : slices == Slices::kPages ? read_pages(source.file)
+                                                 : read_stored(find(source)),
+                      source.spacing);
 }
 
 Volume open_volume(const VolumeSource& source) {
-  return with_spacing(is_folder(source) ? open_slices(source.file) : open_stored(find(source)), source.spacing);
+  const Slices slices = slices_of(source);
+  return with_spacing(slices == Slices::kFolder  ? open_slices(source.file)
+                      : slices == Slices::kPages ? open_pages(source.file)
+                                                 : open_stored(find(source)),
+                      source.spacing);
 }
 
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {

@@ -101,6 +101,7 @@ Board::State::BrickRun Board::State::picture_run(const View& view, const wire::R
   BrickRun run;
   run.deadline = deadline;
   if (view.irradiance) run.needs.light = LightUse::kSeen;
+  run.needs.levels = block_levels;
   if (view.scatter) return run;
   if (view.leap) run.needs.leapt_over = volume->flags;
   const auto order =
@@ -156,8 +157,13 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   std::vector<std::uint8_t> payload = wire::encoded(camera);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
   const Picoseconds last = deadline();
+  BrickRun run;
   if (bricks) {
-    bricks->prepare(device, view.irradiance ? LightUse::kSeen : LightUse::kNone);
+    block_levels = levels_of(view);
+    run = picture_run(view, camera, last);
+    bricks->set_cells(volume->dims, volume->coloured, &tables.codebook());
+    bricks->clear_detail(run.needs);
+    bricks->prepare(device, run.needs);
     check_fence();
   }
   CommandResult result;
@@ -168,7 +174,7 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   framebuffer_size = {};  // no picture until all rays have come to their ends
   if (!has_rows) return;
   if (bricks) {
-    run_in_bricks(result.payload, picture_run(view, camera, last));
+    run_in_bricks(result.payload, run);
   } else {
     scatter_waiting(result.payload, {});
   }
@@ -274,7 +280,7 @@ void Board::State::prepare_light(const Light& light) {
   if (inside) {
     bricks->load(device, std::span(&block, 1), needs);
   } else {
-    bricks->prepare(device, needs.light);
+    bricks->prepare(device, needs);
   }
   check_fence();
 }

@@ -183,6 +183,7 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   Image read_picture();  // as many rows as were made
   Image gather_picture();
   // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
+  std::vector<std::uint8_t> levels_of(const View& view) const;
   BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);
 
   static wire::Spacing spacing_words(Vec3 relative) {  // of the SPACING registers
@@ -264,12 +265,14 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   Device device;
   Tables tables;
   Batches batches;
-  std::unique_ptr<SharedBlocks> shared;  // after share_blocks()
-  bool may_have_ended = false;           // the board may have rays of others that have come to their ends
-  std::uint64_t samples_before = 0;      // of share_anew()
-  ScatteringRoutine scattering_routine;  // the application's; empty: none
-  Picoseconds time_per_scattering = 0;   // of the host
-  bool restoring = false;                // restore() has begun and not ended
+  double detail = 0;                       // set_brick_detail()
+  std::vector<std::uint8_t> block_levels;  // of the picture in work; empty: all blocks as they are
+  std::unique_ptr<SharedBlocks> shared;    // after share_blocks()
+  bool may_have_ended = false;             // the board may have rays of others that have come to their ends
+  std::uint64_t samples_before = 0;        // of share_anew()
+  ScatteringRoutine scattering_routine;    // the application's; empty: none
+  Picoseconds time_per_scattering = 0;     // of the host
+  bool restoring = false;                  // restore() has begun and not ended
   std::map<std::uint32_t, std::uint32_t> registers_before;  // it
 };
 

@@ -45,6 +45,13 @@ class Tables {
     functions_[static_cast<std::size_t>(tag)] = function;
     ++changes_;
   }
+  std::vector<TransferFunction> functions() const {  // of all tags that have one
+    std::vector<TransferFunction> out;
+    for (const auto& function : functions_) {
+      if (function) out.push_back(*function);
+    }
+    return out;
+  }
   void set_shading(const Shading& shading) {
     shading_ = shading;
     ++changes_;

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "encode/opacity_change.h"
 #include "encode/volume/samples.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {
-
-constexpr std::size_t kDensities = wire::kDensityMax + 1;
 
 // Between which two voxels a coordinate lies.
 struct Between {
@@ -110,28 +109,6 @@ Differences differences(const Grid& fine, const Grid& coarse, const Placement& p
   return out;
 }
 
-// The most by which opacities of two densities in low..high can differ that are at most `distance` apart. Where tags meet,
-// a coarse voxel may have taken either.
-double max_change(std::span<const TransferFunction> functions, ValueRange range, int low, int high, int distance) {
-  std::vector<double> min_opacity(kDensities, 2), max_opacity(kDensities, -1);
-  for (int d = low; d <= high; ++d) {
-    const double value = range.low + d * (range.high - range.low) / wire::kDensityMax;
-    const auto at = static_cast<std::size_t>(d);
-    for (const TransferFunction& function : functions) {
-      const double opacity = function.opacity_at(value);
-      min_opacity[at] = std::min(min_opacity[at], opacity);
-      max_opacity[at] = std::max(max_opacity[at], opacity);
-    }
-  }
-  double widest = 0;
-  for (int d = low; d <= high; ++d) {
-    for (int e = std::max(low, d - distance); e <= std::min(high, d + distance); ++e) {
-      widest = std::max(widest, max_opacity[static_cast<std::size_t>(e)] - min_opacity[static_cast<std::size_t>(d)]);
-    }
-  }
-  return widest;
-}
-
 }  // namespace
 
 LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
@@ -145,8 +122,8 @@ LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
   if (functions.empty()) return error;
   const auto [low, high] = std::minmax_element(fine.densities.begin(), fine.densities.end());
   error.largest_opacity =
-      max_change(functions, range, static_cast<int>(std::floor(*low)), static_cast<int>(std::ceil(*high)),
-                 static_cast<int>(std::ceil(error.largest_density)));
+      largest_opacity_change(functions, range, static_cast<int>(std::floor(*low)), static_cast<int>(std::ceil(*high)),
+                             static_cast<int>(std::ceil(error.largest_density)));
   return error;
 }
 

@@ -19,12 +19,14 @@ enum class Opcode : std::uint32_t {
   kPairs = 6,
   kContinue = 7,
   kTakeRays = 8,
-  kGiveRays = 9
+  kGiveRays = 9,
+  kLoadCoarse = 10
 };
 
 // By opcode, for counters and traces; what is no opcode is called as the first.
-inline constexpr std::array<const char*, 10> kOpcodeNames{"render", "render", "trace",    "illuminate", "resume",
-                                                          "verify", "pairs",  "continue", "take rays",  "give rays"};
+inline constexpr std::array<const char*, 11> kOpcodeNames{"render",    "render",    "trace",      "illuminate",
+                                                          "resume",    "verify",    "pairs",      "continue",
+                                                          "take rays", "give rays", "load coarse"};
 
 // ---- kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer. Its completion is empty, or a
 // trap list without rays if some of its rays wait for the host.

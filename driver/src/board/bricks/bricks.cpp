@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "encode/volume/block_order.h"
+#include "encode/volume/coarse_block.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
@@ -43,7 +44,7 @@ void Bricks::state(Archive& archive) {
   if (!archive.loads()) return;
   archive.expect(needed_in_.size() == count, "needed_in", "one a block", needed_in_.size());
   for (std::size_t block = 0; block < count; ++block) {
-    const bool fits = has_place_[block] <= 1 && on_card_[block] <= has_place_[block] &&
+    const bool fits = has_place_[block] <= 1 && on_card_[block] <= has_place_[block] * (1 + wire::kMaxCoarseLevel) &&
                       (on_card_[block] == 0 || store_.has(block)) && (has_place_[block] != 0 || !light_.on_card(block));
     archive.expect(fits, "on_card", "blocks that are kept", block);
   }
@@ -53,29 +54,31 @@ void Bricks::begin(Device& device) {
   has_place_.assign(store_.count(), 0);
   on_card_.assign(store_.count(), 0);
   needed_in_.assign(store_.count(), 0);
+  error_.assign(store_.count(), 0);
   light_.leave_card();
   absent_.clear();
   dark_.clear();
   device.write_register(wire::reg::kControl, wire::kControlDropBlocks);
-  prepare(device, LightUse::kNone);
+  prepare(device, {});
 }
 
 // With all that its samples read, or leave energy in.
-bool Bricks::can_be_sampled(std::size_t block, LightUse light) const {
+bool Bricks::can_be_sampled(std::size_t block, const BrickNeeds& needs) const {
+  const LightUse light = needs.light;
   if (light == LightUse::kLeft && !light_.on_card(block)) return false;
   bool all = true;
   for_each_sampled_in(block, blocks_, [&](std::size_t each) {
-    if (store_.has(block) && store_.has(each) && on_card_[each] == 0) all = false;
+    if (store_.has(block) && store_.has(each) && !has_words(each, needs)) all = false;
     if (light == LightUse::kSeen && light_.may_have(each) && !light_.on_card(each)) all = false;
   });
   return all;
 }
 
-void Bricks::prepare(Device& device, LightUse light) {
+void Bricks::prepare(Device& device, const BrickNeeds& needs) {
   std::vector<std::uint8_t> absent(store_.count());
-  for (std::size_t block = 0; block < absent.size(); ++block) absent[block] = can_be_sampled(block, light) ? 0 : 1;
+  for (std::size_t block = 0; block < absent.size(); ++block) absent[block] = can_be_sampled(block, needs) ? 0 : 1;
   send_flags(device, wire::kAbsentFlags, absent, absent_);
-  if (light != LightUse::kNone) send_flags(device, wire::kDarkFlags, light_.dark(), dark_);
+  if (needs.light != LightUse::kNone) send_flags(device, wire::kDarkFlags, light_.dark(), dark_);
 }
 
 // Calls use(each, voxels, irradiance) for the blocks that samples in `block` need, and what of them.
@@ -159,18 +162,56 @@ void Bricks::load(Device& device, std::span<const std::size_t> wanted, const Bri
   const Choice choice = choose(wanted, needs);
   ++loads_;
   make_room(device, choice);
+  std::vector<std::uint32_t> commands;
   for (const std::size_t block : choice.blocks) {
     needed_in_[block] = loads_;
     has_place_[block] = 1;
-    if (choice.voxels[block] != 0 && on_card_[block] == 0) {
-      const auto bytes = read(block);
-      write_packed_block(device, block, static_cast<std::size_t>(n_), bytes);
-      on_card_[block] = 1;
-    }
+    if (choice.voxels[block] != 0 && !has_words(block, needs)) send(device, block, needs.level(block), commands);
     if (choice.light[block] != 0 && !light_.on_card(block)) light_.send(device, block);
   }
-  prepare(device, needs.light);
+  for (const std::uint32_t command : commands) {
+    const CommandResult result = device.finish(command, {});
+    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+  }
+  prepare(device, needs);
 }
+
+void Bricks::send(Device& device, std::size_t block, int level, std::vector<std::uint32_t>& commands) {
+  const auto bytes = read(block);
+  const auto n = static_cast<std::size_t>(n_);
+  on_card_[block] = 0;
+  error_[block] = 0;
+  if (level == 0) {
+    write_packed_block(device, block, n, bytes);
+  } else {
+    Dims inside{};
+    for (std::size_t axis = 0, rest = block; axis < 3; rest /= static_cast<std::size_t>(blocks_[axis]), ++axis) {
+      const auto at = static_cast<int>(rest % static_cast<std::size_t>(blocks_[axis]));
+      inside[axis] = std::min(n_, dims_[axis] - n_ * at);
+    }
+    const CoarseBlock coarse = coarse_block(bytes, n, inside, coloured_, level, *codebook_);
+    std::vector<std::uint8_t> command =
+        wire::encoded(wire::LoadCoarseHeader{static_cast<std::uint32_t>(block), static_cast<std::uint8_t>(level)});
+    command.insert(command.end(), coarse.packed.begin(), coarse.packed.end());
+    commands.push_back(device.command(wire::share(std::move(command))));
+    error_[block] = static_cast<std::uint16_t>(coarse.largest_error);
+  }
+  on_card_[block] = static_cast<std::uint8_t>(1 + level);
+  ++sent_[static_cast<std::size_t>(level)];
+  largest_error_ = std::max(largest_error_, int{error_[block]});
+}
+
+void Bricks::clear_detail(const BrickNeeds& needs) {
+  sent_ = {};
+  largest_error_ = 0;
+  for (std::size_t block = 0; block < on_card_.size(); ++block) {
+    if (on_card_[block] == 0 || !has_words(block, needs)) continue;
+    ++sent_[on_card_[block] - 1u];
+    largest_error_ = std::max(largest_error_, int{error_[block]});
+  }
+}
+
+Bricks::Detail Bricks::detail() const { return {sent_, largest_error_}; }
 
 std::vector<std::uint8_t> Bricks::read(std::size_t block) const {
   const auto n = static_cast<std::size_t>(n_);

@@ -2,6 +2,7 @@
 // to the card, as many as it stores at a time, and replace those that were not needed for longest.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,7 +12,9 @@
 #include "block_store.h"
 #include "board/device.h"
 #include "brick_light.h"
+#include "encode/volume/gradients.h"
 #include "gicube/vector.h"
+#include "gicube/wire/coarse_block.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube {
@@ -30,6 +33,10 @@ struct BrickNeeds {
   LightUse light = LightUse::kNone;
   std::span<const std::uint8_t>
       leapt_over{};  // flags, one a block, or none: those blocks are not sent for their own sake
+  std::span<const std::uint8_t>
+      levels{};  // of detail, one a block: it is sent in cells of 2^level voxels; or none: as it is
+
+  int level(std::size_t block) const { return levels.empty() ? 0 : levels[block]; }
 };
 
 class Bricks {
@@ -51,7 +58,7 @@ class Bricks {
   // For the rays of the last load() or prepare().
   bool is_absent(std::size_t block) const { return (absent_[block / 8] >> block % 8 & 1) != 0; }
   // To be called before each command: says which blocks the card has for rays of such needs.
-  void prepare(Device& device, LightUse light);
+  void prepare(Device& device, const BrickNeeds& needs);
   // Sends blocks in which rays want to take samples, most important first: the first of them, and as many others as there is room for.
   // Other blocks stay as long as there is room. Whatever it throws, it may be called again.
   void load(Device& device, std::span<const std::size_t> wanted, const BrickNeeds& needs);
@@ -59,6 +66,18 @@ class Bricks {
   // The blocks that rays wait for, in the order in which load() should have them, as many as the card has room for: by the sum of what
   // their rays can still bring, the sorter's own measure of a queue one level higher [P §5.3], for each block that has to be sent.
   std::vector<std::size_t> by_importance(std::span<const wire::WaitingBlock> waiting, LightUse light) const;
+
+  // Of the blocks that the card has in cells: by level, and the largest error of a voxel's density since clear_detail().
+  struct Detail {
+    std::array<std::size_t, wire::kMaxCoarseLevel + 1> blocks{};
+    int largest_error = 0;
+  };
+  Detail detail() const;
+  void clear_detail(const BrickNeeds& needs);
+  // For blocks that are sent in cells: of a volume of `dims` voxels. The codebook must outlive this.
+  void set_cells(const Dims& dims, bool coloured, const GradientCodebook* codebook) {
+    dims_ = dims, coloured_ = coloured, codebook_ = codebook;
+  }
 
   // n^3 packed words of a block.
   std::vector<std::uint8_t> read(std::size_t block) const;
@@ -78,15 +97,23 @@ class Bricks {
   Choice choose(std::span<const std::size_t> wanted, const BrickNeeds& needs) const;
   void make_room(Device& device, const Choice& choice);
   void drop(Device& device, std::size_t block);
-  bool can_be_sampled(std::size_t block, LightUse light) const;
+  bool can_be_sampled(std::size_t block, const BrickNeeds& needs) const;
+  bool has_words(std::size_t block, const BrickNeeds& needs) const { return on_card_[block] == 1 + needs.level(block); }
+  void send(Device& device, std::size_t block, int level, std::vector<std::uint32_t>& commands);
 
   Dims blocks_;
   int n_;
   std::size_t capacity_;
   BlockStore store_;
   BrickLight light_;
-  std::vector<std::uint8_t> has_place_;   // one a block: it takes a place on the card
-  std::vector<std::uint8_t> on_card_;     // its words are there
+  std::vector<std::uint8_t> has_place_;  // one a block: it takes a place on the card
+  std::vector<std::uint8_t> on_card_;    // 1 + the level in which its words are there; 0: they are not
+  std::vector<std::uint16_t> error_;     // of its voxels' densities there, if they are in cells
+  int largest_error_ = 0;                // of detail()
+  std::array<std::size_t, wire::kMaxCoarseLevel + 1> sent_{};  // by level, of detail()
+  Dims dims_{};                                                // voxels
+  const GradientCodebook* codebook_ = nullptr;
+  bool coloured_ = false;
   std::vector<std::uint32_t> needed_in_;  // the latest load() that needed it
   std::uint32_t loads_ = 0;
   std::vector<std::uint8_t> absent_, dark_;  // packed flags, as last sent; empty: unknown

@@ -119,7 +119,7 @@ void Board::State::run_waiting(std::vector<wire::WaitingBlock> waiting, const Br
 }
 
 std::vector<CommandResult> Board::State::trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
-  bricks->prepare(device, run.needs.light);
+  bricks->prepare(device, run.needs);
   std::vector<CommandResult> results;
   for (std::size_t first = 0, last = 0; any_left(parts.size() - first); first = last) {
     std::size_t rays = 0;
@@ -140,7 +140,7 @@ CommandResult Board::State::finish(std::uint32_t ticket) {
 // Rays that leave energy: one command after the other, since what the host must deposit is read before the next.
 std::vector<CommandResult> Board::State::deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
   if (shared) begin_shared_light();
-  bricks->prepare(device, run.needs.light);
+  bricks->prepare(device, run.needs);
   std::vector<wire::LightingLedger> ledgers(std::max<std::size_t>(parts.size(), 1));
   for (std::size_t part = 0; any_left(parts.size() - part); part = std::min(part + 1, parts.size())) {
     device.write_register(wire::reg::kControl, wire::kControlDropRays);

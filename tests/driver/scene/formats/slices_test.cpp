@@ -176,6 +176,64 @@ TEST(Slices, MayBeThePagesOfOneFile) {
   EXPECT_THROW(read_pages(folder.path() / "none.tif"), FileError);
 }
 
+// A tiled TIFF of 20 x 18 voxels in four planes, with a description.
+std::filesystem::path write_ome(const TemporaryFolder& folder, const std::string& pixels,
+                                const std::string& inside = "") {
+  const auto file = folder.path() / "volume.ome.tif";
+  const auto output = OIIO::ImageOutput::create("tiff");
+  OIIO::ImageSpec spec(20, 18, 1, OIIO::TypeDesc::UINT16);
+  spec.tile_width = spec.tile_height = 16;
+  spec["compression"] = "zip";
+  spec["ImageDescription"] =
+      R"(<?xml version="1.0"?><ome:OME xmlns:ome="x"><ome:Image><ome:Pixels DimensionOrder="XYZCT" )" + pixels + ">" +
+      inside + "</ome:Pixels></ome:Image></ome:OME>";
+  for (std::uint16_t z = 0; z < 4; ++z) {
+    std::vector<std::uint16_t> page(20 * 18);
+    for (std::size_t i = 0; i < page.size(); ++i) page[i] = static_cast<std::uint16_t>(1000 * z + i);
+    const auto mode = z == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
+    EXPECT_TRUE(output->open(file.string(), spec, mode) && output->write_image(spec.format, page.data()));
+  }
+  output->close();
+  return file;
+}
+
+TEST(OmeTiff, IsReadWholeOrInPlanesWithItsSpacing) {
+  const TemporaryFolder folder;
+  const auto file = write_ome(
+      folder,
+      R"(SizeX="20" SizeY="18" SizeZ="4" SizeC="1" SizeT="1" PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2")",
+      R"(<ome:TiffData IFD="0" FirstZ="0"/><ome:TiffData IFD="3" FirstZ="3"/>)");
+  const Volume whole = read_volume(file);
+  EXPECT_EQ(whole.dims, (Dims{20, 18, 4}));
+  EXPECT_EQ(whole.spacing.x, 0.5);
+  EXPECT_EQ(whole.spacing.z, 2);
+  EXPECT_EQ(samples_of<std::uint16_t>(whole)[20 * 18 * 3 + 7], 3007);
+  VolumeSource source;
+  source.file = file;
+  const Volume opened = open_volume(source);
+  EXPECT_TRUE(opened.samples.empty());
+  std::vector<std::byte> planes(whole.samples.size());
+  opened.planes(0, 1, std::span(planes).first(20 * 18 * 2));
+  opened.planes(1, 3, std::span(planes).subspan(20 * 18 * 2));
+  EXPECT_EQ(planes, whole.samples);
+}
+
+TEST(OmeTiff, NamesWhatItCanNotBe) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& pixels, const std::string& inside = "") {
+    return read_error(write_ome(folder, pixels, inside));
+  };
+  EXPECT_THAT(refused(R"(SizeZ="4" SizeC="2")"), HasSubstr("SizeC: expected 1, got 2"));
+  EXPECT_THAT(refused(R"(SizeZ="4" SizeT="3")"), HasSubstr("SizeT: expected 1, got 3"));
+  EXPECT_THAT(refused(R"(SizeZ="5")"), HasSubstr("SizeZ: expected 4, a plane a page, got 5"));
+  EXPECT_THAT(refused(R"(SizeZ="4" PhysicalSizeZUnit="nm")"), HasSubstr("PhysicalSizeXUnit: expected the same unit"));
+  EXPECT_THAT(refused(R"(SizeZ="4")", R"(<ome:TiffData IFD="0" FirstZ="3"/>)"),
+              HasSubstr("TiffData: expected plane 3 in page 3"));
+  EXPECT_THAT(refused(R"(SizeZ="4")", R"(<ome:TiffData><ome:UUID>x</ome:UUID></ome:TiffData>)"),
+              HasSubstr("TiffData: expected planes in this file"));
+  EXPECT_THAT(refused(R"(SizeZ="4)"), HasSubstr("ImageDescription: expected an OME document"));
+}
+
 TEST(Slices, NaturalOrderComparesNumbersAsNumbers) {
   EXPECT_TRUE(natural_less("a2.png", "a10.png"));
   EXPECT_FALSE(natural_less("a10.png", "a2.png"));
