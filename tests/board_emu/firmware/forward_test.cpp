@@ -65,7 +65,7 @@ class ForwardedRays : public testing::Test {
     return pixels(board);
   }
   static std::vector<std::uint8_t> pixels(BareBoard& board) {
-    return board.read_memory(wire::kFramebuffer.base, wire::packed36_bytes(16 * 16));
+    return board.read_memory(wire::kFramebuffer.base, wire::packed36_bytes(16 * 16)).payload;
   }
 
   BareBoard first_{blocks_of_eight()}, second_{blocks_of_eight()};

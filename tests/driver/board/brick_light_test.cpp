@@ -68,11 +68,11 @@ void expect_same_light(const std::string& base, const std::string& card, int sce
 }
 
 TEST(LightInBricks, HasTheBitsOfAnEndlessCard) {
-  expect_same_light("emu:?set=asic.block_voxels=8", "32", 20, 36, 70, 24, 21);
+  expect_same_light("emu:?set=asic.block_voxels=8", "32", 32, 36, 70, 24, 21);
 }
 
 TEST(LightInBricks, HasTheBitsOfAnEndlessCardOnOneThatStoresEightBlocks) {
-  expect_same_light("emu:?set=asic.block_voxels=16", "32", 10, 36, 70, 24, 22);
+  expect_same_light("emu:?set=asic.block_voxels=16", "32", 16, 36, 70, 24, 22);
 }
 
 TEST(LightInBricks, HasTheBitsOfAnEndlessCardOnTheWideDatapath) {

@@ -258,7 +258,7 @@ TEST(SharedBlocks, GiveLightTheBitsOfAnEndlessCardAtTheCycleLevel) {
 }
 
 TEST(SharedBlocks, GiveLightTheBitsOfAnEndlessCard) {
-  for (const int ranks : {1, 2, 3, 4}) expect_same_light("emu:?set=asic.block_voxels=8", "32", ranks, 4, 20, 3);
+  for (const int ranks : {1, 2, 3, 4}) expect_same_light("emu:?set=asic.block_voxels=8", "32", ranks, 6, 20, 3);
 }
 
 // A picture has fewer rows than there are ranks.
