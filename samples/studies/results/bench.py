@@ -171,7 +171,8 @@ class Bench:
         return not self._wanted
 
     def measure(self, measured, quiet):
-        """Carries out what was noted. `measured`: yields (run, result) of lists of runs, a list for each board."""
+        """Carries out what was noted; false if some of it is left to others. `measured`: yields (run, result) of lists of runs, a list for
+        each board."""
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
@@ -179,7 +180,9 @@ class Bench:
             for run, result in measured(boards.values()):
                 self._known[run] = Measurement(**result)
                 bar.update()
+        done = self._wanted.keys() <= self._known.keys()
         self._wanted = {}
+        return done
 
 
 # How a figure is printed in tables, by its column's head.

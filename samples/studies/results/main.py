@@ -13,9 +13,10 @@ sys.path += [str(PROGRAMS.parent / "python"), str(pathlib.Path(__file__).resolve
 os.environ.setdefault("GICUBE_BOARD", str(PROGRAMS / "gicube-board"))
 
 import gicube  # noqa: E402
+from studies.sweep import shard_of  # noqa: E402
 
 from bench import Bench  # noqa: E402
-from measure import kept_in, measure_boards  # noqa: E402
+from measure import kept_in, measure_boards, measure_shard  # noqa: E402
 from page import WORDS, Page  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
@@ -67,6 +68,9 @@ def options():
     parser.add_argument("--jobs", type=functools.partial(number_of, low=1, high=64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
     parser.add_argument("--only", type=sections_of, default=list(SECTIONS), metavar="SECTION,...",
                         help="sections to measure, for a page of these alone (all)")
+    parser.add_argument("--shard", type=shard_of, metavar="I/N",
+                        help="measure only this one of N parts of the boards, 1/N to N/N, and write no page: the same command without --shard does, "
+                             "with what the shards left in measured/ and results/")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
 
@@ -78,7 +82,10 @@ def main():
     bench = Bench(given.edge, given.image)
     measured = given.folder / "measured"
     pictures = {run: folder / f"scene-{run.scene}.png" for run in bench.oblique() + bench.lit_scenes()}
-    measure = functools.partial(measure_boards, kept_in(measured), given.jobs, pictures)
+    kept = kept_in(measured)
+    measure = functools.partial(measure_boards, kept, given.jobs, pictures)
+    if given.shard:
+        measure = functools.partial(measure_shard, kept, given.shard, measure)
     while True:
         bench.page = Page()
         for name, (heading, section) in SECTIONS.items():
@@ -87,7 +94,13 @@ def main():
                 section(bench, bench.page)
         if bench.complete():
             break
-        bench.measure(measure, given.quiet)
+        if not bench.measure(measure, given.quiet):
+            if not given.quiet:
+                print("gicube-results: this shard's part is done. What is left depends on other shards' parts: once these are done too, the same "
+                      "command measures it")
+            return
+    if given.shard:
+        return
     introduction = WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image)
     (given.folder / "RESULTS.md").write_text(f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
     bench.page.write_files(folder)

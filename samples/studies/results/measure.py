@@ -3,6 +3,7 @@ import functools
 import os
 import pathlib
 import threading
+import zlib
 from dataclasses import replace
 
 import gicube
@@ -122,13 +123,28 @@ def kept_in(folder):
     return Kept(folder, [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, scenes.__file__, PRESET])
 
 
+def name_of(runs):
+    return "\n".join(run.name() for run in runs)
+
+
 def measure_boards(kept, jobs, pictures, boards):
     """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. `pictures`: files of runs whose image is
     kept. Raises as measure_board(); then, and on Ctrl-C, the boards under way end first and are kept."""
     def measured(runs):
-        name = "\n".join(run.name() for run in runs)
+        name = name_of(runs)
         if not all(pictures[run].exists() for run in runs if run in pictures):
             kept.forget(name)
         return zip(runs, kept.of(name, lambda: measure_board(runs, pictures)))
     for results in all_at_once([functools.partial(measured, runs) for runs in boards], jobs):
         yield from results
+
+
+def measure_shard(kept, shard, measure, boards):
+    """Yields as measure(boards): of the lists that fall to shard (I, N), each to one by its name; and the others too once all of them
+    are kept, since what is asked for next depends on all."""
+    number, shards = shard
+    is_mine = [zlib.crc32(name_of(runs).encode()) % shards == number - 1 for runs in boards]
+    yield from measure([runs for runs, mine in zip(boards, is_mine) if mine])
+    others = [runs for runs, mine in zip(boards, is_mine) if not mine]
+    if all(kept.has(name_of(runs)) for runs in others):
+        yield from measure(others)

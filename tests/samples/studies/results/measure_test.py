@@ -8,7 +8,7 @@ BIN = pathlib.Path(os.environ["GICUBE_BIN_DIR"])
 os.environ["GICUBE_BOARD"] = str(BIN / "gicube-board")
 
 from bench import Bench  # noqa: E402
-from measure import kept_in, measure_boards  # noqa: E402
+from measure import kept_in, measure_boards, measure_shard  # noqa: E402
 
 RUN = Bench(32, 8).run("rock")
 
@@ -64,3 +64,23 @@ def test_what_another_board_measured_does_not_count(tmp_path, no_board, monkeypa
 def test_an_error_names_its_run(tmp_path):
     with pytest.raises(RuntimeError, match=r"rock .*asic.queue_rays=-1: "):
         list(measure_boards(kept_in(tmp_path), 1, {}, [[RUN.on({"asic.queue_rays": -1})]]))
+
+
+def test_each_board_falls_to_one_shard_and_all_come_once_the_others_are_done(tmp_path):
+    kept, begun = kept_in(tmp_path), []
+    lists = [[RUN.on({"link.bits": bits})] for bits in range(1, 20)]
+
+    def measure(boards):
+        for runs in boards:
+            begun.append(runs)
+            kept.of("\n".join(run.name() for run in runs), lambda: [{}])
+            yield runs[0], {}
+    first = dict(measure_shard(kept, (1, 2), measure, lists))
+    assert 0 < len(first) == len(begun) < len(lists)
+    second = dict(measure_shard(kept, (2, 2), measure, lists))
+    assert set(second) == {runs[0] for runs in lists}
+    mine = begun[len(first):len(lists)]
+    assert sorted(run.name() for run, in begun[:len(lists)]) == sorted(run.name() for run, in lists), "each began in one shard"
+    begun.clear()
+    assert dict(measure_shard(kept, (2, 2), measure, lists[::-1])) == second
+    assert begun[:len(mine)] == mine[::-1]

@@ -89,3 +89,23 @@ class ResultsProgram(unittest.TestCase):
 
     def test_RefusesASizeThatIsNoPowerOfTwo(self):
         self.assertEqual(run("--edge", "33", ".", stderr=subprocess.DEVNULL), 2)
+
+    def test_ShardsLeaveThePageNothingToMeasure(self):
+        """Two at the same time in one folder, as a batch system has them."""
+        size = ["--edge", "32", "--image", "8", "--only", "baseline", "--quiet"]
+        with tempfile.TemporaryDirectory() as whole, tempfile.TemporaryDirectory() as parts:
+            self.assertEqual(run(*size, whole), 0)
+            shards = [subprocess.Popen([sys.executable, PROGRAM, *size, "--jobs", "1", "--shard", f"{i}/2", parts]) for i in (1, 2)]
+            self.assertEqual([shard.wait() for shard in shards], [0, 0])
+            for i in (1, 2):  # what depends on both parts
+                self.assertEqual(run(*size, "--shard", f"{i}/2", parts), 0)
+            files = sorted(path.name for path in (pathlib.Path(parts) / "measured").rglob("*"))
+            self.assertGreater(len(files), 10)
+            self.assertFalse([name for name in files if name.endswith(".part")])
+            self.assertFalse((pathlib.Path(parts) / "RESULTS.md").exists())
+            self.assertEqual(run(*size, parts), 0)
+            self.assertEqual((pathlib.Path(parts) / "RESULTS.md").read_text(), (pathlib.Path(whole) / "RESULTS.md").read_text())
+
+    def test_RefusesWhatIsNoShard(self):
+        for shard in ("0/2", "3/2", "2"):
+            self.assertEqual(run("--shard", shard, ".", stderr=subprocess.DEVNULL), 2)
