@@ -1,6 +1,6 @@
 # script/package, for Debian 12: gicube (libraries, programs, their manual pages; gicube-scene too, since the
 # programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config), python3-gicube (the Python package, gicube-sweep),
-# gicube-doc (documents, examples).
+# gicube-doc (documents, examples); where there is an MPI gicube-mpi (its library and header).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME gicube)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -10,6 +10,9 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/debian_files.cmake)
 set(CPACK_COMPONENTS_ALL runtime dev doc python)
+if(TARGET gicube-mpi)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -47,6 +50,14 @@ set(CPACK_DEBIAN_PYTHON_DESCRIPTION
 The GI-Cube driver, its volume files, scenes and plans, with numpy arrays
 for volumes, rays and pictures; and gicube-sweep, which renders over a grid
 of parameters.")
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME gicube-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION}), mpi-default-bin")
+set(CPACK_DEBIAN_MPI_PACKAGE_SUGGESTS gicube-dev)
+set(CPACK_DEBIAN_MPI_DESCRIPTION
+"GI-Cube driver on several hosts, by MPI
+What gicube-render --mpi loads, and a header for programs that share a
+volume among the ranks of an MPI job.")
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME gicube-doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
@@ -56,7 +67,7 @@ Documents of the GI-Cube driver, its emulated board and the programs that
 use them, with scenes and small applications.")
 
 # Debian's place for a package's license; each package has its own. LICENSE is a document.
-foreach(component runtime dev doc python)
+foreach(component ${CPACK_COMPONENTS_ALL})
   string(TOUPPER ${component} upper)
   install(FILES copyright DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component})
 endforeach()
