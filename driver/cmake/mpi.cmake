@@ -1,15 +1,14 @@
-# libgicube-mpi.so, the component `mpi` of find_package(gicube): RayExchange over MPI, of driver/mpi. Built where there is an MPI; nothing
+# libgicube-mpi.so, the component `mpi` of find_package(gicube): RayExchange over MPI, of driver/hosts. Built where there is an MPI; nothing
 # else of the SDK links one: gicube-render loads this library when it is told to.
 find_package(MPI COMPONENTS C)
 if(NOT MPI_C_FOUND)
   message(STATUS "no MPI (Debian's libopenmpi-dev or libmpich-dev): gicube-mpi is left out")
   return()
 endif()
-set(mpi_folder ${PROJECT_SOURCE_DIR}/driver/mpi)
-add_library(gicube-mpi SHARED ${mpi_folder}/mpi_exchange.cpp)
+add_library(gicube-mpi SHARED ${PROJECT_SOURCE_DIR}/driver/hosts/mpi_exchange.cpp)
 add_library(gicube::mpi ALIAS gicube-mpi)
 target_sources(gicube-mpi
-  PUBLIC FILE_SET HEADERS BASE_DIRS ${mpi_folder}/include FILES ${mpi_folder}/include/gicube/mpi.h)
+  PUBLIC FILE_SET HEADERS BASE_DIRS ${hosts_include} FILES ${hosts_include}/gicube/mpi.h)
 target_compile_features(gicube-mpi INTERFACE cxx_std_20)
 target_link_libraries(gicube-mpi PUBLIC gicube PRIVATE gicube_options MPI::MPI_C)
 target_link_options(gicube-mpi PRIVATE

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "gicube/scene/image_file.h"
 #include "render/frame.h"
+#include "render/hosts.h"
 #include "render/pixel_life.h"
 #include "render/planning.h"
 #include "scene/common/whole_file.h"
@@ -60,6 +63,19 @@ void print_detail(const FrameStatistics& statistics) {
       whole, of_2, of_4, of_8, detail.largest_density, detail.largest_opacity);
 }
 
+// What the ranks of a job did.
+void print_ranks(const FrameStatistics& statistics) {
+  const auto [least, most] =
+      std::ranges::minmax_element(statistics.ranks, {}, [](const gicube::RankReport& rank) { return rank.work; });
+  std::uint64_t bytes = 0;
+  for (const gicube::RankReport& rank : statistics.ranks) bytes += rank.bytes_sent;
+  fmt::print(
+      "{} hosts: each works {:.3f} to {:.3f} ms simulated, one takes {:.2f} times the mean of samples; {} bytes "
+      "between them\n",
+      statistics.ranks.size(), gicube::to_ms(least->work), gicube::to_ms(most->work), imbalance(statistics.ranks),
+      bytes);
+}
+
 void print_summary(const std::filesystem::path& file, const FrameStatistics& statistics) {
   for (const LightingStatistics& lighting : statistics.lighting) {
     if (!lighting.reused) print_lighting(lighting);
@@ -71,6 +87,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
              statistics.width, statistics.height);
   if (!statistics.boards.empty()) print_boards(statistics);
   print_detail(statistics);
+  if (!statistics.ranks.empty()) print_ranks(statistics);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(
@@ -93,9 +110,12 @@ void explain_pixel(const RenderOptions& options, const FrameStatistics& statisti
   if (!options.explain_svg.empty()) write_whole(options.explain_svg, pixel_svg(statistics.pixel));
 }
 
-int run(int argc, char** argv) {
-  const auto options = parse_options(argc, argv, std::cout);
-  if (!options) return 0;
+// Nothing if there is nothing to be rendered.
+std::optional<RenderOptions> options_of(int argc, char** argv, const gicube::MpiExchange* ranks) {
+  std::ostringstream unsaid;
+  auto options = parse_options(argc, argv, ranks != nullptr && ranks->rank() > 0 ? unsaid : std::cout);
+  if (!options) return options;
+  if (ranks != nullptr) choose_part(*ranks, *options);
   std::vector<Output> outputs;
   for (int i = options->checkpoint.first_frame; i < options->animation.frames; ++i) {
     outputs.push_back({"--output", frame_file(options->output, options->animation, i)});
@@ -104,11 +124,19 @@ int run(int argc, char** argv) {
   outputs.push_back({"--checkpoint", options->checkpoint.file});
   outputs.push_back({"--explain-svg", options->explain_svg});
   check_outputs(outputs);
+  return options;
+}
+
+int run(int argc, char** argv, gicube::MpiExchange* ranks) {
+  std::optional<RenderOptions> options;
+  together(ranks, [&] { options = options_of(argc, argv, ranks); });
+  if (!options) return 0;
   std::vector<FrameStatistics> statistics;
   std::vector<std::string> plan;
   {
     ProgressLine progress(!options->board.quiet);
-    render_frames(*options, progress, [&](const Frame& frame) {
+    const auto done = [&](const Frame& frame) {
+      if (ranks != nullptr && ranks->rank() > 0) return;
       const std::filesystem::path file = frame_file(options->output, options->animation, frame.number);
       write_image(frame.image, file, frame.background,
                   provenance_of(frame.statistics.board, frame.statistics.scene_hash));
@@ -117,7 +145,8 @@ int run(int argc, char** argv) {
       if (options->plan.explain) explain_once(*options, frame.statistics, plan);
       if (!options->board.quiet) print_summary(file, frame.statistics);
       explain_pixel(*options, frame.statistics);
-    });
+    };
+    render_frames(*options, progress, done, ranks);
   }
   if (options->board.stats.empty()) return 0;
   if (options->animation.frames == 1) {
@@ -131,5 +160,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_program("gicube-render", [&] { return run(argc, argv); });
+  return run_program("gicube-render", [&] {
+    if (!asks_for_hosts(argc, argv)) return run(argc, argv, nullptr);
+    const auto ranks = open_hosts();
+    return run_rank(*ranks, [&] { return run(argc, argv, ranks.get()); });
+  });
 }

@@ -195,6 +195,18 @@ void check_explain_options(const RenderOptions& options) {
   if (against != nullptr) throw UsageError(std::string("--explain-pixel: expected without ") + against);
 }
 
+void add_host_options(CLI::App& app, RenderOptions& options) {
+  OptionGroup group(app, "Several hosts");
+  group.parsed(
+      "--mpi", "HOW",
+      "under mpirun: ranks share the picture, each with a board. pictures: each renders a part of the volume, and "
+      "the parts' pictures are composited",
+      [&](const std::string& name, const std::string& text) {
+        if (text != "pictures") throw CLI::ValidationError(name, "expected pictures, got " + in_quotes(text));
+        options.hosts = Hosts::kPictures;
+      });
+}
+
 bool has_layout(const RenderOptions& options) {
   return options.dims || options.type || options.big_endian || options.skip_bytes != 0;
 }
@@ -289,6 +301,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_explain_options(app, options);
   add_checkpoint_options(app, options);
   add_plan_options(app, options.plan, "a picture");
+  add_host_options(app, options);
   add_board_options(app, options.board, true);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options);

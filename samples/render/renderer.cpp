@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gicube/scene/error.h"
+#include "render/hosts.h"
 #include "render/planning.h"
 #include "scene/program/board_run.h"
 
@@ -78,14 +79,17 @@ std::vector<BoardTime> between(const std::vector<BoardTime>& begin, std::vector<
 
 }  // namespace
 
-Renderer::Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting)
+Renderer::Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting,
+                   RayExchange* ranks)
     : options_(options),
       steps_(std::move(steps)),
       input_(input_scene(options)),
       events_(events_for(options)),
       boards_(open_boards(with_events(board_for(options.plan, options.board), events_.get()), while_waiting)),
-      board_(boards_.board(0)) {
+      board_(boards_.board(0)),
+      ranks_(ranks) {
   if (boards_.size() > 1) check_several_boards(options);
+  if (ranks_ != nullptr) composited_.emplace(board_, *ranks_);
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
 
@@ -103,7 +107,11 @@ Frame Renderer::picture(double time) {
 void Renderer::run(const std::vector<double>& times, std::size_t first, std::size_t last,
                    const std::function<void(const Frame&)>& done) {
   const Scene scene = at(times[first]);
-  const Picoseconds load = set_voxels(scene);
+  Picoseconds load = 0;
+  together(ranks_, [&] {
+    if (composited_) check_composited(scene);
+    load = set_voxels(scene);
+  });
   const std::vector<LightPass> passes = passes_of(setup_, board_.info().irradiance_words);
   const bool one_picture = passes.size() == 1 && pictures_of(passes[0]).size() == 1;
   if (events_ && !one_picture) {
@@ -327,7 +335,8 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
     frame.image =
         picture_of(board_, *field_, view, asked > 0 ? asked : exposure_for(*field_), frame.background, steps_(what));
   } else {
-    put_together(pass, boards_.render(view, steps_(what)), frame.background, frame.image);
+    const Image image = composited_ ? composited_->render(view, steps_(what)) : boards_.render(view, steps_(what));
+    put_together(pass, image, frame.background, frame.image);
   }
 
   FrameStatistics& statistics = frame.statistics;
@@ -342,6 +351,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   }
   for (std::size_t i = 0; options_.brick_detail > 0 && i < boards_.size(); ++i)
     add_detail(boards_.board(i), statistics.detail);
+  if (composited_) add(composited_->reports(), statistics);
   statistics.width = frame.image.width;
   statistics.height = frame.image.height;
   statistics.dims = setup_.volume.dims;

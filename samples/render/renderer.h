@@ -9,6 +9,7 @@
 
 #include "gicube/board.h"
 #include "gicube/board_group.h"
+#include "gicube/composited_ranks.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "gicube/scene/light_field.h"
@@ -26,8 +27,10 @@ using Steps = std::function<Progress(const std::string& what)>;
 class Renderer {
  public:
   // Opens the board that `options` ask for. `while_waiting`: as OpenOptions; after what it throws the next picture may be asked for.
+  // `ranks`: who share the pictures, each with such an object; null if there is one host.
   // Throws UsageError, InputError, FileError, and as Board::open().
-  Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {});
+  Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {},
+           RayExchange* ranks = nullptr);
 
   // What the next pictures are of. Board and field of light stay those of the constructor; the transfer function's file is taken to be
   // another one when it has another name. Throws UsageError and InputError: nothing has changed.
@@ -87,7 +90,9 @@ class Renderer {
   Scene input_;
   std::unique_ptr<EventFile> events_;  // of the pixel that is to be explained
   BoardGroup boards_;
-  Board& board_;                     // the first of them; what all must do goes to boards_
+  Board& board_;  // the first of them; what all must do goes to boards_
+  RayExchange* ranks_;
+  std::optional<CompositedRanks> composited_;
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   bool set_up_before_ = false;     // the board can't take another codebook

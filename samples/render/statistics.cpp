@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/planning.h"
 #include "scene/program/run_json.h"
 
@@ -106,7 +108,34 @@ Json boards_json(const FrameStatistics& statistics) {
   return json;
 }
 
+Json ranks_json(const std::vector<RankReport>& ranks) {
+  if (ranks.empty()) return nullptr;
+  Json json{{"imbalance", imbalance(ranks)}, {"each", Json::array()}};
+  for (const RankReport& rank : ranks) {
+    json["each"].push_back({{"work_ms", to_ms(rank.work)},
+                            {"blocks", rank.blocks},
+                            {"samples", rank.samples},
+                            {"bytes_sent", rank.bytes_sent}});
+  }
+  return json;
+}
+
 }  // namespace
+
+void add(const std::vector<RankReport>& ranks, FrameStatistics& statistics) {
+  statistics.ranks = ranks;
+  statistics.frame = 0;
+  for (const RankReport& rank : ranks) statistics.frame = std::max(statistics.frame, rank.work);
+}
+
+double imbalance(const std::vector<RankReport>& ranks) {
+  double sum = 0, most = 0;
+  for (const RankReport& rank : ranks) {
+    sum += static_cast<double>(rank.samples);
+    most = std::max(most, static_cast<double>(rank.samples));
+  }
+  return sum > 0 ? most * static_cast<double>(ranks.size()) / sum : 1;
+}
 
 Json to_json(const FrameStatistics& statistics) {
   Json json;
@@ -128,6 +157,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);
   for (const LightPlan& plan : statistics.light_plans) json["plan"]["light"].push_back(to_json(plan));
   json["boards"] = boards_json(statistics);
+  json["ranks"] = ranks_json(statistics.ranks);
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);

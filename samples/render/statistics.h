@@ -10,6 +10,7 @@
 
 #include "gicube/board.h"
 #include "gicube/board_group.h"
+#include "gicube/composited_ranks.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "scene/program/host_usage.h"
@@ -28,6 +29,7 @@ struct LightingStatistics {
   bool reused = false;
 };
 
+// Of several hosts: the frame takes what the one with most work takes; the counters are those of the first.
 // The frame's window: from before the rendering until the image is on the host.
 struct FrameStatistics {
   BoardInfo board;
@@ -46,6 +48,7 @@ struct FrameStatistics {
   std::vector<BoardTime> boards;             // of several: where each one's simulated time of the window went
   std::optional<BrickDetail> detail;         // with --brick-detail, of a volume larger than the card
   bool own_buses = false;                    // and whether each has a bus of its own
+  std::vector<RankReport> ranks;             // of several hosts: what each did for the picture
   std::optional<RunUsage> host;              // of the whole run until the frame was there
   nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
 };
@@ -59,8 +62,13 @@ struct FrameStatistics {
 // report in units of the lights' power, and its own counters. plan: null without one; its `light` has
 // that of each pass. boards: null for one, else buses (shared,
 // own) and each board's bus_ms, work_ms, bus_wait_ms and skew_ms, which add up to frame_ms; counters are the sums of all boards, and
-// figures per second those of one board's ASIC. host: of program/host_usage.h.
+// figures per second those of one board's ASIC. ranks: null for one host, else each one's work_ms, blocks, samples and bytes_sent, and
+// `imbalance`, the most samples of a rank over the mean. host: of program/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
+
+// What several hosts did for a picture.
+void add(const std::vector<RankReport>& ranks, FrameStatistics& statistics);
+double imbalance(const std::vector<RankReport>& ranks);
 
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);

@@ -11,7 +11,7 @@ namespace {
 
 // Where the build looks for our headers, and under which folder of the tree they stand.
 constexpr std::array<std::string_view, 8> kIncludeFolders{
-    "proto", "driver/include", "driver/mpi/include", "driver/scene/include", "driver", "driver/src", "board_emu", "samples"};
+    "proto", "driver/include", "driver/hosts/include", "driver/scene/include", "driver", "driver/src", "board_emu", "samples"};
 
 // The part of the ASIC between two FIFOs: knows itself, the records that pass, and the wire.
 Rule sibling(std::string_view folder) {
@@ -85,7 +85,8 @@ const std::vector<Rule>& rules() {
       {"driver/include",     {"driver/include"}, {}},
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
-      {"driver/mpi",         {"driver/mpi", "driver/include"}, {"mpi.h"}},
+      {"driver/hosts",       {"driver/hosts", "driver/include"}, {"mpi.h"}},
+      {"driver/hosts/include", {"driver/hosts/include", "driver/include"}, {}},
       {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/archive.h", "proto/gicube/fidelity_levels.h", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
@@ -219,7 +220,7 @@ const std::vector<Rule>& rules() {
       program("samples/photon_map/program", {"samples/photon_map", "samples/transport"}, {kAnything}),
       program("samples/polygon_gi", {"samples/meshes", "samples/transport"}, {}),
       program("samples/polygon_gi/program", {"samples/polygon_gi", "samples/meshes", "samples/transport"}, {kAnything}),
-      program("samples/render", {"driver/mpi/include"}, {kAnything}),
+      program("samples/render", {"driver/hosts/include"}, {kAnything}),
       program("samples/subsurface", {"samples/meshes", "samples/transport"}, {}),
       program("samples/subsurface/program", {"samples/subsurface", "samples/meshes", "samples/transport"}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.

@@ -40,6 +40,13 @@ test -e "$scratch/root/usr/share/doc/gicube/docs/README.md"
 for library in gicube gicube-scene; do [[ -L $scratch/root/usr/lib/lib$library.so && -e $scratch/root/usr/lib/lib$library.so ]]; done
 ! grep -rIl --exclude-dir=doc -e "$build" "$scratch/root"  # no text in it names the build's place
 
+if [[ -e $build/lib/libgicube-mpi.so ]]; then
+  mpi=$(echo "$scratch"/packages/gicube-mpi_*.deb)
+  dpkg-deb -x "$mpi" "$scratch/root"
+  [[ $(dpkg-deb -f "$mpi" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"*mpi* ]]
+  test -e "$scratch/root/usr/include/gicube/mpi.h"
+  "$scratch/root/usr/bin/gicube-render" builtin:buckyball --volume-size 32 --size 8x8 --mpi=pictures -o "$scratch/picture.png" | grep -q '^1 hosts: '
+fi
 dpkg-deb -x "$python" "$scratch/root"
 [[ $(dpkg-deb -f "$python" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"* ]]
 unset GICUBE_BOARD

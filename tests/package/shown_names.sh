@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The shared libraries show names of their public API only, all with their version; libgicube.so needs neither Protobuf nor gRPC.
-# Usage: shown_names.sh libgicube.so libgicube-scene.so
+# Usage: shown_names.sh libgicube.so libgicube-scene.so [libgicube-mpi.so]
 set -euo pipefail
 library=$1
 scene=$2
@@ -30,3 +30,9 @@ fi
 grep -q '^_ZN6gicube5scene11read_volumeE' <<<"$shown"
 [[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == libgicube-scene.so.0.2 ]]
 objdump -p "$scene" | grep 'NEEDED *libgicube.so.0.2' >/dev/null
+
+mpi=${3:-}
+[[ $mpi ]] || exit 0
+nm -D --defined-only "$mpi" | grep ' gicube_mpi_open' >/dev/null
+if nm -D --defined-only --with-symbol-versions "$mpi" | awk '{print $3}' | grep -vE '^(GICUBE_0|(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0)$'; then exit 1; fi
+objdump -p "$mpi" | grep 'NEEDED *libgicube.so.0.2' >/dev/null

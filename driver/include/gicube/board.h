@@ -30,7 +30,6 @@
 #include "gicube/material.h"
 #include "gicube/pair.h"
 #include "gicube/ray.h"
-#include "gicube/ray_exchange.h"
 #include "gicube/scattering.h"
 #include "gicube/shading.h"
 #include "gicube/time.h"
@@ -39,6 +38,8 @@
 #include "gicube/volume.h"
 
 namespace gicube {
+
+class RayExchange;  // gicube/ray_exchange.h
 
 enum class Fidelity { kFunctional, kApproximate, kCycle };
 
@@ -346,7 +347,8 @@ class GICUBE_API Board {
   Counters counters();
 
  private:
-  friend class BoardGroup;  // gicube/board_group.h
+  friend class BoardGroup;       // gicube/board_group.h
+  friend class CompositedRanks;  // gicube/composited_ranks.h
   struct State;
   explicit Board(std::shared_ptr<State> state);
   std::shared_ptr<State> state_;  // futures have weak ones

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "brick_scenes.h"
+#include "gicube/ray_exchange.h"
 #include "gicube/testing.h"
 
 namespace gicube::reference {

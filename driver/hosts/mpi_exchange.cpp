@@ -11,6 +11,8 @@
 #include <thread>
 #include <utility>
 
+#include "gicube/error.h"
+
 namespace gicube {
 namespace {
 
