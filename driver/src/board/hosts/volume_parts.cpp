@@ -61,8 +61,8 @@ int VolumeParts::divide(const BlockBox& box, std::span<const double> costs, int 
 }
 
 std::pair<int, int> VolumeParts::rows(int rank, const wire::RenderCommand& camera, int n) const {
-  constexpr double kDrift =
-      1.5;  // voxels by which rays may leave their lines: what Board::render() allows, and roundings
+  // Voxels by which rays may leave their lines: what Board::render() allows, and roundings.
+  constexpr double kDrift = 1.5;
   const std::pair all{0, int{camera.height}};
   const BlockBox& of = box(rank);
   double first = camera.height, last = -1;
