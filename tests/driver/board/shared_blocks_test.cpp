@@ -4,87 +4,41 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <barrier>
-#include <functional>
+#include <exception>
 #include <memory>
 #include <random>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "brick_scenes.h"
-#include "gicube/ray_exchange.h"
 #include "gicube/testing.h"
+#include "thread_exchange.h"
 
 namespace gicube::reference {
 namespace {
 
 using testing::HasSubstr;
 
-// The ranks are threads of this process.
-class Job {
- public:
-  explicit Job(int ranks)
-      : all_here_(ranks), letters_(static_cast<std::size_t>(ranks)), values_(static_cast<std::size_t>(ranks)) {}
-
-  class Rank : public RayExchange {
-   public:
-    Rank(Job& job, std::size_t rank) : job_(job), rank_(rank) {}
-    int rank() const override { return static_cast<int>(rank_); }
-    int ranks() const override { return static_cast<int>(job_.letters_.size()); }
-    std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::vector<std::uint8_t>> to) override {
-      for (const auto& letter : to) job_.bytes_ += letter.size();
-      job_.letters_[rank_] = std::move(to);
-      job_.all_here_.arrive_and_wait();
-      std::vector<std::vector<std::uint8_t>> out;
-      for (const auto& from : job_.letters_) out.push_back(from[rank_]);
-      job_.all_here_.arrive_and_wait();
-      return out;
-    }
-    std::uint64_t sum(std::uint64_t value) override {
-      job_.values_[rank_] = value;
-      job_.all_here_.arrive_and_wait();
-      std::uint64_t sum = 0;
-      for (const std::uint64_t each : job_.values_) sum += each;
-      job_.all_here_.arrive_and_wait();
-      return sum;
-    }
-
-   private:
-    Job& job_;
-    std::size_t rank_;
-  };
-
-  std::size_t ranks() const { return letters_.size(); }
-  std::uint64_t bytes() const { return bytes_; }
-  // Calls use(rank) on a thread for each rank.
-  void run(const std::function<void(std::size_t)>& use) {
-    std::vector<std::jthread> threads;
-    for (std::size_t rank = 0; rank < ranks(); ++rank) threads.emplace_back([&use, rank] { use(rank); });
-  }
-
- private:
-  std::barrier<> all_here_;
-  std::vector<std::vector<std::vector<std::uint8_t>>> letters_;
-  std::vector<std::uint64_t> values_;
-  std::atomic<std::uint64_t> bytes_ = 0;
-};
-
 struct SharedBoards {
-  Job job;
+  ThreadRanks job;
   std::vector<Board> boards;
 
   SharedBoards(int ranks, const std::string& uri) : job(ranks) {
     for (std::size_t rank = 0; rank < job.ranks(); ++rank) {
       boards.push_back(open_board(uri));
-      boards.back().share_blocks(std::make_shared<Job::Rank>(job, rank));
+      boards.back().share_blocks(job.exchange(rank));
     }
   }
   template <typename Use>
   void on_all(const Use& use) {
-    job.run([&](std::size_t rank) { use(boards[rank], rank); });
+    const auto errors = job.run([&](RayExchange& exchange) {
+      const auto rank = static_cast<std::size_t>(exchange.rank());
+      use(boards[rank], rank);
+    });
+    for (const auto& error : errors) {
+      if (error) std::rethrow_exception(error);
+    }
   }
   std::uint64_t sum(const char* counter) {
     std::uint64_t out = 0;
@@ -337,13 +291,10 @@ TEST(SharedBlocks, RefuseWhatNeedsAWholeVolume) {
   EXPECT_EQ(refused([&] { board.verify_volume(); }), std::string("verify_volume()") + text);
   EXPECT_EQ(refused([&] { board.pair_factors({}, {}); }), std::string("pair_factors()") + text);
   EXPECT_EQ(refused([&] { board.save(); }), std::string("save()") + text);
-  EXPECT_THROW(board.share_blocks(std::make_shared<Job::Rank>(shared.job, 0)), Rejected);
+  EXPECT_THROW(board.share_blocks(shared.job.exchange(0)), Rejected);
   EXPECT_THROW(board.share_blocks(nullptr), BadArgument);
-  EXPECT_THAT(
-      [&] {
-        open_board("emu:?set=asic.max_volume_voxels=32").share_blocks(std::make_shared<Job::Rank>(shared.job, 0));
-      },
-      testing::ThrowsMessage<Unsupported>(HasSubstr("that stores 8 blocks or more")));
+  EXPECT_THAT([&] { open_board("emu:?set=asic.max_volume_voxels=32").share_blocks(shared.job.exchange(0)); },
+              testing::ThrowsMessage<Unsupported>(HasSubstr("that stores 8 blocks or more")));
 }
 
 }  // namespace

@@ -4,22 +4,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "board/hosts/volume_parts.h"
 #include "gicube/wire/bytes.h"
 
 namespace gicube {
 namespace {
 
 constexpr double kEmpty = 1.0 / 64;  // chosen: rays leap over most blocks of zeros
-
-template <typename Use>
-void for_each_block(const std::array<int, 3>& begin, const std::array<int, 3>& end, const Dims& blocks,
-                    const Use& use) {
-  for (int z = begin[2]; z < end[2]; ++z) {
-    for (int y = begin[1]; y < end[1]; ++y) {
-      for (int x = begin[0]; x < end[0]; ++x) use(static_cast<std::size_t>(x + blocks[0] * (y + blocks[1] * z)));
-    }
-  }
-}
 
 }  // namespace
 
@@ -53,37 +44,11 @@ void SharedBlocks::measured(std::uint64_t samples) {
   deal();
 }
 
-void SharedBlocks::deal() { deal({{0, 0, 0}, {blocks_[0], blocks_[1], blocks_[2]}}, 0, ranks()); }
-
-double SharedBlocks::cost(const Box& box) const {
-  double sum = 0;
-  for_each_block(box.begin, box.end, blocks_, [&](std::size_t block) { sum += cost_[block]; });
-  return sum;
-}
-
-// To ranks first .. first + count - 1: halves the box across its longest edge where both halves cost as much for each of their ranks.
-void SharedBlocks::deal(const Box& box, std::size_t first, std::size_t count) {
-  const auto edge = [&box](std::size_t axis) { return box.end[axis] - box.begin[axis]; };
-  std::size_t axis = 0;
-  for (const std::size_t other : {1, 2}) axis = edge(other) > edge(axis) ? other : axis;
-  if (count == 1 || edge(axis) < 2) {
-    for_each_block(box.begin, box.end, blocks_, [&](std::size_t block) { owner_[block] = static_cast<int>(first); });
-    return;
+void SharedBlocks::deal() {
+  const VolumeParts parts(blocks_, cost_, exchange_->ranks());
+  for (int rank = 0; rank < exchange_->ranks(); ++rank) {
+    parts.for_each_block(rank, [&](std::size_t block) { owner_[block] = rank; });
   }
-  const std::size_t low_count = count / 2;
-  const double wanted = cost(box) * static_cast<double>(low_count) / static_cast<double>(count);
-  Box low = box, high = box, layer = box;
-  double so_far = 0;
-  int at = box.begin[axis];
-  for (; at + 1 < box.end[axis]; ++at) {
-    layer.begin[axis] = at, layer.end[axis] = at + 1;
-    const double more = cost(layer);
-    if (at > box.begin[axis] && so_far + more / 2 > wanted) break;
-    so_far += more;
-  }
-  low.end[axis] = high.begin[axis] = at;
-  deal(low, first, low_count);
-  deal(high, first + low_count, count - low_count);
 }
 
 std::vector<wire::WaitingBlock> SharedBlocks::take_others(std::vector<wire::WaitingBlock>& waiting) const {

@@ -1,7 +1,6 @@
 // Which rank of a job traces the rays in which blocks of a volume.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -40,12 +39,7 @@ class SharedBlocks {
   }
 
  private:
-  struct Box {
-    std::array<int, 3> begin{}, end{};  // blocks
-  };
   void deal();
-  void deal(const Box& box, std::size_t first, std::size_t count);
-  double cost(const Box& box) const;
 
   std::shared_ptr<RayExchange> exchange_;
   Dims blocks_{};

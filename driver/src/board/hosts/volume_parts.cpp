@@ -26,7 +26,7 @@ int VolumeParts::divide(const BlockBox& box, std::span<const double> costs, int 
     return node;
   }
   constexpr int kPreferred = 2;  // chosen: an axis that stands upright counts as twice as long
-  std::size_t axis = upright_;
+  std::size_t axis = upright_ == kNone ? 0 : upright_;
   for (std::size_t other = 0; other < 3; ++other) {
     const auto weighted = [&](std::size_t a) { return (box.high[a] - box.low[a]) * (a == upright_ ? kPreferred : 1); };
     if (weighted(other) > weighted(axis)) axis = other;
@@ -45,12 +45,13 @@ int VolumeParts::divide(const BlockBox& box, std::span<const double> costs, int 
   }
   const int of_below = ranks / 2;
   const double share = static_cast<double>(of_below) / ranks;
-  int layer = static_cast<int>(std::lround(length * share));  // if nothing costs anything
-  double best = -1, below = 0;
-  for (int i = 0; sum > 0 && i <= length; ++i) {
+  // At least a layer for each side, if there are two.
+  int layer = std::clamp(static_cast<int>(std::lround(length * share)), std::min(1, length), std::max(1, length - 1));
+  double best = sum, below = 0;
+  for (int i = 1; i < length; ++i) {
+    below += layers[static_cast<std::size_t>(i) - 1];
     const double miss = std::abs(below - share * sum);
-    if (best < 0 || miss < best) best = miss, layer = i;
-    if (i < length) below += layers[static_cast<std::size_t>(i)];
+    if (miss < best) best = miss, layer = i;
   }
   BlockBox low = box, high = box;
   low.high[axis] = high.low[axis] = box.low[axis] + layer;

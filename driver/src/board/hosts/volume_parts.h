@@ -23,8 +23,9 @@ struct BlockBox {
 class VolumeParts {
  public:
   // `costs`: one a block, x fastest, not below 0. With more ranks than blocks some get an empty box. `upright`: the axis that is nearest to
-  // the picture's vertical. It is divided rather than others, since a low box is seen in few rows.
-  VolumeParts(const Dims& blocks, std::span<const double> costs, int ranks, std::size_t upright);
+  // the picture's vertical, if there is one. It is divided rather than others, since a low box is seen in few rows.
+  VolumeParts(const Dims& blocks, std::span<const double> costs, int ranks, std::size_t upright = kNone);
+  static constexpr std::size_t kNone = 3;
 
   const BlockBox& box(int rank) const { return boxes_[static_cast<std::size_t>(rank)]; }
   // Calls use(block's number) for each block of the rank's box.

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "../brick_scenes.h"
-#include "thread_exchange.h"
+#include "../thread_exchange.h"
 
 namespace gicube::reference {
 namespace {
@@ -161,9 +161,7 @@ TEST(CompositedRanks, TakeTheSamplesOfOneBoardOnceIfNothingEndsRays) {
   }
 }
 
-TEST(CompositedRanks, OfAVolumeThatNoCardStoresDifferByLessThanTheBound) {
-  composited(kSmallCard, 3, 2, 30);
-}
+TEST(CompositedRanks, OfAVolumeThatNoCardStoresDifferByLessThanTheBound) { composited(kSmallCard, 3, 2, 30); }
 
 TEST(CompositedRanks, DifferByLessThanTheBoundAtEachLevelOnTheWideDatapathAndInRuns) {
   const std::string card = "&set=asic.block_voxels=16&set=asic.max_volume_voxels=64&threads=1";

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <random>
 
+#include "../thread_exchange.h"
 #include "board/hosts/volume_parts.h"
-#include "thread_exchange.h"
 
 namespace gicube::reference {
 namespace {
