@@ -68,6 +68,7 @@ class Exchange : public MpiExchange {
     wait(request);
     return all;
   }
+  std::uint64_t bytes_sent() const override { return bytes_sent_; }
   [[noreturn]] void abort(int code) override {
     MPI_Abort(communicator_, code);
     std::terminate();
@@ -87,6 +88,7 @@ class Exchange : public MpiExchange {
   std::size_t max_message_;
   int exceptions_;
   int rank_ = 0, ranks_ = 1;
+  std::uint64_t bytes_sent_ = 0;
   // Tags tell a round's messages from the next one's: a rank may be through the barrier, and send on, while another has yet to see that
   // it is. Nobody is two rounds ahead.
   int round_ = 0;
@@ -129,6 +131,7 @@ std::vector<std::vector<std::uint8_t>> Exchange::exchange(std::vector<std::vecto
   const int tag = round_;
   round_ ^= 1;
   std::vector<MPI_Request> sends = send(to, tag);
+  for (std::size_t r = 0; r < to.size(); ++r) bytes_sent_ += r == static_cast<std::size_t>(rank_) ? 0 : to[r].size();
   MPI_Request barrier = MPI_REQUEST_NULL;
   bool in_barrier = false;
   Patience patience;

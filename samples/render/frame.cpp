@@ -9,7 +9,7 @@
 namespace gicube::samples {
 
 void render_frames(const RenderOptions& options, ProgressLine& progress, const std::function<void(const Frame&)>& done,
-                   RayExchange* ranks) {
+                   MpiExchange* ranks) {
   const Steps steps = [&progress](const std::string& what) {
     progress.show(what);
     return progress.parts(what);

@@ -6,7 +6,7 @@
 
 #include "gicube/board.h"
 #include "gicube/image.h"
-#include "gicube/ray_exchange.h"
+#include "gicube/mpi.h"
 #include "gicube/scene/image_file.h"
 #include "render/options.h"
 #include "render/statistics.h"
@@ -26,6 +26,6 @@ struct Frame {
 // `ranks`: of the job, null if there is one host; rank 0 alone has the pictures' pixels.
 // Throws UsageError (options, URI), InputError and FileError (scene, volume), and the driver's errors.
 void render_frames(const RenderOptions& options, ProgressLine& progress, const std::function<void(const Frame&)>& done,
-                   RayExchange* ranks = nullptr);
+                   MpiExchange* ranks = nullptr);
 
 }  // namespace gicube::samples

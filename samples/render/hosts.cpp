@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "gicube/error.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
@@ -110,6 +112,21 @@ void choose_part(const RayExchange& ranks, RenderOptions& options) {
   if (rank > 0) {
     board.quiet = true;
     board.stats.clear();
+  }
+}
+
+void share_statistics(RayExchange& ranks, FrameStatistics& statistics) {
+  const Counters& counters = statistics.counters;
+  const RankStatistics own{statistics.frame, bus_ms(counters), counters.value("pipeline.samples"),
+                           counters.value("dsp.forwarded_rays"), statistics.bytes_sent};
+  std::vector<std::vector<std::uint8_t>> to(static_cast<std::size_t>(ranks.ranks()));
+  to[0].resize(sizeof own);
+  std::memcpy(to[0].data(), &own, sizeof own);
+  for (const auto& bytes : ranks.exchange(std::move(to))) {
+    if (bytes.size() != sizeof own) continue;  // to other ranks than the first
+    RankStatistics& each = statistics.ranks.emplace_back();
+    std::memcpy(&each, bytes.data(), sizeof each);
+    statistics.frame = std::max(statistics.frame, each.work);
   }
 }
 

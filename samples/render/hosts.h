@@ -6,6 +6,7 @@
 
 #include "gicube/mpi.h"
 #include "render/options.h"
+#include "render/statistics.h"
 
 namespace gicube::samples {
 
@@ -26,6 +27,9 @@ void together(RayExchange* ranks, const std::function<void()>& step);
 // Takes this rank's board of --board, if that was given once for each, and keeps other ranks than the first from printing. Throws
 // UsageError: what one host knows or writes.
 void choose_part(const RayExchange& ranks, RenderOptions& options);
+
+// Collective: tells rank 0 what each rank did for a frame.
+void share_statistics(RayExchange& ranks, FrameStatistics& statistics);
 
 // Throws UsageError: a picture that can't be composited.
 void check_composited(const Scene& scene);

@@ -64,16 +64,14 @@ void print_detail(const FrameStatistics& statistics) {
 }
 
 // What the ranks of a job did.
-void print_ranks(const FrameStatistics& statistics) {
-  const auto [least, most] =
-      std::ranges::minmax_element(statistics.ranks, {}, [](const gicube::RankReport& rank) { return rank.work; });
-  std::uint64_t bytes = 0;
-  for (const gicube::RankReport& rank : statistics.ranks) bytes += rank.bytes_sent;
+void print_ranks(const std::vector<RankStatistics>& ranks) {
+  const auto [least, most] = std::ranges::minmax_element(ranks, {}, &RankStatistics::work);
+  std::uint64_t rays = 0, bytes = 0;
+  for (const RankStatistics& rank : ranks) rays += rank.rays_sent, bytes += rank.bytes_sent;
   fmt::print(
-      "{} hosts: each works {:.3f} to {:.3f} ms simulated, one takes {:.2f} times the mean of samples; {} bytes "
-      "between them\n",
-      statistics.ranks.size(), gicube::to_ms(least->work), gicube::to_ms(most->work), imbalance(statistics.ranks),
-      bytes);
+      "{} hosts: each works {:.3f} to {:.3f} ms simulated, one takes {:.2f} times the mean of samples; {} rays and {} "
+      "bytes between them\n",
+      ranks.size(), gicube::to_ms(least->work), gicube::to_ms(most->work), imbalance(ranks), rays, bytes);
 }
 
 void print_summary(const std::filesystem::path& file, const FrameStatistics& statistics) {
@@ -87,7 +85,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
              statistics.width, statistics.height);
   if (!statistics.boards.empty()) print_boards(statistics);
   print_detail(statistics);
-  if (!statistics.ranks.empty()) print_ranks(statistics);
+  if (!statistics.ranks.empty()) print_ranks(statistics.ranks);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(

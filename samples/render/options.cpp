@@ -199,11 +199,12 @@ void add_host_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Several hosts");
   group.parsed(
       "--mpi", "HOW",
-      "under mpirun: ranks share the picture, each with a board. pictures: each renders a part of the volume, and "
-      "the parts' pictures are composited",
+      "under mpirun: each rank has a board and a part of the volume. rays: rays go from rank to rank, bits are those "
+      "of one board. pictures: the parts' pictures are composited, for rendering alone",
       [&](const std::string& name, const std::string& text) {
-        if (text != "pictures") throw CLI::ValidationError(name, "expected pictures, got " + in_quotes(text));
-        options.hosts = Hosts::kPictures;
+        if (text != "rays" && text != "pictures")
+          throw CLI::ValidationError(name, "expected rays or pictures, got " + in_quotes(text));
+        options.hosts = text == "rays" ? Hosts::kRays : Hosts::kPictures;
       });
 }
 

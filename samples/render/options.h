@@ -62,7 +62,7 @@ std::vector<double> frame_times(const AnimationOptions& options);
 std::filesystem::path frame_file(const std::filesystem::path& output, const AnimationOptions& options, int frame);
 
 // How the ranks of an MPI job share a picture.
-enum class Hosts { kOne, kPictures };
+enum class Hosts { kOne, kRays, kPictures };
 
 // What is not set is left to the scene, or to its default.
 struct RenderOptions {

@@ -80,7 +80,7 @@ std::vector<BoardTime> between(const std::vector<BoardTime>& begin, std::vector<
 }  // namespace
 
 Renderer::Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting,
-                   RayExchange* ranks)
+                   MpiExchange* ranks)
     : options_(options),
       steps_(std::move(steps)),
       input_(input_scene(options)),
@@ -89,7 +89,8 @@ Renderer::Renderer(const RenderOptions& options, Steps steps, const std::functio
       board_(boards_.board(0)),
       ranks_(ranks) {
   if (boards_.size() > 1) check_several_boards(options);
-  if (ranks_ != nullptr) composited_.emplace(board_, *ranks_);
+  if (options.hosts == Hosts::kPictures) composited_.emplace(board_, *ranks_);
+  if (options.hosts == Hosts::kRays) board_.share_blocks({std::shared_ptr<void>(), ranks_});
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
 
@@ -142,6 +143,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
     frames[i].statistics.time = times[first + i];
     frames[i].statistics.load = i == 0 ? load : 0;
     frames[i].statistics.host = host_usage();
+    if (ranks_ != nullptr) share_statistics(*ranks_, frames[i].statistics);
     done(frames[i]);
   }
 }
@@ -326,6 +328,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   view.exposure = setup_.lighting.exposure;
   plan_view(pass, view);
   RunWindow window(boards_);
+  const std::uint64_t sent = ranks_ != nullptr ? ranks_->bytes_sent() : 0;
   const std::vector<BoardTime> before = boards_.times();
   boards_.on_all([&](Board& board) { board.set_shading(setup_.shading); });
   set_optics(pass);
@@ -351,7 +354,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   }
   for (std::size_t i = 0; options_.brick_detail > 0 && i < boards_.size(); ++i)
     add_detail(boards_.board(i), statistics.detail);
-  if (composited_) add(composited_->reports(), statistics);
+  if (ranks_ != nullptr) statistics.bytes_sent += ranks_->bytes_sent() - sent;
   statistics.width = frame.image.width;
   statistics.height = frame.image.height;
   statistics.dims = setup_.volume.dims;

@@ -11,6 +11,7 @@
 #include "gicube/board_group.h"
 #include "gicube/composited_ranks.h"
 #include "gicube/light_plan.h"
+#include "gicube/mpi.h"
 #include "gicube/plan.h"
 #include "gicube/scene/light_field.h"
 #include "gicube/scene/scene.h"
@@ -30,7 +31,7 @@ class Renderer {
   // `ranks`: who share the pictures, each with such an object; null if there is one host.
   // Throws UsageError, InputError, FileError, and as Board::open().
   Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {},
-           RayExchange* ranks = nullptr);
+           MpiExchange* ranks = nullptr);
 
   // What the next pictures are of. Board and field of light stay those of the constructor; the transfer function's file is taken to be
   // another one when it has another name. Throws UsageError and InputError: nothing has changed.
@@ -91,7 +92,7 @@ class Renderer {
   std::unique_ptr<EventFile> events_;  // of the pixel that is to be explained
   BoardGroup boards_;
   Board& board_;  // the first of them; what all must do goes to boards_
-  RayExchange* ranks_;
+  MpiExchange* ranks_;
   std::optional<CompositedRanks> composited_;
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;

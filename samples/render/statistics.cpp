@@ -108,13 +108,14 @@ Json boards_json(const FrameStatistics& statistics) {
   return json;
 }
 
-Json ranks_json(const std::vector<RankReport>& ranks) {
+Json ranks_json(const std::vector<RankStatistics>& ranks) {
   if (ranks.empty()) return nullptr;
   Json json{{"imbalance", imbalance(ranks)}, {"each", Json::array()}};
-  for (const RankReport& rank : ranks) {
+  for (const RankStatistics& rank : ranks) {
     json["each"].push_back({{"work_ms", to_ms(rank.work)},
-                            {"blocks", rank.blocks},
+                            {"bus_ms", rank.bus_ms},
                             {"samples", rank.samples},
+                            {"rays_sent", rank.rays_sent},
                             {"bytes_sent", rank.bytes_sent}});
   }
   return json;
@@ -122,15 +123,9 @@ Json ranks_json(const std::vector<RankReport>& ranks) {
 
 }  // namespace
 
-void add(const std::vector<RankReport>& ranks, FrameStatistics& statistics) {
-  statistics.ranks = ranks;
-  statistics.frame = 0;
-  for (const RankReport& rank : ranks) statistics.frame = std::max(statistics.frame, rank.work);
-}
-
-double imbalance(const std::vector<RankReport>& ranks) {
+double imbalance(const std::vector<RankStatistics>& ranks) {
   double sum = 0, most = 0;
-  for (const RankReport& rank : ranks) {
+  for (const RankStatistics& rank : ranks) {
     sum += static_cast<double>(rank.samples);
     most = std::max(most, static_cast<double>(rank.samples));
   }

@@ -10,7 +10,6 @@
 
 #include "gicube/board.h"
 #include "gicube/board_group.h"
-#include "gicube/composited_ranks.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "scene/program/host_usage.h"
@@ -29,7 +28,15 @@ struct LightingStatistics {
   bool reused = false;
 };
 
-// Of several hosts: the frame takes what the one with most work takes; the counters are those of the first.
+// What one of several hosts did for a frame.
+struct RankStatistics {
+  Picoseconds work = 0;          // simulated, of its board
+  double bus_ms = 0;             // of that, on the host bus
+  std::uint64_t samples = 0;     // that it took
+  std::uint64_t rays_sent = 0;   // to other ranks' boards, or home
+  std::uint64_t bytes_sent = 0;  // to other ranks, with rays, pixels, and what they agree on
+};
+
 // The frame's window: from before the rendering until the image is on the host.
 struct FrameStatistics {
   BoardInfo board;
@@ -48,7 +55,8 @@ struct FrameStatistics {
   std::vector<BoardTime> boards;             // of several: where each one's simulated time of the window went
   std::optional<BrickDetail> detail;         // with --brick-detail, of a volume larger than the card
   bool own_buses = false;                    // and whether each has a bus of its own
-  std::vector<RankReport> ranks;             // of several hosts: what each did for the picture
+  std::uint64_t bytes_sent = 0;              // of several hosts: by this one to others
+  std::vector<RankStatistics> ranks;         // and what each did; the frame takes as long as the longest work
   std::optional<RunUsage> host;              // of the whole run until the frame was there
   nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
 };
@@ -62,13 +70,12 @@ struct FrameStatistics {
 // report in units of the lights' power, and its own counters. plan: null without one; its `light` has
 // that of each pass. boards: null for one, else buses (shared,
 // own) and each board's bus_ms, work_ms, bus_wait_ms and skew_ms, which add up to frame_ms; counters are the sums of all boards, and
-// figures per second those of one board's ASIC. ranks: null for one host, else each one's work_ms, blocks, samples and bytes_sent, and
-// `imbalance`, the most samples of a rank over the mean. host: of program/host_usage.h.
+// figures per second those of one board's ASIC. ranks: null for one host, else each one's work_ms, bus_ms, samples, rays_sent and
+// bytes_sent, and `imbalance`; the counters are the first one's. host: of program/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
-// What several hosts did for a picture.
-void add(const std::vector<RankReport>& ranks, FrameStatistics& statistics);
-double imbalance(const std::vector<RankReport>& ranks);
+// The most samples of a rank over the mean.
+double imbalance(const std::vector<RankStatistics>& ranks);
 
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);

@@ -44,8 +44,21 @@ def test_ranks_composite_the_picture_of_one_board(tmp_path, ranks):
     difference = np.abs(pixels(tmp_path / "one.png") - pixels(tmp_path / "all.png")).max()
     assert difference <= (0 if ranks == 1 else 3)
     each = json.loads((tmp_path / "all.json").read_text())["ranks"]["each"]
-    assert len(each) == ranks and all(rank["blocks"] > 0 and rank["samples"] > 0 and rank["work_ms"] > 0 for rank in each)
+    assert len(each) == ranks and all(rank["samples"] > 0 and rank["work_ms"] > 0 for rank in each)
     assert sum(rank["bytes_sent"] for rank in each) > 0 or ranks == 1
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["all.json", "all.png", "one.png"]
+
+
+@pytest.mark.parametrize("ranks, scene", [
+    (1, "--jitter --samples 2"), (2, "--filter tent --samples 2"), (3, "--illumination low --light-rays 1"), (4, "--jitter --threshold 0.9")])
+def test_rays_go_between_ranks_and_bits_are_those_of_one_board(tmp_path, ranks, scene):
+    assert run(tmp_path, 0, f"{SMALL} {scene} -o one.png").returncode == 0
+    done = run(tmp_path, ranks, f"{SMALL} {scene} -o all.png --stats all.json --mpi=rays")
+    assert done.returncode == 0, done.stderr
+    assert (pixels(tmp_path / "one.png") == pixels(tmp_path / "all.png")).all()
+    each = json.loads((tmp_path / "all.json").read_text())["ranks"]["each"]
+    assert len(each) == ranks and all(rank["samples"] > 0 for rank in each)
+    assert (sum(rank["rays_sent"] for rank in each) > 0) == (sum(rank["bytes_sent"] for rank in each) > 0) == (ranks > 1)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["all.json", "all.png", "one.png"]
 
 
@@ -106,9 +119,9 @@ def parent_of(process):
     return int((process / "stat").read_text().rpartition(")")[2].split()[1])
 
 
-@pytest.mark.parametrize("victim", ["rank", "board"])
-def test_a_killed_rank_or_board_ends_the_job(tmp_path, victim):
-    job = subprocess.Popen(command(2, f"{LONG} -o picture.png --mpi=pictures"), cwd=tmp_path, stdout=subprocess.PIPE,
+@pytest.mark.parametrize("victim, how", [("rank", "pictures"), ("board", "pictures"), ("rank", "rays"), ("board", "rays")])
+def test_a_killed_rank_or_board_ends_the_job(tmp_path, victim, how):
+    job = subprocess.Popen(command(2, f"{LONG} -o picture.png --mpi={how}"), cwd=tmp_path, stdout=subprocess.PIPE,
                            stderr=subprocess.PIPE, text=True)
 
     def is_rank_1(process):

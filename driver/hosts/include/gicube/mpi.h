@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "gicube/ray_exchange.h"
@@ -31,6 +32,8 @@ class GICUBE_API MpiExchange : public RayExchange {
   // Unless an exception is on its way: then the ranks would wait for each other, and the job's launcher ends it instead.
   ~MpiExchange() override = default;
 
+  // To other ranks, by exchange().
+  virtual std::uint64_t bytes_sent() const = 0;
   // Ends the processes of all ranks, with this exit code, whatever they do (MPI_Abort). Print what is to be said before.
   [[noreturn]] virtual void abort(int code) = 0;
 };
