@@ -85,7 +85,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
              statistics.width, statistics.height);
   if (!statistics.boards.empty()) print_boards(statistics);
   print_detail(statistics);
-  if (!statistics.ranks.empty()) print_ranks(statistics.ranks);
+  if (statistics.ranks.size() > 1) print_ranks(statistics.ranks);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(
