@@ -57,7 +57,8 @@ def headers_of_product(build):
     counted, found = False, set()
     for line in said("ninja", "-C", build, "-t", "deps").splitlines():
         if line and not line.startswith(" "):
-            counted = not line.startswith(("tests/", "driver/python/"))  # the Python package is another one
+            # The Python package and gicube-mpi are others.
+            counted = not line.startswith(("tests/", "driver/python/", "driver/cmake/CMakeFiles/gicube-mpi.dir/"))
         elif counted and line.strip().startswith("/usr/include/"):
             found.add(os.path.realpath(line.strip()))
     return sorted(found)

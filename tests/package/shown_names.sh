@@ -35,4 +35,4 @@ mpi=${3:-}
 [[ $mpi ]] || exit 0
 nm -D --defined-only "$mpi" | grep ' gicube_mpi_open' >/dev/null
 if nm -D --defined-only --with-symbol-versions "$mpi" | awk '{print $3}' | grep -vE '^(GICUBE_0|(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0)$'; then exit 1; fi
-objdump -p "$mpi" | grep 'NEEDED *libgicube.so.0.2' >/dev/null
+[[ $(objdump -p "$mpi" | awk '/SONAME/ {print $2}') == libgicube-mpi.so.0.2 ]]

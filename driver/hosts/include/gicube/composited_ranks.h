@@ -37,7 +37,7 @@ class GICUBE_API CompositedRanks {
   // where boards count no time (functional). Each board makes the rows in which its box may be seen, and has the others' blocks flagged
   // as empty meanwhile, so that its rays leap over them.
   // Throws BadArgument by the view's field, on each rank before anything is sent (jitter, samples_per_axis, irradiance, scatter:
-  // none of them can be composited; and as Board::render()). What a rank's board throws, as Board::render(), it throws on that rank alone,
+  // none of them can be composited; and as Board::render()), and Unsupported after Board::share_blocks(). What a rank's board throws, as Board::render(), it throws on that rank alone,
   // and the exchange's Error: the other ranks wait then.
   Image render(const View& view, const Progress& progress = {});
 

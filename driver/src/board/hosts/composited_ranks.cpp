@@ -114,7 +114,7 @@ std::vector<FloatPixel> CompositedRanks::State::render_part(const VolumeParts& p
           pixels);
     }
     report.work = board.now() - begin;
-  } catch (const Error&) {
+  } catch (...) {  // also of the caller's progress
     try {
       board.set_empty_flags(flags);
     } catch (const Error&) {  // the board is lost, and its flags with it
@@ -168,6 +168,7 @@ CompositedRanks::~CompositedRanks() = default;
 Image CompositedRanks::render(const View& view, const Progress& progress) {
   State& s = *state_;
   check_can_be_composited(view);
+  s.board.state_->need_all_blocks("CompositedRanks::render()");
   RankReport report;
   const VolumeParts parts = s.deal(view);
   std::vector<FloatPixel> pixels = s.render_part(parts, view, progress, report);

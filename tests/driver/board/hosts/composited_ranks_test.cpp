@@ -229,6 +229,11 @@ TEST(CompositedRanks, RefuseWhatCannotBeComposited) {
     EXPECT_EQ(text_of(errors[0]), text_of(errors[1]));
     return text_of(errors[0]);
   };
+  Board shares = open_board(kCard);
+  ThreadRanks one(1);
+  shares.share_blocks(one.exchange(0));
+  const auto errors = one.run([&](RayExchange& exchange) { CompositedRanks(shares, exchange).render(front_view(32)); });
+  EXPECT_THAT(text_of(errors[0]), HasSubstr("CompositedRanks::render() is not for a board that shares"));
   EXPECT_THAT(refused([](View& view) { view.jitter = true; }), HasSubstr("jitter: expected false"));
   EXPECT_THAT(refused([](View& view) { view.irradiance = true; }), HasSubstr("irradiance: expected false"));
   EXPECT_THAT(refused([](View& view) { view.scatter = true; }), HasSubstr("scatter: expected false"));
