@@ -119,12 +119,12 @@ std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int bloc
                    SumMemory::kBytesOfBlock + cells * cells * cells * kBytesOfCell);
 }
 
-std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, std::uint64_t length) const {
+std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, std::uint64_t length) {
   const wire::MemoryRegion* region = wire::find_region(address, length);
   if (region == nullptr) return std::nullopt;
   const std::uint64_t offset = address - region->base;
   // Of memory that is read in pieces of `unit` bytes.
-  const auto read_from = [&](const auto& memory, std::uint64_t unit) -> std::optional<std::vector<std::uint8_t>> {
+  const auto read_from = [&](auto& memory, std::uint64_t unit) -> std::optional<std::vector<std::uint8_t>> {
     if (offset + length > memory.bytes() || offset % unit != 0 || length % unit != 0) return std::nullopt;
     std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
     memory.read(offset, out);

@@ -62,7 +62,7 @@ class Aperture {
   // False, and nothing written, if no writable memory is there.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);
   // Nothing if no memory is there. The framebuffer has as many bytes as its image.
-  std::optional<std::vector<std::uint8_t>> read(std::uint64_t address, std::uint64_t length) const;
+  std::optional<std::vector<std::uint8_t>> read(std::uint64_t address, std::uint64_t length);
 
   // Memory of the host's: of the volume, of the image; what a write would add to the volume, and at most to the irradiance.
   std::uint64_t volume_bytes() const {

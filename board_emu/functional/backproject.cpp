@@ -1,9 +1,12 @@
 #include "backproject.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
 #include <cstdlib>
+#include <limits>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "datapath/interaction.h"
@@ -16,15 +19,101 @@ namespace gicube::emu {
 
 namespace {
 
-// What one thread cuts.
-struct Cut {
-  explicit Cut(std::size_t blocks) : counts(blocks), moves(blocks) {}
-
-  std::vector<Piece> pieces;
-  std::vector<std::uint32_t> counts;  // of each block's pieces; then where they go among all
-  std::vector<std::uint64_t> moves;   // each block's words by at most
-  RayCounters counters;
+// A ray that waits to be splatted.
+struct alignas(32) WaitingRay {
+  Point position{}, step{};
+  std::int32_t amount = 0;
+  std::uint32_t moves = 0;  // a word by at most
 };
+struct WaitingRest {
+  Rest position{}, step{};
+};
+
+// Which of a waiting ray's samples lie in a tile.
+class Part {
+ public:
+  Part(std::size_t ray, std::int32_t first, std::int32_t count)
+      : bits_(std::uint64_t{ray} << 2 * kBits | static_cast<std::uint64_t>(first) << kBits |
+              static_cast<std::uint64_t>(count - 1)) {}
+  std::size_t ray() const { return bits_ >> 2 * kBits; }
+  std::int64_t first() const { return static_cast<std::int64_t>(bits_ >> kBits & kMask); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(bits_ & kMask) + 1; }
+
+ private:
+  static constexpr int kBits = 18;  // a segment's samples
+  static constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
+  static_assert(wire::kMaxLength / wire::kStepMin <= kMask + 1);
+  std::uint64_t bits_;
+};
+
+// The volume's division into tiles, which are slabs of blocks.
+class Tiles {
+ public:
+  explicit Tiles(const SumMemory& sums)
+      : blocks_(sums.blocks()),
+        tile_{.across = static_cast<std::size_t>(sums.block_voxels()), .depth = depth(sums.block_voxels())} {
+    const int bits = std::countr_zero(tile_.across) + wire::kPositionFractionBits;
+    shift_ = {bits, bits, std::countr_zero(tile_.depth) + wire::kPositionFractionBits};
+  }
+
+  const Tile& tile() const { return tile_; }
+  // Tiles of one height follow one another.
+  std::size_t layer() const { return count_of(0) * count_of(1); }
+  std::size_t layers() const { return count_of(2) * slabs(); }
+  std::size_t tile_at(const Point& at) const {
+    return static_cast<std::size_t>(at[0]) + count_of(0) * static_cast<std::size_t>(at[1]) +
+           layer() * static_cast<std::size_t>(at[2]);
+  }
+  std::size_t block_of(std::size_t tile) const { return tile % layer() + layer() * (tile / layer() / slabs()); }
+  // Which of its block's tiles it is.
+  std::size_t slab_of(std::size_t tile) const { return tile / layer() % slabs(); }
+  // Of positions, to a tile's place among all along an axis.
+  int shift(std::size_t axis) const { return shift_[axis]; }
+  // A tile's least place.
+  Point corner(std::size_t tile) const {
+    return {static_cast<std::int32_t>(tile % count_of(0)) << shift_[0],
+            static_cast<std::int32_t>(tile % layer() / count_of(0)) << shift_[1],
+            static_cast<std::int32_t>(tile / layer()) << shift_[2]};
+  }
+
+ private:
+  // chosen: the cells, 32 bytes each, stay in a core's second cache; and rays of a view that turns about z are cut seldom.
+  static std::size_t depth(int voxels) {
+    const auto n = static_cast<std::size_t>(voxels);
+    return std::clamp<std::size_t>((std::size_t{1} << 13) / (n * n), 1, n);
+  }
+  std::size_t count_of(std::size_t axis) const { return static_cast<std::size_t>(blocks_[axis]); }
+  std::size_t slabs() const { return tile_.across / tile_.depth; }  // of a block
+
+  std::array<int, 3> blocks_;
+  Tile tile_;
+  std::array<int, 3> shift_{};
+};
+
+// Calls part(tile, first, count) for the samples of a ray, `left` of which lie in the volume, tile by tile. `below`: bits of the words
+// under a position's unit.
+template <typename Word>
+void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std::int32_t left, const Tiles& tiles,
+         int below, const auto& part) {
+  Point tile{};
+  std::array<std::int32_t, 3> until{};  // the first sample that lies in another tile along this axis
+  const auto enter = [&](std::size_t axis, std::int32_t sample) {
+    const int shift = tiles.shift(axis) + below;
+    const Word at = begin[axis] + sample * step[axis], one = step[axis], size = Word{1} << shift, in = at & (size - 1);
+    tile[axis] = static_cast<std::int32_t>(at >> shift);
+    const Word steps = one > 0 ? (size - in + one - 1) / one : one < 0 ? in / -one + 1 : left;
+    until[axis] = static_cast<std::int32_t>(std::min<Word>(sample + steps, left));
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) enter(axis, 0);
+  for (std::int32_t first = 0; first < left;) {
+    const std::int32_t end = std::min({until[0], until[1], until[2]});
+    part(tiles.tile_at(tile), first, end - first);
+    for (std::size_t axis = 0; axis < 3 && end < left; ++axis) {
+      if (until[axis] == end) enter(axis, end);
+    }
+    first = end;
+  }
+}
 
 // How many samples of the ray lie in the volume, of those that it has left.
 std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
@@ -33,93 +122,177 @@ std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
                     : steps_inside(ray.position, ray.step, frame.extent, ray.steps_left());
 }
 
-void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut& out) {
-  RayState ray = unpack(packet, frame);
-  std::int32_t left = samples_inside(ray, frame);
+// What one thread has cut, and its words for the blocks of one command.
+struct Cut {
+  std::vector<WaitingRay> rays;
+  std::vector<WaitingRest> rests;        // of the wide datapath
+  std::vector<std::vector<Part>> parts;  // by tile
+  std::vector<std::uint64_t> moves;      // each block's words by at most
+  std::size_t parts_count = 0;
+  RayCounters counters;
+
+  std::size_t bytes() const {
+    return rays.size() * sizeof(WaitingRay) + rests.size() * sizeof(WaitingRest) + parts_count * sizeof(Part);
+  }
+};
+
+void take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& out) {
+  const RayState ray = unpack(packet, frame);
+  const std::int32_t left = samples_inside(ray, frame), amount = ray.amount();
   ++out.counters.rays;
   out.counters.samples += static_cast<std::uint64_t>(left);
-  const std::int32_t amount = ray.amount();
-  const auto size = static_cast<std::uint32_t>(std::abs(amount));
-  const std::uint64_t moves = wire::max_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step);
   out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
-  while (left > 0) {
-    const Point low = grid.low(ray.position);
-    const std::int32_t count = std::min(left, leap_steps(ray, low, grid.size(), frame));
-    Piece piece{.block = static_cast<std::uint32_t>(grid.block(ray.position)),
-                .count = static_cast<std::uint32_t>(count),
-                .step = ray.step,
-                .amount = amount,
-                .rest = ray.rest,
-                .step_rest = ray.step_rest};
-    for (std::size_t axis = 0; axis < 3; ++axis) piece.first[axis] = ray.position[axis] - low[axis];
-    ++out.counts[piece.block];
-    out.moves[piece.block] += moves;
-    out.pieces.push_back(piece);
-    advance(ray, count, frame);
-    left -= count;
+  if (left == 0 || amount == 0) return;
+  const std::uint64_t moves = wire::max_moved(static_cast<std::uint32_t>(std::abs(amount)),
+                                              static_cast<std::uint32_t>(packet.colour_word()), frame.step);
+  const std::size_t index = out.rays.size();
+  out.rays.push_back({ray.position, ray.step, amount, static_cast<std::uint32_t>(moves)});
+  const auto part = [&](std::size_t tile, std::int32_t first, std::int32_t count) {
+    out.moves[tiles.block_of(tile)] += moves;
+    std::vector<Part>& parts = out.parts[tile];
+    if (parts.size() == parts.capacity()) parts.reserve(parts.size() + parts.size() / 4 + 16);  // memory is counted
+    parts.emplace_back(index, first, count);
+    ++out.parts_count;
+  };
+  if (frame.wide) {
+    out.rests.push_back({ray.rest, ray.step_rest});
+    cut(ray.fine_position(), ray.fine_step(), left, tiles, kRestBits, part);
+  } else {
+    cut(ray.position, ray.step, left, tiles, 0, part);
   }
 }
 
-// The pieces of one block, among all that are sorted by block.
-struct Busy {
-  std::uint32_t block = 0;
-  std::span<const Piece> pieces;
-  std::uint64_t moves = 0;
-};
-
-class SortedPieces {
- public:
-  explicit SortedPieces(std::vector<Cut>& cuts) {
-    std::size_t all = 0;
-    for (const Cut& cut : cuts) all += cut.pieces.size();
-    pieces_ = std::make_unique_for_overwrite<Piece[]>(all);
-    std::uint32_t at = 0;
-    for (std::uint32_t block = 0; block < cuts[0].counts.size(); ++block) {
-      const std::uint32_t first = at;
-      std::uint64_t moves = 0;
-      for (Cut& cut : cuts) {
-        at += std::exchange(cut.counts[block], at);
-        moves += cut.moves[block];
-      }
-      if (at != first) busy_.push_back({block, {pieces_.get() + first, at - first}, moves});
+// Into its place, since a copy of what was written in parts would wait for them.
+void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& out) {
+  const WaitingRay& ray = cut.rays[part.ray()];
+  const auto first = part.first();
+  out.count = part.count();
+  out.amount = ray.amount;
+  if (cut.rests.empty()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out.first[axis] = ray.position[axis] + static_cast<std::int32_t>(first) * ray.step[axis] - corner[axis];
+      out.step[axis] = ray.step[axis];
     }
-    parallel_for(cuts.size(), static_cast<unsigned>(cuts.size()), [&](std::size_t t) {
-      for (const Piece& piece : cuts[t].pieces) pieces_[cuts[t].counts[piece.block]++] = piece;
-    });
+    return;
+  }
+  const WaitingRest& rest = cut.rests[part.ray()];
+  const FinePoint at = moved(fine(ray.position, rest.position), fine(ray.step, rest.step), first);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.first[axis] = static_cast<std::int32_t>(at[axis] >> kRestBits) - corner[axis];
+    out.rest[axis] = static_cast<std::uint16_t>(at[axis]);
+    out.step[axis] = ray.step[axis];
+    out.step_rest[axis] = rest.step[axis];
+  }
+}
+
+// The cells of one tile, a thread's own.
+class Cells {
+ public:
+  explicit Cells(const Tiles& tiles) : tiles_(tiles), lines_(tiles.tile().words() / kLine) {}
+
+  // Brings the tile's parts of all cuts to the block's words.
+  void add(std::size_t tile, const std::vector<Cut>& cuts, SumMemory& sums) {
+    constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
+    const Point corner = tiles_.corner(tile);
+    const std::size_t block = tiles_.block_of(tile), slab = tiles_.slab_of(tile);
+    const std::size_t row = tiles_.tile().across + 1;
+    std::uint64_t moved = 0;  // a cell's word or a voxel's sum by at most
+    for (const Cut& cut : cuts) {
+      for (const Part& part : cut.parts[tile]) {
+        const std::uint64_t moves = cut.rays[part.ray()].moves;
+        const bool is_full = moved + moves > kMax;
+        if (is_full || count_ == pieces_.size()) splat_pieces();
+        if (is_full) {
+          join(tiles_.tile(), words(), sums.storage(block) + slab * tiles_.tile().depth * row * row);
+          moved = 0;
+        }
+        moved += moves;
+        make_piece(cut, part, corner, pieces_[count_++]);
+      }
+    }
+    if (count_ == 0) return;
+    splat_pieces();
+    join(tiles_.tile(), words(), sums.storage(block) + slab * tiles_.tile().depth * row * row);
   }
 
-  const std::vector<Busy>& busy() const { return busy_; }
+ private:
+  static constexpr std::size_t kLine = 16;  // words of the host's cache
+  struct alignas(kLine * sizeof(std::int32_t)) Line {
+    std::array<std::int32_t, kLine> words{};
+  };
+  std::int32_t* words() { return lines_.front().words.data(); }
+  void splat_pieces() {
+    splat(std::span(pieces_).first(count_), tiles_.tile(), words());
+    count_ = 0;
+  }
+
+  const Tiles& tiles_;
+  std::vector<Line> lines_;
+  std::array<Piece, 64> pieces_;  // chosen: they stay in a core's first cache
+  std::size_t count_ = 0;
+};
+
+class WaitingRays : public WaitingAdds {
+ public:
+  void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters) {
+    SumMemory& sums = *frame.sums;
+    const Tiles tiles(sums);
+    threads_ = std::max(threads, 1u);
+    constexpr std::size_t kMinRays = 16;  // chosen: a thread costs as much as some dozen rays
+    const std::size_t parts = std::clamp<std::size_t>(rays.size() / kMinRays, 1, threads_);
+    if (cuts_.size() < parts) cuts_.resize(parts);
+    for (Cut& cut : cuts_) {
+      cut.parts.resize(tiles.layer() * tiles.layers());
+      cut.moves.assign(sums.block_count(), 0);
+    }
+    parallel_for(parts, threads_, [&](std::size_t t) {
+      const std::size_t first = rays.size() * t / parts, last = rays.size() * (t + 1) / parts;
+      cuts_[t].counters = {};
+      for (std::size_t i = first; i < last; ++i) emu::take(rays[i], frame, tiles, cuts_[t]);
+    });
+    std::size_t bytes = 0;
+    for (std::size_t t = 0; t < cuts_.size(); ++t) {
+      bytes += cuts_[t].bytes();
+      if (t >= parts) continue;
+      counters += cuts_[t].counters;
+      for (std::size_t block = 0; block < sums.block_count(); ++block) sums.moved(block, cuts_[t].moves[block]);
+    }
+    if (bytes > sums.max_waiting_bytes()) add_to(sums);
+  }
+
+  void add_to(SumMemory& sums) override {
+    if (std::ranges::all_of(cuts_, [](const Cut& cut) { return cut.rays.empty(); })) return;
+    const Tiles tiles(sums);
+    // Layer by layer, since rays that turn about z stay in a core's cache for one; and two tiles of a block share words.
+    for (std::size_t layer = 0; layer < tiles.layers(); ++layer) {
+      std::atomic<std::size_t> next = layer * tiles.layer();
+      parallel_for(threads_, threads_, [&](std::size_t) {
+        Cells cells(tiles);
+        for (std::size_t tile = next++; tile < (layer + 1) * tiles.layer(); tile = next++) cells.add(tile, cuts_, sums);
+      });
+    }
+    for (Cut& cut : cuts_) {
+      for (std::vector<Part>& parts : cut.parts) parts.clear();
+      cut.rays.clear();
+      cut.rests.clear();
+      cut.parts_count = 0;
+    }
+  }
+
+  void forget() override { cuts_.clear(); }
 
  private:
-  std::unique_ptr<Piece[]> pieces_;
-  std::vector<Busy> busy_;
+  std::vector<Cut> cuts_;  // of each thread
+  unsigned threads_ = 1;
 };
 
 }  // namespace
 
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
-  constexpr std::size_t kMinRays = 16;  // chosen: a thread costs as much as some dozen rays
-  threads = static_cast<unsigned>(std::clamp<std::size_t>(rays.size() / kMinRays, 1, std::max(threads, 1u)));
-  const BlockGrid grid(*frame.volume);
-  std::vector<Cut> cuts(threads, Cut(frame.volume->block_count()));
-  parallel_for(threads, threads, [&](std::size_t t) {
-    const std::size_t first = rays.size() * t / threads, last = rays.size() * (t + 1) / threads;
-    for (std::size_t i = first; i < last; ++i) cut(rays[i], frame, grid, cuts[t]);
-  });
-
-  const SortedPieces sorted(cuts);
-  const std::size_t row = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  parallel_for(sorted.busy().size(), threads, [&](std::size_t i) {
-    const Busy& of = sorted.busy()[i];
-    frame.sums->moved(of.block, of.moves);
-    if (std::int64_t* const pairs = frame.sums->pairs(of.block, of.moves); pairs != nullptr) {
-      splat(of.pieces, pairs, row, row * row);
-    } else {
-      splat_to_words(of.pieces, frame.sums->storage(of.block), row, row * row);
-    }
-  });
+  std::unique_ptr<WaitingAdds>& waiting = frame.sums->waiting();
+  if (waiting == nullptr) waiting = std::make_unique<WaitingRays>();
   RayCounters sum;
-  for (const Cut& cut : cuts) sum += cut.counters;
+  static_cast<WaitingRays&>(*waiting).take(rays, frame, threads, sum);
   sum.visible_samples = sum.deposits = sum.samples;
   return sum;
 }

@@ -7,55 +7,42 @@
 
 namespace gicube::emu {
 
-namespace {
-
-std::int64_t lower(std::int64_t pair) { return static_cast<std::int32_t>(static_cast<std::uint64_t>(pair)); }
-std::int64_t upper(std::int64_t pair) { return (pair - lower(pair)) >> 32; }
-
-}  // namespace
-
 void SumMemory::resize(const std::array<int, 3>& size) {
+  if (waiting_ != nullptr) waiting_->forget();
   const std::size_t count = resize_blocks(size);
-  for (std::vector<Words>* all : {&blocks_words_, &blocks_pairs_}) {
-    all->clear();
-    all->resize(count);
-  }
+  blocks_words_.clear();
+  blocks_words_.resize(count);
   bounds_.assign(count, 0);
-  pairs_bounds_.assign(count, 0);
+}
+
+void SumMemory::finish() {
+  if (waiting_ != nullptr) waiting_->add_to(*this);
 }
 
 std::size_t SumMemory::stored_blocks() const {
-  std::size_t count = 0;
-  for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
-    if (blocks_words_[block] != nullptr || blocks_pairs_[block] != nullptr) ++count;
-  }
-  return count;
+  return static_cast<std::size_t>(
+      std::ranges::count_if(blocks_words_, [](const Words& words) { return words != nullptr; }));
 }
 
 void SumMemory::state(Archive& archive) {
   constexpr std::uint64_t kMaxBound = std::uint64_t{1} << 40;  // chosen: far above what a command leaves unclipped
+  finish();
   archive.field("bounds", [&](Archive::Record& record) {
     for (std::uint64_t& bound : bounds_) record.at_most(bound, kMaxBound);
-    for (std::uint64_t& bound : pairs_bounds_) record.at_most(bound, (std::uint64_t{1} << 31) - 1);
   });
-  for (auto* const all : {&blocks_words_, &blocks_pairs_}) {
-    const std::string what = all == &blocks_words_ ? "words" : "pairs";
-    std::vector<std::size_t> stored;
-    for (std::size_t block = 0; block < all->size(); ++block) {
-      if ((*all)[block] != nullptr) stored.push_back(block);
-    }
-    archive.list("with_" + what, stored, all->size());
-    for (const std::size_t block : stored) {
-      archive.expect(block < all->size(), "with_" + what, "blocks of the volume", block);
-      if (archive.loads()) (*all)[block] = std::make_unique<std::int64_t[]>(voxels_and_faces());
-      const std::span numbers((*all)[block].get(), voxels_and_faces());
-      archive.field(what + std::to_string(block), [&](Archive::Record& record) { record(numbers); });
-      const std::uint64_t bound = all == &blocks_words_ ? kMaxBound : std::uint64_t{1} << 63;
-      const bool fits = std::ranges::all_of(numbers, [&](std::int64_t number) {
-        return number > -static_cast<std::int64_t>(bound - 1) && number <= static_cast<std::int64_t>(bound - 1);
-      });
-      archive.expect(fits, what + std::to_string(block), "numbers within the bounds", bound);
-    }
+  std::vector<std::size_t> stored;
+  for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
+    if (blocks_words_[block] != nullptr) stored.push_back(block);
+  }
+  archive.list("with_words", stored, blocks_words_.size());
+  for (const std::size_t block : stored) {
+    archive.expect(block < blocks_words_.size(), "with_words", "blocks of the volume", block);
+    if (archive.loads()) blocks_words_[block] = std::make_unique<std::int64_t[]>(voxels_and_faces());
+    const std::span numbers(blocks_words_[block].get(), voxels_and_faces());
+    archive.field("words" + std::to_string(block), [&](Archive::Record& record) { record(numbers); });
+    const bool fits = std::ranges::all_of(
+        numbers, [&](std::int64_t number) { return std::abs(number) < static_cast<std::int64_t>(kMaxBound); });
+    archive.expect(fits, "words" + std::to_string(block), "numbers within the bounds", kMaxBound);
   }
 }
 
@@ -63,28 +50,6 @@ std::int64_t* SumMemory::storage(std::size_t block) {
   auto& words = blocks_words_[block];
   if (words == nullptr) words = std::make_unique<std::int64_t[]>(voxels_and_faces());
   return words.get();
-}
-
-std::int64_t* SumMemory::pairs(std::size_t block, std::uint64_t by) {
-  constexpr std::uint64_t kMax = (std::uint64_t{1} << 31) - 1;
-  if (by > kMax) return nullptr;
-  if (pairs_bounds_[block] + by > kMax) join_pairs(block);
-  pairs_bounds_[block] += by;
-  Words& pairs = blocks_pairs_[block];
-  if (pairs == nullptr) pairs = std::make_unique<std::int64_t[]>(voxels_and_faces());
-  return pairs.get();
-}
-
-void SumMemory::join_pairs(std::size_t block) {
-  pairs_bounds_[block] = 0;
-  std::int64_t* const pairs = blocks_pairs_[block].get();
-  if (pairs == nullptr) return;
-  std::int64_t* const words = storage(block);
-  for (std::size_t i = 0; i + 1 < voxels_and_faces(); ++i) {  // a row's last has no pair
-    words[i] += lower(pairs[i]);
-    words[i + 1] += upper(pairs[i]);
-    pairs[i] = 0;
-  }
 }
 
 SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
@@ -124,7 +89,6 @@ std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
 // Brings the parts that lie beyond the blocks' far faces to the words that they belong to.
 void SumMemory::gather_parts() {
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
-    join_pairs(block);
     if (blocks_words_[block] == nullptr) continue;
     std::int64_t* const words = blocks_words_[block].get();
     const std::array<int, 3> at = place(block);
@@ -163,6 +127,7 @@ bool SumMemory::can_overflow() const {
 Overflow SumMemory::settle() {
   Overflow out;
   if (!can_overflow()) return out;
+  finish();
   gather_parts();
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
     std::int64_t* const words = blocks_words_[block].get();
@@ -182,14 +147,9 @@ Overflow SumMemory::settle() {
   return out;
 }
 
-std::int64_t SumMemory::part(std::size_t block, std::size_t index, bool first) const {
-  std::int64_t sum = 0;
-  if (const auto& words = blocks_words_[block]; words != nullptr) sum += words[index];
-  if (const auto& pairs = blocks_pairs_[block]; pairs != nullptr) {
-    sum += lower(pairs[index]);
-    if (!first) sum += upper(pairs[index - 1]);
-  }
-  return sum;
+std::int64_t SumMemory::part(std::size_t block, std::size_t index) const {
+  const Words& words = blocks_words_[block];
+  return words != nullptr ? words[index] : 0;
 }
 
 // A word on a near face has parts in up to seven neighbours.
@@ -206,12 +166,13 @@ std::int64_t SumMemory::value(std::size_t block, int x, int y, int z) const {
       in[axis] = n_;
     }
     if (!there) continue;
-    sum += part(block_at(from[0], from[1], from[2]), index(in[0], in[1], in[2]), in[0] == 0);
+    sum += part(block_at(from[0], from[1], from[2]), index(in[0], in[1], in[2]));
   }
   return sum;
 }
 
-void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
+  finish();
   const std::size_t count = out.size() / 9 * 2;
   const std::uint64_t first = offset / 9 * 2, of_block = block_bytes() / 9 * 2;
   for (std::size_t i = 0; i < count; ++i) {
@@ -219,7 +180,7 @@ void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
     const auto word = static_cast<int>((first + i) % of_block);
     const int x = word % n_, y = word / n_ % n_, z = word / (n_ * n_);
     const bool near_face = x == 0 || y == 0 || z == 0;
-    const std::int64_t sum = near_face ? value(block, x, y, z) : part(block, index(x, y, z), false);
+    const std::int64_t sum = near_face ? value(block, x, y, z) : part(block, index(x, y, z));
     wire::store36(out, i, static_cast<std::uint64_t>(sum) & ((std::uint64_t{1} << wire::kVoxelBits) - 1));
   }
 }

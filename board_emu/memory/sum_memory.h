@@ -5,8 +5,7 @@
 // as a part of the neighbour's word, so that blocks can be worked on side by side without locks. Sums of integers don't
 // depend on their order, and a word's value is that of its parts together. A block that no ray has reached takes no memory.
 //
-// What threads add comes as pairs: the shares of two neighbours along x, of 32 bits each, in one 64-bit integer
-// lower + 2^32 upper, so that a splat is four additions instead of eight. They join the words before one of them can be full.
+// What rays leave may wait to be added, since that costs less for many commands together: whoever looks at words has it done first.
 #pragma once
 
 #include <array>
@@ -30,12 +29,26 @@ struct Overflow {
   std::int64_t clipped = 0;  // signed, as what was lost
 };
 
+class SumMemory;
+
+// What waits to be added to the words.
+class WaitingAdds {
+ public:
+  WaitingAdds() = default;
+  WaitingAdds(const WaitingAdds&) = delete;
+  WaitingAdds& operator=(const WaitingAdds&) = delete;
+  virtual ~WaitingAdds() = default;
+  virtual void add_to(SumMemory& sums) = 0;  // nothing waits afterwards
+  virtual void forget() = 0;
+};
+
 class SumMemory : public Blocked {
  public:
   explicit SumMemory(int block_voxels) : Blocked(block_voxels) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
   void clear() { resize(size_); }
+  std::size_t block_count() const { return blocks_words_.size(); }
 
   // The blocks that words of the deposit's shares belong to.
   SharingBlocks blocks_of(const Deposit& deposit) const;
@@ -44,11 +57,10 @@ class SumMemory : public Blocked {
 
   // A block's (n+1)^3 words, x fastest; makes them if there are none.
   std::int64_t* storage(std::size_t block);
-  // The pairs of the block's words x and x + 1 at x, for one thread to add to, if that moves no word by more than `by`; null
-  // if it can be more than pairs hold.
-  std::int64_t* pairs(std::size_t block, std::uint64_t by);
+  // Who adds later, if anyone does; the words of storage() are without what waits.
+  std::unique_ptr<WaitingAdds>& waiting() { return waiting_; }
 
-  // The words of a block's storage() and pairs() can have moved by so much more.
+  // The words of a block's storage() can have moved by so much more, or will by what waits.
   void moved(std::size_t block, std::uint64_t by) { bounds_[block] += by; }
   void moved_anywhere(std::uint64_t by) {
     for (std::uint64_t& bound : bounds_) bound += by;
@@ -58,32 +70,32 @@ class SumMemory : public Blocked {
 
   // Bytes of the address range (memory_map.h). `offset` and the length are multiples of nine, two words, within bytes().
   std::uint64_t bytes() const { return blocks_words_.size() * block_bytes(); }
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+  void read(std::uint64_t offset, std::span<std::uint8_t> out);
 
   std::size_t stored_blocks() const;
   // As that of irradiance.
   void state(Archive& archive);
 
-  // Memory of the host's, as IrradianceMemory's: of words and pairs.
-  std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
-  std::uint64_t free_bytes() const { return blocks_words_.size() * bytes_of_words() - stored_bytes(); }
-  static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::int64_t*) + 2 * sizeof(std::uint64_t);
+  // Memory of the host's, as IrradianceMemory's: of words, and of as many bytes that wait.
+  std::uint64_t stored_bytes() const { return 2 * stored_blocks() * bytes_of_words(); }
+  std::uint64_t free_bytes() const { return 2 * max_waiting_bytes() - stored_bytes(); }
+  static constexpr std::uint64_t kBytesOfBlock = sizeof(std::int64_t*) + sizeof(std::uint64_t);
+  // More should not wait: it would take more than the words do.
+  std::uint64_t max_waiting_bytes() const { return blocks_words_.size() * bytes_of_words(); }
 
  private:
   std::uint64_t block_bytes() const { return voxels_of_block() * 9 / 2; }
-  std::uint64_t bytes_of_words() const { return 2 * voxels_and_faces() * sizeof(std::int64_t); }
-  // Of the block's own words and pairs.
-  std::int64_t part(std::size_t block, std::size_t index, bool first) const;
+  std::uint64_t bytes_of_words() const { return voxels_and_faces() * sizeof(std::int64_t); }
+  void finish();  // has what waits added
+  std::int64_t part(std::size_t block, std::size_t index) const;
   std::int64_t value(std::size_t block, int x, int y, int z) const;
-  void join_pairs(std::size_t block);
   void gather_parts();
   bool can_overflow() const;
 
   using Words = std::unique_ptr<std::int64_t[]>;
   std::vector<Words> blocks_words_;
-  std::vector<Words> blocks_pairs_;
-  std::vector<std::uint64_t> bounds_;        // no word of the block's storage with its pairs is larger
-  std::vector<std::uint64_t> pairs_bounds_;  // no half of a pair is
+  std::vector<std::uint64_t> bounds_;  // no word of the block's storage with what waits is larger
+  std::unique_ptr<WaitingAdds> waiting_;
 };
 
 }  // namespace gicube::emu

@@ -139,9 +139,9 @@ void make_up_for_faces(std::vector<float>& sums, const Dims& dims) {
 
 std::vector<float> backproject(Board& board, const ConeGeometry& geometry, std::span<const double> angles,
                                const Splatting& how, const ViewDensities& densities, Reconstruction& counts) {
-  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^17 - 1
+  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^15 - 1
   // units, so that thousands of rays fit one command [chosen].
-  constexpr double kMaxUnits = (1 << 17) - 1, kMaxSum = 8.0 * (1 << 30);
+  constexpr double kMaxUnits = (1 << 15) - 1, kMaxSum = 8.0 * (1 << 30);
   const Vec3 edge = geometry.volume.spacing;
   const double of_a_step = std::max({edge.x, edge.y, edge.z}) * how.step / kMaxUnits;
   const double of_all = max_of_a_voxel(geometry, how.fine) * static_cast<double>(angles.size()) / kMaxSum;

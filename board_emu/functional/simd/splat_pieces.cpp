@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <utility>
 
 #include "datapath/trilinear_splat.h"
 #include "gicube/wire/ray.h"
@@ -19,86 +21,267 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-void splat(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice) {
-  splat_one_by_one(pieces, pairs, row, slice);
+void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
+  splat_one_by_one(pieces, tile, cells);
 }
+void join(const Tile& tile, std::int32_t* cells, std::int64_t* words) { join_one_by_one(tile, cells, words); }
 
 #else
 
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<std::int32_t, 8>;  // a piece has some twenty samples
 using V = hn::Vec<D>;
+using D16 = hn::Repartition<std::int16_t, D>;
+using V16 = hn::Vec<D16>;
+constexpr int kBits = wire::kPositionFractionBits;
 
 // upper_part() where the product has 32 bits.
 HWY_INLINE V upper(V amount, V fraction) {
-  constexpr int kBits = wire::kPositionFractionBits;
   return hn::ShiftRight<kBits>(hn::Add(hn::Mul(amount, fraction), hn::Set(D(), 1 << (kBits - 1))));
 }
+// The same of amounts of 16 bits and twice the fraction.
+HWY_INLINE V16 upper(V16 amount, V16 fraction) { return hn::MulFixedPoint15(amount, fraction); }
 
-// A pair's halves as words of 32 bits: a negative lower one takes one from the upper.
-struct Pair {
-  V low, high;
-};
-HWY_INLINE Pair pair(V amount, V fraction) {
-  const V up = upper(amount, fraction), low = hn::Sub(amount, up);
-  return {low, hn::Add(up, hn::ShiftRight<31>(low))};
+// A node of the trilinear tree run backwards: the lower half of `all` stays there.
+template <typename Words>
+HWY_INLINE void halve(Words& all, Words& high, Words fraction) {
+  high = upper(all, fraction);
+  all = hn::Sub(all, high);
 }
 
-HWY_INLINE void splat_in_vectors(const Piece& piece, std::int64_t* pairs, std::int32_t row, std::int32_t slice) {
-  constexpr int kBits = wire::kPositionFractionBits;
+// spread() for each lane. Without loops, which compilers keep, with the shares in memory.
+template <typename Words>
+HWY_INLINE std::array<Words, 8> spread_lanes(Words amount, const std::array<Words, 3>& fraction) {
+  Words a = amount, b, c, d, e, f, g, h;
+  halve(a, e, fraction[2]);
+  halve(a, c, fraction[1]);
+  halve(e, g, fraction[1]);
+  halve(a, b, fraction[0]);
+  halve(c, d, fraction[0]);
+  halve(e, f, fraction[0]);
+  halve(g, h, fraction[0]);
+  return {a, b, c, d, e, f, g, h};
+}
+
+// The places of as many consecutive samples of a piece as there are lanes, from the tile's corner.
+template <bool kWide>
+struct Places {
+  HWY_INLINE explicit Places(const Piece& piece) {
+    const D d;
+    const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const V one = hn::Set(d, piece.step[axis]);
+      at[axis] = hn::Add(hn::Set(d, piece.first[axis]), hn::Mul(one, hn::Iota(d, 0)));
+      step[axis] = hn::Set(d, piece.step[axis] * lanes);
+      if constexpr (!kWide) continue;
+      const V begin = hn::Add(hn::Set(d, piece.rest[axis]), hn::Mul(hn::Set(d, piece.step_rest[axis]), hn::Iota(d, 0)));
+      at[axis] = hn::Add(at[axis], hn::ShiftRight<kRestBits>(begin));
+      rest[axis] = hn::And(begin, hn::Set(d, (1 << kRestBits) - 1));
+      step_rest[axis] = hn::Set(d, piece.step_rest[axis] * lanes);
+    }
+  }
+
+  HWY_INLINE void advance() {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at[axis] = hn::Add(at[axis], step[axis]);
+      if constexpr (!kWide) continue;
+      rest[axis] = hn::Add(rest[axis], step_rest[axis]);
+      at[axis] = hn::Add(at[axis], hn::ShiftRight<kRestBits>(rest[axis]));
+      rest[axis] = hn::And(rest[axis], hn::Set(D(), (1 << kRestBits) - 1));
+    }
+  }
+
+  // Where the samples' cells begin.
+  HWY_INLINE V words(int across_bits) const {
+    const V x = hn::ShiftRight<kBits>(at[0]), y = hn::ShiftRight<kBits>(at[1]), z = hn::ShiftRight<kBits>(at[2]);
+    const V rows = hn::Add(hn::ShiftLeftSame(z, across_bits), y);
+    return hn::ShiftLeft<3>(hn::Add(hn::ShiftLeftSame(rows, across_bits), x));
+  }
+
+  std::array<V, 3> at, step, rest, step_rest;
+};
+
+constexpr std::size_t kMaxLanes = 8, kMaxAcross = 64;
+
+// Adds each sample's eight shares, which stand together, to its cell.
+template <typename Share>
+HWY_INLINE void add_to_cells(const std::int32_t* words, const Share* shares, std::size_t count, std::int32_t* cells) {
+  const D d;
+  HWY_UNROLL(2)
+  for (std::size_t i = 0; i < count; ++i) {
+    std::int32_t* const cell = cells + words[i];
+    for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+      const auto share = hn::Load(hn::Rebind<Share, D>(), shares + 8 * i + k);
+      if constexpr (sizeof(Share) == 2) {
+        hn::Store(hn::Add(hn::Load(d, cell + k), hn::PromoteTo(d, share)), d, cell + k);
+      } else {
+        hn::Store(hn::Add(hn::Load(d, cell + k), share), d, cell + k);
+      }
+    }
+  }
+}
+
+template <bool kWide>
+HWY_INLINE void splat_words(const Piece& piece, int across_bits, std::int32_t* cells) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
-  const V mask = hn::Set(d, wire::kVoxel - 1), amount = hn::Set(d, piece.amount);
-  std::array<V, 3> at{}, step{}, rest{}, step_rest{};
-  const V whole = hn::Set(d, (1 << kRestBits) - 1), all = hn::Set(d, static_cast<std::int32_t>(lanes));
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V one = hn::Set(d, piece.step[axis]), below = hn::Set(d, piece.step_rest[axis]);
-    const V first = hn::Add(hn::Set(d, piece.rest[axis]), hn::Mul(below, hn::Iota(d, 0)));
-    at[axis] =
-        hn::Add(hn::Add(hn::Set(d, piece.first[axis]), hn::Mul(one, hn::Iota(d, 0))), hn::ShiftRight<kRestBits>(first));
-    rest[axis] = hn::And(first, whole);
-    step[axis] = hn::Mul(one, all);
-    step_rest[axis] = hn::Mul(below, all);
-  }
-  for (std::size_t done = 0; done < piece.count; done += lanes) {
-    alignas(32) std::array<std::int32_t, 8> index;
-    alignas(32) std::array<std::int64_t, 16> near, far;  // the pairs at y and y + 1, of each sample
-    const V voxel =
-        hn::Add(hn::ShiftRight<kBits>(at[0]), hn::Add(hn::Mul(hn::ShiftRight<kBits>(at[1]), hn::Set(d, row)),
-                                                      hn::Mul(hn::ShiftRight<kBits>(at[2]), hn::Set(d, slice))));
-    hn::Store(voxel, d, index.data());
-    const V fx = hn::And(at[0], mask), fy = hn::And(at[1], mask), fz = hn::And(at[2], mask);
-    const V back = upper(amount, fz), front = hn::Sub(amount, back);
-    const auto store = [&](V part, std::array<std::int64_t, 16>& to) {
-      const V up = upper(part, fy);
-      const Pair here = pair(hn::Sub(part, up), fx), next = pair(up, fx);
-      hn::StoreInterleaved4(here.low, here.high, next.low, next.high, d, reinterpret_cast<std::int32_t*>(to.data()));
-    };
-    store(front, near);
-    store(back, far);
-    const std::size_t count = std::min(lanes, piece.count - done);
-    for (std::size_t i = 0; i < count; ++i) {
-      std::int64_t* const to = pairs + index[i];
-      to[0] += near[2 * i];
-      to[row] += near[2 * i + 1];
-      to[slice] += far[2 * i];
-      to[slice + row] += far[2 * i + 1];
-    }
+  Places<kWide> places(piece);
+  for (std::size_t done = 0; done < piece.count; done += lanes, places.advance()) {
+    alignas(32) std::array<std::int32_t, kMaxLanes> words;
+    alignas(32) std::array<std::int32_t, 4 * kMaxLanes> low, high;
+    alignas(32) std::array<std::int32_t, 8 * kMaxLanes> parts;
+    hn::Store(places.words(across_bits), d, words.data());
+    std::array<V, 3> fraction;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      rest[axis] = hn::Add(rest[axis], step_rest[axis]);
-      at[axis] = hn::Add(hn::Add(at[axis], step[axis]), hn::ShiftRight<kRestBits>(rest[axis]));
-      rest[axis] = hn::And(rest[axis], whole);
+      fraction[axis] = hn::And(places.at[axis], hn::Set(d, wire::kVoxel - 1));
+    }
+    const std::array<V, 8> shares = spread_lanes(hn::Set(d, piece.amount), fraction);
+    hn::StoreInterleaved4(shares[0], shares[1], shares[2], shares[3], d, low.data());
+    hn::StoreInterleaved4(shares[4], shares[5], shares[6], shares[7], d, high.data());
+    for (std::size_t i = 0; i < lanes; ++i) {
+      std::copy_n(low.data() + 4 * i, 4, parts.data() + 8 * i);
+      std::copy_n(high.data() + 4 * i, 4, parts.data() + 8 * i + 4);
+    }
+    add_to_cells(words.data(), parts.data(), std::min(lanes, piece.count - done), cells);
+  }
+}
+
+// Samples whose amounts have 16 bits, of all pieces one after the other, so that no lane is without one.
+class Samples {
+ public:
+  template <bool kWide>
+  HWY_INLINE void append(const Piece& piece, int across_bits, std::int32_t* cells) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    const V whole = hn::Set(d, 2 * wire::kVoxel - 1), upper_whole = hn::ShiftLeft<16>(whole);
+    const V amount = hn::ShiftLeft<16>(hn::Set(d, piece.amount));
+    Places<kWide> places(piece);
+    std::size_t count = count_;
+    for (std::size_t left = piece.count; left > 0; left -= std::min(left, lanes), places.advance()) {
+      hn::StoreU(places.words(across_bits), d, words_.data() + count);
+      const V x = hn::And(hn::ShiftLeft<1>(places.at[0]), whole);
+      const V y = hn::And(hn::ShiftLeft<17>(places.at[1]), upper_whole);
+      const V z = hn::And(hn::ShiftLeft<1>(places.at[2]), whole);
+      hn::StoreU(hn::Or(x, y), d, xy_.data() + count);
+      hn::StoreU(hn::Or(z, amount), d, z_and_amount_.data() + count);
+      count += std::min(left, lanes);
+      if (count < kFull) continue;
+      count_ = std::exchange(count, 0);
+      splat(cells);
+    }
+    count_ = count;
+  }
+
+  // Adds all to the cells.
+  void splat(std::int32_t* cells) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    for (std::size_t i = count_; i < count_ + 2 * lanes; ++i) words_[i] = z_and_amount_[i] = 0;  // samples of no amount
+    for (std::size_t i = 0; i < count_; i += 2 * lanes) {
+      alignas(32) std::array<std::int32_t, 2 * kMaxLanes> words;
+      alignas(32) std::array<std::int32_t, 8 * kMaxLanes> parts;  // two shares each
+      const V one = hn::Load(d, words_.data() + i), other = hn::Load(d, words_.data() + i + lanes);
+      hn::Store(hn::InterleaveLower(d, one, other), d, words.data());
+      hn::Store(hn::InterleaveUpper(d, one, other), d, words.data() + lanes);
+      const Halves xy(xy_.data() + i), z_and_amount(z_and_amount_.data() + i);
+      const auto shares = spread_lanes(z_and_amount.upper, std::array{xy.lower, xy.upper, z_and_amount.lower});
+      const auto lower = [&](std::size_t k) {
+        return hn::BitCast(d, hn::InterleaveLower(D16(), shares[2 * k], shares[2 * k + 1]));
+      };
+      const auto upper = [&](std::size_t k) {
+        return hn::BitCast(d, hn::InterleaveUpper(D16(), shares[2 * k], shares[2 * k + 1]));
+      };
+      hn::StoreInterleaved4(lower(0), lower(1), lower(2), lower(3), d, parts.data());
+      hn::StoreInterleaved4(upper(0), upper(1), upper(2), upper(3), d, parts.data() + 4 * lanes);
+      add_to_cells(words.data(), reinterpret_cast<const std::int16_t*>(parts.data()), 2 * lanes, cells);
+    }
+    count_ = 0;
+  }
+
+ private:
+  // The halves of the words of twice as many samples as a vector has words: of each two lanes the first is of the first vector.
+  struct Halves {
+    HWY_INLINE explicit Halves(const std::int32_t* words) {
+      const D d;
+      const V one = hn::Load(d, words), other = hn::Load(d, words + hn::Lanes(d));
+      lower = hn::OddEven(hn::BitCast(D16(), hn::ShiftLeft<16>(other)), hn::BitCast(D16(), one));
+      upper = hn::OddEven(hn::BitCast(D16(), other), hn::BitCast(D16(), hn::ShiftRight<16>(one)));
+    }
+    V16 lower, upper;
+  };
+
+  static constexpr std::size_t kFull = 512;
+  using Words = std::array<std::int32_t, kFull + 3 * kMaxLanes>;
+  alignas(32) Words words_, xy_, z_and_amount_;
+  std::size_t count_ = 0;
+};
+
+void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
+  constexpr std::int32_t kWords = (1 << (31 - kBits)) - 1;  // whose products have 32 bits
+  constexpr std::int32_t kHalves = (1 << 15) - 1;
+  const int bits = std::countr_zero(tile.across);
+  Samples samples;
+  for (const Piece& piece : pieces) {
+    unsigned below = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) below |= unsigned{piece.rest[axis]} | piece.step_rest[axis];
+    const bool wide = below != 0;
+    if (piece.amount > kWords || piece.amount < -kWords) {
+      splat_one_by_one({&piece, 1}, tile, cells);
+    } else if (piece.amount > kHalves || piece.amount < -kHalves) {
+      wide ? splat_words<true>(piece, bits, cells) : splat_words<false>(piece, bits, cells);
+    } else {
+      wide ? samples.append<true>(piece, bits, cells) : samples.append<false>(piece, bits, cells);
+    }
+  }
+  samples.splat(cells);
+}
+
+// Of a row of cells, the shares of one of the four rows of voxels around it.
+struct Row {
+  alignas(32) std::array<std::int32_t, kMaxAcross> lower;
+  std::array<std::int32_t, kMaxAcross + kMaxLanes> upper;  // from the row's second voxel on
+};
+
+// Divides the row's shares by rows of voxels, and clears them.
+HWY_INLINE void take_row(std::int32_t* cells, std::size_t across, std::array<Row, 4>& rows) {
+  const D d;
+  const hn::Repartition<std::uint64_t, D> two;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t x = 0; x < across; x += lanes, cells += 8 * lanes) {
+    std::array<hn::Vec<decltype(two)>, 4> near,
+        far;  // of the first half of the cells and of the others: both shares of a row
+    const auto* const shares = reinterpret_cast<const std::uint64_t*>(cells);
+    hn::LoadInterleaved4(two, shares, near[0], near[1], near[2], near[3]);
+    hn::LoadInterleaved4(two, shares + 2 * lanes, far[0], far[1], far[2], far[3]);
+    for (std::size_t i = 0; i < 8; ++i) hn::Store(hn::Zero(d), d, cells + i * lanes);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const V one = hn::BitCast(d, near[k]), other = hn::BitCast(d, far[k]);
+      hn::Store(hn::ConcatEven(d, other, one), d, rows[k].lower.data() + x);
+      hn::StoreU(hn::ConcatOdd(d, other, one), d, rows[k].upper.data() + 1 + x);
     }
   }
 }
 
-void splat(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice) {
-  constexpr std::int32_t kMax = (1 << (31 - wire::kPositionFractionBits)) - 1;  // whose products have 32 bits
-  for (const Piece& piece : pieces) {
-    if (piece.amount > kMax || piece.amount < -kMax) {
-      splat_one_by_one({&piece, 1}, pairs, row, slice);
-    } else {
-      splat_in_vectors(piece, pairs, static_cast<std::int32_t>(row), static_cast<std::int32_t>(slice));
+HWY_INLINE void add_row(const Row& row, std::size_t across, std::int64_t* words) {
+  const hn::CappedTag<std::int64_t, kMaxLanes / 2> d64;
+  const hn::Rebind<std::int32_t, decltype(d64)> d32;
+  for (std::size_t x = 0; x < across; x += hn::Lanes(d64)) {
+    const auto sum = hn::Add(hn::Load(d32, row.lower.data() + x), hn::LoadU(d32, row.upper.data() + x));
+    hn::StoreU(hn::Add(hn::LoadU(d64, words + x), hn::PromoteTo(d64, sum)), d64, words + x);
+  }
+  words[across] += row.upper[across];
+}
+
+void join(const Tile& tile, std::int32_t* cells, std::int64_t* words) {
+  const std::size_t row = tile.across + 1, slice = row * row;
+  std::array<Row, 4> rows;
+  for (Row& each : rows) each.upper[0] = 0;
+  for (std::size_t z = 0; z < tile.depth; ++z) {
+    for (std::size_t y = 0; y < tile.across; ++y, cells += 8 * tile.across) {
+      take_row(cells, tile.across, rows);
+      for (std::size_t k = 0; k < 4; ++k) {
+        add_row(rows[k], tile.across, words + row * (y + (k & 1)) + slice * (z + (k >> 1)));
+      }
     }
   }
 }
@@ -110,11 +293,8 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace gicube::emu {
-namespace {
 
-// add(word, share of it, share of the word beside it) for each of a sample's four rows.
-template <typename Add>
-void each_row(std::span<const Piece> pieces, std::size_t row, std::size_t slice, const Add& add) {
+void splat_one_by_one(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
   constexpr int kBits = wire::kPositionFractionBits;
   constexpr std::uint32_t kMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
   for (const Piece& piece : pieces) {
@@ -123,34 +303,37 @@ void each_row(std::span<const Piece> pieces, std::size_t row, std::size_t slice,
     for (std::uint32_t i = 0; i < piece.count; ++i, place = moved(place, step, 1)) {
       std::array<std::uint32_t, 3> at{};
       for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = static_cast<std::uint32_t>(place[axis] >> kRestBits);
-      const std::size_t word = (at[0] >> kBits) + row * (at[1] >> kBits) + slice * (at[2] >> kBits);
+      const std::size_t cell =
+          (at[0] >> kBits) + tile.across * ((at[1] >> kBits) + tile.across * std::size_t{at[2] >> kBits});
       const SignedShares shares = spread(piece.amount, {at[0] & kMask, at[1] & kMask, at[2] & kMask});
-      for (std::size_t k = 0; k < 4; ++k) {
-        add(word + row * (k & 1) + slice * (k >> 1), shares[2 * k], shares[2 * k + 1]);
+      for (std::size_t k = 0; k < 8; ++k) cells[8 * cell + k] += shares[k];
+    }
+  }
+}
+
+void join_one_by_one(const Tile& tile, std::int32_t* cells, std::int64_t* words) {
+  const std::size_t row = tile.across + 1, slice = row * row;
+  for (std::size_t z = 0; z < tile.depth; ++z) {
+    for (std::size_t y = 0; y < tile.across; ++y) {
+      std::int64_t* const to = words + row * y + slice * z;
+      for (std::size_t x = 0; x < tile.across; ++x, cells += 8) {
+        for (std::size_t k = 0; k < 8; ++k) to[x + (k & 1) + row * (k >> 1 & 1) + slice * (k >> 2)] += cells[k];
+        std::fill_n(cells, 8, 0);
       }
     }
   }
 }
 
-}  // namespace
-
-void splat_to_words(std::span<const Piece> pieces, std::int64_t* words, std::size_t row, std::size_t slice) {
-  each_row(pieces, row, slice, [words](std::size_t word, std::int64_t share, std::int64_t beside) {
-    words[word] += share;
-    words[word + 1] += beside;
-  });
-}
-
-void splat_one_by_one(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice) {
-  each_row(pieces, row, slice, [pairs](std::size_t word, std::int64_t share, std::int64_t beside) {
-    pairs[word] += share + beside * (std::int64_t{1} << 32);
-  });
-}
-
 HWY_EXPORT(splat);
 
-void splat(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice) {
-  HWY_DYNAMIC_DISPATCH(splat)(pieces, pairs, row, slice);
+void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
+  HWY_DYNAMIC_DISPATCH(splat)(pieces, tile, cells);
+}
+
+HWY_EXPORT(join);
+
+void join(const Tile& tile, std::int32_t* cells, std::int64_t* words) {
+  HWY_DYNAMIC_DISPATCH(join)(tile, cells, words);
 }
 
 }  // namespace gicube::emu

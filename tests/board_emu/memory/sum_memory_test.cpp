@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "bare_board.h"
 #include "datapath/trilinear_splat.h"
@@ -12,7 +14,7 @@
 namespace gicube::emu {
 namespace {
 
-std::int64_t sum_at(const SumMemory& sums, int n, std::size_t block, std::size_t word) {
+std::int64_t sum_at(SumMemory& sums, int n, std::size_t block, std::size_t word) {
   std::vector<std::uint8_t> bytes(wire::packed36_bytes(static_cast<std::size_t>(n * n * n)));
   sums.read(block * bytes.size(), bytes);
   const std::uint64_t bits = wire::load36(bytes, word);
@@ -87,43 +89,33 @@ TEST(SumMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
   EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMaxSum);
 }
 
-TEST(SumMemory, PairsAreReadTogetherWithTheWords) {
-  SumMemory sums(8);
-  sums.resize({16, 8, 8});
-  constexpr std::size_t kPlace = 9 * (3 + 9 * 4);
-  sums.storage(0)[3 + kPlace] = 100;
-  std::int64_t* const pairs = sums.pairs(0, 10);
-  ASSERT_NE(pairs, nullptr);
-  pairs[2 + kPlace] += -7 + 5 * (std::int64_t{1} << 32);  // voxels 2 and 3
-  pairs[7 + kPlace] += 1 - 3 * (std::int64_t{1} << 32);   // 7, and 8 that is the next block's first
-  constexpr std::size_t kRow = 8 * (3 + 8 * 4);
-  EXPECT_EQ(sum_at(sums, 8, 0, 2 + kRow), -7);
-  EXPECT_EQ(sum_at(sums, 8, 0, 3 + kRow), 105);
-  EXPECT_EQ(sum_at(sums, 8, 0, 7 + kRow), 1);
-  EXPECT_EQ(sum_at(sums, 8, 1, 0 + kRow), -3);
-}
+// Adds 5 to word 3 of block 0.
+class Later : public WaitingAdds {
+ public:
+  void add_to(SumMemory& sums) override { sums.storage(0)[3] += std::exchange(waits, 0); }
+  void forget() override { waits = 0; }
+  std::int64_t waits = 5;
+};
 
-TEST(SumMemory, PairsJoinTheWordsBeforeTheyAreFull) {
+TEST(SumMemory, WhatWaitsIsAddedBeforeWordsAreLookedAt) {
   SumMemory sums(8);
   sums.resize({8, 8, 8});
-  constexpr std::int64_t kMax = (std::int64_t{1} << 31) - 1, kBoth = 1 - (std::int64_t{1} << 32);
-  for (int i = 0; i < 5; ++i) {
-    std::int64_t* const pairs = sums.pairs(0, kMax);
-    ASSERT_NE(pairs, nullptr);
-    EXPECT_EQ(pairs[0], 0) << i;
-    pairs[0] += kMax * kBoth;
-    sums.moved(0, kMax);
-  }
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), 5 * kMax);
-  EXPECT_EQ(sum_at(sums, 8, 0, 1), -5 * kMax);
-  EXPECT_EQ(sums.pairs(0, kMax + 1), nullptr);
-  for (int i = 0; i < 4; ++i) {
-    sums.pairs(0, kMax)[0] += kMax * kBoth;
-    sums.moved(0, kMax);
-  }
-  EXPECT_EQ(sums.settle().words, 2u);
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), wire::kMaxSum);
-  EXPECT_EQ(sum_at(sums, 8, 0, 1), -wire::kMaxSum);
+  sums.waiting() = std::make_unique<Later>();
+  auto& later = static_cast<Later&>(*sums.waiting());
+  EXPECT_EQ(sum_at(sums, 8, 0, 3), 5);
+  EXPECT_EQ(sum_at(sums, 8, 0, 3), 5);
+  later.waits = wire::kMaxSum;
+  sums.moved(0, 5);
+  EXPECT_EQ(sums.settle().words, 0u);  // as far as the bounds tell
+  EXPECT_EQ(later.waits, wire::kMaxSum);
+  sums.moved(0, static_cast<std::uint64_t>(wire::kMaxSum));
+  EXPECT_EQ(sums.settle().words, 1u);
+  EXPECT_EQ(later.waits, 0);
+  EXPECT_EQ(sum_at(sums, 8, 0, 3), wire::kMaxSum);
+  later.waits = 7;
+  sums.clear();
+  EXPECT_EQ(later.waits, 0);
+  EXPECT_EQ(sum_at(sums, 8, 0, 3), 0);
 }
 
 class Sums : public testing::TestWithParam<v1::FidelityLevel> {
