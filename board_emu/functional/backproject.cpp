@@ -53,6 +53,7 @@ class Tiles {
       : blocks_(sums.blocks()),
         tile_{.across = static_cast<std::size_t>(sums.block_voxels()), .depth = depth(sums.block_voxels())} {
     const int bits = std::countr_zero(tile_.across) + wire::kPositionFractionBits;
+    slab_bits_ = std::countr_zero(slabs());
     shift_ = {bits, bits, std::countr_zero(tile_.depth) + wire::kPositionFractionBits};
   }
 
@@ -60,10 +61,8 @@ class Tiles {
   // Tiles of one height follow one another.
   std::size_t layer() const { return count_of(0) * count_of(1); }
   std::size_t layers() const { return count_of(2) * slabs(); }
-  std::size_t tile_at(const Point& at) const {
-    return static_cast<std::size_t>(at[0]) + count_of(0) * static_cast<std::size_t>(at[1]) +
-           layer() * static_cast<std::size_t>(at[2]);
-  }
+  std::size_t tile_at(const Point& at) const { return index(at, at[2]); }
+  std::size_t block_at(const Point& at) const { return index(at, at[2] >> slab_bits_); }  // without a division
   std::size_t block_of(std::size_t tile) const { return tile % layer() + layer() * (tile / layer() / slabs()); }
   // Which of its block's tiles it is.
   std::size_t slab_of(std::size_t tile) const { return tile / layer() % slabs(); }
@@ -83,11 +82,16 @@ class Tiles {
     return std::clamp<std::size_t>((std::size_t{1} << 13) / (n * n), 1, n);
   }
   std::size_t count_of(std::size_t axis) const { return static_cast<std::size_t>(blocks_[axis]); }
+  std::size_t index(const Point& at, std::int32_t z) const {
+    return static_cast<std::size_t>(at[0]) +
+           count_of(0) * (static_cast<std::size_t>(at[1]) + count_of(1) * static_cast<std::size_t>(z));
+  }
   std::size_t slabs() const { return tile_.across / tile_.depth; }  // of a block
 
   std::array<int, 3> blocks_;
   Tile tile_;
   std::array<int, 3> shift_{};
+  int slab_bits_ = 0;
 };
 
 // Calls part(tile, first, count) for the samples of a ray, `left` of which lie in the volume, tile by tile. `below`: bits of the words
@@ -107,7 +111,7 @@ void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std:
   for (std::size_t axis = 0; axis < 3; ++axis) enter(axis, 0);
   for (std::int32_t first = 0; first < left;) {
     const std::int32_t end = std::min({until[0], until[1], until[2]});
-    part(tiles.tile_at(tile), first, end - first);
+    part(tile, first, end - first);
     for (std::size_t axis = 0; axis < 3 && end < left; ++axis) {
       if (until[axis] == end) enter(axis, end);
     }
@@ -147,9 +151,9 @@ void take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& 
                                               static_cast<std::uint32_t>(packet.colour_word()), frame.step);
   const std::size_t index = out.rays.size();
   out.rays.push_back({ray.position, ray.step, amount, static_cast<std::uint32_t>(moves)});
-  const auto part = [&](std::size_t tile, std::int32_t first, std::int32_t count) {
-    out.moves[tiles.block_of(tile)] += moves;
-    std::vector<Part>& parts = out.parts[tile];
+  const auto part = [&](const Point& tile, std::int32_t first, std::int32_t count) {
+    out.moves[tiles.block_at(tile)] += moves;
+    std::vector<Part>& parts = out.parts[tiles.tile_at(tile)];
     if (parts.size() == parts.capacity()) parts.reserve(parts.size() + parts.size() / 4 + 16);  // memory is counted
     parts.emplace_back(index, first, count);
     ++out.parts_count;
@@ -198,7 +202,10 @@ class Cells {
     const std::size_t row = tiles_.tile().across + 1;
     std::uint64_t moved = 0;  // a cell's word or a voxel's sum by at most
     for (const Cut& cut : cuts) {
-      for (const Part& part : cut.parts[tile]) {
+      const std::vector<Part>& parts = cut.parts[tile];
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Part& part = parts[i];
+        __builtin_prefetch(&cut.rays[parts[std::min(i + kAhead, parts.size() - 1)].ray()]);
         const std::uint64_t moves = cut.rays[part.ray()].moves;
         const bool is_full = moved + moves > kMax;
         if (is_full || count_ == pieces_.size()) splat_pieces();
@@ -216,6 +223,7 @@ class Cells {
   }
 
  private:
+  static constexpr std::size_t kAhead = 16;  // chosen: rays come from the host's memory meanwhile
   static constexpr std::size_t kLine = 16;  // words of the host's cache
   struct alignas(kLine * sizeof(std::int32_t)) Line {
     std::array<std::int32_t, kLine> words{};
@@ -238,7 +246,7 @@ class WaitingRays : public WaitingAdds {
     SumMemory& sums = *frame.sums;
     const Tiles tiles(sums);
     threads_ = std::max(threads, 1u);
-    constexpr std::size_t kMinRays = 16;  // chosen: a thread costs as much as some dozen rays
+    constexpr std::size_t kMinRays = 2048;  // chosen: a thread costs as much as some hundred rays
     const std::size_t parts = std::clamp<std::size_t>(rays.size() / kMinRays, 1, threads_);
     if (cuts_.size() < parts) cuts_.resize(parts);
     for (Cut& cut : cuts_) {

@@ -103,20 +103,16 @@ struct Places {
 
 constexpr std::size_t kMaxLanes = 8, kMaxAcross = 64;
 
-// Adds each sample's eight shares, which stand together, to its cell.
+// Adds a sample's eight shares to its cell.
 template <typename Share>
-HWY_INLINE void add_to_cells(const std::int32_t* words, const Share* shares, std::size_t count, std::int32_t* cells) {
+HWY_INLINE void add_to_cell(const Share* shares, std::int32_t* cell) {
   const D d;
-  HWY_UNROLL(2)
-  for (std::size_t i = 0; i < count; ++i) {
-    std::int32_t* const cell = cells + words[i];
-    for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
-      const auto share = hn::Load(hn::Rebind<Share, D>(), shares + 8 * i + k);
-      if constexpr (sizeof(Share) == 2) {
-        hn::Store(hn::Add(hn::Load(d, cell + k), hn::PromoteTo(d, share)), d, cell + k);
-      } else {
-        hn::Store(hn::Add(hn::Load(d, cell + k), share), d, cell + k);
-      }
+  for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+    const auto share = hn::Load(hn::Rebind<Share, D>(), shares + k);
+    if constexpr (sizeof(Share) == 2) {
+      hn::Store(hn::Add(hn::Load(d, cell + k), hn::PromoteTo(d, share)), d, cell + k);
+    } else {
+      hn::Store(hn::Add(hn::Load(d, cell + k), share), d, cell + k);
     }
   }
 }
@@ -142,7 +138,9 @@ HWY_INLINE void splat_words(const Piece& piece, int across_bits, std::int32_t* c
       std::copy_n(low.data() + 4 * i, 4, parts.data() + 8 * i);
       std::copy_n(high.data() + 4 * i, 4, parts.data() + 8 * i + 4);
     }
-    add_to_cells(words.data(), parts.data(), std::min(lanes, piece.count - done), cells);
+    for (std::size_t i = 0; i < std::min(lanes, piece.count - done); ++i) {
+      add_to_cell(parts.data() + 8 * i, cells + words[i]);
+    }
   }
 }
 
@@ -178,11 +176,7 @@ class Samples {
     const std::size_t lanes = hn::Lanes(d);
     for (std::size_t i = count_; i < count_ + 2 * lanes; ++i) words_[i] = z_and_amount_[i] = 0;  // samples of no amount
     for (std::size_t i = 0; i < count_; i += 2 * lanes) {
-      alignas(32) std::array<std::int32_t, 2 * kMaxLanes> words;
       alignas(32) std::array<std::int32_t, 8 * kMaxLanes> parts;  // two shares each
-      const V one = hn::Load(d, words_.data() + i), other = hn::Load(d, words_.data() + i + lanes);
-      hn::Store(hn::InterleaveLower(d, one, other), d, words.data());
-      hn::Store(hn::InterleaveUpper(d, one, other), d, words.data() + lanes);
       const Halves xy(xy_.data() + i), z_and_amount(z_and_amount_.data() + i);
       const auto shares = spread_lanes(z_and_amount.upper, std::array{xy.lower, xy.upper, z_and_amount.lower});
       const auto lower = [&](std::size_t k) {
@@ -193,7 +187,13 @@ class Samples {
       };
       hn::StoreInterleaved4(lower(0), lower(1), lower(2), lower(3), d, parts.data());
       hn::StoreInterleaved4(upper(0), upper(1), upper(2), upper(3), d, parts.data() + 4 * lanes);
-      add_to_cells(words.data(), reinterpret_cast<const std::int16_t*>(parts.data()), 2 * lanes, cells);
+      // Interleaving works in blocks of four lanes, and so puts the samples into this order.
+      const auto* const share = reinterpret_cast<const std::int16_t*>(parts.data());
+      HWY_UNROLL(16)
+      for (std::size_t k = 0; k < 2 * lanes; ++k) {
+        const std::size_t sample = k % lanes / 4 * 4 + k % 4 / 2 + 2 * (k / lanes) + k % 2 * lanes;
+        add_to_cell(share + 8 * k, cells + words_[i + sample]);
+      }
     }
     count_ = 0;
   }

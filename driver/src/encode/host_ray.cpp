@@ -49,9 +49,7 @@ void check_direction(const HostRay& ray, std::size_t index) {
   if (ray.direction == Vec3{}) throw BadArgument(fmt::format("rays[{}].direction", index), "any length but 0", "0");
 }
 
-std::uint64_t length_word(const HostRay& ray) {
-  return static_cast<std::uint64_t>(std::llround(ray.length * kLengthOne));
-}
+std::uint64_t length_word(const HostRay& ray) { return wire::to_nearest(ray.length * kLengthOne); }
 
 std::uint64_t colour_word(const HostRay& ray, const RaySetup& setup) {
   if (is_segment(setup.request.type)) return length_word(ray);
@@ -83,6 +81,9 @@ double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
 
 void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   const auto name = [index] { return fmt::format("rays[{}].energy", index); };
+  // A step is no longer than asked for; most rays are far from the limit.
+  const double longest = setup.sampling.step * std::max({setup.spacing.x, setup.spacing.y, setup.spacing.z});
+  if (leaves_sums(setup) && std::abs(ray.energy) * longest < wire::kMaxAmount / 2 * setup.energy_unit) return;
   expect_finite(name, ray.energy);
   const double units = units_of_a_step(ray, setup), min_units = leaves_sums(setup) ? -wire::kMaxAmount : 0;
   if (units >= min_units && units <= wire::kMaxAmount) return;
@@ -120,9 +121,7 @@ std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims) {
   return part;
 }
 
-std::uint32_t step_word(const View& view) {
-  return static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne));
-}
+std::uint32_t step_word(const View& view) { return wire::to_nearest(view.step * wire::kStepOne); }
 
 void check(const RayRequest& request) {
   const bool is_type = request.type >= RayType::kIntegrate && request.type <= RayType::kBackproject;
@@ -185,7 +184,9 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
   if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
   packet.set_colour_word(colour_word(ray, setup));
   if (setup.request.type == RayType::kBackproject) {
-    packet.opacity = static_cast<std::uint32_t>(std::llround(units_of_a_step(ray, setup))) & wire::kOpacityOne;
+    const double units = units_of_a_step(ray, setup);
+    const std::uint32_t size = wire::to_nearest(std::abs(units));
+    packet.opacity = (units < 0 ? 0 - size : size) & wire::kOpacityOne;
   }
   if (setup.request.type != RayType::kDeposit) return packet;
   packet.flags |= wire::kLightingRay;
