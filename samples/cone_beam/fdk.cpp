@@ -71,20 +71,31 @@ std::vector<double> finer_view(const std::vector<double>& pixels, std::size_t co
   return out;
 }
 
+// Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume; without the slant.
+double density_scale(const ConeGeometry& geometry, double arc, int fine) {
+  const Vec3 edge = geometry.volume.spacing;
+  const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
+  const double area = geometry.detector.pitch_u * geometry.detector.pitch_v * at_axis * at_axis / (fine * fine);
+  return arc * area / (edge.x * edge.y * edge.z);
+}
+
+// That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more memory than the volume.
+double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter, int fine) {
+  const auto [least, most] = std::ranges::minmax(projections.values);
+  constexpr double kCubics = 1.25 * 1.25;  // by which the cubics of finer_view() can overshoot
+  const double value = std::max(std::abs(double{least}), std::abs(double{most})) * filter.gain();
+  return value * density_scale(geometry, std::ranges::max(arc_weights(geometry)), fine) * (fine > 1 ? kCubics : 1);
+}
+
 Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
-                                     const ViewDensities& filtered, const Progress& progress) {
+                                     const ViewDensities& filtered, double max_density, const Progress& progress) {
   const std::size_t views = geometry.angles.size();
-  // Filtered twice, since all views together would take more memory than the volume.
-  std::vector<double> max_of(views);
-  parallel_for(views, 0, [&](std::size_t view) {
-    for (const double value : filtered(view)) max_of[view] = std::max(max_of[view], std::abs(value));
-  });
   Reconstruction out;
   const auto told_and_filtered = [&](std::size_t view) {
     if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
     return filtered(view);
   };
-  out.values = backproject(board, geometry, geometry.angles, {settings.rays, settings.step, std::ranges::max(max_of)},
+  out.values = backproject(board, geometry, geometry.angles, {settings.rays, settings.step, max_density},
                            told_and_filtered, out);
   return out;
 }
@@ -118,15 +129,24 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<float>(parts[axis]);
     const auto length = static_cast<std::size_t>(dims[axis]), run = stride * length;
-    parallel_for(values.size() / run, 0, [&, stride](std::size_t piece) {
-      float* const first = values.data() + piece * run;
-      for (std::size_t lane = 0; lane < stride; ++lane) {
-        float before = first[lane];
-        for (std::size_t i = 0; i < length; ++i) {
-          float& value = first[lane + i * stride];
-          const float here = value, behind = i + 1 < length ? first[lane + (i + 1) * stride] : here;
-          value = (1 + 2 * a) * here - a * (before + behind);
-          before = here;
+    if (a == 0) {
+      stride = run;
+      continue;
+    }
+    // Runs of at most so many lanes side by side, as they stand in memory [chosen].
+    constexpr std::size_t kLanes = 256;
+    const std::size_t runs = (stride + kLanes - 1) / kLanes;
+    parallel_for(values.size() / run * runs, 0, [&, stride](std::size_t piece) {
+      const std::size_t lane = piece % runs * kLanes, lanes = std::min(kLanes, stride - lane);
+      float* row = values.data() + piece / runs * run + lane;
+      std::array<float, kLanes> before;
+      std::copy_n(row, lanes, before.data());
+      for (std::size_t i = 0; i < length; ++i, row += stride) {
+        const float* const behind = i + 1 < length ? row + stride : row;
+        for (std::size_t k = 0; k < lanes; ++k) {
+          const float here = row[k];
+          row[k] = (1 + 2 * a) * here - a * (before[k] + behind[k]);
+          before[k] = here;
         }
       }
     });
@@ -142,7 +162,7 @@ RampFilter ramp_filter(const ConeGeometry& geometry, Window window) {
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
                                   const RampFilter& filter, int fine) {
   const Detector& detector = geometry.detector;
-  const double distance = geometry.source_to_detector, at_axis = geometry.source_to_axis / distance;
+  const double distance = geometry.source_to_detector;
   const double arc = arc_weights(geometry)[view];
   const bool is_short = is_short_scan(geometry);
   const double after = geometry.angles[view] - geometry.angles.front();
@@ -162,10 +182,7 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
     filter.apply(row.data(), pixels.data() + static_cast<std::size_t>(j) * columns);
   }
   std::vector<double> out = finer_view(pixels, columns, fine);
-  // Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume.
-  const Vec3 edge = geometry.volume.spacing;
-  const double area = detector.pitch_u * detector.pitch_v * at_axis * at_axis / (fine * fine);
-  const double scale = arc * area / (edge.x * edge.y * edge.z);
+  const double scale = density_scale(geometry, arc, fine);
   double* value = out.data();
   for_each_ray(detector, fine, [&](double u, double v) {
     *value++ *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
@@ -189,9 +206,11 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
     return filtered_view(projections, geometry, view, filter, settings.rays);
   };
   const bool in_sums = settings.accumulator == Accumulator::kSums;
-  Reconstruction out =
-      (in_sums ? backproject_into_sums : backproject_into_irradiance)(board, geometry, settings, filtered, progress);
-  if (settings.normalise) normalise(out, board, geometry, settings);
+  Reconstruction out = in_sums
+                           ? backproject_into_sums(board, geometry, settings, filtered,
+                                                   max_density(projections, geometry, filter, settings.rays), progress)
+                           : backproject_into_irradiance(board, geometry, settings, filtered, progress);
+  if (settings.normalise) normalise(out, geometry, settings);
   sharpen(out.values, dims, sharpening_of(settings, geometry));
   out.board_time = board.now() - begin;
   if (progress) progress(static_cast<std::uint32_t>(views), static_cast<std::uint32_t>(views));

@@ -22,6 +22,8 @@ class RampFilter {
   RampFilter(int samples, double pitch, Window window);
   // Both of `samples` values.
   void apply(const double* row, double* out) const;
+  // The most that values of at most 1 become.
+  double gain() const;
 
  private:
   int samples_;
@@ -58,7 +60,7 @@ struct FdkSettings {
   double step = 1;  // 1/64..16 voxels between deposits
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting; nothing: sharpening_of().
   std::optional<double> sharpen{};
-  // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise()).
+  // Whether the ripples of rows of rays that lie unevenly against voxels are divided out (normalise()).
   bool normalise = true;
   Accumulator accumulator = Accumulator::kSums;
   int read_every = 8;  // kIrradiance: views, at least 1, after which the words are read back and cleared
@@ -93,11 +95,10 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
 Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
                                            const ViewDensities& filtered, const Progress& progress);
 
-// Rays that lie unevenly against voxels leave ripples, the same in all views along the axis of rotation. Sends all rays again, each
-// with what would make a volume of ones, and divides the values by what that left over what it should have: only voxels that every
-// view sees whole, since the others have less for another reason. `settings` have their rays. Adds its rays and deposits to the
-// counts. Clears the sums.
-void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings);
+// Rows of rays that lie unevenly against voxels leave ripples along the axis of rotation, which all views have in common. Divides the
+// values by what an even volume's rays would leave over what they should, as the geometry alone tells: only voxels that every view
+// sees whole, since the others have less for another reason. `settings` have their rays.
+void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSettings& settings);
 
 // Loads an empty volume of geometry.volume's dims into the board, and leaves the sums there.
 // Throws BadArgument (geometry, projections, settings), what the board throws.

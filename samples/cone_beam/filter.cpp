@@ -80,6 +80,15 @@ void RampFilter::apply(const double* row, double* out) const {
   std::copy_n(time.get(), samples_, out);
 }
 
+double RampFilter::gain() const {
+  std::vector<double> first(static_cast<std::size_t>(samples_)), out(first.size());
+  first[0] = 1;
+  apply(first.data(), out.data());
+  double sum = -std::abs(out[0]);  // of both sides
+  for (const double value : out) sum += 2 * std::abs(value);
+  return sum;
+}
+
 double arc_of(const ConeGeometry& geometry) {
   const auto& angles = geometry.angles;
   return (angles.back() - angles.front()) * static_cast<double>(angles.size()) / static_cast<double>(angles.size() - 1);

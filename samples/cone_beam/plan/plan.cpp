@@ -54,7 +54,6 @@ SlabError error_of(const Grid& grid, const std::vector<float>& values, const std
 FdkSettings with(const FdkPlanPoint& point, FdkSettings settings) {
   settings.rays = point.rays;
   settings.step = point.step;
-  settings.normalise = point.normalise;
   return settings;
 }
 
@@ -80,7 +79,7 @@ struct Planner {
     plan.views = geometry.angles.size();
     plan.slices = slab.geometry.volume.dims[2];
     plan.field = field_seen(geometry);
-    plan.finest = {1, std::min(rays_of(asked, geometry) + 1, 4), kFinestStep, true};
+    plan.finest = {1, std::min(rays_of(asked, geometry) + 1, 4), kFinestStep};
     best = pilot(plan.finest);
     predict(plan.finest);
     for (const FdkPlanPoint& one : coarser_ones()) tried(one);
@@ -120,7 +119,6 @@ struct Planner {
     for (const int every : strides_of(geometry, kMaxEvery)) add(&FdkPlanPoint::every, every);
     for (int rays = plan.finest.rays - 1; rays >= 1; --rays) add(&FdkPlanPoint::rays, rays);
     for (const double step : kSteps) add(&FdkPlanPoint::step, step);
-    add(&FdkPlanPoint::normalise, false);
     return out;
   }
 
@@ -150,9 +148,8 @@ struct Planner {
   void predict(FdkPlanPoint& point) {
     const Costs& each = costs(point.rays, point.step);
     const auto views = static_cast<double>(some_views(geometry, point.every).angles.size());
-    const double twice = point.normalise ? 2 : 1;
-    point.deposits = twice * views * each.deposits;
-    point.time = static_cast<Picoseconds>(twice * (views * each.view + each.rest));
+    point.deposits = views * each.deposits;
+    point.time = static_cast<Picoseconds>(views * each.view + each.rest);
   }
 
   // Together, as the errors of each alone would add up if they knew nothing of each other.
@@ -173,7 +170,6 @@ struct Planner {
     add(&FdkPlanPoint::every);
     add(&FdkPlanPoint::rays);
     add(&FdkPlanPoint::step);
-    add(&FdkPlanPoint::normalise);
     for (FdkPlanPoint& point : all) predict(point);
     return all;
   }
@@ -204,8 +200,7 @@ struct Planner {
   // In how many ways it is coarser than the finest setting; those that are so in one have been tried.
   int coarser_ways(const FdkPlanPoint& point) const {
     const FdkPlanPoint& finest = plan.finest;
-    return (point.every != finest.every) + (point.rays != finest.rays) + (point.step != finest.step) +
-           (point.normalise != finest.normalise);
+    return (point.every != finest.every) + (point.rays != finest.rays) + (point.step != finest.step);
   }
 
   void choose_within_time(const std::vector<FdkPlanPoint>& all) {
@@ -227,8 +222,7 @@ FdkSettings FdkPlan::settings(const FdkSettings& original) const { return with(c
 
 std::vector<std::string> FdkPlan::explain() const {
   const auto words = [](const FdkPlanPoint& point) {
-    return fmt::format("{} x {} rays per pixel, step {:g}, ripples {}", point.rays, point.rays, point.step,
-                       point.normalise ? "divided out" : "left");
+    return fmt::format("{} x {} rays per pixel, step {:g}", point.rays, point.rays, point.step);
   };
   constexpr const char* kFinest = "the finest setting";
   const auto every = static_cast<std::size_t>(chosen.every);

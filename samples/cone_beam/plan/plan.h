@@ -1,8 +1,8 @@
-// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays a pixel, their
-// step, and whether ripples are divided out.
+// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays a pixel and
+// their step.
 //
 // A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray a pixel along
-// each axis more than asked for, half a voxel, ripples divided out) is compared with others: first each coarser one alone, then
+// each axis more than asked for, half a voxel) is compared with others: first each coarser one alone, then
 // combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell what settings cost in the whole volume. "Error" is the
 // root of the mean square difference over that of the finest setting's values, of the voxels that all views see.
 #pragma once
@@ -20,7 +20,6 @@ struct FdkPlanPoint {
   int every = 1;  // which views: each so many'th
   int rays = 1;
   double step = 1;
-  bool normalise = false;
   double error = 0, error_bound = 0;  // as found in the pilot; see plan.cpp
   double deposits = 0;                // predicted, of the whole volume
   Picoseconds time = 0;               // predicted, of the board

@@ -89,9 +89,13 @@ Json algebraic_json(const AlgebraicSettings& settings) {
 }
 
 Json point_json(const FdkPlanPoint& point) {
-  return {{"every", point.every},         {"rays", point.rays},           {"step", point.step},
-          {"normalise", point.normalise}, {"error", point.error},         {"error_bound", point.error_bound},
-          {"deposits", point.deposits},   {"board_ms", to_ms(point.time)}};
+  return {{"every", point.every},
+          {"rays", point.rays},
+          {"step", point.step},
+          {"error", point.error},
+          {"error_bound", point.error_bound},
+          {"deposits", point.deposits},
+          {"board_ms", to_ms(point.time)}};
 }
 
 Json plan_json(const FdkPlan& plan) {
@@ -189,7 +193,7 @@ void check(const CLI::App& app, ReconstructOptions& options) {
     if (!options.fdk()) {
       throw UsageError("--method: expected fdk with --max-error and --time-budget, got " + options.method);
     }
-    for (const char* chosen : {"--rays", "--step", "--normalise"}) refuse_with_plan(app, chosen);
+    for (const char* chosen : {"--rays", "--step"}) refuse_with_plan(app, chosen);
   }
   check_outputs({{"--output", options.output}, {"--stats", options.board.stats}, options.slices.output()});
 }
@@ -251,7 +255,7 @@ void add_fdk(CLI::App& app, FdkSettings& fdk) {
              "against the blur of splatting: what a voxel takes from each neighbour (by pixels and rays)")
       ->check(CLI::Range(0.0, 0.25));
   group.flag("--normalise,!--no-normalise", fdk.normalise,
-             "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)");
+             "divide out the ripples of rows of rays that lie unevenly against voxels (on)");
   group.choice("--accumulator", fdk.accumulator, kAccumulators,
                "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
   group.number("--read-every", fdk.read_every, CLI::Range(1, 100'000), "views, with --accumulator irradiance");

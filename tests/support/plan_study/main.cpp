@@ -127,7 +127,7 @@ void run_radiosity(const Options& options) {
 
 void run_fdk(const Options& options) {
   fmt::print(
-      "| scan | target % | views | rays per pixel | step | normalised | error % | predicted | bound | deposits saved, "
+      "| scan | target % | views | rays per pixel | step | error % | predicted | bound | deposits saved, "
       "times | "
       "error against the phantom % | of the finest | plan, host s | planned | finest |\n");
   for (const FdkScan& scan : fdk_scans()) {
@@ -137,18 +137,18 @@ void run_fdk(const Options& options) {
     const auto& plan = outcome.plan;
     const auto every = static_cast<std::size_t>(plan.chosen.every);
     fmt::print(
-        "| {} | {:g} | {} of {} | {} | {:g} | {} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | "
+        "| {} | {:g} | {} of {} | {} | {:g} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | "
         "{:.1f} | {:.1f} |\n",
         scan.name, 100 * scan.max_error, (plan.views + every - 1) / every, plan.views, plan.chosen.rays,
-        plan.chosen.step, plan.chosen.normalise ? "yes" : "no", 100 * outcome.error, 100 * plan.chosen.error,
-        100 * plan.chosen.error_bound, outcome.finest_deposits / outcome.deposits, 100 * outcome.truth,
-        100 * outcome.finest_truth, plan.host_seconds, outcome.host_seconds, outcome.finest_seconds);
+        plan.chosen.step, 100 * outcome.error, 100 * plan.chosen.error, 100 * plan.chosen.error_bound,
+        outcome.finest_deposits / outcome.deposits, 100 * outcome.truth, 100 * outcome.finest_truth, plan.host_seconds,
+        outcome.host_seconds, outcome.finest_seconds);
     std::fflush(stdout);
     if (!options.explain) continue;
     for (const std::string& line : plan.explain()) fmt::print("    {}\n", line);
     for (const auto& point : plan.points) {
-      fmt::print("    every {} rays {} step {:g} {}: error {:.2f}%, bound {:.2f}%\n", point.every, point.rays,
-                 point.step, point.normalise ? "normalised" : "plain", 100 * point.error, 100 * point.error_bound);
+      fmt::print("    every {} rays {} step {:g}: error {:.2f}%, bound {:.2f}%\n", point.every, point.rays,
+                 point.step, 100 * point.error, 100 * point.error_bound);
     }
   }
 }
