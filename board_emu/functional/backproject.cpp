@@ -224,7 +224,7 @@ class Cells {
 
  private:
   static constexpr std::size_t kAhead = 16;  // chosen: rays come from the host's memory meanwhile
-  static constexpr std::size_t kLine = 16;  // words of the host's cache
+  static constexpr std::size_t kLine = 16;   // words of the host's cache
   struct alignas(kLine * sizeof(std::int32_t)) Line {
     std::array<std::int32_t, kLine> words{};
   };
@@ -279,6 +279,10 @@ class WaitingRays : public WaitingAdds {
         for (std::size_t tile = next++; tile < (layer + 1) * tiles.layer(); tile = next++) cells.add(tile, cuts_, sums);
       });
     }
+    forget();
+  }
+
+  void forget() override {
     for (Cut& cut : cuts_) {
       for (std::vector<Part>& parts : cut.parts) parts.clear();
       cut.rays.clear();
@@ -286,8 +290,6 @@ class WaitingRays : public WaitingAdds {
       cut.parts_count = 0;
     }
   }
-
-  void forget() override { cuts_.clear(); }
 
  private:
   std::vector<Cut> cuts_;  // of each thread

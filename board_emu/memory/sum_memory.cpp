@@ -15,6 +15,14 @@ void SumMemory::resize(const std::array<int, 3>& size) {
   bounds_.assign(count, 0);
 }
 
+void SumMemory::clear() {
+  if (waiting_ != nullptr) waiting_->forget();
+  for (const Words& words : blocks_words_) {
+    if (words != nullptr) std::fill_n(words.get(), voxels_and_faces(), 0);
+  }
+  bounds_.assign(bounds_.size(), 0);
+}
+
 void SumMemory::finish() {
   if (waiting_ != nullptr) waiting_->add_to(*this);
 }
@@ -175,13 +183,18 @@ void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
   finish();
   const std::size_t count = out.size() / 9 * 2;
   const std::uint64_t first = offset / 9 * 2, of_block = block_bytes() / 9 * 2;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto block = static_cast<std::size_t>((first + i) / of_block);
-    const auto word = static_cast<int>((first + i) % of_block);
-    const int x = word % n_, y = word / n_ % n_, z = word / (n_ * n_);
-    const bool near_face = x == 0 || y == 0 || z == 0;
-    const std::int64_t sum = near_face ? value(block, x, y, z) : part(block, index(x, y, z));
-    wire::store36(out, i, static_cast<std::uint64_t>(sum) & ((std::uint64_t{1} << wire::kVoxelBits) - 1));
+  const auto n = static_cast<std::size_t>(n_);
+  std::size_t block = static_cast<std::size_t>(first / of_block), word = static_cast<std::size_t>(first % of_block);
+  for (std::size_t i = 0; i < count;) {  // by rows of a block
+    const auto y = static_cast<int>(word / n % n), z = static_cast<int>(word / (n * n));
+    const std::int64_t* const own = y > 0 && z > 0 ? blocks_words_[block].get() : nullptr;
+    const std::size_t row = index(0, y, z);
+    for (std::size_t x = word % n; x < n && i < count; ++x, ++i, ++word) {
+      const bool is_alone = own != nullptr && x > 0;
+      const std::int64_t sum = is_alone ? own[row + x] : value(block, static_cast<int>(x), y, z);
+      wire::store36(out, i, static_cast<std::uint64_t>(sum) & ((std::uint64_t{1} << wire::kVoxelBits) - 1));
+    }
+    if (word == of_block) word = 0, ++block;
   }
 }
 

@@ -47,7 +47,7 @@ class SumMemory : public Blocked {
   explicit SumMemory(int block_voxels) : Blocked(block_voxels) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
-  void clear() { resize(size_); }
+  void clear();                                 // zeros everywhere; blocks keep their memory
   std::size_t block_count() const { return blocks_words_.size(); }
 
   // The blocks that words of the deposit's shares belong to.

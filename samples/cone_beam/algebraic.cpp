@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -44,7 +45,7 @@ struct Loop {
   const Projections& projections;
   const AlgebraicSettings& settings;
   std::vector<std::vector<std::size_t>> subsets = view_subsets(geometry.angles.size(), settings);
-  std::vector<std::vector<float>> known_weights{subsets.size()};  // of subsets, once they are known
+  std::vector<std::vector<float>> known_steps{subsets.size()};  // of subsets, once they are known
   Reconstruction out{.values = std::vector<float>(voxel_count(geometry.volume.dims))};
 
   Reconstruction run(const Progress& progress) {
@@ -153,29 +154,33 @@ struct Loop {
         [&](std::size_t i) { return densities[i]; }, out);
   }
 
-  void move(std::size_t subset, const std::vector<float>& corrections) {
-    std::vector<float> weights = std::move(known_weights[subset]);
-    if (weights.empty()) {  // what a density of one on all rays leaves
-      Densities ones;
-      for (const std::size_t view : subsets[subset]) {
-        for (double& value : ones.emplace_back(lengths_of(view))) value = value > 0 ? 1 : 0;
-      }
-      weights = backproject(subsets[subset], ones);
+  // What a correction is multiplied by: the relaxation over the splatted weights, 0 where rays say nothing of a voxel.
+  std::vector<float> steps_of(const std::vector<std::size_t>& views) {
+    Densities ones;  // what a density of one on all rays leaves
+    for (const std::size_t view : views) {
+      for (double& value : ones.emplace_back(lengths_of(view))) value = value > 0 ? 1 : 0;
     }
-    constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight: below it rays say nothing of a voxel
-    const float least = kLeast * std::ranges::max(weights);
+    std::vector<float> steps = backproject(views, ones);
+    constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight
+    const float least = kLeast * std::ranges::max(steps);
     const auto relaxation = static_cast<float>(settings.relaxation);
+    for (float& weight : steps) weight = weight <= least ? 0 : relaxation / weight;
+    return steps;
+  }
+
+  void move(std::size_t subset, const std::vector<float>& corrections) {
+    std::vector<float> steps = std::move(known_steps[subset]);
+    if (steps.empty()) steps = steps_of(subsets[subset]);
+    const float floor = settings.non_negative ? 0 : std::numeric_limits<float>::lowest();
     constexpr std::size_t kPart = 1 << 16;
-    parallel_for((weights.size() + kPart - 1) / kPart, 0, [&](std::size_t part) {
-      for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
-        if (weights[i] <= least) continue;
-        float& value = out.values[i];
-        value += relaxation * corrections[i] / weights[i];
-        if (settings.non_negative) value = std::max(value, 0.0F);
+    parallel_for_runs(steps.size(), kPart, 0, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const float moved = out.values[i] + corrections[i] * steps[i];
+        out.values[i] = std::max(moved, floor);
       }
     });
     constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
-    if (subsets.size() * weights.size() * sizeof(float) <= kMaxBytes) known_weights[subset] = std::move(weights);
+    if (subsets.size() * steps.size() * sizeof(float) <= kMaxBytes) known_steps[subset] = std::move(steps);
   }
 };
 

@@ -197,7 +197,7 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
   settings.rays = rays_of(asked, geometry);
   const Dims dims = geometry.volume.dims;
   const std::vector<std::byte> nothing(voxel_count(dims));
-  board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing});
+  board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing, .find_gradients = false});
   const Picoseconds begin = board.now();
 
   const RampFilter filter = ramp_filter(geometry, settings.window);

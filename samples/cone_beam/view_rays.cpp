@@ -54,14 +54,13 @@ void load_values(Board& board, const Grid& grid, std::span<const float> values) 
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  if (low == high) high = low + 1;                    // nothing anywhere
-  const std::vector<float> no_gradients(3 * voxels);  // finding them would take longer than all else here
+  if (low == high) high = low + 1;  // nothing anywhere
   board.load_volume({.samples = std::as_bytes(values),
                      .type = SampleType::kFloat32,
                      .dims = grid.dims,
                      .spacing = grid.spacing,
                      .range = ValueRange{low, high},
-                     .gradients = no_gradients});
+                     .find_gradients = false});
 }
 
 std::uint64_t project_views(Board& board, const ConeGeometry& geometry, std::span<const double> angles, double step,

@@ -98,8 +98,8 @@ class Words {
   void read(const VoxelBox& box, const auto& take) {
     for_each_block(box, blocks_, n_, [&](const BlockPart& part) {
       const std::vector<std::uint8_t> bytes = read(part);
-      for_each_index(part.part, box, part.planes, [&](std::size_t index, std::size_t word) {
-        take(index, bits() == 32 ? wire::load<std::uint32_t>(bytes, 4 * word) : wire::load36(bytes, word));
+      for_each_index(part.part, box, part.planes, [&, is_32 = bits() == 32](std::size_t index, std::size_t word) {
+        take(index, is_32 ? wire::load<std::uint32_t>(bytes, 4 * word) : wire::load36(bytes, word));
       });
     });
   }

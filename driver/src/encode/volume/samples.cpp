@@ -69,7 +69,18 @@ void check_gradients_and_tags(const VolumeView& view) {
 
 std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, ValueRange range) {
   std::vector<std::uint16_t> densities(count);
-  for (std::size_t i = 0; i < count; ++i) densities[i] = to_density(samples[i], range);
+  const double halves = 2 * wire::kDensityMax / (range.high - range.low);
+  for (std::size_t i = 0; i < count; ++i) {
+    // Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded otherwise.
+    constexpr double kNear = 1e-6;
+    const double value = samples[i], twice = (value - range.low) * halves;
+    if (twice == 0) continue;
+    const bool inside = twice > 0 && twice < 2 * wire::kDensityMax;
+    const int whole = inside ? static_cast<int>(twice) : 0;
+    const double rest = twice - whole;
+    const bool is_safe = inside && rest > kNear && rest < 1 - kNear;
+    densities[i] = is_safe ? static_cast<std::uint16_t>((whole + 1) / 2) : to_density(value, range);
+  }
   return densities;
 }
 
