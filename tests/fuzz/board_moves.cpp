@@ -1,6 +1,6 @@
 #include "board_moves.h"
 
-#include "gicube/wire/command.h"
+#include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
@@ -199,6 +199,31 @@ std::vector<std::uint8_t> rays(Input& input, wire::Opcode opcode) {
   return payload;
 }
 
+// Rays of another card, of which some could go on.
+std::vector<std::uint8_t> given_rays(Input& input) {
+  wire::GiveRaysHeader header{.rays = input.below(4), .of = static_cast<wire::RaysOf>(input.u8() % 4)};
+  header.trace.type = static_cast<wire::RayType>(input.u8() % 8);
+  header.trace.rules = static_cast<wire::EnergyRules>(input.u8() % 3);
+  std::vector<std::uint8_t> payload = wire::encoded(header);
+  for (std::uint32_t i = 0; i < header.rays; ++i) {
+    std::vector<std::uint8_t> record = input.bytes(wire::kForwardedRayBytes);
+    record.resize(wire::kForwardedRayBytes);
+    auto ray = wire::decode<wire::ForwardedRay>(record);
+    if (input.u8() != 255) {
+      ray.block %= 8;
+      for (std::int32_t& coordinate : ray.position) coordinate &= 8 * wire::kVoxel - 1;
+      ray.opacity &= wire::kOpacityOne;
+      ray.generation &= 15;
+      ray.under_way &= 1;
+      ray.trapped &= 1;
+      for (std::uint16_t& colour : ray.colour) colour &= wire::kColourOne;
+      ray.wide = {};
+    }
+    wire::append(payload, ray);
+  }
+  return payload;
+}
+
 std::vector<std::uint8_t> any_command(Input& input) {
   switch (input.u8() % 6) {
     case 0: return render(input);
@@ -207,7 +232,10 @@ std::vector<std::uint8_t> any_command(Input& input) {
     case 3: return rays(input, wire::Opcode::kResume);
     case 4: {
       std::vector<std::uint8_t> payload = input.bytes(input.u8());
-      if (payload.size() >= 4) wire::store(std::span(payload), 0, std::uint32_t{payload[0] % 8u});
+      if (payload.size() < 4) return payload;
+      const std::uint32_t opcode = payload[0] % 11u;
+      if (opcode == static_cast<std::uint32_t>(wire::Opcode::kGiveRays)) return given_rays(input);
+      wire::store(std::span(payload), 0, opcode);
       return payload;
     }
     default: return payload_of(known_view());

@@ -72,7 +72,12 @@ bool is_within(std::uint32_t bits, float most) {
 void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) refuse("position: expected a point of the volume");
   expect(ray.block < frame.empty.size(), "block", "one of the volume", ray.block);
-  if (ray.step == Point{} && ray.step_rest == Rest{}) refuse("step: expected one that leads on, got 0");
+  if (frame.segments()) {  // counted steps, of any length
+    constexpr std::uint32_t kMost = wire::steps_of(wire::kMaxLength, wire::kStepMin);
+    expect(ray.interacted <= kMost, "interacted", "at most 262144 steps of a segment", ray.interacted);
+  } else if (ray.step == Point{}) {
+    refuse("step: expected one that leads on, got 0");
+  }
   expect(ray.opacity <= wire::kOpacityOne, "opacity", "at most 2^24 - 1", ray.opacity);
   expect(ray.generation <= 15, "generation", "0..15", ray.generation);
   expect(ray.under_way <= 1, "under_way", "0 or 1", ray.under_way);

@@ -430,3 +430,29 @@ def test_a_volume_in_planes_has_the_pictures_of_one_in_memory(edge):
             assert (board.render(view).pixels == pictures[-1]).all()
     assert (pictures[0] == pictures[1]).all()
     assert sum(count for _, count in asked) == 2 * 40
+
+
+def test_blocks_seen_from_afar_are_sent_in_cells():
+    volume = ball(40, 15)
+    view = gicube.fit_view(gicube.Volume(volume), [LOOK], width=8, height=8)  # a pixel is some five voxels wide
+    with gicube.open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=32", max_waiting_rays=1024) as board:
+        board.load_volume(volume)
+        board.set_transfer_function(LOOK)
+        exact = board.render(view).pixels
+        detail = board.brick_detail()
+        assert detail.blocks[0] > 0 and detail.blocks[1:] == (0, 0, 0)
+        assert detail.largest_density == detail.largest_opacity == 0
+        board.set_brick_detail(1)
+        assert (board.render(view).pixels != exact).any()
+        detail = board.brick_detail()
+        assert detail.blocks[2] > 0 and detail.blocks[0] == 0
+        assert 0 < detail.largest_density < 4096 and 0 < detail.largest_opacity <= 1
+        with pytest.raises(gicube.BadArgument, match="detail: expected 0..64"):
+            board.set_brick_detail(-1)
+    with pytest.raises(gicube.BadArgument, match="max_waiting_rays: expected at least 1024"):
+        gicube.open(max_waiting_rays=10)
+    with gicube.open() as board:
+        board.load_volume(volume)
+        board.set_transfer_function(LOOK)
+        board.render(view)
+        assert board.brick_detail() is None
