@@ -63,6 +63,21 @@ TEST(Density, ATieRoundsUp) {
   EXPECT_EQ(densities[1], 1003);
 }
 
+TEST(Density, FloatsRoundAsTheFormulaAlsoBesideTies) {
+  const ValueRange range{-3.7, 911.3};
+  const auto value = [&](int x, int y, int z) {
+    const double half = ((x + 16 * (y + 16 * z)) * 2 + 1) % 8190 / 2.0;  // beside it, at most three numbers away
+    auto near = static_cast<float>(range.low + half * (range.high - range.low) / 4095);
+    for (int i = 0; i < x % 4; ++i) near = std::nextafter(near, y % 2 == 0 ? 1e9F : -1e9F);
+    return near;
+  };
+  const TestVolume<float> volume({16, 16, 16}, SampleType::kFloat32, value);
+  const Densities densities = to_densities(volume.view(), range);
+  for (std::size_t i = 0; i < densities.size(); ++i) {
+    ASSERT_EQ(densities[i], to_density(double{volume.samples[i]}, range)) << volume.samples[i];
+  }
+}
+
 TEST(Density, SamplesNeedNotBeAligned) {
   const TestVolume<float> volume({2, 2, 2}, SampleType::kFloat32,
                                  [](int x, int y, int z) { return x + 2 * y + 4 * z; });
