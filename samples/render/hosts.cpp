@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 
 #include "gicube/error.h"
 #include "scene/program/run_json.h"
@@ -61,6 +63,8 @@ int run_rank(MpiExchange& ranks, const std::function<int()>& body) {
   } catch (const std::exception& error) {
     std::cerr << fmt::format("gicube-render: rank {} of {}: {}\n", ranks.rank(), ranks.ranks(), error.what())
               << std::flush;
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(100));  // chosen: the launcher forwards it before all are ended
     ranks.abort(kFailed);
     return kFailed;
   }
