@@ -60,6 +60,42 @@ std::uint32_t submit_lines(Handle& self, const py::list& points, const std::vect
   return without_interpreter([&] { return board->submit(std::span<const Polyline>(lines)).id; });
 }
 
+// A rank of a job, which an object of Python's tells the others what it is told to.
+class PythonExchange : public RayExchange {
+ public:
+  explicit PythonExchange(py::handle object)
+      : object_(shared(object)),
+        rank_(read_as<int>(object.attr("rank"), "exchange.rank")),
+        ranks_(read_as<int>(object.attr("ranks"), "exchange.ranks")) {}
+
+  int rank() const override { return rank_; }
+  int ranks() const override { return ranks_; }
+  std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::vector<std::uint8_t>> to) override {
+    const py::gil_scoped_acquire lock;
+    py::list parts;
+    for (const auto& part : to) parts.append(py::bytes(reinterpret_cast<const char*>(part.data()), part.size()));
+    const py::list came(object_->attr("exchange")(parts));
+    std::vector<std::vector<std::uint8_t>> out;
+    for (const py::handle each : came) {
+      if (!py::isinstance<py::bytes>(each)) refuse("exchange()", "a list of bytes", each);
+      const auto bytes = static_cast<std::string_view>(py::reinterpret_borrow<py::bytes>(each));
+      out.emplace_back(bytes.begin(), bytes.end());
+    }
+    if (out.size() != static_cast<std::size_t>(ranks_)) {
+      refuse("exchange()", "one bytes of each of " + std::to_string(ranks_) + " ranks", py::int_(out.size()));
+    }
+    return out;
+  }
+  std::uint64_t sum(std::uint64_t value) override {
+    const py::gil_scoped_acquire lock;
+    return read_as<std::uint64_t>(object_->attr("sum")(value), "sum()");
+  }
+
+ private:
+  decltype(shared(py::handle())) object_;
+  int rank_, ranks_;
+};
+
 }  // namespace
 
 py::object given_back(Image&& image) {
@@ -210,6 +246,10 @@ void add_board(py::module_& module) {
   type.def("pair_factors", call(&Board::pair_factors, "elements", "pairs", "", "progress"));
 
   type.def("host_compute", call(&Board::host_compute, "duration"));
+  type.def("share_blocks", [](const std::shared_ptr<Board>& board, const py::object& object) {
+    auto exchange = std::make_shared<PythonExchange>(object);
+    without_interpreter([&] { board->share_blocks(std::move(exchange)); });
+  });
   type.def("set_brick_detail", call(&Board::set_brick_detail, "detail"));
   type.def("brick_detail", call(&Board::brick_detail));
   type.def("set_time_limit", call(&Board::set_time_limit, "limit"));

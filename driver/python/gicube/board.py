@@ -12,7 +12,7 @@ import sys
 import weakref
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any, Callable, Generator, Iterator, Optional, Sequence, Union
+from typing import Any, Callable, Generator, Iterator, List, Optional, Protocol, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -80,6 +80,25 @@ _open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()  # what close() ends
 def _close_boards() -> None:
     for board in list(_open_boards):
         board.close()
+
+
+class RayExchange(Protocol):
+    """How the ranks of a job tell each other of rays (Board.share_blocks()). With mpi4py: COMM_WORLD's rank, size, alltoall() and
+    allreduce()."""
+
+    @property
+    def rank(self) -> int:
+        """0..ranks - 1."""
+
+    @property
+    def ranks(self) -> int:
+        """At least 1."""
+
+    def exchange(self, parts: List[bytes]) -> List[bytes]:
+        """Sends parts[r] to rank r, this one too; returns what each rank sent to this one, by rank."""
+
+    def sum(self, value: int) -> int:
+        """Of all ranks' values."""
 
 
 class Board:
@@ -441,6 +460,16 @@ class Board:
     def host_compute(self, duration: int) -> None:
         """The simulated host works for that long, picoseconds; the board goes on meanwhile."""
         self._core.host_compute(duration)
+
+    def share_blocks(self, exchange: RayExchange) -> None:
+        """Traces volumes together with the boards of other ranks of a job, which `exchange` reaches. Each rank's card is sent its own blocks,
+        and rays that come to others' blocks go there. From now on load_volume(), render(), render_to_framebuffer(), read_framebuffer(),
+        illuminate() and submit() are calls that all ranks make alike (gicube/board.h). What the exchange raises comes from the call; then the
+        job must end, since the others wait.
+
+        Raises BadArgument (exchange), Rejected (a volume is loaded), Unsupported.
+        """
+        self._core.share_blocks(exchange)
 
     def set_brick_detail(self, detail: float) -> None:
         """Blocks of a volume that the card does not store whole are sent in cells of 2, 4 or 8 voxels an edge, as their means, where these

@@ -15,10 +15,10 @@ namespace reg = wire::reg;
 TEST(Commands, OfAnUnknownOpcodeAreToldTheKnownOnes) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 100);
-  EXPECT_EQ(
-      refusal(board, {8, 0, 0, 0}),
-      "opcode: expected 1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs) or 7 (continue), got "
-      "8");
+  EXPECT_EQ(refusal(board, {11, 0, 0, 0}),
+            "opcode: expected 1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs), 7 (continue), "
+            "8 (take "
+            "rays), 9 (give rays) or 10 (load coarse), got 11");
 }
 
 TEST(VerifyCommand, HasItsLength) {

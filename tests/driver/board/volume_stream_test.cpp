@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <new>
@@ -23,6 +24,8 @@ namespace gicube::reference {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 using Planes = std::pair<int, int>;  // first, count
 
 // Stores 8 blocks of 16^3.
@@ -119,6 +122,28 @@ TEST(VolumeStream, IsAskedForFewPlanesAtATime) {
   // A layer of 16, a plane for its faces and one for the gradients there.
   EXPECT_THAT(asked, ElementsAre(Planes{0, 18}, Planes{18, 16}, Planes{34, 16}, Planes{50, 16}, Planes{66, 1}));
   EXPECT_THAT(done, ElementsAre(0u, 12u, 24u, 36u, 48u, 60u));
+}
+
+// Somebody else has cut the driver's file of blocks off.
+TEST(VolumeStream, NamesTheFolderIfABlockCannotBeReadAndTheBoardLivesOn) {
+  const Ramp<std::uint8_t> ramp(SampleType::kUint8, {40, 50, 67});
+  Board board = open_board(kSmall);
+  board.set_transfer_function(look());
+  std::vector<Planes> asked;
+  board.load_volume(ramp.stream(asked));
+  const Image before = board.render(picture());
+  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const std::string name = std::filesystem::read_symlink(file, gone).string();
+    if (name.find("gicube-volume") != std::string::npos) std::ofstream(file.path(), std::ios::trunc);
+  }
+  View other = picture();
+  other.eye = {90, 110, 160};  // blocks in another order
+  EXPECT_THAT(
+      [&] { board.render(other), board.render(picture()); },
+      ThrowsMessage<Error>(HasSubstr("gives back a volume larger than the card (TMPDIR), got the end of the file")));
+  board.load_volume(ramp.stream(asked));
+  EXPECT_EQ(board.render(picture()).pixels, before.pixels);
 }
 
 TEST(VolumeStream, LeavesTheFormerVolumeIfItCannotBeRead) {

@@ -456,3 +456,62 @@ def test_blocks_seen_from_afar_are_sent_in_cells():
         board.set_transfer_function(LOOK)
         board.render(view)
         assert board.brick_detail() is None
+
+
+class ThreadRank:
+    """A rank of a job whose ranks are threads."""
+
+    def __init__(self, rank, ranks, barrier, letters):
+        self.rank, self.ranks = rank, ranks
+        self._barrier, self._letters = barrier, letters
+
+    def _all(self, own):
+        self._letters[self.rank] = own
+        self._barrier.wait(60)
+        came = list(self._letters)
+        self._barrier.wait(60)
+        return came
+
+    def exchange(self, parts):
+        return [each[self.rank] for each in self._all(parts)]
+
+    def sum(self, value):
+        return sum(self._all(value))
+
+
+def test_boards_that_share_blocks_make_the_picture_of_one():
+    view = gicube.fit_view(gicube.Volume(ball(40, 15)), [LOOK], width=24, height=24)
+    barrier, letters, pictures = threading.Barrier(2), [None, None], [None, None]
+
+    def work(rank):
+        with gicube.open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=32") as board:
+            board.share_blocks(ThreadRank(rank, 2, barrier, letters))
+            board.load_volume(ball(40, 15))
+            board.set_transfer_function(LOOK)
+            pictures[rank] = board.render(view).pixels
+            assert board.counters["dsp.forwarded_rays"] > 0
+
+    threads = [threading.Thread(target=work, args=(rank,)) for rank in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    with gicube.open() as board:
+        board.load_volume(ball(40, 15))
+        board.set_transfer_function(LOOK)
+        expected = board.render(view).pixels
+    assert (pictures[0] == expected).all() and (pictures[1] == expected).all()
+
+
+def test_an_exchange_that_is_wrong_is_named(board):
+    class Wrong(ThreadRank):
+        def exchange(self, parts):
+            return ["no bytes"]
+
+    with pytest.raises(gicube.BadArgument, match="exchange: expected a rank of 0..ranks"):
+        board.share_blocks(ThreadRank(3, 2, None, None))
+    board.share_blocks(Wrong(0, 1, threading.Barrier(1), [None]))
+    board.load_volume(ball(40, 15))
+    board.set_transfer_function(LOOK)
+    with pytest.raises(gicube.BadArgument, match="exchange\\(\\): expected a list of bytes"):
+        board.render(view_of_ball())
