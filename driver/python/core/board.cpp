@@ -1,5 +1,6 @@
 // Board: sessions, volumes, tables, light, pictures, rays.
 #include "gicube/board.h"
+#include "gicube/ray_exchange.h"
 
 #include <chrono>
 #include <cstring>
@@ -246,7 +247,8 @@ void add_board(py::module_& module) {
   type.def("pair_factors", call(&Board::pair_factors, "elements", "pairs", "", "progress"));
 
   type.def("host_compute", call(&Board::host_compute, "duration"));
-  type.def("share_blocks", [](const std::shared_ptr<Board>& board, const py::object& object) {
+  type.def("share_blocks", [](Handle& self, const py::object& object) {
+    const auto board = self.board();
     auto exchange = std::make_shared<PythonExchange>(object);
     without_interpreter([&] { board->share_blocks(std::move(exchange)); });
   });

@@ -38,11 +38,13 @@ void Bricks::state(Archive& archive) {
   archive.bytes("has_place", has_place_, count, count);
   archive.bytes("on_card", on_card_, count, count);
   archive.list("needed_in", needed_in_, count);
+  archive.list("errors", error_, count);
   archive("loads", loads_);
   archive.bytes("absent_flags", absent_, 0, (count + 7) / 8);
   archive.bytes("dark_flags", dark_, 0, (count + 7) / 8);
   if (!archive.loads()) return;
   archive.expect(needed_in_.size() == count, "needed_in", "one a block", needed_in_.size());
+  archive.expect(error_.size() == count, "errors", "one a block", error_.size());
   for (std::size_t block = 0; block < count; ++block) {
     const bool fits = has_place_[block] <= 1 && on_card_[block] <= has_place_[block] * (1 + wire::kMaxCoarseLevel) &&
                       (on_card_[block] == 0 || store_.has(block)) && (has_place_[block] != 0 || !light_.on_card(block));
