@@ -182,10 +182,10 @@ class GICUBE_API Board {
   // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
   // On DeviceLost or TimedOut the volume is lost with the board.
   void load_volume(const VolumeView& volume, const Progress& progress = {});
-  // The same of a volume that is read in planes. If the card does not store it whole, some n + 3 planes are in memory at a time, and the
-  // driver keeps the blocks that are not zero, 4.5 bytes a voxel, in a file without a name in the folder TMPDIR, or else in
-  // /var/tmp. Throws Error, too, if the file can't be written, and what `read` throws: the board keeps its volume. Pictures throw
-  // Error if the file can't be read.
+  // The same of a volume that is read in planes: some n + 3 of them are in memory at a time. The driver writes the blocks that are not
+  // zero, 4.5 bytes a voxel, to a file without a name in the folder TMPDIR, or else in /var/tmp, and sends them from there; it keeps
+  // the file if the card does not store the volume whole. Throws Error, too, if the file can't be written, and what `read` throws:
+  // the board keeps its volume. Pictures throw Error if the file can't be read.
   void load_volume(const VolumeStream& volume, const Progress& progress = {});
 
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the

@@ -12,7 +12,7 @@ namespace gicube::scene {
 namespace {
 
 constexpr std::uint64_t kMaxDeflateRatio = 1032;           // zlib's technical notes: no deflate stream does better
-constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // chosen: the first allocation for compressed data
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // chosen
 constexpr int kGzipOrZlib = MAX_WBITS + 32;                // zlib.h: detect the header
 
 }  // namespace
@@ -138,10 +138,10 @@ void end_data(DataStream& stream, const DataPlace& place, std::size_t bytes) {
 std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
   const auto stream = open_data(place, bytes);
   std::vector<std::byte> out;
+  out.reserve(bytes);  // memory that is not written to costs nothing, should a compressed file end early
   while (out.size() < bytes) {
     const std::size_t had = out.size();
-    const std::size_t grown = std::max(2 * had, kChunkBytes);
-    out.resize(place.compressed ? std::min(bytes, grown) : bytes);
+    out.resize(std::min(bytes, had + kChunkBytes));
     const std::size_t came = stream->read(std::span(out).subspan(had));
     if (had + came < out.size()) throw_truncated(place, bytes, fmt::format("{}", had + came));
   }

@@ -53,7 +53,20 @@ Volume read_stored(const StoredFile& file) {
     case Encoding::kNumbers:
       return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
   }
-  return to_volume(read_data(place, bytes), layout);
+  if (is_kept(layout)) return to_volume(read_data(place, bytes), layout);
+  // Few planes at a time are held both as they are stored and as floats.
+  constexpr int kPlanes = 8;  // chosen
+  Volume volume = to_volume({}, layout);
+  const std::size_t plane = voxels_of({layout.dims[0], layout.dims[1], 1}) * bytes_per_sample(volume.type);
+  volume.samples.reserve(plane * static_cast<std::size_t>(layout.dims[2]));
+  PlaneFile planes(file);
+  for (int first = 0; first < layout.dims[2]; first += kPlanes) {
+    const int count = std::min(kPlanes, layout.dims[2] - first);
+    const std::size_t had = volume.samples.size();
+    volume.samples.resize(had + plane * static_cast<std::size_t>(count));
+    planes.read(first, count, std::span(volume.samples).subspan(had));
+  }
+  return volume;
 }
 
 Volume open_stored(const StoredFile& file) {

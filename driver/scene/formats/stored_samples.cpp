@@ -76,6 +76,8 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
   return dims;
 }
 
+bool is_kept(const StoredLayout& layout) { return kept_type(layout).has_value(); }
+
 std::size_t checked_bytes(const StoredLayout& layout) {
   // At most 2^36 voxels of 8 bytes: no overflow.
   const std::uint64_t count = voxels_of(layout.dims);

@@ -67,6 +67,8 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
 
 // How many bytes the layout's samples take in the file. Throws FileError above kMaxVolumeBytes, stored or converted.
 std::size_t checked_bytes(const StoredLayout& layout);
+// The driver takes the samples as they are stored, but for the order of bytes; others become floats.
+bool is_kept(const StoredLayout& layout);
 
 // Brings the bytes, exactly checked_bytes(layout), into the machine's order and a type that the driver takes.
 // Throws FileError when a 12-bit sample is above 4095, or a converted one is not a finite 32-bit float.

@@ -99,14 +99,24 @@ void Board::State::load(Planes planes, const Progress& progress) {
   loaded.coloured = planes.have_colours();
   loaded.gradients = shape.find_gradients || !shape.gradients.empty();
   loaded.blocks = block_grid(shape.dims, n);
-  if (voxel_count(loaded.blocks) <= capacity_blocks() && !shared) {
-    const VolumeView view = planes.window(0, shape.dims[2]);
-    const auto densities = to_densities(view, loaded.range);
-    const auto codes = gradient_codes(view, loaded.range, tables.codebook(), threads);
-    const VoxelBlocks blocks(view.dims, n, {densities, codes, view.tags, view.colours});
-    loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
+  const bool fits = voxel_count(loaded.blocks) <= capacity_blocks() && !shared;
+  if (fits && !planes.are_read()) {
     forget_volume();
-    send_volume(blocks, loaded, watched(progress));
+    begin_volume(loaded);
+    send_blocks(loaded, [&](const BlockTaker& take) { for_each_block(planes, loaded, watched(progress), take); });
+  } else if (fits) {
+    // What the reader throws must leave the board its volume: so all is read first.
+    const BlockStore store = keep_blocks(planes, loaded, watched(progress));
+    forget_volume();
+    begin_volume(loaded);
+    send_blocks(loaded, [&](const BlockTaker& take) {
+      std::vector<std::uint8_t> bytes;
+      for (std::size_t block = 0; block < store.count(); ++block) {
+        if (!store.has(block)) continue;
+        store.read(block, bytes);
+        take(block, bytes);
+      }
+    });
   } else {
     BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
@@ -137,11 +147,10 @@ void Board::State::forget_volume() {
   tables.forget_flags();
 }
 
-// The blocks of a volume that the card does not store whole; finds their statistics.
-BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
-  const std::size_t all = voxel_count(of.blocks), n = static_cast<std::size_t>(info.block_voxels);
-  BlockStore store(all, bytes_of_block(n, of.coloured),
-                   planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory);
+// Calls take(block, words) for the blocks that are not zero, in their order; finds the statistics of all. A layer of blocks at a time, so
+// that few planes are held in other forms than the caller's.
+void Board::State::for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take) {
+  const std::size_t all = voxel_count(of.blocks);
   std::vector<std::uint8_t> bytes;
   for_each_layer(planes, info.block_voxels, of.range, tables.codebook(), threads, [&](const BlockLayer& layer) {
     if (progress) progress(static_cast<std::uint32_t>(layer.first), static_cast<std::uint32_t>(all));
@@ -149,10 +158,17 @@ BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Pro
       of.statistics.push_back(layer.blocks.statistics(block));
       if (!layer.blocks.stored(block)) continue;
       layer.blocks.pack(block, bytes);
-      store.add(layer.first + block, bytes);
+      take(layer.first + block, bytes);
     }
   });
   if (progress) progress(static_cast<std::uint32_t>(all), static_cast<std::uint32_t>(all));
+}
+
+BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
+  BlockStore store(voxel_count(of.blocks), bytes_of_block(static_cast<std::size_t>(info.block_voxels), of.coloured),
+                   planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory);
+  for_each_block(planes, of, progress,
+                 [&](std::size_t block, std::span<const std::uint8_t> bytes) { store.add(block, bytes); });
   return store;
 }
 
@@ -180,24 +196,15 @@ void Board::State::begin_volume(const LoadedVolume& of) {
   tables.send_gradients();
 }
 
-void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
-  begin_volume(of);
+// Those that `each` calls its argument with.
+void Board::State::send_blocks(const LoadedVolume& of, const std::function<void(const BlockTaker&)>& each) {
   blocks_are_kept = keep_volume;
-  std::vector<std::size_t> stored;
-  for (std::size_t block = 0; block < blocks.count(); ++block) {
-    if (blocks.stored(block)) stored.push_back(block);
-  }
-  const auto all = static_cast<std::uint32_t>(stored.size());
-  std::vector<std::uint8_t> bytes(bytes_of_words(static_cast<std::size_t>(info.block_voxels)));
-  block_sums.assign(blocks.count(), wire::crc32c(bytes));  // zeros: what a block holds that is not sent
+  const std::size_t count = voxel_count(of.blocks);
+  const std::vector<std::uint8_t> zeros(bytes_of_words(static_cast<std::size_t>(info.block_voxels)));
+  block_sums.assign(count, wire::crc32c(zeros));  // what a block holds that is not sent
   colour_sums.clear();
-  if (of.coloured) colour_sums.assign(blocks.count(), 0);
-  for (std::uint32_t done = 0; done < all; ++done) {
-    if (progress) progress(done, all);
-    blocks.pack(stored[done], bytes);
-    write_block(stored[done], bytes);
-  }
-  if (progress) progress(all, all);
+  if (of.coloured) colour_sums.assign(count, 0);
+  each([this](std::size_t block, std::span<const std::uint8_t> bytes) { write_block(block, bytes); });
 }
 
 // Waits for all that was written and asks whether the board took it.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -203,9 +204,11 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   void check_colours(bool given) const;
   void load(Planes planes, const Progress& progress);
   void forget_volume();
+  using BlockTaker = std::function<void(std::size_t block, std::span<const std::uint8_t> packed)>;
+  void for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take);
   BlockStore keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress);
   void begin_volume(const LoadedVolume& volume);
-  void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
+  void send_blocks(const LoadedVolume& of, const std::function<void(const BlockTaker&)>& each);
   // `packed`: as VoxelBlocks::pack() makes it; or words alone, and the colours stay.
   void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
     const std::size_t n = static_cast<std::size_t>(info.block_voxels), words = bytes_of_words(n);
