@@ -87,8 +87,7 @@ class SumMemory : public Blocked {
   std::uint64_t block_bytes() const { return voxels_of_block() * 9 / 2; }
   std::uint64_t bytes_of_words() const { return voxels_and_faces() * sizeof(std::int64_t); }
   void finish();  // has what waits added
-  std::int64_t part(std::size_t block, std::size_t index) const;
-  std::int64_t value(std::size_t block, int x, int y, int z) const;
+  void read_row(std::size_t block, int y, int z, std::span<std::int64_t> row) const;
   void gather_parts();
   bool can_overflow() const;
 

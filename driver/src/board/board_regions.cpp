@@ -53,7 +53,8 @@ template <typename Take>
 void for_each_index(const VoxelBox& box, const VoxelBox& a, const VoxelBox& b, const Take& take) {
   for (int z = box.low[2]; z < box.low[2] + box.size[2]; ++z) {
     for (int y = box.low[1]; y < box.low[1] + box.size[1]; ++y) {
-      for (int x = box.low[0]; x < box.low[0] + box.size[0]; ++x) take(index_in(a, x, y, z), index_in(b, x, y, z));
+      const std::size_t in_a = index_in(a, box.low[0], y, z), in_b = index_in(b, box.low[0], y, z);
+      for (std::size_t x = 0; x < static_cast<std::size_t>(box.size[0]); ++x) take(in_a + x, in_b + x);
     }
   }
 }
