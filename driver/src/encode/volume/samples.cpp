@@ -67,28 +67,19 @@ void check_gradients_and_tags(const VolumeView& view) {
   }
 }
 
-// Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded otherwise. Without
-// branches, for vectors; the others come in a second loop.
 std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, ValueRange range) {
   std::vector<std::uint16_t> densities(count);
-  constexpr double kMost = 2 * wire::kDensityMax, kNear = 1e-6;
-  constexpr std::uint16_t kUnsafe = 0xFFFF;  // no density
-  constexpr std::size_t kPart = 1024;  // chosen
-  const double halves = kMost / (range.high - range.low);
-  for (std::size_t begin = 0; begin < count; begin += kPart) {
-    const std::size_t end = std::min(count, begin + kPart);
-    bool all_safe = true;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double twice = std::clamp((samples[i] - range.low) * halves, -1.0, kMost + 1);
-      const int whole = static_cast<int>(twice);
-      const double rest = twice - whole;
-      const bool is_safe = (twice == 0) | ((twice > 0) & (twice < kMost) & (rest > kNear) & (rest < 1 - kNear));
-      densities[i] = is_safe ? static_cast<std::uint16_t>((whole + 1) / 2) : kUnsafe;
-      all_safe &= is_safe;
-    }
-    for (std::size_t i = all_safe ? end : begin; i < end; ++i) {
-      if (densities[i] == kUnsafe) densities[i] = to_density(samples[i], range);
-    }
+  const double halves = 2 * wire::kDensityMax / (range.high - range.low);
+  for (std::size_t i = 0; i < count; ++i) {
+    // Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded otherwise.
+    constexpr double kNear = 1e-6;
+    const double value = samples[i], twice = (value - range.low) * halves;
+    if (twice == 0) continue;
+    const bool inside = twice > 0 && twice < 2 * wire::kDensityMax;
+    const int whole = inside ? static_cast<int>(twice) : 0;
+    const double rest = twice - whole;
+    const bool is_safe = inside && rest > kNear && rest < 1 - kNear;
+    densities[i] = is_safe ? static_cast<std::uint16_t>((whole + 1) / 2) : to_density(value, range);
   }
   return densities;
 }
