@@ -189,7 +189,8 @@ void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
     std::size_t x = word % n;
     word += n - x;
     for (; x < n && at < out.size(); x += 2, at += 9) {
-      const auto even = static_cast<std::uint64_t>(row[x]) & kMask, odd = static_cast<std::uint64_t>(row[x + 1]) & kMask;
+      const auto even = static_cast<std::uint64_t>(row[x]) & kMask,
+                 odd = static_cast<std::uint64_t>(row[x + 1]) & kMask;
       wire::store(out, at, even | odd << wire::kVoxelBits);
       out[at + 8] = static_cast<std::uint8_t>(odd >> (64 - wire::kVoxelBits));
     }

@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "datapath/advance.h"
 #include "datapath/composite.h"
@@ -58,9 +59,36 @@ HWY_INLINE V together(VU64 even, VU64 odd) {
 }
 HWY_INLINE VU64 product(VU64 a, VU64 b) { return hn::MulEven(hn::BitCast(DU32(), a), hn::BitCast(DU32(), b)); }
 
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
+// Lane by lane: the instruction that gathers takes twice as long on AMD's cores, and on those of Intel's whose microcode guards it.
+HWY_INLINE __m256i gather_eight(const char* base, const std::uint64_t* offsets) {  // two in each of four
+  const auto word = [base](std::uint64_t offset) {
+    std::int32_t at;
+    std::memcpy(&at, base + static_cast<std::uint32_t>(offset), sizeof at);
+    return at;
+  };
+  const auto four = [&](std::uint64_t a, std::uint64_t b) {
+    const __m128i two = _mm_insert_epi32(_mm_cvtsi32_si128(word(a)), word(a >> 32), 1);
+    return _mm_insert_epi32(_mm_insert_epi32(two, word(b), 2), word(b >> 32), 3);
+  };
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(four(offsets[0], offsets[1])), four(offsets[2], offsets[3]), 1);
+}
+HWY_INLINE V gather(const void* base, V byte_offsets) {
+  const auto* const bytes = static_cast<const char*>(base);
+  alignas(64) std::array<std::uint64_t, hn::MaxLanes(DU64())> at;
+  hn::Store(hn::BitCast(DU64(), byte_offsets), DU64(), at.data());
+#if HWY_TARGET == HWY_AVX3
+  const __m256i lower = gather_eight(bytes, at.data()), upper = gather_eight(bytes, at.data() + 4);
+  return V{_mm512_inserti64x4(_mm512_castsi256_si512(lower), upper, 1)};
+#else
+  return V{gather_eight(bytes, at.data())};
+#endif
+}
+#else
 HWY_INLINE V gather(const void* base, V byte_offsets) {
   return hn::GatherOffset(D32(), static_cast<const std::int32_t*>(base), byte_offsets);
 }
+#endif
 HWY_INLINE VU64 gather64(const void* base, VU64 index) {
   return hn::GatherIndex(DU64(), static_cast<const std::uint64_t*>(base),
                          hn::BitCast(hn::RebindToSigned<DU64>(), index));
