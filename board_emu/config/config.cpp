@@ -62,6 +62,9 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (config.fidelity() == v1::approximate && config.sorter().queues() == v1::single) {
     report("fidelity", "functional or cycle with sorter.queues=single", "approximate");
   }
+  if (config.fidelity() != v1::cycle && config.sample_error() != 0) {
+    report("sample_error", "0 without fidelity=cycle", std::to_string(config.sample_error()));
+  }
   if (config.dsp().segments() != 0) {
     if (config.asic().partition() == v1::skewed_block)
       report("dsp.segments", "0 with asic.partition=skewed_block", std::to_string(config.dsp().segments()));

@@ -124,12 +124,15 @@ const std::vector<Rule>& rules() {
       room("board_emu/approximate", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                      "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional",
                                      "board_emu/cycle"}),
+      // Hands each command to one of two levels.
+      room("board_emu/sampled", {"board_emu/words", "board_emu/datapath", "board_emu/levels", "board_emu/functional",
+                                 "board_emu/cycle"}),
       // Commands name no level; one file does.
       room("board_emu/firmware", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                   "board_emu/asic", "board_emu/levels"}),
       room("board_emu/firmware/make_level.cpp",
            {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle",
-            "board_emu/approximate"}),
+            "board_emu/approximate", "board_emu/sampled"}),
       room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/words", "board_emu/datapath"},
            {"fcntl.h", "linux/futex.h", "poll.h", "signal.h", "spawn.h", "string.h", "sys/mman.h", "sys/socket.h",
             "sys/syscall.h", "sys/types.h", "sys/wait.h", "time.h", "unistd.h"}),
