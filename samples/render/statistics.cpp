@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <utility>
 
 #include "render/planning.h"
 #include "scene/program/run_json.h"
@@ -123,6 +126,27 @@ Json ranks_json(const std::vector<RankStatistics>& ranks) {
 
 }  // namespace
 
+Counters counters_of(std::span<const FrameStatistics> frames) {
+  std::vector<Counter> sum;
+  std::unordered_map<std::string, std::size_t> place;
+  const auto add = [&](const Counters& window) {
+    for (const Counter& counter : window.list()) {
+      if (const auto [at, is_new] = place.emplace(counter.name, sum.size()); is_new) {
+        sum.push_back(counter);
+      } else {
+        sum[at->second].value += counter.value;
+      }
+    }
+  };
+  for (const FrameStatistics& frame : frames) {
+    for (const LightingStatistics& lighting : frame.lighting) {
+      if (!lighting.reused) add(lighting.counters);
+    }
+    add(frame.counters);
+  }
+  return Counters(std::move(sum));
+}
+
 double imbalance(const std::vector<RankStatistics>& ranks) {
   double sum = 0, most = 0;
   for (const RankStatistics& rank : ranks) {
@@ -157,6 +181,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);
   json["fidelity_report"] = fidelity_json(statistics.counters);
+  json["sampled"] = sampled_json(counters_of({&statistics, 1}));
   return json;
 }
 
@@ -179,6 +204,9 @@ void write_statistics(const std::vector<FrameStatistics>& frames, const std::fil
   }
   json["illumination_passes"] = passes;
   json["volumes_loaded"] = loads;
+  const Counters counters = counters_of(frames);
+  json["counters"] = to_json(counters);
+  json["sampled"] = sampled_json(counters);
   write_json(json, provenance_of(frames.front().board, frames.front().scene_hash), path);
 }
 

@@ -172,7 +172,8 @@ Json statistics_of(const RadiosityResult& result, const RadiositySettings& setti
           {"board", to_json(board)},
           {"counters", to_json(counters)},
           {"plan", plan ? plan_json(*plan) : nullptr},
-          {"fidelity_report", fidelity_json(counters)}};
+          {"fidelity_report", fidelity_json(counters)},
+          {"sampled", sampled_json(counters)}};
 }
 
 }  // namespace gicube::samples

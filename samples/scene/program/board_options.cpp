@@ -8,6 +8,7 @@
 
 #include "scene/common/checks.h"
 #include "scene/program/option_group.h"
+#include "scene/program/plan_options.h"
 
 namespace gicube::samples {
 namespace {
@@ -42,6 +43,9 @@ std::vector<Number> split_numbers(const std::string& text, char separator) {
 CLI::ValidationError bad_value(const std::string& option, const std::string& expected, const std::string& text) {
   return CLI::ValidationError(option, "expected " + expected + ", got " + in_quotes(text));
 }
+
+// As the board takes it; not more than was asked for.
+int thousandths(double share) { return static_cast<int>(share * 1000 + 1e-6); }
 
 // The words behind the program's name, last first, as CLI11 takes them.
 std::vector<std::string> words_of(const std::string& program, int argc, const char* const* argv,
@@ -98,6 +102,14 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
     group.value("--board", options.board, addresses)->capture_default_str();
   }
   group.value("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle");
+  group.parsed("--sample", "ERROR",
+               "cycle level for some commands, drawn at random, and an estimate for others like them: of the time with "
+               "an interval of "
+               "at most so much, as 3%, at 99.7%",
+               [&options](const std::string& option, const std::string& text) {
+                 options.sample = parse_share(option, text);
+                 if (thousandths(options.sample) == 0) throw bad_value(option, "at least 0.1%", text);
+               });
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile);
   group.value("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
@@ -137,6 +149,7 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
 std::string board_uri(const BoardOptions& options) {
   if (!options.board.starts_with("emu:")) {
     const char* given = !options.fidelity.empty()   ? "--fidelity"
+                        : options.sample > 0        ? "--sample"
                         : !options.config.empty()   ? "--config"
                         : !options.settings.empty() ? "--set"
                                                     : nullptr;
@@ -153,7 +166,10 @@ std::string board_uri(const BoardOptions& options) {
                                                                        : "&";
     uri += separator + std::string(name) + '=' + percent_encoded(value);
   };
-  if (!options.fidelity.empty()) add("fidelity", options.fidelity);
+  if (options.sample > 0 && !options.fidelity.empty() && options.fidelity != "cycle")
+    throw UsageError("--sample: expected --fidelity cycle, got " + options.fidelity);
+  if (!options.fidelity.empty() || options.sample > 0) add("fidelity", options.sample > 0 ? "cycle" : options.fidelity);
+  if (options.sample > 0) add("set", "sample_error=" + std::to_string(thousandths(options.sample)));
   if (!options.config.empty()) add("config", options.config.string());
   if (options.threads != 0) add("threads", std::to_string(options.threads));
   for (const std::string& setting : options.settings) add("set", setting);

@@ -42,6 +42,7 @@ struct BoardOptions {
   bool own_buses = false;             // several boards have a bus each
   std::string fidelity;               // empty: the board's own
   std::filesystem::path config;       // empty: none
+  double sample = 0;                  // share of the time that the interval may be; 0: no sampling
   std::vector<std::string> settings;  // path.to.field=value
   std::filesystem::path stats;        // empty: none
   std::uint64_t seed = 0;
@@ -53,7 +54,7 @@ struct BoardOptions {
   std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
 };
 
-// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
+// Adds --board --fidelity --sample --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
 // be given several times, and there is --own-buses.
 void add_board_options(CLI::App& app, BoardOptions& options, bool several = false);
 

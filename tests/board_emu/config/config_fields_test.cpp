@@ -142,6 +142,7 @@ const std::vector<Field> kFields{
     everywhere("ideal.dsp", "1", kRays),
     {"pace", "realtime", kRays, kNoTime, kNoTime, kNoTime},
     {"threads", "3", kRays, kNoTime, kNoTime, kNoTime},
+    {"sample_error", "100", kRays, kRefused, kRefused, kNoTime},  // too few commands to estimate one
 };
 
 std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {

@@ -1,0 +1,93 @@
+"""How far sampled simulation is from the cycle level, whether its intervals hold, and what it costs the host, on the series of commands of
+samples/studies/sampled_pairs.txt. Seconds are the program's with its board, one thread, the least of `ROUNDS` runs that take turns. What the
+folder has is not run again."""
+import json
+import pathlib
+import shlex
+import time
+
+from studies.runs import run_to_end
+from studies.table import csv_text, write_whole
+
+ROUNDS = 2
+ERROR = "3%"
+WAYS = {"functional": ("--fidelity", "functional"), "approximate": ("--fidelity", "approximate"), "cycle": ("--fidelity", "cycle"),
+        "sampled": ("--sample", ERROR)}
+QUANTITIES = ("cycles", "packets", "missed_voxels")
+COLUMNS = ["series", "commands", "simulated", "cycles_error", "cycles_within", "packets_error", "packets_within", "missed_error", "missed_within",
+           "approximate_time_error", "functional_time_error", *(f"{way}_s" for way in WAYS), "command"]
+
+
+def series_of(file):
+    """Name, program, arguments that make its input, and those that are measured."""
+    for line in pathlib.Path(file).read_text().splitlines():
+        if line and not line.startswith("#"):
+            name, program, command = line.split(maxsplit=2)
+            before, _, measured = command.rpartition(";")
+            yield name, program, before.strip(), measured.strip()
+
+
+def board_ms(stats):
+    """Simulated time of all commands."""
+    if "frames" in stats:
+        lit = sum(each["pass_ms"] for frame in stats["frames"] for each in frame["lighting"] or [] if not each["reused"])
+        return lit + sum(frame["frame_ms"] for frame in stats["frames"])
+    if "frame_ms" in stats:
+        return stats["frame_ms"] + sum(each["pass_ms"] for each in stats["lighting"] or [])
+    return stats["board_ms"]
+
+
+def measured(folder, programs, name, program, before, command):
+    """Statistics and seconds by way."""
+    work = folder / name
+    work.mkdir(parents=True, exist_ok=True)
+    binary = f"{programs}/gicube-{program}"
+    if before and not (work / "made").exists():
+        run_to_end(binary, [*shlex.split(before.format(work=work)), "--quiet"], work / "before.log")
+        (work / "made").touch()
+    found = {}
+    for number in range(ROUNDS):
+        for way, options in WAYS.items():
+            stats = work / f"{way}{number}.json"
+            if not stats.exists():
+                output = work / ("out.png" if program == "render" else "out.nrrd")
+                arguments = [*shlex.split(command.format(work=work)), *options, "--threads", "1", "--quiet", "--stats", str(stats),
+                             *([] if program == "form-factors" else ["-o", str(output)])]
+                start = time.monotonic()
+                run_to_end(binary, arguments, work / f"{way}{number}.log")
+                (work / f"{way}{number}.s").write_text(str(time.monotonic() - start))
+            seconds = float((work / f"{way}{number}.s").read_text())
+            if way not in found or seconds < found[way][1]:
+                found[way] = json.loads(stats.read_text()), seconds
+    return found
+
+
+def truth(stats):
+    """What the cycle level counted."""
+    counters = stats["counters"]
+    memory = next(name for name in ("rdram", "ddr") if f"{name}.reads" in counters)
+    value = {name: each["value"] for name, each in counters.items()}
+    return {"cycles": value["asic.cycles"], "packets": value[f"{memory}.reads"] + value[f"{memory}.writes"],
+            "missed_voxels": value["processor.cache.missed_voxels"]}
+
+
+def row_of(name, command, found):
+    sampled, cycle = found["sampled"][0]["sampled"], found["cycle"][0]
+    row = [name, sampled["commands"], sampled["commands"] - sampled["estimated_commands"]]
+    all_ms = board_ms(cycle)
+    whole = truth(cycle)
+    for quantity in QUANTITIES:
+        found_sum, within = sampled[quantity]["sum"], sampled[quantity]["within"]
+        row += [found_sum / max(1, whole[quantity]) - 1, within / max(1, found_sum)]
+    return [*row, *(board_ms(found[way][0]) / all_ms - 1 for way in ("approximate", "functional")), *(found[way][1] for way in WAYS), command]
+
+
+def measure(pairs, folder, programs, out):
+    """Writes the table, after each series what there is of it."""
+    rows = [COLUMNS]
+    for name, program, before, command in series_of(pairs):
+        row = row_of(name, f"{program} {command}", measured(pathlib.Path(folder), programs, name, program, before, command))
+        rows.append([f"{value:.5g}" if isinstance(value, float) else value for value in row])
+        write_whole(out, csv_text(rows))
+        holds = abs(row[3]) <= row[4] + 1e-9
+        print(f"{name:20} {row[2]} of {row[1]} simulated, cycles {row[3]:+.2%} within {row[4]:.2%}: {'holds' if holds else 'DOES NOT HOLD'}", flush=True)
