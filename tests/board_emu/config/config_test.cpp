@@ -50,7 +50,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
                                  HasSubstr("got \"block_voxel\"")),
                            "line 5: asic.core_khz: expected to be set once, got it a second time",
                            "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                           "memory, rdram, ddr, sdram, ideal, pace, threads, got \"asik\"",
+                           "memory, rdram, ddr, sdram, ideal, pace, threads, sample_error, got \"asik\"",
                            "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
 }
 
@@ -215,7 +215,7 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
                                          HasSubstr("got \"procesors\""))));
   EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
               testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                                             "memory, rdram, ddr, sdram, ideal, pace, threads, got \"chip\"")));
+                                             "memory, rdram, ddr, sdram, ideal, pace, threads, sample_error, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
         "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
@@ -282,7 +282,7 @@ TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
     }
   };
   look(look, *v1::BoardConfig::descriptor(), "");
-  EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "threads"));
+  EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "sample_error", "threads"));
   const std::string text = explained(with({"asic.processors=8"}));
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(text, '\n')), sourced);
   EXPECT_THAT(
@@ -294,7 +294,7 @@ TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
           "rdram.t_ras                      20             1..255 tCYCLE                 datasheet SPD of Samsung"));
 }
 
-TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "0a6de9f28693c4be"); }
+TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "2debaca690b1fa05"); }
 
 TEST(Config, ChoosesTheMemoryByItsStandard) {
   v1::BoardConfig config = with({"memory=ddr", "fidelity=cycle"});

@@ -52,7 +52,8 @@ std::vector<CounterRow> rows_of_the_page() {
 }
 
 // Whether a board on which this level has answered keeps it; `lit`: light has been scattered or deposited.
-bool keeps(const CounterRow& row, Fidelity level, bool lit) {
+bool keeps(const CounterRow& row, Fidelity level, bool lit, bool sampled) {
+  if (row.level == "sampled") return sampled;
   if (row.level == "all, lit") return lit;
   if (row.level == "timed") return level != Fidelity::kFunctional;
   return row.level == "all" || row.level == name_of(level);
@@ -74,9 +75,10 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
     }
   };
   const reference::BoxVolume volume(16, 4, 11);
-  for (const Fidelity level : {Fidelity::kFunctional, Fidelity::kApproximate, Fidelity::kCycle}) {
-    const std::string name = name_of(level);
+  for (const std::string name : {"functional", "approximate", "cycle", "cycle&set=sample_error=30"}) {
+    const bool sampled = name.find('&') != name.npos;
     Board board = reference::open_board(reference::kSmallBlocks + ("&fidelity=" + name));
+    const Fidelity level = board.info().fidelity;
     board.load_volume(volume.view());
     board.set_transfer_function(reference::step_function(0.5));
     board.set_material({.scattering = 0.5, .bsdf = Bsdf::kIsotropic});
@@ -85,10 +87,10 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
                                        {.origin = {1, 1, 14}, .u = {0, 9, 0}, .v = {9, 0, 0}}};
     board.pair_factors(patches, std::vector<ElementPair>{{0, 1, 0}}, {.rays = 16});
     compare(
-        board.counters(), [level](const CounterRow& row) { return keeps(row, level, false); }, name);
+        board.counters(), [=](const CounterRow& row) { return keeps(row, level, false, sampled); }, name);
     board.illuminate(std::vector<Light>{PointLight{{8, 8, -9}, 1}}, {});
     compare(
-        board.counters(), [level](const CounterRow& row) { return keeps(row, level, true); }, name + ", lit");
+        board.counters(), [=](const CounterRow& row) { return keeps(row, level, true, sampled); }, name + ", lit");
   }
 }
 
