@@ -36,7 +36,8 @@ void take_away(const std::vector<wire::Counter>& before, std::vector<wire::Count
   }
 }
 
-std::uint64_t whole(double value) { return static_cast<std::uint64_t>(value + 0.5); }
+// 0 for what a broken checkpoint says that is no number.
+std::uint64_t whole(double value) { return value > 0 ? static_cast<std::uint64_t>(std::min(value, 1e18) + 0.5) : 0; }
 
 }  // namespace
 

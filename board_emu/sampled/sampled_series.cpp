@@ -17,6 +17,9 @@ constexpr std::array kStudent{4.442, 4.199, 4.024, 3.892, 3.789, 3.706, 3.639, 3
 // A command of more than so many times the work of those that it is estimated by, or so much less, is not of their kind. Chosen.
 constexpr double kUnlike = 2;
 
+// Of what a checkpoint may say; squares of cycles are below it.
+constexpr double kMost = 1e36;
+
 template <typename Value>
 void deque_state(Archive& archive, std::string_view name, std::deque<Value>& list, std::size_t most) {
   std::uint64_t size = list.size();
@@ -37,9 +40,14 @@ CommandCost CommandCost::times(double factor) const {
   CommandCost scaled{.work = work * factor, .dsp_cycles = dsp_cycles * factor, .counters = counters};
   for (std::size_t q = 0; q < kSampledQuantities; ++q) scaled.took[q] = took[q] * factor;
   for (wire::Counter& counter : scaled.counters) {
-    counter.value = static_cast<std::uint64_t>(static_cast<double>(counter.value) * factor + 0.5);
+    counter.value = static_cast<std::uint64_t>(std::min(static_cast<double>(counter.value) * factor, 1e18) + 0.5);
   }
   return scaled;
+}
+
+bool CommandCost::is_good() const {
+  const auto good = [](double value) { return value >= 0 && value <= kMost; };
+  return good(work) && good(dsp_cycles) && std::ranges::all_of(took, good);
 }
 
 void CommandCost::state(Archive& archive) {
@@ -135,8 +143,17 @@ void SampledSeries::state(Archive& archive) {
   archive.field("differences", [this](Archive::Record& record) {
     for (SampledQuantities& difference : differences_) record(difference);
   });
-  const bool estimates = length_ <= 1 || (differences_.size() >= kFirstDifferences && basis_.work > 0);
-  archive.expect(estimates, "plan", "blocks of 1 before there are differences", length_);
+  const auto good = [](const SampledQuantities& values, double least) {
+    return std::ranges::all_of(values, [least](double value) { return value >= least && value <= kMost; });
+  };
+  bool numbers = good(open_, 0) && good(off_, -kMost) && good(bias_, -kMost) && good(squares_, 0) && good(within_, 0) &&
+                 cycles_ >= 0 && cycles_ <= kMost && basis_.is_good();
+  for (const CommandCost& each : last_) numbers = numbers && each.is_good() && each.work > 0;
+  for (const SampledQuantities& each : differences_) numbers = numbers && good(each, -kMost);
+  archive.expect(numbers, "plan", "finite numbers", blocks_);
+  const bool none = length_ <= 1 && open_ == SampledQuantities{} && squares_ == SampledQuantities{};
+  const bool knows = differences_.size() >= kFirstDifferences && !last_.empty() && basis_.work > 0;
+  archive.expect(none || knows, "plan", "no estimates before there are differences", length_);
 }
 
 }  // namespace gicube::emu

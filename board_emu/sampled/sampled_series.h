@@ -31,6 +31,7 @@ struct CommandCost {
   void add(const CommandCost& other);
   // For another amount of work.
   CommandCost times(double factor) const;
+  bool is_good() const;  // no number of a broken checkpoint
   void state(Archive& archive);
 };
 

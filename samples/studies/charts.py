@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from studies import held_out, plots
+from studies import held_out, plots, sampled
 from studies.points import BIN, ROOT, Kept, measure, text_of
 from studies.table import pareto
 
@@ -108,6 +108,12 @@ def pairs(name, out):
     shutil.rmtree(RUNS / name)
 
 
+def sampled_series(_):
+    build("gicube-render", "gicube-cone-beam", "gicube-form-factors")
+    sampled.measure(ROOT / "samples/studies/sampled_pairs.txt", RUNS / "sampled", BIN, CHARTS / "sampled.csv")
+    shutil.rmtree(RUNS / "sampled")
+
+
 def scaling(_):
     """Seconds and memory of the board's process."""
     build("gicube-render")
@@ -130,7 +136,7 @@ POINTS = {"lighting": [], "light": ["gicube-render", "gicube-path", "gicube-phot
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS}, "emulator": emulator,
-            "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}
+            "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "sampled": sampled_series, "scaling": scaling}
 # On which the approximate level was adjusted; no chart.
 OTHERS = {"development": lambda _: pairs("development", RUNS / "development.csv")}
 

@@ -112,6 +112,19 @@ def held_out(folder):
     draw(folder, "held_out_error", lines, log_x=True, log_y=True, lines_y=[(0.05, "5%")])
 
 
+def sampled(folder):
+    rows = rows_of(folder / "sampled.csv")
+
+    def of(label, x, y, **look):
+        return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
+    cycle = Series("cycle: the reference, without error", column(rows, "cycle_s"), [LEAST] * len(rows), look="points")
+    lines = [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "approximate_time_error"),
+             of("approximate: packets", "approximate_s", "approximate_packets_error", hollow=True, colour=1),
+             of("sampled to 3%: time", "sampled_s", "cycles_error", colour=3),
+             of("sampled to 3%: packets", "sampled_s", "packets_error", hollow=True, colour=3), cycle]
+    draw(folder, "sampled_error", lines, log_x=True, log_y=True, lines_y=[(0.03, "3%")])
+
+
 def scaling(folder):
     for name, axis in (("volume", "volume-size"), ("image", "size"), ("processors", "asic.processors"), ("rays", "light-rays")):
         rows = rows_of(folder / f"scaling_{name}.csv")
@@ -263,5 +276,5 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, emulator, held_out, scaling)} | {
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, emulator, held_out, sampled, scaling)} | {
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

@@ -6,7 +6,7 @@ import pathlib
 import shlex
 import time
 
-from studies.runs import run_to_end
+from studies.runs import RunFailed, run_to_end
 from studies.table import csv_text, write_whole
 
 ROUNDS = 2
@@ -15,7 +15,7 @@ WAYS = {"functional": ("--fidelity", "functional"), "approximate": ("--fidelity"
         "sampled": ("--sample", ERROR)}
 QUANTITIES = ("cycles", "packets", "missed_voxels")
 COLUMNS = ["series", "commands", "simulated", "cycles_error", "cycles_within", "packets_error", "packets_within", "missed_error", "missed_within",
-           "approximate_time_error", "functional_time_error", *(f"{way}_s" for way in WAYS), "command"]
+           "approximate_time_error", "approximate_packets_error", "functional_time_error", *(f"{way}_s" for way in WAYS), "command"]
 
 
 def series_of(file):
@@ -38,7 +38,7 @@ def board_ms(stats):
 
 
 def measured(folder, programs, name, program, before, command):
-    """Statistics and seconds by way."""
+    """Statistics and seconds by way; those of the approximate level are missing where it does not take the board."""
     work = folder / name
     work.mkdir(parents=True, exist_ok=True)
     binary = f"{programs}/gicube-{program}"
@@ -54,7 +54,12 @@ def measured(folder, programs, name, program, before, command):
                 arguments = [*shlex.split(command.format(work=work)), *options, "--threads", "1", "--quiet", "--stats", str(stats),
                              *([] if program == "form-factors" else ["-o", str(output)])]
                 start = time.monotonic()
-                run_to_end(binary, arguments, work / f"{way}{number}.log")
+                try:
+                    run_to_end(binary, arguments, work / f"{way}{number}.log")
+                except RunFailed:
+                    if way != "approximate":
+                        raise
+                    continue
                 (work / f"{way}{number}.s").write_text(str(time.monotonic() - start))
             seconds = float((work / f"{way}{number}.s").read_text())
             if way not in found or seconds < found[way][1]:
@@ -62,8 +67,8 @@ def measured(folder, programs, name, program, before, command):
     return found
 
 
-def truth(stats):
-    """What the cycle level counted."""
+def sums(stats):
+    """What a timed level counted."""
     counters = stats["counters"]
     memory = next(name for name in ("rdram", "ddr") if f"{name}.reads" in counters)
     value = {name: each["value"] for name, each in counters.items()}
@@ -75,11 +80,16 @@ def row_of(name, command, found):
     sampled, cycle = found["sampled"][0]["sampled"], found["cycle"][0]
     row = [name, sampled["commands"], sampled["commands"] - sampled["estimated_commands"]]
     all_ms = board_ms(cycle)
-    whole = truth(cycle)
+    whole = sums(cycle)
     for quantity in QUANTITIES:
         found_sum, within = sampled[quantity]["sum"], sampled[quantity]["within"]
         row += [found_sum / max(1, whole[quantity]) - 1, within / max(1, found_sum)]
-    return [*row, *(board_ms(found[way][0]) / all_ms - 1 for way in ("approximate", "functional")), *(found[way][1] for way in WAYS), command]
+    if "approximate" in found:
+        approximate = found["approximate"][0]
+        row += [board_ms(approximate) / all_ms - 1, sums(approximate)["packets"] / max(1, whole["packets"]) - 1]
+    else:
+        row += ["", ""]
+    return [*row, board_ms(found["functional"][0]) / all_ms - 1, *(found[way][1] if way in found else "" for way in WAYS), command]
 
 
 def measure(pairs, folder, programs, out):

@@ -37,7 +37,9 @@ v1::BoardConfig draw_board(Dice& dice, const char* fidelity) {
   const auto add = [&assignments](std::initializer_list<const char*> more) {
     assignments.insert(assignments.end(), more.begin(), more.end());
   };
-  assignments.push_back(std::string("fidelity=") + fidelity);
+  const bool sampled = std::string_view(fidelity) == "sampled";
+  assignments.push_back(std::string("fidelity=") + (sampled ? "cycle" : fidelity));
+  if (sampled) add({"sample_error=1000"});
   if (dice.chance(30)) {
     add({"asic.datapath=wide", "cache.irradiance=with_voxels"});
   } else if (dice.chance(50)) {
@@ -189,6 +191,8 @@ INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
 INSTANTIATE_TEST_SUITE_P(ByPasses, RandomBoard,
                          testing::Combine(testing::Values("approximate"), testing::Range(1u, 15u)), name_of);
 INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), testing::Range(1u, 26u)),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Sampled, RandomBoard, testing::Combine(testing::Values("sampled"), testing::Range(1u, 11u)),
                          name_of);
 
 // ---- one board with something of everything

@@ -4,7 +4,7 @@ import pathlib
 
 import pytest
 
-from studies import charts, held_out, plots
+from studies import charts, held_out, plots, sampled
 from studies.table import FileError, pareto, rows_of, write_whole
 
 
@@ -84,3 +84,34 @@ def test_a_files_rights_are_those_that_the_user_gives_new_files(tmp_path):
     write_whole(tmp_path / "a", "ä\n")
     pathlib.Path(tmp_path / "b").touch()
     assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode and (tmp_path / "a").read_bytes() == b"\xc3\xa4\n"
+
+
+def test_series_of_commands_have_their_input_made_once_and_are_measured_in_four_ways(tmp_path):
+    """By a program of 100 cycles and packets, 101 and 98 where it samples, and 90 at other levels, that says how it was called."""
+    program = tmp_path / "gicube-cone-beam"
+    program.write_text(f'''#!/usr/bin/python3
+import json, pathlib, sys
+words = sys.argv[1:]
+with open("{tmp_path}/calls", "a") as calls:
+    print(*words[:2], file=calls)
+if "--stats" in words:
+    sampled = "--sample" in words
+    cycles = 101 if sampled else 100 if words[words.index("--fidelity") + 1] == "cycle" else 90
+    counters = {{"asic.cycles": cycles, "ddr.reads": 60, "ddr.writes": 38 if sampled else 40, "processor.cache.missed_voxels": 8}}
+    stats = {{"board_ms": cycles, "counters": {{name: {{"value": value}} for name, value in counters.items()}}}}
+    if sampled:
+        stats["sampled"] = {{"commands": 7, "estimated_commands": 3, "cycles": {{"sum": 101, "within": 2.02}},
+                            "packets": {{"sum": 98, "within": 0.98}}, "missed_voxels": {{"sum": 8, "within": 0}}}}
+    pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(stats))
+''')
+    program.chmod(0o755)
+    pairs = tmp_path / "pairs.txt"
+    pairs.write_text("# NAME\nviews  cone-beam project a -o {work}/a.nrrd ; reconstruct {work}/a --size 4,4,4\n")
+    for _ in range(2):
+        sampled.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
+        calls = (tmp_path / "calls").read_text().splitlines()
+        assert calls == ["project a", *[f"reconstruct {tmp_path}/runs/views/a"] * (4 * sampled.ROUNDS)]
+    (row,) = rows_of(tmp_path / "out.csv")
+    assert list(row) == sampled.COLUMNS
+    assert [row[name] for name in sampled.COLUMNS[:12]] == ["views", "7", "4", "0.01", "0.02", "-0.02", "0.01", "0", "0", "-0.1", "0", "-0.1"]
+    assert row["command"] == "cone-beam reconstruct {work}/a --size 4,4,4"
