@@ -14,6 +14,11 @@ namespace {
 constexpr std::array kStudent{4.442, 4.199, 4.024, 3.892, 3.789, 3.706, 3.639, 3.583, 3.535,
                               3.494, 3.459, 3.428, 3.401, 3.376, 3.355, 3.335, 3.318};
 
+// Two dozen differences do not show what happens rarely: their root mean square counts as so much at least. Chosen.
+constexpr double kMinDifference = 0.01;
+// Of the interval asked for, that blocks are as long as possible within. Chosen: differences to come may be larger.
+constexpr double kMargin = 0.85;
+
 // A command of more than so many times the work of those that it is estimated by, or so much less, is not of their kind. Chosen.
 constexpr double kUnlike = 2;
 
@@ -59,10 +64,10 @@ double SampledSeries::half_width(std::size_t quantity, double more) const {
   if (open_[quantity] + more + squares_[quantity] == 0) return 0;
   double sum = 0;
   for (const SampledQuantities& difference : differences_) sum += difference[quantity] * difference[quantity];
-  const auto count = static_cast<double>(differences_.size());
+  const double typical = std::max(std::sqrt(sum / static_cast<double>(differences_.size())), kMinDifference);
   const double squares = squares_[quantity] + open_[quantity] * open_[quantity] + more * more;
   return std::abs(bias_[quantity] + open_[quantity] * off_[quantity]) +
-         kStudent[differences_.size() - kFirstDifferences] * std::sqrt(sum / count * squares);
+         kStudent[differences_.size() - kFirstDifferences] * typical * std::sqrt(squares);
 }
 
 void SampledSeries::begin_block() {
@@ -73,8 +78,13 @@ void SampledSeries::begin_block() {
     const bool grows = blocks_of_length_ >= kBlocksALength;
     const double each = basis_.took[kSampledCycles] / static_cast<double>(last_.size());
     length = std::min(grows ? 2 * length_ : length_, kMaxLength);
-    while (length > 1 && half_width(kSampledCycles, (length - 1) * each) > error_ * (cycles_ + length * each))
-      length /= 2;
+    const double before = half_width(kSampledCycles, 0) / cycles_;
+    // Whether the interval stays well below what it may be; or a larger one shrinks by this block.
+    const auto fits = [&](std::uint32_t commands) {
+      const double all = cycles_ + commands * each, after = half_width(kSampledCycles, (commands - 1) * each) / all;
+      return after <= kMargin * error_ || after < before * (1 - commands * each / all / 2);
+    };
+    while (length > 1 && !fits(length)) length /= 2;
   }
   blocks_of_length_ = length == length_ ? blocks_of_length_ + 1 : 1;
   length_ = length;
