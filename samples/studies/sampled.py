@@ -1,10 +1,10 @@
 """How far sampled simulation is from the cycle level, whether its intervals hold, and what it costs the host, on the series of commands of
-samples/studies/sampled_pairs.txt. Seconds are the program's with its board, one thread, the least of `ROUNDS` runs that take turns. What the
-folder has is not run again."""
+samples/studies/sampled_pairs.txt. Seconds are those of the processor, of the program and its board, the least of `ROUNDS`
+runs that take turns. What the folder has is not run again."""
 import json
 import pathlib
+import resource
 import shlex
-import time
 
 from studies.runs import RunFailed, run_to_end
 from studies.table import csv_text, write_whole
@@ -37,6 +37,12 @@ def board_ms(stats):
     return stats["board_ms"]
 
 
+def processor_seconds():
+    """Of all programs that were run, with their boards."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def measured(folder, programs, name, program, before, command):
     """Statistics and seconds by way; those of the approximate level are missing where it does not take the board."""
     work = folder / name
@@ -53,14 +59,14 @@ def measured(folder, programs, name, program, before, command):
                 output = work / ("out.png" if program == "render" else "out.nrrd")
                 arguments = [*shlex.split(command.format(work=work)), *options, "--threads", "1", "--quiet", "--stats", str(stats),
                              *([] if program == "form-factors" else ["-o", str(output)])]
-                start = time.monotonic()
+                before_it = processor_seconds()
                 try:
                     run_to_end(binary, arguments, work / f"{way}{number}.log")
                 except RunFailed:
                     if way != "approximate":
                         raise
                     continue
-                (work / f"{way}{number}.s").write_text(str(time.monotonic() - start))
+                (work / f"{way}{number}.s").write_text(str(processor_seconds() - before_it))
             seconds = float((work / f"{way}{number}.s").read_text())
             if way not in found or seconds < found[way][1]:
                 found[way] = json.loads(stats.read_text()), seconds
