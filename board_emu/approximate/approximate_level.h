@@ -17,7 +17,7 @@ class ApproximateLevel : public Level {
  public:
   // `observer`: of the cycle level's machines; null for none. Both must outlive this.
   ApproximateLevel(const v1::BoardConfig& config, Observer* observer, unsigned threads)
-      : config_(config), threads_(threads), cycle_level_(config, observer) {}
+      : config_(config), threads_(threads), cycle_level_(config, observer, threads) {}
 
   // Progress is in rays that came back.
   RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;

@@ -43,10 +43,16 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
     RunResult& all = run_->all;
     all.answered = v1::cycle;
     const std::uint64_t count = source.count(), at_once = source.max_at_once();
+    const bool vectors =
+        may_compute_ahead() && !frame.in_bricks() && tracer_.prepare(count, frame, frame.segmentation_writes, threads_);
+    const SimdTracer* const tracer = vectors ? &tracer_ : nullptr;
+    const bool ahead = may_compute_ahead() && ValuesAhead::covers(frame, tracer);
     do {
       const RayRange which{run_->begin, std::min(count, run_->begin + at_once)};
-      const RunResult ran =
-          goes_on ? machine.go_on(source, frame, progress, which) : machine.run(source, frame, progress, which);
+      std::optional<ValuesAhead> values;
+      if (ahead && !goes_on) values.emplace(source, which, frame, tracer, threads_);
+      const RunResult ran = goes_on ? machine.go_on(source, frame, progress, which)
+                                    : machine.run(source, frame, progress, which, values ? &*values : nullptr);
       goes_on = false;
       add_run(all, ran, config_.asic().core_khz());
       run_->begin = which.end;
@@ -62,6 +68,7 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
 }
 
 void CycleLevel::volume_changed() {
+  tracer_.clear();
   if (machine_) machine_->invalidate_caches();
 }
 
@@ -70,6 +77,7 @@ void CycleLevel::deposits_cleared() {
 }
 
 void CycleLevel::reset() {
+  tracer_.clear();
   if (run_ && run_->source == nullptr) run_.reset();
   if (!machine_) return;
   past_rays_ += ray_counters(*machine_);

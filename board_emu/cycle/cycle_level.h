@@ -7,14 +7,18 @@
 #include <vector>
 
 #include "cycle/machine.h"
+#include "cycle/values_ahead.h"
+#include "datapath/opacity_correction.h"
+#include "functional/simd/simd_tracer.h"
 #include "levels/level.h"
 
 namespace gicube::emu {
 
 class CycleLevel : public Level {
  public:
-  // `observer`: of every machine; null for none. Both must outlive this.
-  CycleLevel(const v1::BoardConfig& config, Observer* observer) : config_(config), observer_(observer) {}
+  // `observer`: of every machine; null for none. Both must outlive this. Values of rays are computed on `threads` threads.
+  CycleLevel(const v1::BoardConfig& config, Observer* observer, unsigned threads)
+      : config_(config), observer_(observer), threads_(threads) {}
 
   // Progress is in rays that came back.
   RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
@@ -45,8 +49,14 @@ class CycleLevel : public Level {
   Machine& machine_for(const Frame& frame);
   Machine& machine_to_go_on(RaySource& source, const Frame& frame);
 
+  // Whether the policy and an observer leave the words of rays alone.
+  bool may_compute_ahead() const { return observer_ == nullptr && config_.sorter().policy() != v1::most_contribution; }
+
   const v1::BoardConfig& config_;
   Observer* observer_;
+  unsigned threads_;
+  OpacityCorrection correction_;
+  SimdTracer tracer_{correction_};
   std::unique_ptr<Machine> machine_;  // as long as the volume keeps its size
   bool caches_sums_ = false;          // its caches hold sums, not voxels
   std::optional<Run> run_;

@@ -134,6 +134,11 @@ void Machine::book_millisecond() {
   booked_ = sum;
 }
 
+// So that it makes no difference who computed them.
+void Machine::collect_values() {
+  for (const auto& processor : processors_) dsp_->add_values(processor->take_values());
+}
+
 // To run_.skips_to.
 void Machine::skip() {
   while (now_ < run_.skips_to) {
@@ -197,6 +202,11 @@ void Machine::state(Archive& archive) {
   archive.list("milliseconds", milliseconds_);
   archive("booked", booked_);
   TokenLimits limits;
+  if (archive.in_run() && !archive.loads()) {
+    dsp_->stop_ahead();
+    for (const auto& processor : processors_) processor->take_samples();
+    collect_values();
+  }
   if (archive.in_run()) archive.within("run", [&] { run_state(archive, limits); });
   archive.parts("processor", processors_);
   archive.parts("memory", memories_);
@@ -215,23 +225,23 @@ void Machine::state(Archive& archive) {
   }
 }
 
-void Machine::set_out(const Frame& frame) {
-  for (const auto& processor : processors_) processor->begin(frame);
+void Machine::set_out(const Frame& frame, bool values_are_known) {
+  for (const auto& processor : processors_) processor->begin(frame, values_are_known);
   watch_.begin(frame);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
 }
 
-RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
-  set_out(frame);
-  dsp_->begin(now_, work, frame, which);
+RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead) {
+  set_out(frame, ahead != nullptr);
+  dsp_->begin(now_, work, frame, which, ahead);
   run_ = {
       .begin = now_, .dsp_before = dsp_->dsp().counters().busy(), .moved_at = now_, .report_at = now_ + kReportCycles};
   return to_the_end(progress, which);
 }
 
 RunResult Machine::go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
-  set_out(frame);
+  set_out(frame, false);
   dsp_->go_on(work, frame, which);
   if (now_ < run_.skips_to) skip();
   return to_the_end(progress, which);
@@ -272,6 +282,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     ++now_;
   }
   book_millisecond();
+  collect_values();
   return result(false);
 }
 

@@ -35,7 +35,8 @@ class Machine {
 
   // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. The result has the counters of making
   // rays; all others are in machine_counters.h. Throws Stall, and RoutineFault.
-  RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
+  // `ahead`: values of those rays, for which the policy must not ask, or null. An observer sees none of it: there must be none then.
+  RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead = nullptr);
   // Goes on with the run of a checkpoint, from the same source. Throws CheckpointFault if it was another one.
   RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
   RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
@@ -101,7 +102,7 @@ class Machine {
     }
   };
 
-  void set_out(const Frame& frame);
+  void set_out(const Frame& frame, bool values_are_known);
   RunResult to_the_end(Progress& progress, RayRange which);
   void run_state(Archive& archive, TokenLimits& limits);
   bool tick();
@@ -122,6 +123,7 @@ class Machine {
   bool asic_idle() const;
   Cause upstream() const;
   void book_millisecond();
+  void collect_values();
   [[noreturn]] void stalled() const;
 
   v1::BoardConfig config_;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <ostream>
 
+#include "cycle/known_pass.h"
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
 
@@ -80,8 +81,9 @@ Processor::Processor(const ProcessorConfig& config)
   sorter_.set_listener(&watch_);
 }
 
-void Processor::begin(const Frame& frame) {
+void Processor::begin(const Frame& frame, bool values_are_known) {
   frame_ = &frame;
+  values_are_known_ = values_are_known;
   scatters_or_deposits_ = !frame.plain();
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -187,15 +189,14 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.splats = false;
   entry.block = ray.block;
   const Point low = grid_.low(ray_state.position);
-  const BlockView view = frame_->volume->view(ray.block);
   const bool carries = scatters_or_deposits_ && ray_state.is(wire::kIrradianceCarrier);
   entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
   Termination how = Termination::kNot;
   if (!entry.sampled) {
-    leap(ray_state, low, grid_.size(), *frame_, counts_);
+    values_are_known_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
+                      : void(leap(ray_state, low, grid_.size(), *frame_, counts_));
   } else {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
-    const SampleSite site{at, view, ray.block, edge_};
     const Misses& misses = cache_.check(ray.block, at.voxel);
     for (const TileOfBlock& changed : cache_.victims()) write_back(changed, false);
     if (misses.count > 0) entry.packets = ask(now, misses, partition_.home(ray.block).number);
@@ -204,20 +205,32 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       for (const TileOfBlock& changed : cells_->victims()) write_back(changed, true);
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
-    if (carries) {
+    if (values_are_known_) {
+      move_on(ray_state, low, grid_.size(), false, *frame_, counts_);
+    } else if (carries) {
       splat(ray.block, brought_by(ray_state, *frame_), ray_state, entry);
       how = Termination::kAbsorbed;
-    } else if (!scatters_or_deposits_) {
-      gather(ray_state, site, *frame_, counts_);
     } else {
-      const Point place = ray_state.position;
-      how = after(sample(ray_state, site, *frame_, counts_), place, ray, entry);
+      const BlockView view = frame_->volume->view(ray.block);
+      const SampleSite site{at, view, ray.block, edge_};
+      if (!scatters_or_deposits_) {
+        gather(ray_state, site, *frame_, counts_);
+      } else {
+        const Point place = ray_state.position;
+        how = after(sample(ray_state, site, *frame_, counts_), place, ray, entry);
+      }
     }
   }
 
-  token.contribution = contribution(ray_state);
+  if (values_are_known_) {
+    if (ray_state.steps_left() == 0) how = Termination::kLeft;
+  } else {
+    token.contribution = contribution(ray_state);
+  }
   // A trapped ray has its end looked for when it has its new direction.
-  if (how == Termination::kNot && token.state != TokenStatus::kTrapped) how = end(ray_state, *frame_);
+  if (how == Termination::kNot && token.state != TokenStatus::kTrapped && !values_are_known_) {
+    how = end(ray_state, *frame_);
+  }
   if (how != Termination::kNot) {
     token.state = carries ? TokenStatus::kGone : TokenStatus::kDone;
     if (!carries) count_end(ray_state, how, *frame_, counts_);
@@ -234,8 +247,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
         count_end(ray_state, Termination::kLeft, *frame_, counts_);
       }
     }
-  } else {
-    prefetch(view, ray_state.position, low);
+  } else if (!values_are_known_) {
+    prefetch(frame_->volume->view(ray.block), ray_state.position, low);
   }
   token.keeps_slot = token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
   if (token.watched) [[unlikely]]

@@ -29,6 +29,7 @@
 #include "ray_store.h"
 #include "ray_watch.h"
 #include "splat_unit.h"
+#include "values_ahead.h"
 
 namespace gicube::emu {
 
@@ -47,8 +48,17 @@ class Processor {
  public:
   explicit Processor(const ProcessorConfig& config);
 
-  // All rays until the next call are of this frame. The processor must be idle.
-  void begin(const Frame& frame);
+  // All rays until the next call are of this frame. The processor must be idle. `values_are_known`: rays have steps_left() to their
+  // ends, and nothing else is asked of them.
+  void begin(const Frame& frame, bool values_are_known);
+  // Hands of_values() of its rays over.
+  RayCounters take_values() {
+    const RayCounters values = of_values(counts_);
+    counts_ = counts_ - values;
+    return values;
+  }
+  // Values are no longer known.
+  void take_samples() { values_are_known_ = false; }
   void invalidate_cache() {
     cache_.invalidate();
     if (cells_) cells_->invalidate();
@@ -158,6 +168,7 @@ class Processor {
   WriteQueue writes_;
   SplatUnit splats_;
 
+  bool values_are_known_ = false;
   bool scatters_or_deposits_ = false;  // rays of this frame do more than gather
   bool fed_ = false;                   // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;

@@ -23,9 +23,10 @@ RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, 
       may_be_under_way_(places_),
       store_(config.asic().processors() * lists_) {}
 
-void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which) {
+void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead) {
   work_ = &work;
   frame_ = &frame;
+  ahead_ = ahead;
   begin_ = made_ = which.begin;
   end_ = which.end;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
@@ -40,7 +41,20 @@ void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
   if (!fits) throw CheckpointFault("run", "rays of its command", std::to_string(end_));
   work_ = &work;
   frame_ = &frame;
+  ahead_ = nullptr;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+}
+
+void RayEngine::stop_ahead() {
+  if (ahead_ == nullptr || ahead_->has_stopped()) return;
+  const std::vector<bool> in_use = rays_.in_use();
+  for (std::uint32_t handle = 0; handle < in_use.size(); ++handle) {
+    if (!in_use[handle]) continue;
+    const ValuesAhead::Ray& ray = rays_ahead_[handle];
+    RayState& ray_state = rays_[handle].ray_state;
+    ray_state = ahead_->at(ray, ray.steps - ray_state.steps_left(), counts_);
+  }
+  ahead_->stop(counts_);
 }
 
 void RayEngine::run_state(Archive& archive) {
@@ -117,7 +131,8 @@ void RayEngine::settle(Cycle now, const RayToken& token) {
     ++finished_;
     return;
   }
-  const wire::Ray ray = pack_ended(rays_[token.ray].ray_state, *frame_);
+  const wire::Ray ray =
+      computes_ahead() ? rays_ahead_[token.ray].ended : pack_ended(rays_[token.ray].ray_state, *frame_);
   work_->take(index_of_[token.ray], ray);
   tell(now, RayStep::kTaken, token);
   rays_.remove(token.ray);
@@ -170,10 +185,18 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   return Scattered::kSentAgain;
 }
 
+std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, ValuesAhead::Ray& values) {
+  const std::optional<ValuesAhead::Ray> ray = ahead_->make(index, making_, counts_);
+  if (!ray) return std::nullopt;
+  values = *ray;
+  return values.made;
+}
+
 // Makes the next ray; nothing if it never goes to the ASIC.
 std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint64_t index = made_++;
-  const auto made = work_->make(index, making_);
+  ValuesAhead::Ray values;
+  const auto made = ahead_ == nullptr ? work_->make(index, making_) : make_ahead(index, values);
   if (!made) {
     ++finished_;
     return std::nullopt;
@@ -184,7 +207,7 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   const bool is_trapped = waited != nullptr && waited->trapped;
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot && !is_trapped) {  // its clipping leaves nothing of it
-    count_end(ray.ray_state, how, *frame_, counts_);
+    count_end(ray.ray_state, computes_ahead() ? Termination::kLeft : how, *frame_, counts_);
     work_->take(index, pack_ended(ray.ray_state, *frame_));
     ++finished_;
     return std::nullopt;
@@ -198,6 +221,11 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint32_t handle = rays_.add(ray);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
+  if (computes_ahead()) {
+    rays_ahead_.resize(index_of_.size());
+    rays_ahead_[handle] = values;
+    rays_[handle].ray_state.set_steps_left(values.steps);
+  }
   ++under_way_;
   watch_.made(now, handle, index, *made);
   if (is_trapped) {

@@ -22,6 +22,7 @@
 #include "levels/ray_source.h"
 #include "ray_store.h"
 #include "ray_watch.h"
+#include "values_ahead.h"
 
 namespace gicube::emu {
 
@@ -43,12 +44,15 @@ class RayEngine {
   RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, RayWatch& watch,
             const RayEnginePorts& ports);
 
-  // Begins with the rays `which` of `work` at core cycle `now`. `work` and `frame` must live until done().
-  void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which);
+  // Begins with the rays `which` of `work` at core cycle `now`. `work` and `frame` must live until done(). `ahead`: of these rays, or
+  // null.
+  void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead);
   // Goes on with a run of a checkpoint. Throws CheckpointFault if it was another one.
   void go_on(RaySource& work, const Frame& frame, RayRange which);
 
   bool tick(Cycle now);
+  // Brings the words of all rays under way to where they are; the machine must take their samples from now on.
+  void stop_ahead();
 
   // Every ray was made and has come back, and the DSP has finished with the last.
   bool done(Cycle now) const { return made_ == end_ && rays_.under_way() == 0 && !busy(now); }
@@ -73,8 +77,9 @@ class RayEngine {
   const RayEngineCounters& counters() const { return counters_; }
   const Dsp& dsp() const { return dsp_; }
   Dsp& dsp() { return dsp_; }
-  // Rays that ended before they were sent.
+  // Rays that ended before they were sent, and of_values() of all others.
   const RayCounters& rays() const { return counts_; }
+  void add_values(const RayCounters& counters) { counts_ += counters; }
   void describe(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(outgoing_ == Outgoing::kNothing, "the DSP");
@@ -105,6 +110,8 @@ class RayEngine {
 
   bool send(Cycle now);
   std::optional<RayToken> make(Cycle now);
+  std::optional<wire::Ray> make_ahead(std::uint64_t index, ValuesAhead::Ray& values);
+  bool computes_ahead() const { return ahead_ != nullptr && !ahead_->has_stopped(); }
   void make_rays(Cycle now);
   void send_again(Cycle now);
   void make_ray(Cycle now);
@@ -131,8 +138,10 @@ class RayEngine {
 
   RaySource* work_ = nullptr;
   const Frame* frame_ = nullptr;
-  std::uint64_t begin_ = 0, end_ = 0;  // of the work's rays
-  std::uint64_t made_ = 0;             // up to which
+  ValuesAhead* ahead_ = nullptr;              // may have stopped
+  std::vector<ValuesAhead::Ray> rays_ahead_;  // by handle
+  std::uint64_t begin_ = 0, end_ = 0;         // of the work's rays
+  std::uint64_t made_ = 0;                    // up to which
   std::uint64_t rays_made_ = 0;
   RayCounters making_;
   std::uint64_t finished_ = 0;

@@ -49,6 +49,12 @@ class RayStore {
     }
   }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
+  // By handle.
+  std::vector<bool> in_use() const {
+    std::vector<bool> used(rays_.size(), true);
+    for (const std::uint32_t handle : free_) used[handle] = false;
+    return used;
+  }
 
  private:
   std::vector<RayUnderWay> rays_;

@@ -13,7 +13,7 @@ std::unique_ptr<Level> make_level(const v1::BoardConfig& config, Observer* obser
   switch (config.fidelity()) {
     case v1::cycle:
       if (config.sample_error() != 0) return std::make_unique<SampledLevel>(config, observer, threads);
-      return std::make_unique<CycleLevel>(config, observer);
+      return std::make_unique<CycleLevel>(config, observer, threads);
     case v1::approximate: return std::make_unique<ApproximateLevel>(config, observer, threads);
     default: return std::make_unique<FunctionalLevel>(threads);
   }

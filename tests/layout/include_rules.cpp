@@ -11,7 +11,8 @@ namespace {
 
 // Where the build looks for our headers, and under which folder of the tree they stand.
 constexpr std::array<std::string_view, 8> kIncludeFolders{
-    "proto", "driver/include", "driver/hosts/include", "driver/scene/include", "driver", "driver/src", "board_emu", "samples"};
+    "proto",     "driver/include", "driver/hosts/include", "driver/scene/include", "driver", "driver/src",
+    "board_emu", "samples"};
 
 // The part of the ASIC between two FIFOs: knows itself, the records that pass, and the wire.
 Rule sibling(std::string_view folder) {
@@ -118,8 +119,9 @@ const std::vector<Rule>& rules() {
            {"board_emu/words", "board_emu/memory", "board_emu/datapath", "board_emu/levels"}, {"hwy"}),
       // Its tasks are the levels', its memory is built as the ASIC's.
       room("board_emu/dsp", {"board_emu/words", "board_emu/config", "board_emu/asic/dram", "board_emu/levels"}),
+      // Has values that nobody sees on their way from the level without time.
       room("board_emu/cycle", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
-                               "board_emu/asic", "board_emu/dsp", "board_emu/levels"}),
+                               "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional"}),
       // Has its values from one level, and hands what it does not know to the other.
       room("board_emu/approximate", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                      "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional",

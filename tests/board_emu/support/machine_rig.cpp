@@ -82,6 +82,31 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machi
   return picture;
 }
 
+Picture ahead_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs,
+                      bool saves) {
+  Picture picture;
+  Framebuffer framebuffer;
+  Progress progress;
+  const RayCounters before = ray_counters(machine);
+  ImageRays rays(view, scene.frame, framebuffer, runs);
+  const RayRange all{0, rays.count()};
+  std::optional<ValuesAhead> values;
+  if (ValuesAhead::covers(scene.frame, nullptr)) values.emplace(rays, all, scene.frame, nullptr, 1);
+  if (saves) {
+    progress.may_count = [&machine, at = machine.now()] {
+      if (machine.now() - at > 3 * 4096) return;  // early in the run
+      std::vector<std::uint64_t> numbers;
+      NumbersArchive archive(false, numbers);
+      archive.set_in_run(true);
+      machine.state(archive);
+    };
+  }
+  picture.ran = machine.run(rays, scene.frame, progress, all, values ? &*values : nullptr);
+  picture.pixels = framebuffer.packed();
+  picture.rays = ray_counters(machine) - before;
+  return picture;
+}
+
 RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame) {
   HostRays source(rays, frame, true);
   return run_functional(source, frame).rays;

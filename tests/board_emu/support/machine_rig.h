@@ -103,6 +103,10 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machi
                       const Lamps& lamps = {});
 RunRules runs_of(const v1::BoardConfig& config);
 
+// The same by a machine that has the values computed ahead, if the frame's can be; in mid run a checkpoint is taken if `saves`.
+Picture ahead_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs,
+                      bool saves);
+
 // Host rays, in place.
 RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame);
 RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine);

@@ -1,0 +1,26 @@
+// A pass through the pipeline of a ray whose values are known (values_ahead.h).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "datapath/interaction.h"
+
+namespace gicube::emu {
+
+// Takes a ray whose values are known on by a pass, over its block, whose least corner is `low` and whose edge `size`, if it `leaps`.
+inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool leaps, const Frame& frame,
+                    RayCounters& counters) {
+  const std::int32_t left = ray.steps_left();
+  std::int32_t steps = 1;
+  if (leaps) {
+    steps = leap(ray, low, size, frame, counters);
+  } else {
+    jitter_step(ray, frame);
+    advance(ray, 1, frame);
+    ++counters.samples;
+  }
+  ray.set_steps_left(left - std::min(steps, left));
+}
+
+}  // namespace gicube::emu
