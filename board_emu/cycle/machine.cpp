@@ -77,32 +77,65 @@ bool Machine::tick_part(std::size_t part) {
 }
 
 bool Machine::tick() {
-  bool moved = false;
-  if (shuffle_ == 0) {
-    moved |= dsp_->tick(now_);
-    moved |= ray_bus_->tick(now_);
-    moved |= links_->tick(now_);
-    for (const auto& processor : processors_) {
-      moved |= processor->tick_sorter(now_);
-      moved |= processor->tick_pipeline(now_);
-    }
-    const bool is_seen = is_seen_soon();
-    for (const auto& memory : memories_) {
-      moved |= is_seen ? memory->tick(now_) : memory->tick_ahead(now_);
-    }
-    moved |= tree_->tick(now_);
-  } else {
-    std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    for (std::size_t i = order.size() - 1; i > 0; --i) {
-      shuffle_ = mix64(shuffle_ + 1) | 1;
-      std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
-    }
-    for (const std::size_t part : order) moved |= tick_part(part);
+  if (shuffle_ != 0) return tick_shuffled();
+  bool moved = dsp_->tick(now_);
+  moved |= ray_bus_->tick(now_);
+  moved |= links_->tick(now_);
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    Processor& processor = *processors_[i];
+    if (now_ < clocks_[i].alone_until && !processor.has_input()) continue;
+    catch_up(i, now_);
+    clocks_[i].next = now_ + 1;
+    moved |= processor.tick_sorter(now_);
+    moved |= processor.tick_pipeline(now_);
   }
+  const bool is_seen = is_seen_soon();
+  for (std::size_t i = 0; i < memories_.size(); ++i) {
+    if (now_ < clocks_[i].alone_until && clocks_[i].next <= now_) continue;
+    moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
+  }
+  moved |= tree_->tick(now_);
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    if (clocks_[i].next <= now_) continue;
+    Processor& processor = *processors_[i];
+    processor.account(now_, processor.holds_rays() ? Cause::kLatency : upstream());
+    if (go_alone_) clocks_[i].alone_until = processor.alone_until(now_);
+  }
+  return moved;
+}
+
+bool Machine::tick_shuffled() {
+  std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size() - 1; i > 0; --i) {
+    shuffle_ = mix64(shuffle_ + 1) | 1;
+    std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
+  }
+  bool moved = false;
+  for (const std::size_t part : order) moved |= tick_part(part);
   const Cause cause = upstream();
   for (const auto& processor : processors_) processor->account(now_, cause);
   return moved;
+}
+
+void Machine::catch_up(std::size_t i, Cycle to) {
+  Processor& processor = *processors_[i];
+  for (Cycle& next = clocks_[i].next; next < to; ++next) {
+    if (processor.tick_alone(next)) run_.moved_at = std::max(run_.moved_at, next);
+    if (processor.asks_memory()) memories_[i]->tick_ahead(next);
+  }
+}
+
+Cycle Machine::next_cycle() const {
+  Cycle next = run_.report_at;
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    if (processors_[i]->has_input()) return now_ + 1;
+    next = std::min(next, clocks_[i].alone_until);
+  }
+  if (!dsp_->rests()) next = std::min(next, dsp_->free_at());
+  const bool is_quiet = next > now_ + 1 && down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() &&
+                        links_->idle() && tree_->idle();
+  return is_quiet ? next : now_ + 1;
 }
 
 // Why a processor without rays gets none.
@@ -148,6 +181,7 @@ void Machine::skip() {
     now_ += stride;
   }
   run_.moved_at = now_;
+  for (Clock& clock : clocks_) clock.next = now_;
 }
 
 void Machine::describe(std::ostream& out) const {
@@ -228,6 +262,8 @@ void Machine::state(Archive& archive) {
 void Machine::set_out(const Frame& frame, bool values_are_known) {
   for (const auto& processor : processors_) processor->begin(frame, values_are_known);
   watch_.begin(frame);
+  go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
+  clocks_.assign(processors_.size(), {.next = now_, .alone_until = now_});
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
 }
@@ -260,6 +296,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= run_.report_at) {
+      all_catch_up(now_);
       run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
@@ -278,8 +315,17 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     }
     if (tick()) run_.moved_at = now_;
     show();
-    if (now_ - run_.moved_at > kStallCycles) stalled();
-    ++now_;
+    if (now_ - run_.moved_at > kStallCycles) {
+      all_catch_up(now_ + 1);
+      if (now_ - run_.moved_at > kStallCycles) stalled();
+    }
+    if (!go_alone_) {
+      ++now_;
+      continue;
+    }
+    const Cycle next = next_cycle();
+    if (dsp_->busy(next - 1)) run_.moved_at = next - 1;
+    now_ = next;
   }
   book_millisecond();
   collect_values();

@@ -106,8 +106,16 @@ class Machine {
   RunResult to_the_end(Progress& progress, RayRange which);
   void run_state(Archive& archive, TokenLimits& limits);
   bool tick();
+  bool tick_shuffled();
   bool tick_part(std::size_t part);
   void skip();
+  // Ticks a processor that went alone in its cycles before `to`.
+  void catch_up(std::size_t processor, Cycle to);
+  void all_catch_up(Cycle to) {
+    for (std::size_t i = 0; go_alone_ && i < processors_.size(); ++i) catch_up(i, to);
+  }
+  // The next cycle in which something else happens than that processors go alone and the DSP works.
+  Cycle next_cycle() const;
   // An observer sees the cycle, if it wants to.
   void show() {
     if (now_ < see_at_) [[likely]]
@@ -150,6 +158,14 @@ class Machine {
   Cycle now_ = 0;
   bool is_seen_ = false;  // the cycle is over
   Run run_;
+  // Processors that go alone (Processor::alone_until()) are ticked later than their cycles, many at a time: what a processor needs
+  // then stays in the host's cache. Not where somebody sees cycles, or two processors share a memory.
+  struct Clock {
+    Cycle next = 0;         // cycle in which it ticks
+    Cycle alone_until = 0;  // in which it must have done all cycles before
+  };
+  std::vector<Clock> clocks_;  // by processor
+  bool go_alone_ = false;
   std::vector<Millisecond> milliseconds_;
   Millisecond booked_;  // the sum of milliseconds_
 };

@@ -313,9 +313,9 @@ void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
   bubble_ = true;
   const Cycle first = std::min<Cycle>(cycles, stages_.prefetch_stages()), last = cycles - first;
   for (Cycle i = 0; i < first; ++i) account(now + i, upstream);
-  causes_[static_cast<std::size_t>(bubble(upstream))] += last;
+  causes_[static_cast<std::size_t>(bubble(upstream, 0))] += last;
   for (Cycle i = 0; i < std::min<Cycle>(last, unfed_.size()); ++i) {
-    unfed_[(now + cycles - 1 - i) & unfed_mask_] = bubble(upstream);
+    unfed_[(now + cycles - 1 - i) & unfed_mask_] = bubble(upstream, 0);
   }
 }
 

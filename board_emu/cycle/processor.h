@@ -70,8 +70,24 @@ class Processor {
     return moved;
   }
   bool tick_pipeline(Cycle now);
+
+  // As long as nothing comes in and nothing goes out, a processor may be ticked later than the parts round it. After cycle
+  // `now`: the first cycle in which it may send something; the next, if it has sent something or is nearly empty.
+  Cycle alone_until(Cycle now) const;
+  bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
+  // Ticks it in a cycle before that one; true if something moved. Its memory ticks next.
+  bool tick_alone(Cycle now) {
+    bool moved = sorter_.tick_alone(now);
+    if (issue_.pushed(now)) __builtin_prefetch(&rays_[issue_.back().ray]);
+    moved |= tick_pipeline(now);
+    account(now, Cause::kLatency, 0);
+    return moved;
+  }
+  bool asks_memory() const { return !misses_.all_sent() || !writes_.all_sent(); }
   // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: why no ray comes, if none is here.
-  void account(Cycle now, Cause upstream);
+  void account(Cycle now, Cause upstream) {
+    account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
+  }
   // Counts `cycles` in which the idle processor was not ticked.
   void account_idle(Cycle now, Cycle cycles, Cause upstream);
 
@@ -139,7 +155,9 @@ class Processor {
   }
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
-  Cause bubble(Cause upstream) const;
+  // `come`: rays on their way into its queues from outside.
+  Cause bubble(Cause upstream, std::size_t come) const;
+  void account(Cycle now, Cause upstream, std::size_t come);
   [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
   [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
 
@@ -185,22 +203,21 @@ class Processor {
 // Below, conditions are added up instead of branched on: they are hard to predict, and are evaluated every cycle.
 inline bool Processor::holds_rays() const { return (sorter_.waiting() | issue_.size() | stages_.size()) != 0; }
 
-inline Cause Processor::bubble(Cause upstream) const {
+inline Cause Processor::bubble(Cause upstream, std::size_t come) const {
   const std::uint64_t under_way = stages_.size() | returned_.size();
-  const std::uint64_t to_be_sorted =
-      sorter_.waiting() | issue_.size() | from_bus.size() | from_left.size() | from_right.size();
+  const std::uint64_t to_be_sorted = sorter_.waiting() | issue_.size() | come;
   Cause cause = upstream;
   cause = under_way != 0 ? Cause::kLatency : cause;
   cause = to_be_sorted != 0 ? Cause::kSorter : cause;
   return backed_up_ ? Cause::kMiss : cause;
 }
 
-inline void Processor::account(Cycle now, Cause upstream) {
+inline void Processor::account(Cycle now, Cause upstream, std::size_t come) {
   // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
   const Cause unfed = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
   latest_ = bubble_ ? unfed : latest_;
   ++causes_[static_cast<std::size_t>(latest_)];
-  unfed_[now & unfed_mask_] = bubble(upstream);  // not asked for if a ray has entered
+  unfed_[now & unfed_mask_] = bubble(upstream, come);  // not asked for if a ray has entered
   holding_cycles_ += fed_ | holds_rays();
 }
 

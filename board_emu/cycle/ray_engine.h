@@ -62,6 +62,8 @@ class RayEngine {
   bool busy(Cycle now) const { return free_at_ * core_khz_ > now * dsp_khz_; }
   // And waits for its memory.
   bool waits(Cycle now) const { return busy(now) && dsp_.waits(dsp_cycle(now)); }
+  // Does nothing until a ray comes back.
+  bool rests() const { return outgoing_ == Outgoing::kNothing && !store_.has_ready() && !may_make(); }
   // No ray is on the ASIC: those under way are kept here, or on their way out.
   bool keeps_all_rays() const {
     return rays_.under_way() ==

@@ -71,6 +71,7 @@ class SplatUnit {
   }
   const SplatCounters& counters() const { return counters_; }
   std::size_t waiting() const { return count_; }
+  const Splat& waiting(std::size_t i) const { return splats_[(head_ + i) % splats_.size()]; }  // the oldest first
   // Of blocks with `tiles`. Between runs no splat is in work; the cache may be taken for the last one's cycles still.
   void state(Archive& archive, std::size_t blocks, std::size_t tiles) {
     archive.expect_idle(count_ == 0 && !has_carrier(), "the splat unit");

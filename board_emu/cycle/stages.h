@@ -36,6 +36,7 @@ class Stages {
         ring_(mask_ + 1) {}
 
   std::size_t prefetch_stages() const { return prefetch_stages_; }
+  std::size_t compute_stages() const { return compute_stages_; }
   std::size_t size() const { return prefetching_ + computing_; }
   bool empty() const { return size() == 0; }
   std::size_t prefetching() const { return prefetching_; }

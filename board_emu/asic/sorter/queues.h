@@ -26,6 +26,8 @@ class Queues {
       : capacity_(capacity), importance_of_(emu::importance_of(policy)), states_(queues) {}
 
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
+  bool has_slots(std::uint32_t queue, std::uint32_t count) const { return capacity_ - states_[queue].slots >= count; }
+  bool has_overflowed(std::uint32_t queue) const { return states_[queue].overflowed > 0; }
   // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
   std::uint32_t write(std::uint32_t queue, const RayToken& token);
   // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.

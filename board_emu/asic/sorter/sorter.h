@@ -96,7 +96,20 @@ class Sorter {
     return ((rest != 0) | others_come) && work(now, others_come);
   }
 
+  // The same where nothing comes from elsewhere before the next cycle.
+  bool tick_alone(Cycle now) {
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
+    return rest != 0 && work(now, false);
+  }
+
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
+  bool has_kept_slots() const { return !kept_.empty(); }
+  // A ray that comes to the queue finds a slot, also behind `others`.
+  bool has_room(std::uint32_t queue, std::uint32_t others) const {
+    return queues_.has_slots(single_ ? 0 : queue, others + 1);
+  }
+  // A slot that is given up is kept for a ray that has overflowed.
+  bool would_keep(std::uint32_t queue) const { return queues_.has_overflowed(single_ ? 0 : queue); }
   std::uint32_t queues() const { return queues_.count(); }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
