@@ -8,7 +8,9 @@
 
 #include "asic/memory_standards.h"
 #include "datapath/jitter.h"
+#include "gicube/parallel_for.h"
 #include "words/block_grid.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 
@@ -78,28 +80,29 @@ bool Machine::tick_part(std::size_t part) {
 
 bool Machine::tick() {
   if (shuffle_ != 0) return tick_shuffled();
+  if (go_alone_) lone_.tell(now_);
   bool moved = dsp_->tick(now_);
   moved |= ray_bus_->tick(now_);
   moved |= links_->tick(now_);
+  const auto stays_alone = [this](std::size_t i) {
+    return go_alone_ && lone_.goes_alone(i, now_) && !processors_[i]->has_input();
+  };
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    Processor& processor = *processors_[i];
-    if (now_ < clocks_[i].alone_until && !processor.has_input()) continue;
-    catch_up(i, now_);
-    clocks_[i].next = now_ + 1;
-    moved |= processor.tick_sorter(now_);
-    moved |= processor.tick_pipeline(now_);
+    if (stays_alone(i)) continue;
+    if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.take(i, now_));
+    moved |= processors_[i]->tick_sorter(now_);
+    moved |= processors_[i]->tick_pipeline(now_);
   }
   const bool is_seen = is_seen_soon();
   for (std::size_t i = 0; i < memories_.size(); ++i) {
-    if (now_ < clocks_[i].alone_until && clocks_[i].next <= now_) continue;
-    moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
+    if (!stays_alone(i)) moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
   }
   moved |= tree_->tick(now_);
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (clocks_[i].next <= now_) continue;
+    if (stays_alone(i)) continue;
     Processor& processor = *processors_[i];
     processor.account(now_, processor.holds_rays() ? Cause::kLatency : upstream());
-    if (go_alone_) clocks_[i].alone_until = processor.alone_until(now_);
+    if (go_alone_) lone_.leave(i, now_ + 1, processor.alone_until(now_));
   }
   return moved;
 }
@@ -118,19 +121,11 @@ bool Machine::tick_shuffled() {
   return moved;
 }
 
-void Machine::catch_up(std::size_t i, Cycle to) {
-  Processor& processor = *processors_[i];
-  for (Cycle& next = clocks_[i].next; next < to; ++next) {
-    if (processor.tick_alone(next)) run_.moved_at = std::max(run_.moved_at, next);
-    if (processor.asks_memory()) memories_[i]->tick_ahead(next);
-  }
-}
-
 Cycle Machine::next_cycle() const {
   Cycle next = run_.report_at;
   for (std::size_t i = 0; i < processors_.size(); ++i) {
     if (processors_[i]->has_input()) return now_ + 1;
-    next = std::min(next, clocks_[i].alone_until);
+    next = std::min(next, lone_.alone_until(i));
   }
   if (!dsp_->rests()) next = std::min(next, dsp_->free_at());
   const bool is_quiet = next > now_ + 1 && down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() &&
@@ -142,8 +137,10 @@ Cycle Machine::next_cycle() const {
 Cause Machine::upstream() const {
   if (!down_.empty() || !runs_.empty() || !ray_bus_->idle()) return Cause::kRayBus;
   if (dsp_->has_rays_to_send()) return dsp_->waits(now_) ? Cause::kSdram : Cause::kDsp;
-  const bool others =
-      std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->holds_rays(); });
+  bool others = false;
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    others = others || (go_alone_ && lone_.is_left(i)) || processors_[i]->holds_rays();
+  }
   return others ? Cause::kQueueEmpty : Cause::kDsp;
 }
 
@@ -181,7 +178,7 @@ void Machine::skip() {
     now_ += stride;
   }
   run_.moved_at = now_;
-  for (Clock& clock : clocks_) clock.next = now_;
+  lone_.skip(now_);
 }
 
 void Machine::describe(std::ostream& out) const {
@@ -263,7 +260,9 @@ void Machine::set_out(const Frame& frame, bool values_are_known) {
   for (const auto& processor : processors_) processor->begin(frame, values_are_known);
   watch_.begin(frame);
   go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
-  clocks_.assign(processors_.size(), {.next = now_, .alone_until = now_});
+  const unsigned threads = frame.plain() ? thread_count(config_.threads()) : 1;
+  const auto count = static_cast<unsigned>(processors_.size());
+  if (go_alone_) lone_.begin(now_, processors_, memories_, std::min(threads, count) - 1);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
 }
@@ -293,16 +292,18 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     ran.cancelled = cancelled;
     return ran;
   };
+  const Finally over{[this] { lone_.end(); }};
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= run_.report_at) {
-      all_catch_up(now_);
+      if (go_alone_) lone_.take_all(now_);
       run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
       if (progress.may_count) progress.may_count();
       ask_observer(now_);
       if (progress.cancel) return result(true);
+      if (go_alone_) lone_.leave_all(now_);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
       run_.skips_to = dsp_->free_at();
@@ -316,7 +317,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     if (tick()) run_.moved_at = now_;
     show();
     if (now_ - run_.moved_at > kStallCycles) {
-      all_catch_up(now_ + 1);
+      if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.take_all(now_ + 1));
       if (now_ - run_.moved_at > kStallCycles) stalled();
     }
     if (!go_alone_) {

@@ -17,6 +17,7 @@
 #include "asic/raybus/merge_tree.h"
 #include "asic/raybus/ray_bus.h"
 #include "levels/level.h"
+#include "lone_processors.h"
 #include "memory_port.h"
 #include "observer.h"
 #include "processor.h"
@@ -109,11 +110,6 @@ class Machine {
   bool tick_shuffled();
   bool tick_part(std::size_t part);
   void skip();
-  // Ticks a processor that went alone in its cycles before `to`.
-  void catch_up(std::size_t processor, Cycle to);
-  void all_catch_up(Cycle to) {
-    for (std::size_t i = 0; go_alone_ && i < processors_.size(); ++i) catch_up(i, to);
-  }
   // The next cycle in which something else happens than that processors go alone and the DSP works.
   Cycle next_cycle() const;
   // An observer sees the cycle, if it wants to.
@@ -158,13 +154,8 @@ class Machine {
   Cycle now_ = 0;
   bool is_seen_ = false;  // the cycle is over
   Run run_;
-  // Processors that go alone (Processor::alone_until()) are ticked later than their cycles, many at a time: what a processor needs
-  // then stays in the host's cache. Not where somebody sees cycles, or two processors share a memory.
-  struct Clock {
-    Cycle next = 0;         // cycle in which it ticks
-    Cycle alone_until = 0;  // in which it must have done all cycles before
-  };
-  std::vector<Clock> clocks_;  // by processor
+  // Not where somebody sees cycles, or two processors share a memory.
+  LoneProcessors lone_;
   bool go_alone_ = false;
   std::vector<Millisecond> milliseconds_;
   Millisecond booked_;  // the sum of milliseconds_

@@ -30,6 +30,8 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
   begin_ = made_ = which.begin;
   end_ = which.end;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+  rays_.make_room(
+      std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // their words stay where they are
   finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
   batch_ = 0;
@@ -43,6 +45,8 @@ void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
   frame_ = &frame;
   ahead_ = nullptr;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+  rays_.make_room(
+      std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // their words stay where they are
 }
 
 void RayEngine::stop_ahead() {

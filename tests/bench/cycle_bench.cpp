@@ -47,5 +47,29 @@ BENCHMARK(cycle_samples)
     ->Args({512, 30000, 1, 0})
     ->Unit(benchmark::kMillisecond);
 
+// A machine of many processors: range(0) of them; range(1): threads.
+void cycle_processors(benchmark::State& state) {
+  v1::BoardConfig config;
+  config.set_threads(static_cast<unsigned>(state.range(1)));
+  config.set_fidelity(v1::cycle);
+  config.mutable_asic()->set_processors(static_cast<unsigned>(state.range(0)));
+  config.mutable_asic()->set_partition(v1::skewed_block);
+  BallBoard board(config);
+  board.set_opacity(600);
+  board.write_register(wire::reg::kPipeline, wire::kPipelineShade);
+  const wire::RenderCommand view = axis_view(256);
+  board.render(view);
+  const std::uint64_t samples = board.counter("pipeline.samples"), cycles = board.counter("asic.cycles");
+  for (auto _ : state) benchmark::DoNotOptimize(board.render(view));
+  state.SetItemsProcessed(static_cast<std::int64_t>(board.counter("pipeline.samples") - samples));
+  state.counters["core_cycles"] =
+      static_cast<double>(board.counter("asic.cycles") - cycles) / static_cast<double>(state.iterations());
+}
+BENCHMARK(cycle_processors)
+    ->ArgNames({"processors", "threads"})
+    ->ArgsProduct({{4, 16, 64}, {1, 2}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace gicube::emu
