@@ -19,7 +19,7 @@ class SampledLevel : public Level {
  public:
   // `config` has its sample_error. `observer`: of the cycle level's machines; null for none. Both must outlive this.
   SampledLevel(const v1::BoardConfig& config, Observer* observer, unsigned threads)
-      : config_(config), cycle_(config, observer), functional_(threads) {}
+      : config_(config), cycle_(config, observer, threads), functional_(threads) {}
 
   RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
 
