@@ -64,11 +64,11 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
   request.volume = setup.volume_view();
   request.looks = looks;
   if (own_codebook) set_own_codebook(board, setup);
-  const bool apart = options.fidelity == "cycle" && options.board.starts_with("emu:");
+  const bool apart = (options.fidelity == "cycle" || options.sample > 0) && options.board.starts_with("emu:");
   if (!apart) return make_plan(board, request, progress);
 
   BoardOptions sooner = options;
-  sooner.fidelity = "approximate";
+  sooner.set_level("approximate");
   Board pilots = open_board(sooner);
   pilots.set_shading(setup.shading);
   if (own_codebook) set_own_codebook(pilots, setup);

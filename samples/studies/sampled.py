@@ -55,7 +55,7 @@ def measured(folder, programs, name, program, before, command):
     for number in range(ROUNDS):
         for way, options in WAYS.items():
             stats = work / f"{way}{number}.json"
-            if not stats.exists():
+            if not (work / f"{way}{number}.s").exists():
                 output = work / ("out.png" if program == "render" else "out.nrrd")
                 arguments = [*shlex.split(command.format(work=work)), *options, "--threads", "1", "--quiet", "--stats", str(stats),
                              *([] if program == "form-factors" else ["-o", str(output)])]

@@ -80,7 +80,7 @@ Viewer::Desk& Viewer::quick_desk(const RenderOptions& options) {
     quick.board.board = "emu:";
     quick.board.settings = {fmt::format("asic.max_volume_voxels={}", asked.renderer->board().info().max_volume_voxels)};
   }
-  quick.board.fidelity = "functional";
+  quick.board.set_level("functional");
   if (quick_.renderer && quick_.uri == board_uri(quick.board)) {
     serve(quick_, quick);
   } else {

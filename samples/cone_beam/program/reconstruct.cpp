@@ -161,7 +161,7 @@ std::optional<Board> board_for_pilots(const BoardOptions& options, const Board& 
   if (board.info().fidelity == Fidelity::kFunctional || !options.board.starts_with("emu:")) return std::nullopt;
   if (options.board.find("fidelity=") != std::string::npos) return std::nullopt;
   BoardOptions sooner = options;
-  sooner.fidelity = "functional";
+  sooner.set_level("functional");
   return open_board(sooner);
 }
 

@@ -52,6 +52,12 @@ struct BoardOptions {
   std::filesystem::path events;   // empty: none; what the emulated board tells of its rays
   std::string events_of;          // and of which (docs/guide/observation.md)
   std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
+
+  // Another level than was asked for, which samples nothing.
+  void set_level(const char* level) {
+    fidelity = level;
+    sample = 0;
+  }
 };
 
 // Adds --board --fidelity --sample --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
