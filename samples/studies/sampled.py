@@ -74,10 +74,12 @@ def measured(folder, programs, name, program, before, command):
 
 
 def sums(stats):
-    """What a timed level counted."""
-    counters = stats["counters"]
-    memory = next(name for name in ("rdram", "ddr") if f"{name}.reads" in counters)
-    value = {name: each["value"] for name, each in counters.items()}
+    """What a timed level counted; of one picture also in its lighting passes."""
+    value = {}
+    for window in [stats, *(each for each in stats.get("lighting") or [] if not each["reused"])]:
+        for name, each in window["counters"].items():
+            value[name] = value.get(name, 0) + each["value"]
+    memory = next(name for name in ("rdram", "ddr") if f"{name}.reads" in value)
     return {"cycles": value["asic.cycles"], "packets": value[f"{memory}.reads"] + value[f"{memory}.writes"],
             "missed_voxels": value["processor.cache.missed_voxels"]}
 
