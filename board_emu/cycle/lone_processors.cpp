@@ -76,6 +76,7 @@ void LoneProcessors::leave(std::size_t i, Cycle next, Cycle until) {
   Part& part = parts_[i];
   part.next.store(next, std::memory_order_relaxed);
   part.alone_until = until;
+  part.has_many_rays = part.processor->holds_many_rays();
   if (until <= next || others_.empty()) return;
   part.until.store(until, std::memory_order_relaxed);
   part.is_left = true;
@@ -97,7 +98,9 @@ Cycle LoneProcessors::take(std::size_t i, Cycle to) {
 
 Cycle LoneProcessors::take_all(Cycle to) {
   Cycle moved = 0;
-  for (std::size_t i = 0; i < count_; ++i) moved = std::max(moved, hold(parts_[i], to));
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (parts_[i].alone_until >= to) moved = std::max(moved, hold(parts_[i], to));
+  }
   return moved;
 }
 

@@ -35,17 +35,20 @@ class LoneProcessors {
   Cycle alone_until(std::size_t i) const { return parts_[i].alone_until; }
   // It ticks next in cycle `next`, and goes alone until then.
   void leave(std::size_t i, Cycle next, Cycle until);
-  // Others may hold it.
-  bool is_left(std::size_t i) const { return parts_[i].is_left; }
+  // It holds_rays() all the time.
+  bool has_many_rays(std::size_t i) const { return parts_[i].has_many_rays; }
   // The machine holds it, and has ticked it in all cycles before `to`; it goes alone no longer. Returns the last in which something
   // moved.
   Cycle take(std::size_t i, Cycle to);
+  // The same, but it still goes alone, and may be left.
+  Cycle hold(std::size_t i, Cycle to) { return hold(parts_[i], to); }
   // The same of all; they still go alone, and may be left.
   Cycle take_all(Cycle to);
   void leave_all(Cycle now);
-  // While nobody goes alone.
+  // While one, or nobody, goes alone: it ticks next in cycle `now`.
+  void skip(std::size_t i, Cycle now) { parts_[i].next.store(now, std::memory_order_relaxed); }
   void skip(Cycle now) {
-    for (std::size_t i = 0; i < count_; ++i) parts_[i].next.store(now, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < count_; ++i) skip(i, now);
   }
 
  private:
@@ -56,6 +59,7 @@ class LoneProcessors {
     MemoryPort* memory = nullptr;
     // Of the machine's thread:
     bool is_left = false;
+    bool has_many_rays = false;
     Cycle alone_until = 0;
     // Of who holds it; others read to see whether there is something to do.
     alignas(64) std::atomic<bool> is_held{true};

@@ -84,25 +84,33 @@ bool Machine::tick() {
   bool moved = dsp_->tick(now_);
   moved |= ray_bus_->tick(now_);
   moved |= links_->tick(now_);
-  const auto stays_alone = [this](std::size_t i) {
-    return go_alone_ && lone_.goes_alone(i, now_) && !processors_[i]->has_input();
+  const auto stays = [this](std::size_t i) {  // as it is
+    return go_alone_ && (asleep_since_[i] != kAwake || lone_.goes_alone(i, now_)) && !processors_[i]->has_input();
   };
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (stays_alone(i)) continue;
-    if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.take(i, now_));
+    if (stays(i)) continue;
+    if (go_alone_) {
+      wake(i);
+      run_.moved_at = std::max(run_.moved_at, lone_.take(i, now_));
+    }
     moved |= processors_[i]->tick_sorter(now_);
     moved |= processors_[i]->tick_pipeline(now_);
   }
   const bool is_seen = is_seen_soon();
   for (std::size_t i = 0; i < memories_.size(); ++i) {
-    if (!stays_alone(i)) moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
+    if (!stays(i)) moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
   }
   moved |= tree_->tick(now_);
+  if (asleep_ > 0) upstream_.push_back(upstream());
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (stays_alone(i)) continue;
+    if (stays(i)) continue;
     Processor& processor = *processors_[i];
     processor.account(now_, processor.holds_rays() ? Cause::kLatency : upstream());
-    if (go_alone_) lone_.leave(i, now_ + 1, processor.alone_until(now_));
+    if (!go_alone_) continue;
+    lone_.leave(i, now_ + 1, processor.alone_until(now_));
+    if (!processor.sleeps()) continue;
+    asleep_since_[i] = upstream_.size();
+    ++asleep_;
   }
   return moved;
 }
@@ -122,10 +130,11 @@ bool Machine::tick_shuffled() {
 }
 
 Cycle Machine::next_cycle() const {
+  if (asleep_ == processors_.size()) return now_ + 1;
   Cycle next = run_.report_at;
   for (std::size_t i = 0; i < processors_.size(); ++i) {
     if (processors_[i]->has_input()) return now_ + 1;
-    next = std::min(next, lone_.alone_until(i));
+    if (asleep_since_[i] == kAwake) next = std::min(next, lone_.alone_until(i));
   }
   if (!dsp_->rests()) next = std::min(next, dsp_->free_at());
   const bool is_quiet = next > now_ + 1 && down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() &&
@@ -134,14 +143,34 @@ Cycle Machine::next_cycle() const {
 }
 
 // Why a processor without rays gets none.
-Cause Machine::upstream() const {
+Cause Machine::upstream() {
   if (!down_.empty() || !runs_.empty() || !ray_bus_->idle()) return Cause::kRayBus;
   if (dsp_->has_rays_to_send()) return dsp_->waits(now_) ? Cause::kSdram : Cause::kDsp;
-  bool others = false;
+  return some_hold_rays() ? Cause::kQueueEmpty : Cause::kDsp;
+}
+
+bool Machine::some_hold_rays() {
+  const auto goes_alone = [this](std::size_t i) { return go_alone_ && lone_.goes_alone(i, now_); };
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    others = others || (go_alone_ && lone_.is_left(i)) || processors_[i]->holds_rays();
+    if (goes_alone(i) ? lone_.has_many_rays(i) : processors_[i]->holds_rays()) return true;
   }
-  return others ? Cause::kQueueEmpty : Cause::kDsp;
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    if (!goes_alone(i)) continue;
+    run_.moved_at = std::max(run_.moved_at, lone_.hold(i, now_ + 1));
+    if (processors_[i]->holds_rays()) return true;
+  }
+  return false;
+}
+
+void Machine::wake(std::size_t i) {
+  if (asleep_since_[i] == kAwake) return;
+  const Cycle first = now_ - (upstream_.size() - asleep_since_[i]);
+  for (std::size_t at = asleep_since_[i]; at < upstream_.size(); ++at) {
+    processors_[i]->account(first + (at - asleep_since_[i]), upstream_[at], 0);
+  }
+  lone_.skip(i, now_);
+  asleep_since_[i] = kAwake;
+  --asleep_;
 }
 
 bool Machine::asic_idle() const {
@@ -262,6 +291,9 @@ void Machine::set_out(const Frame& frame, bool values_are_known) {
   go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
   const unsigned threads = frame.plain() ? thread_count(config_.threads()) : 1;
   const auto count = static_cast<unsigned>(processors_.size());
+  asleep_since_.assign(processors_.size(), kAwake);
+  asleep_ = 0;
+  upstream_.clear();
   if (go_alone_) lone_.begin(now_, processors_, memories_, std::min(threads, count) - 1);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
@@ -296,6 +328,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= run_.report_at) {
+      wake_all();
       if (go_alone_) lone_.take_all(now_);
       run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
@@ -308,6 +341,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
       run_.skips_to = dsp_->free_at();
       run_.skip_cause = upstream();
+      wake_all();
       skip();
       continue;
     }
@@ -326,8 +360,11 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     }
     const Cycle next = next_cycle();
     if (dsp_->busy(next - 1)) run_.moved_at = next - 1;
-    now_ = next;
+    while (++now_ < next) {
+      if (asleep_ > 0) upstream_.push_back(upstream());
+    }
   }
+  wake_all();
   book_millisecond();
   collect_values();
   return result(false);

@@ -125,7 +125,14 @@ class Machine {
   bool is_seen_soon() const { return see_at_ - now_ <= kSeenSoon; }
   // No ray is on it, and no changed irradiance waits for the memory.
   bool asic_idle() const;
-  Cause upstream() const;
+  Cause upstream();
+  bool some_hold_rays();
+  // A processor without rays is only told why none come, when one does or its counters must hold.
+  void wake(std::size_t processor);
+  void wake_all() {
+    for (std::size_t i = 0; i < processors_.size(); ++i) wake(i);
+    upstream_.clear();
+  }
   void book_millisecond();
   void collect_values();
   [[noreturn]] void stalled() const;
@@ -157,6 +164,10 @@ class Machine {
   // Not where somebody sees cycles, or two processors share a memory.
   LoneProcessors lone_;
   bool go_alone_ = false;
+  static constexpr std::size_t kAwake = ~std::size_t{0};
+  std::vector<std::size_t> asleep_since_;  // by processor: the first of `upstream_` that it was not told, or kAwake
+  std::size_t asleep_ = 0;                 // processors
+  std::vector<Cause> upstream_;            // of cycles since a report, if somebody is asleep
   std::vector<Millisecond> milliseconds_;
   Millisecond booked_;  // the sum of milliseconds_
 };

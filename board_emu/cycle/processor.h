@@ -72,8 +72,12 @@ class Processor {
   bool tick_pipeline(Cycle now);
 
   // As long as nothing comes in and nothing goes out, a processor may be ticked later than the parts round it. After cycle
-  // `now`: the first cycle in which it may send something; the next, if it has sent something or is nearly empty.
+  // `now`: the first cycle in which it may send something; the next, if it has sent something or is empty.
   Cycle alone_until(Cycle now) const;
+  // While it goes alone it always holds_rays().
+  bool holds_many_rays() const { return sorter_.waiting() + issue_.size() + stages_.size() >= kMany; }
+  // Until something comes in, all that its ticks do is account().
+  bool sleeps() const { return idle() && misses_.empty() && !has_input(); }
   bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
   // Ticks it in a cycle before that one; true if something moved. Its memory ticks next.
   bool tick_alone(Cycle now) {
@@ -88,6 +92,8 @@ class Processor {
   void account(Cycle now, Cause upstream) {
     account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
   }
+  // The same where so many rays come in from outside.
+  void account(Cycle now, Cause upstream, std::size_t come);
   // Counts `cycles` in which the idle processor was not ticked.
   void account_idle(Cycle now, Cycle cycles, Cause upstream);
 
@@ -155,11 +161,11 @@ class Processor {
   }
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
-  // `come`: rays on their way into its queues from outside.
   Cause bubble(Cause upstream, std::size_t come) const;
-  void account(Cycle now, Cause upstream, std::size_t come);
   [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
   [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
+
+  static constexpr std::size_t kMany = kFifoPlaces + 1;  // more than can be on the way back to the sorter
 
   const std::uint8_t number_;
   const Partition& partition_;

@@ -8,12 +8,13 @@ namespace gicube::emu {
 // What enters the pipeline from now on comes out of it behind this time, so only what is in it counts, and what has just left it.
 Cycle Processor::alone_until(Cycle now) const {
   const Cycle next = now + 1;
-  const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size();
   const Cycle line = stages_.prefetch_stages() + stages_.compute_stages();
   // Never empty before then: else it would matter why no ray comes. Carriers end in it.
-  const std::size_t enough = scatters_or_deposits_ ? 2 * line + 3 : 3;
+  const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size() + returned_.size();
   const std::size_t outside = has_input() | out_links.size() | done.size() | overflow.size();
-  if (rays < enough || outside != 0 || sorter_.has_kept_slots() || splats_.has_carrier()) return next;
+  if (rays < (scatters_or_deposits_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_kept_slots() ||
+      splats_.has_carrier())
+    return next;
   const auto others = static_cast<std::uint32_t>(stages_.size() + returned_.size());
   for (std::size_t i = 0; i < returned_.size(); ++i) {
     if (!returned_[i].keeps_slot && !sorter_.has_room(returned_[i].queue, others)) return next;
