@@ -1,4 +1,4 @@
-// Samples a second that the cycle level simulates at the design point, on one core: the issue asks for 10 million.
+// Samples a second that the cycle level simulates: at the design point on one core, and of many processors with threads.
 #include <benchmark/benchmark.h>
 
 #include "ball_board.h"
