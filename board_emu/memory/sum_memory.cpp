@@ -65,8 +65,12 @@ SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
   for (std::size_t i = 0; i < 8; ++i) {
     if (deposit.shares[i] == 0) continue;
     std::array<int, 3> at{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    bool held = true;  // or a voxel beyond the last has no share, but counts where all eight are written
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       at[axis] = (deposit.voxel[axis] + static_cast<int>(i >> axis & 1)) / n_;
+      held = held && at[axis] < blocks_[axis];
+    }
+    if (!held) continue;
     const auto block = static_cast<std::uint32_t>(block_at(at[0], at[1], at[2]));
     const auto end = out.block.begin() + static_cast<std::ptrdiff_t>(out.count);
     if (std::find(out.block.begin(), end, block) == end) out.block[out.count++] = block;

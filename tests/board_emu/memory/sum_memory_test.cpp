@@ -43,6 +43,17 @@ TEST(Spread, APlaceOnAVoxelGivesItEverything) {
   EXPECT_EQ(spread(-12345, {0, 0, 0}), (SignedShares{-12345, 0, 0, 0, 0, 0, 0, 0}));
 }
 
+// All eight voxels of a deposit at the last one may be written (cache.splat_rule), but seven of them are none.
+TEST(SumMemory, ADepositBesideTheLastVoxelHasNoBlockBeyondIt) {
+  SumMemory sums(8);
+  sums.resize({16, 16, 16});
+  Deposit deposit{.voxel = {15, 15, 15}};
+  deposit.shares.fill(1);
+  const SharingBlocks sharing = sums.blocks_of(deposit);
+  EXPECT_EQ(sharing.count, 1u);
+  EXPECT_EQ(sharing.block[0], 7u);
+}
+
 TEST(SumMemory, APartBeyondABlocksFaceBelongsToTheNeighboursWord) {
   SumMemory sums(8);
   sums.resize({16, 16, 16});
