@@ -27,7 +27,8 @@ struct Progress {
   std::atomic<std::uint32_t> all{0};
 
   // The board sets it; a level calls it, on the command's thread, where all counters hold. The cycle level does so often while it
-  // runs. The other levels are quick, and their counters hold at the end of a run.
+  // runs; what counts values (visible samples, how rays end) may then have rays in it that are still under way, since values are
+  // computed ahead. The other levels are quick, and their counters hold at the end of a run.
   std::function<void()> may_count{};
 };
 
