@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "asic/cache/splat_tiles.h"
+#include "datapath/interaction.h"
 #include "memory/irradiance_memory.h"
+#include "memory/sum_memory.h"
 #include "pass_processor.h"
 
 namespace gicube::emu {
@@ -74,10 +76,30 @@ Cycle PassProcessor::finish_writes() {
   return shared_.memory->asked + 1;
 }
 
+// Of a ray that backprojects, at a place from the active block's corner.
+Deposit PassProcessor::amount_at(Point place, std::int32_t amount) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += corner_[axis];
+  Deposit deposit = spread_at(place, amount);
+  if (writes_all_voxels_) deposit.shares.fill(1);
+  return deposit;
+}
+
+// Mostly it is the active one alone, as is seen at once.
+SharingBlocks PassProcessor::blocks_of(const Deposit& deposit) const {
+  const std::int32_t n = grid_.size() >> wire::kPositionFractionBits, first = leaves_sums_ ? 0 : 1;
+  bool inside = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int32_t local = deposit.voxel[axis] - (corner_[axis] >> wire::kPositionFractionBits);
+    inside = inside && local >= first && local + 1 < n;
+  }
+  if (inside) return {1, {block_}};
+  return leaves_sums_ ? frame_->sums->blocks_of(deposit) : frame_->irradiance->blocks_of(deposit);
+}
+
 // The deposit of a ray of the active queue, whose carriers go to other blocks unless it is one itself. The ray comes out of the
 // pipeline in cycle `out`, or later if it must wait: returns when.
 Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
-  const SharingBlocks sharing = frame_->irradiance->blocks_of(deposit);
+  const SharingBlocks sharing = blocks_of(deposit);
   const Cycle begin = writes_.room_from(std::max(out, splat_free_));
   if (begin > out) held_up_.push({out, begin - out, true});
   const auto edge = static_cast<std::int32_t>(grid_.size() >> wire::kPositionFractionBits) + 1;
@@ -91,7 +113,8 @@ Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
     }
   }
   counters_.carriers += carriers;
-  const SplatTiles tiles = here ? tiles_of(deposit, {grid_.corner(block_), edge, edge - 1}, false) : SplatTiles();
+  const SplatTiles tiles =
+      here ? tiles_of(deposit, {grid_.corner(block_), edge, edge - (leaves_sums_ ? 2 : 1)}, false) : SplatTiles();
   for (std::uint32_t i = 0; i < tiles.count; ++i) {
     writes_.put(active_, tiles.tile[i], combines_, begin);
   }

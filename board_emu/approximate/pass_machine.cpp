@@ -247,6 +247,7 @@ bool PassMachine::dsp_acts(PassRaySource& work) {
 }
 
 RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead) {
+  if (std::exchange(caches_sums_, frame.sums != nullptr) != caches_sums_) invalidate_caches();
   const Cycle begin = now_;
   const std::uint64_t busy = dsp_.counters().busy(), taken = engine_.taken;
   count_ = work.count();
@@ -316,7 +317,7 @@ void PassMachine::state(Archive& archive) {
   archive("overflows", store_);
   archive.field("engine", [this](Archive::Record& record) {
     record(engine_.now, engine_.free, engine_.sends_again, engine_.sent, engine_.taken, engine_.overflows);
-    record(runs_, bus_free_, now_);
+    record(runs_, bus_free_, now_, caches_sums_);
   });
   archive("listeners", listeners_);
 }

@@ -144,7 +144,8 @@ class PassMachine {
   PassProcessor* holding_ = nullptr;  // that processor
   Cycle bus_free_ = 0;                // when the last that was held left
   BlockGrid grid_;
-  bool jitter_ = false;  // of its frame
+  bool jitter_ = false;       // of its frame
+  bool caches_sums_ = false;  // what the caches have, instead of voxels
   Cycle now_ = 0;
 };
 

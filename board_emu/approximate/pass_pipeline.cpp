@@ -168,6 +168,7 @@ bool PassProcessor::pass_out(Cycle& now) {
   }
   computing_ = has_events_ ? enters(computing) : computing;
   started_[passes_++ % kRemembered] = computing_;
+  const Point sampled = at;
   if (wide) {
     const FinePoint to = moved(from, fine_step, steps);
     at = units_of(to);
@@ -177,6 +178,7 @@ bool PassProcessor::pass_out(Cycle& now) {
   }
   ray.left -= steps;
   Cycle out = has_events_ ? comes_out(computing_) : computing_ + compute_;
+  if (of_ray.amount != 0) out = splat(amount_at(sampled, of_ray.amount), true, out);
   const bool goes_on = ray.left > 0 || !has_route(ray.ray) || meets_event(ray, at, out);
   last_out_ = out;
   if (!goes_on) return true;
@@ -221,7 +223,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
     std::size_t first = begin;
     const std::uint64_t passes = passes_ - begin;
     Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
-    bool goes_out = leaps || out_.size() > kLeaving;
+    bool goes_out = leaps || leaves_sums_ || out_.size() > kLeaving;
     const Cycle undisturbed_until = undisturbed();
     for (; now <= last; ++first) {
       const QueuedRay& ray = places[first & mask];

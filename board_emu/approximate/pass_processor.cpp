@@ -29,6 +29,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       to_dsp_(std::bit_width(2 * shared_.config->asic().processors() - 1) + 1u),
       tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
       ideal_memory_(shared_.config->ideal().memory() != 0),
+      writes_all_voxels_(shared_.config->cache().splat_rule() != v1::whole_units),
       combines_(shared_.config->cache().write_policy() != v1::write_through),
       queues_(std::max<std::size_t>(1, shared_.partition->blocks_of(number))),
       slots_(queues_.size()),
@@ -47,6 +48,7 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   jitter_ = frame.jitter;
   wide_ = frame.wide;
   has_events_ = !frame.plain();
+  leaves_sums_ = frame.sums != nullptr;
   held_up_.clear();
   writes_.begin();
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare

@@ -35,6 +35,7 @@
 #include "functional/trail.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/dsp_task.h"
+#include "memory/irradiance_memory.h"
 #include "pass_tree.h"
 #include "pass_writes.h"
 #include "words/clock.h"
@@ -56,6 +57,7 @@ struct PassRay {
   Point step{};
   std::int32_t left = 0;  // steps to its end, or to its next event
   std::uint32_t block = 0;
+  std::int32_t amount = 0;  // that each sample leaves in sums
   Rest rest{}, step_rest{};
   std::unique_ptr<PassRoute> route{};  // null: it has no events but its end
 
@@ -237,6 +239,8 @@ class PassProcessor {
   Cycle undisturbed() const;
   void send_writes(Cycle now);
   void fetch_lost(Cycle now);
+  Deposit amount_at(Point place, std::int32_t amount) const;
+  SharingBlocks blocks_of(const Deposit& deposit) const;
   Cycle splat(const Deposit& deposit, bool carries, Cycle out);
   void carry(const Deposit& deposit, std::uint32_t block, Cycle when);
   bool meets_event(QueuedRay& ray, Point& at, Cycle& out);
@@ -312,6 +316,8 @@ class PassProcessor {
   const Frame* frame_ = nullptr;
   bool jitter_ = false, wide_ = false;
   bool has_events_ = false;                                 // rays of the frame do more than gather
+  bool leaves_sums_ = false;                                // they leave amounts in sums
+  bool writes_all_voxels_;                                  // of a deposit
   bool combines_;                                           // writes of one tile
   bool short_steps_ = false;                                // each fits in its fields
   void (PassProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache

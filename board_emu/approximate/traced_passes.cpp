@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "datapath/ray_step.h"
+#include "functional/backproject.h"
 #include "functional/functional_level.h"
 
 namespace gicube::emu {
@@ -32,16 +33,19 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
     const std::uint64_t which = which_.begin + begin + i;
     const auto ray = source_.make(which, counters_);
     if (!ray) continue;
-    way.follow(way_of(unpack(*ray, frame_)), frame_.jitter);
+    const RayState ray_state = unpack(*ray, frame_);
+    way.follow(way_of(ray_state), frame_.jitter);
+    if (frame_.sums != nullptr) way.amount = ray_state.amount();
     rays.push_back(*ray);
     ways.push_back(&way);
     index.push_back(which);
   }
   made_ += rays.size();
   std::vector<std::uint8_t> ended(rays.size(), 1);
-  if (frame_.plain() || (tracer_ != nullptr && frame_.gathers())) {
-    std::vector<std::int32_t> steps(rays.size());
-    counters_ += trace(rays, frame_, tracer_, tracers(), steps);
+  std::vector<std::int32_t> steps(rays.size());
+  const bool sums = frame_.sums != nullptr;
+  if (sums || frame_.plain() || (tracer_ != nullptr && frame_.gathers())) {
+    counters_ += sums ? backproject(rays, frame_, tracers(), steps) : trace(rays, frame_, tracer_, tracers(), steps);
     for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->left = steps[k];
   } else {
     follow(rays, ways, ended);

@@ -140,13 +140,14 @@ struct Cut {
   }
 };
 
-void take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& out) {
+// Returns how many samples the ray has.
+std::int32_t take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& out) {
   const RayState ray = unpack(packet, frame);
   const std::int32_t left = samples_inside(ray, frame), amount = ray.amount();
   ++out.counters.rays;
   out.counters.samples += static_cast<std::uint64_t>(left);
   out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
-  if (left == 0 || amount == 0) return;
+  if (left == 0 || amount == 0) return left;
   const std::uint64_t moves = wire::max_moved(static_cast<std::uint32_t>(std::abs(amount)),
                                               static_cast<std::uint32_t>(packet.colour_word()), frame.step);
   const std::size_t index = out.rays.size();
@@ -164,6 +165,7 @@ void take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& 
   } else {
     cut(ray.position, ray.step, left, tiles, 0, part);
   }
+  return left;
 }
 
 // Into its place, since a copy of what was written in parts would wait for them.
@@ -242,7 +244,8 @@ class Cells {
 
 class WaitingRays : public WaitingAdds {
  public:
-  void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters) {
+  void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters,
+            std::span<std::int32_t> steps) {
     SumMemory& sums = *frame.sums;
     const Tiles tiles(sums);
     threads_ = std::max(threads, 1u);
@@ -256,7 +259,10 @@ class WaitingRays : public WaitingAdds {
     parallel_for(parts, threads_, [&](std::size_t t) {
       const std::size_t first = rays.size() * t / parts, last = rays.size() * (t + 1) / parts;
       cuts_[t].counters = {};
-      for (std::size_t i = first; i < last; ++i) emu::take(rays[i], frame, tiles, cuts_[t]);
+      for (std::size_t i = first; i < last; ++i) {
+        const std::int32_t left = emu::take(rays[i], frame, tiles, cuts_[t]);
+        if (!steps.empty()) steps[i] = left;
+      }
     });
     std::size_t bytes = 0;
     for (std::size_t t = 0; t < cuts_.size(); ++t) {
@@ -298,11 +304,12 @@ class WaitingRays : public WaitingAdds {
 
 }  // namespace
 
-RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
+RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
+                        std::span<std::int32_t> steps) {
   std::unique_ptr<WaitingAdds>& waiting = frame.sums->waiting();
   if (waiting == nullptr) waiting = std::make_unique<WaitingRays>();
   RayCounters sum;
-  static_cast<WaitingRays&>(*waiting).take(rays, frame, threads, sum);
+  static_cast<WaitingRays&>(*waiting).take(rays, frame, threads, sum, steps);
   sum.visible_samples = sum.deposits = sum.samples;
   return sum;
 }

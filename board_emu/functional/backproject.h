@@ -10,7 +10,9 @@
 
 namespace gicube::emu {
 
-// Adds what the rays leave to frame.sums. The energy counters' `deposited.kept` is the signed sum of it, modulo 2^64.
-RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads);
+// Adds what the rays leave to frame.sums. The energy counters' `deposited.kept` is the signed sum of it, modulo 2^64. `steps`,
+// if not empty: receives each ray's number of samples.
+RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
+                        std::span<std::int32_t> steps = {});
 
 }  // namespace gicube::emu
