@@ -59,9 +59,9 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
 }
 
 bool PassMachine::covers(const v1::BoardConfig& config) {
-  return memory_standard(config).sharing == 1 && config.sorter().policy() == v1::most_rays &&
-         config.sorter().queues() == v1::per_block && config.ideal().sorter() == 0 &&
-         config.cache().irradiance() == v1::with_voxels && config.cache().ports() == 1;
+  return memory_standard(config).sharing == 1 && config.sorter().policy() != v1::most_contribution &&
+         config.sorter().queues() == v1::per_block && config.cache().irradiance() == v1::with_voxels &&
+         config.cache().ports() == 1;
 }
 
 // Of tiles that are written when they leave the cache it has no model.

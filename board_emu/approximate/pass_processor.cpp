@@ -35,6 +35,9 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       slots_(queues_.size()),
       overflowed_(queues_.size()),
       importance_(static_cast<std::uint32_t>(queues_.size())),
+      importance_of_(emu::importance_of(shared_.config->sorter().policy())),
+      ideal_sorter_(shared_.config->ideal().sorter() != 0),
+      opened_(queues_.size()),
       listed_(queues_.size()),
       returning_(queues_.size()),
       cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
@@ -72,7 +75,9 @@ void PassProcessor::state(Archive& archive) {
   const auto queues = static_cast<std::uint32_t>(queues_.size());
   archive("cache", cache_);
   archive("importance", importance_);
-  archive.field("slots", [this](Archive::Record& record) { record(slots_, overflowed_, listed_, modified_); });
+  archive.field("slots", [this](Archive::Record& record) {
+    record(slots_, overflowed_, opened_, openings_, listed_, modified_);
+  });
   archive.field("sorter", [this](Archive::Record& record) {
     record(active_, resting_, block_, corner_, arrived_, sorted_);
     active_rays_.empty_state(record);
@@ -153,6 +158,7 @@ inline void PassProcessor::write(const QueuedRay& ray, std::uint32_t queue) {
     active_rays_.insert(arrived_++, ray);
     return;
   }
+  if (queues_[queue].empty()) opened_[queue] = ++openings_;
   queues_[queue].push(ray);
   ++waiting_;
   if (listed_[queue] != 0) return;
@@ -227,8 +233,9 @@ inline void PassProcessor::take_in(Cycle now) {
     const std::uint32_t queue = modified_.pop();
     listed_[queue] = 0;
     if (queues_[queue].empty()) continue;
-    importance_.set(queue, static_cast<std::uint32_t>(queues_[queue].size()));
-    --cycles;
+    importance_.set(queue, importance_of_({.waiting = static_cast<std::uint32_t>(queues_[queue].size()),
+                                           .opened = opened_[queue]}));
+    cycles -= ideal_sorter_ ? 0 : 1;
   }
 }
 
@@ -241,7 +248,8 @@ inline bool PassProcessor::choose(Cycle now) {
   const std::uint32_t most = waiting_ > 0 ? importance_.importance() : 0;
   if (waits) {
     arrive(now, now);
-    const std::size_t own = arrived_ - active_rays_.begin();
+    const auto rays = static_cast<std::uint32_t>(arrived_ - active_rays_.begin());
+    const std::uint32_t own = importance_of_({.waiting = rays, .opened = openings_ + 1});
     resting_ = own < most || (own == most && active_ > importance_.queue());
   }
   if (resting_ && most == 0) return false;

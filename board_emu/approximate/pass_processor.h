@@ -30,6 +30,7 @@
 #include "asic/memory_standards.h"
 #include "asic/partition.h"
 #include "asic/sorter/insertion_sorter.h"
+#include "asic/sorter/policies.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
 #include "functional/trail.h"
@@ -330,8 +331,12 @@ class PassProcessor {
   std::vector<std::uint32_t> slots_;
   std::vector<std::uint32_t> overflowed_;  // rays of each queue that no slot is kept for yet
   ExactMaximum importance_;                // by the importance that the sorter knows of
-  LongQueue<std::uint32_t> modified_;      // queues whose new importance waits to be taken in, one a cycle
-  std::vector<std::uint8_t> listed_;       // there
+  ImportanceOf importance_of_;
+  bool ideal_sorter_;
+  std::vector<std::uint32_t> opened_;  // when each got the first of its rays, by number
+  std::uint32_t openings_ = 0;
+  LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
+  std::vector<std::uint8_t> listed_;   // there
   std::uint32_t active_ = kNone;
   bool resting_ = false;                  // it was empty since it became active: any other may take its place
   std::uint32_t block_ = 0;               // its

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "approximate/traced_passes.h"
+#include "asic/memory_standards.h"
 #include "bare_board.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "machine_rig.h"
@@ -70,9 +71,9 @@ std::uint64_t value(const std::vector<wire::Counter>& list, const std::string& n
   return 0;
 }
 
-Figures figures(const RunResult& ran, const std::vector<wire::Counter>& list) {
+Figures figures(const RunResult& ran, const std::vector<wire::Counter>& list, const std::string& memory) {
   const auto of = [&list](const std::string& name) { return static_cast<double>(value(list, name)); };
-  return {static_cast<double>(ran.cycles), of("rdram.reads"),
+  return {static_cast<double>(ran.cycles), of(memory + ".reads"),
           1 - of("processor.cache.missed_voxels") / (8 * of("processor.cache.checks"))};
 }
 
@@ -97,7 +98,7 @@ TEST_P(ApproximateLevel, HasTheValuesAndAboutTheTimeAndTheTrafficOfTheCycleLevel
   const Picture exact = cycle_picture(scene_, view, machine, runs);
   std::vector<wire::Counter> list;
   count(machine, list);
-  const Figures expected = figures(exact.ran, list);
+  const Figures expected = figures(exact.ran, list, memory_standard(config_).name);
 
   PassMachine turns(config_, scene_.volume.blocks());
   Framebuffer framebuffer;
@@ -108,7 +109,7 @@ TEST_P(ApproximateLevel, HasTheValuesAndAboutTheTimeAndTheTrafficOfTheCycleLevel
   const RayCounters& rays = passes.rays();
   std::vector<wire::Counter> turn_list;
   turns.count(turn_list);
-  const Figures got = figures(ran, turn_list);
+  const Figures got = figures(ran, turn_list, memory_standard(config_).name);
 
   EXPECT_EQ(framebuffer.packed(), exact.pixels);
   EXPECT_EQ(rays.samples, exact.rays.samples);
@@ -145,6 +146,9 @@ INSTANTIATE_TEST_SUITE_P(
              .jitter = true,
              .wide = true},
         Case{.name = "four_ways", .machine = {"cache.ways=4"}},
+        Case{.name = "longest_wait", .machine = {"sorter.policy=longest_wait", "dsp.clock_khz=1000000"}},
+        Case{.name = "ideal_sorter", .machine = {"ideal.sorter=1", "dsp.clock_khz=1000000"}},
+        Case{.name = "ddr", .machine = {"memory=ddr", "dsp.clock_khz=1000000"}},
         Case{.name = "one_processor", .machine = {"asic.processors=1"}},
         Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},
         Case{.name = "jittered", .machine = {}, .jitter = true}),
