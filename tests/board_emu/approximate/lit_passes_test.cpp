@@ -39,15 +39,20 @@ LitFigures lit_figures(Cycle cycles, const std::vector<wire::Counter>& list) {
           1 - of("processor.cache.missed_voxels") / (8 * of("processor.cache.checks"))};
 }
 
+// Parts by which the figures may differ.
+struct Within {
+  double cycles, reads, writes;
+};
+
 // `run_in(run)` makes a new scene of 48^3 voxels, and calls run(rays, frame).
 template <typename RunIn>
-void expect_alike(const std::string& name, const v1::BoardConfig& config, const RunIn& run_in) {
+void expect_alike(const std::string& name, const v1::BoardConfig& config, const Within& within, const RunIn& run_in) {
   Progress work;
   std::vector<wire::Counter> list;
   const LitFigures exact = run_in([&](RaySource& rays, const Frame& frame) {
     Machine machine(config, frame.volume->blocks());
     const RunResult ran = machine.run(rays, frame, work);
-    count(machine, list); for (auto& c : list) if ((c.name.starts_with("processor.splat")||c.name.starts_with("processor.sorter")||c.name.starts_with("processor.cache")||c.name.starts_with("processor.cycles")||c.name.starts_with("rdram.")||c.name.starts_with("link."))) std::printf("C %s %llu\n", c.name.c_str(), (unsigned long long)c.value);
+    count(machine, list);
     return lit_figures(ran.cycles, list);
   });
   list.clear();
@@ -55,12 +60,12 @@ void expect_alike(const std::string& name, const v1::BoardConfig& config, const 
     PassMachine machine(config, frame.volume->blocks());
     TracedPasses passes(rays, {0, rays.count()}, frame, nullptr, 1, config.cache().splat_rule());
     const RunResult ran = machine.run(passes, frame, work, false);
-    machine.count(list); for (auto& c : list) if ((c.name.starts_with("processor.splat")||c.name.starts_with("processor.sorter")||c.name.starts_with("processor.cache")||c.name.starts_with("processor.cycles")||c.name.starts_with("rdram.")||c.name.starts_with("link."))) std::printf("A %s %llu\n", c.name.c_str(), (unsigned long long)c.value);
+    machine.count(list);
     return lit_figures(ran.cycles, list);
   });
-  EXPECT_NEAR(got.cycles / exact.cycles, 1, 0.045);
-  EXPECT_NEAR(got.reads / exact.reads, 1, 0.06);
-  EXPECT_NEAR(got.writes / exact.writes, 1, 0.05);
+  EXPECT_NEAR(got.cycles / exact.cycles, 1, within.cycles);
+  EXPECT_NEAR(got.reads / exact.reads, 1, within.reads);
+  EXPECT_NEAR(got.writes / exact.writes, 1, within.writes);
   EXPECT_NEAR(got.hits, exact.hits, 0.011);
   std::printf("%-24s cycles %+.2f%%, reads %+.2f%%, writes %+.2f%%, hit ratio %.4f against %.4f\n", name.c_str(),
               100 * (got.cycles / exact.cycles - 1), 100 * (got.reads / exact.reads - 1),
@@ -85,7 +90,7 @@ TEST_P(LitPasses, TakeAboutTheTimeAndTheTrafficOfTheCycleLevel) {
     LightRays rays(maker, at.scene.frame);
     return run(rays, at.scene.frame);
   };
-  expect_alike(test.name, config, lit);
+  expect_alike(test.name, config, {0.045, 0.06, 0.045}, lit);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -132,7 +137,7 @@ TEST_P(BackprojectingPasses, TakeAboutTheTimeAndTheTrafficOfTheCycleLevel) {
   std::vector<std::string> assignments = GetParam().machine;
   assignments.insert(assignments.end(), {"asic.block_voxels=16", "asic.max_volume_voxels=64"});
   std::vector<std::vector<std::uint8_t>> all;
-  expect_alike(GetParam().name, config_with(assignments), [&](const auto& run) {
+  expect_alike(GetParam().name, config_with(assignments), {0.065, 0.065, 0.1}, [&](const auto& run) {
     Scene scene({kLitEdge, kLitEdge, kLitEdge}, 16);
     SumMemory sums(16);
     sums.resize({kLitEdge, kLitEdge, kLitEdge});
