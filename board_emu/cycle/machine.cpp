@@ -8,7 +8,6 @@
 
 #include "asic/memory_standards.h"
 #include "datapath/jitter.h"
-#include "gicube/parallel_for.h"
 #include "words/block_grid.h"
 #include "words/finally.h"
 
@@ -289,7 +288,8 @@ void Machine::set_out(const Frame& frame, bool values_are_known) {
   for (const auto& processor : processors_) processor->begin(frame, values_are_known);
   watch_.begin(frame);
   go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
-  const unsigned threads = frame.plain() ? thread_count(config_.threads()) : 1;
+  // Only if they are asked for: threads that wait for cycles keep a core busy.
+  const unsigned threads = frame.plain() ? std::max(config_.threads(), 1U) : 1;
   const auto count = static_cast<unsigned>(processors_.size());
   asleep_since_.assign(processors_.size(), kAwake);
   asleep_ = 0;
