@@ -153,10 +153,10 @@ void Board::State::for_each_block(Planes& planes, LoadedVolume& of, const Progre
   const std::size_t all = voxel_count(of.blocks);
   std::vector<std::uint8_t> bytes;
   for_each_layer(planes, info.block_voxels, of.range, tables.codebook(), threads, [&](const BlockLayer& layer) {
-    if (progress) progress(static_cast<std::uint32_t>(layer.first), static_cast<std::uint32_t>(all));
     for (std::size_t block = 0; block < layer.count; ++block) {
       of.statistics.push_back(layer.blocks.statistics(block));
       if (!layer.blocks.stored(block)) continue;
+      if (progress) progress(static_cast<std::uint32_t>(layer.first + block), static_cast<std::uint32_t>(all));
       layer.blocks.pack(block, bytes);
       take(layer.first + block, bytes);
     }

@@ -138,7 +138,7 @@ const std::vector<Field> kFields{
     asic("sdram.controller_latency", "100"),
     asic("ideal.memory", "1"),
     asic("ideal.queues", "1", {"asic.queue_rays=1"}),
-    handed_on("ideal.sorter", "1"),
+    asic("ideal.sorter", "1"),
     everywhere("ideal.dsp", "1", kRays),
     {"pace", "realtime", kRays, kNoTime, kNoTime, kNoTime},
     {"threads", "3", kRays, kNoTime, kNoTime, kNoTime},

@@ -54,15 +54,16 @@ TEST(Load, ABadVolumeLeavesTheFormerOne) {
   EXPECT_EQ(board.render(front_view(32)), before);
 }
 
-TEST(Load, ProgressCountsTheBlocksThatAreSent) {
+TEST(Load, ProgressTellsOfEachBlockThatIsSent) {
   Board board = open_board(kSmallBlocks);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
   board.load_volume(BoxVolume(32, 9, 14).view(),
                     [&](std::uint32_t done, std::uint32_t all) { heard.emplace_back(done, all); });
-  // Box and gradients fill block (1, 1, 1); its lower neighbours share its first faces: 2^3 blocks hold something.
+  // Box and gradients fill block (1, 1, 1); its lower neighbours share its first faces: 2^3 blocks of 4^3 hold something.
   ASSERT_EQ(heard.size(), 9u);
-  EXPECT_EQ(heard.front(), std::pair(0u, 8u));
-  EXPECT_EQ(heard.back(), std::pair(8u, 8u));
+  EXPECT_EQ(heard.front(), std::pair(0u, 64u));
+  EXPECT_EQ(heard[7], std::pair(1u + 4 + 16, 64u));
+  EXPECT_EQ(heard.back(), std::pair(64u, 64u));
 }
 
 TEST(Load, AProgressCallbackMustNotCallItsBoardButMayAskTheTime) {

@@ -128,7 +128,7 @@ TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
   const std::map<std::string, int> approximate{{"approximate render", 1}};
   const std::map<std::string, int> cycle{{"cycle render", 1}};
   EXPECT_EQ(answered(""), approximate);
-  EXPECT_EQ(answered("--set sorter.policy=longest_wait"), cycle);  // which passes have no model of
+  EXPECT_EQ(answered("--set sorter.policy=most_contribution"), cycle);  // which passes have no model of
 }
 
 TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
