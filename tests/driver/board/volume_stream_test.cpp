@@ -12,6 +12,8 @@
 #include <fstream>
 #include <limits>
 #include <new>
+#include <numeric>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -121,7 +123,9 @@ TEST(VolumeStream, IsAskedForFewPlanesAtATime) {
   });
   // A layer of 16, a plane for its faces and one for the gradients there.
   EXPECT_THAT(asked, ElementsAre(Planes{0, 18}, Planes{18, 16}, Planes{34, 16}, Planes{50, 16}, Planes{66, 1}));
-  EXPECT_THAT(done, ElementsAre(0u, 12u, 24u, 36u, 48u, 60u));
+  std::vector<std::uint32_t> each(61);  // block, and the end
+  std::iota(each.begin(), each.end(), 0u);
+  EXPECT_EQ(done, each);
 }
 
 // Somebody else has cut the driver's file of blocks off.
