@@ -102,21 +102,20 @@ void Board::State::load(Planes planes, const Progress& progress) {
   const bool fits = voxel_count(loaded.blocks) <= capacity_blocks() && !shared;
   if (fits && !planes.are_read()) {
     forget_volume();
-    begin_volume(loaded);
-    send_blocks(loaded, [&](const BlockTaker& take) { for_each_block(planes, loaded, watched(progress), take); });
+    begin_blocks(loaded);
+    for_each_block(planes, loaded, watched(progress),
+                   [this](std::size_t block, std::span<const std::uint8_t> bytes) { write_block(block, bytes); });
   } else if (fits) {
     // What the reader throws must leave the board its volume: so all is read first.
     const BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
-    begin_volume(loaded);
-    send_blocks(loaded, [&](const BlockTaker& take) {
-      std::vector<std::uint8_t> bytes;
-      for (std::size_t block = 0; block < store.count(); ++block) {
-        if (!store.has(block)) continue;
-        store.read(block, bytes);
-        take(block, bytes);
-      }
-    });
+    begin_blocks(loaded);
+    std::vector<std::uint8_t> bytes;
+    for (std::size_t block = 0; block < store.count(); ++block) {
+      if (!store.has(block)) continue;
+      store.read(block, bytes);
+      write_block(block, bytes);
+    }
   } else {
     BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
@@ -196,15 +195,15 @@ void Board::State::begin_volume(const LoadedVolume& of) {
   tables.send_gradients();
 }
 
-// Those that `each` calls its argument with.
-void Board::State::send_blocks(const LoadedVolume& of, const std::function<void(const BlockTaker&)>& each) {
+// A volume that the card stores whole, all of whose blocks are zero.
+void Board::State::begin_blocks(const LoadedVolume& of) {
+  begin_volume(of);
   blocks_are_kept = keep_volume;
   const std::size_t count = voxel_count(of.blocks);
   const std::vector<std::uint8_t> zeros(bytes_of_words(static_cast<std::size_t>(info.block_voxels)));
-  block_sums.assign(count, wire::crc32c(zeros));  // what a block holds that is not sent
+  block_sums.assign(count, wire::crc32c(zeros));
   colour_sums.clear();
   if (of.coloured) colour_sums.assign(count, 0);
-  each([this](std::size_t block, std::span<const std::uint8_t> bytes) { write_block(block, bytes); });
 }
 
 // Waits for all that was written and asks whether the board took it.

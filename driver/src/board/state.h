@@ -208,7 +208,7 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   void for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take);
   BlockStore keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress);
   void begin_volume(const LoadedVolume& volume);
-  void send_blocks(const LoadedVolume& of, const std::function<void(const BlockTaker&)>& each);
+  void begin_blocks(const LoadedVolume& of);
   // `packed`: as VoxelBlocks::pack() makes it; or words alone, and the colours stay.
   void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
     const std::size_t n = static_cast<std::size_t>(info.block_voxels), words = bytes_of_words(n);
