@@ -122,7 +122,7 @@ def sampled(folder):
              of("approximate: packets", "approximate_s", "approximate_packets_error", hollow=True, colour=1),
              of("sampled to 3%: time", "sampled_s", "cycles_error", colour=3),
              of("sampled to 3%: packets", "sampled_s", "packets_error", hollow=True, colour=3), cycle]
-    draw(folder, "sampled_error", lines, log_x=True, log_y=True, lines_y=[(0.03, "3%")])
+    draw(folder, "sampled_error", lines, log_x=True, log_y=True, lines_y=[(0.03, "3%")], box_outside=True)
 
 
 def scaling(folder):
