@@ -9,7 +9,6 @@
 #include "asic/memory_standards.h"
 #include "datapath/jitter.h"
 #include "words/block_grid.h"
-#include "words/finally.h"
 
 namespace gicube::emu {
 
@@ -79,7 +78,6 @@ bool Machine::tick_part(std::size_t part) {
 
 bool Machine::tick() {
   if (shuffle_ != 0) return tick_shuffled();
-  if (go_alone_) lone_.tell(now_);
   bool moved = dsp_->tick(now_);
   moved |= ray_bus_->tick(now_);
   moved |= links_->tick(now_);
@@ -155,7 +153,7 @@ bool Machine::some_hold_rays() {
   }
   for (std::size_t i = 0; i < processors_.size(); ++i) {
     if (!goes_alone(i)) continue;
-    run_.moved_at = std::max(run_.moved_at, lone_.hold(i, now_ + 1));
+    run_.moved_at = std::max(run_.moved_at, lone_.catch_up(i, now_ + 1));
     if (processors_[i]->holds_rays()) return true;
   }
   return false;
@@ -288,13 +286,10 @@ void Machine::set_out(const Frame& frame, bool values_are_known) {
   for (const auto& processor : processors_) processor->begin(frame, values_are_known);
   watch_.begin(frame);
   go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
-  // Only if they are asked for: threads that wait for cycles keep a core busy.
-  const unsigned threads = frame.plain() ? std::max(config_.threads(), 1U) : 1;
-  const auto count = static_cast<unsigned>(processors_.size());
   asleep_since_.assign(processors_.size(), kAwake);
   asleep_ = 0;
   upstream_.clear();
-  if (go_alone_) lone_.begin(now_, processors_, memories_, std::min(threads, count) - 1);
+  if (go_alone_) lone_.begin(now_, processors_, memories_);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
 }
@@ -324,19 +319,17 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     ran.cancelled = cancelled;
     return ran;
   };
-  const Finally over{[this] { lone_.end(); }};
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= run_.report_at) {
       wake_all();
-      if (go_alone_) lone_.take_all(now_);
+      if (go_alone_) lone_.catch_up_all(now_);
       run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
       if (progress.may_count) progress.may_count();
       ask_observer(now_);
       if (progress.cancel) return result(true);
-      if (go_alone_) lone_.leave_all(now_);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
       run_.skips_to = dsp_->free_at();
@@ -351,7 +344,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     if (tick()) run_.moved_at = now_;
     show();
     if (now_ - run_.moved_at > kStallCycles) {
-      if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.take_all(now_ + 1));
+      if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.catch_up_all(now_ + 1));
       if (now_ - run_.moved_at > kStallCycles) stalled();
     }
     if (!go_alone_) {

@@ -5,18 +5,6 @@
 
 namespace gicube::emu {
 
-namespace {
-
-Delay delay(dram::Delay cause) {
-  switch (cause) {
-    case dram::Delay::kBank: return Delay::kBank;
-    case dram::Delay::kRefresh: return Delay::kRefresh;
-    default: return Delay::kTransfer;
-  }
-}
-
-}  // namespace
-
 MemoryPort::MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks)
     : clients_(std::move(clients)),
       channel_(make_memory(config, static_cast<std::uint32_t>(blocks * clients_.size()))),
@@ -38,10 +26,7 @@ inline void MemoryPort::send(std::size_t which, Cycle now) {
     return;
   }
   MissQueue& queue = *client.misses;
-  const Packet& packet = queue.next();
-  const dram::Access access = channel_->read(block_in_memory(packet.block, which), packet.tile, now * ratio_);
-  const std::uint64_t arrival = access.data_end + latency_;
-  queue.send(now, (arrival + ratio_ - 1) / ratio_, delay(access.cause));
+  send_read(queue, block_in_memory(queue.next().block, which), now);
 }
 
 // Serves the processor whose turn it is, or the next that has a request.

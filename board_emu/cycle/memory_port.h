@@ -48,6 +48,13 @@ class MemoryPort {
     return !clients_.front().all_sent() && serve_ahead();
   }
 
+  // As tick_ahead() after its only client has asked for a tile of a block.
+  void fetch(Cycle now, std::uint32_t block, std::uint32_t tile) {
+    MissQueue& queue = *clients_.front().misses;
+    queue.ask(now, block, tile);
+    send_read(queue, block, std::max(now, latest_) + 1);
+  }
+
   std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // clocks of the memory until then
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
@@ -67,11 +74,25 @@ class MemoryPort {
   bool serve(Cycle now);
   bool serve_ahead();
   void send(std::size_t which, Cycle now);
+  // The oldest packet that was not sent; `block`: in memory.
+  void send_read(MissQueue& queue, std::uint32_t block, Cycle now) {
+    latest_ = now;
+    const dram::Access access = channel_->read(block, queue.next().tile, now * ratio_);
+    const auto clocks = static_cast<std::uint32_t>(access.data_end - now * ratio_) + latency_;
+    queue.send(now, now + (clocks + ratio_ - 1) / ratio_, delay(access.cause));
+  }
+  static Delay delay(dram::Delay cause) {
+    switch (cause) {
+      case dram::Delay::kBank: return Delay::kBank;
+      case dram::Delay::kRefresh: return Delay::kRefresh;
+      default: return Delay::kTransfer;
+    }
+  }
 
   std::vector<MemoryClient> clients_;
   std::unique_ptr<dram::Memory> channel_;
-  std::uint64_t ratio_;  // clocks a core cycle
-  std::uint64_t latency_;
+  std::uint32_t ratio_;  // clocks a core cycle
+  std::uint32_t latency_;
   std::size_t turn_ = 0;
   Cycle latest_ = 0;  // in which something was sent
 };

@@ -13,7 +13,6 @@ namespace gicube::emu {
 namespace {
 
 constexpr Cause kLastCause = Cause::kSdram;
-constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
 
 SorterSetup sorter_setup(const ProcessorConfig& config) {
   const v1::BoardConfig& board = config.board;
@@ -27,14 +26,6 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   setup.ideal_queues = board.ideal().queues() != 0;
   setup.ideal_sorter = board.ideal().sorter() != 0;
   return setup;
-}
-
-Cause waiting_for(Delay delay) {
-  switch (delay) {
-    case Delay::kBank: return Cause::kBank;
-    case Delay::kRefresh: return Cause::kRefresh;
-    default: return Cause::kMiss;
-  }
 }
 
 // Out of the way of all rays that are not watched. They hand `cause` on, so that their callers keep nothing for after the call.

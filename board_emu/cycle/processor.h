@@ -34,6 +34,7 @@
 namespace gicube::emu {
 
 struct Interaction;
+class MemoryPort;
 
 struct ProcessorConfig {
   std::uint8_t number = 0;
@@ -79,15 +80,9 @@ class Processor {
   // Until something comes in, all that its ticks do is account().
   bool sleeps() const { return idle() && misses_.empty() && !has_input(); }
   bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
-  // Ticks it in a cycle before that one; true if something moved. Its memory ticks next.
-  bool tick_alone(Cycle now) {
-    bool moved = sorter_.tick_alone(now);
-    if (issue_.pushed(now)) __builtin_prefetch(&rays_[issue_.back().ray]);
-    moved |= tick_pipeline(now);
-    account(now, Cause::kLatency, 0);
-    return moved;
-  }
-  bool asks_memory() const { return !misses_.all_sent() || !writes_.all_sent(); }
+  // Ticks it and its memory in the cycles from `from` to before `to`, which are before that one. Returns the last in which something
+  // moved, or 0.
+  Cycle go_alone(Cycle from, Cycle to, MemoryPort& memory);
   // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: why no ray comes, if none is here.
   void account(Cycle now, Cause upstream) {
     account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
@@ -128,6 +123,11 @@ class Processor {
   std::uint64_t holding_cycles() const { return holding_cycles_; }
 
  private:
+  // Of rays whose values are known, in a machine of the usual kind: the same, with only what there can be.
+  bool goes_round() const;
+  Cycle go_round(Cycle from, Cycle to, MemoryPort& memory);
+  void pass(Cycle now, const RayToken& issued, MemoryPort& memory);
+
   bool deliver(Cycle now, const InFlight& ray);
   bool fill(Cycle now);
   Cause enter_compute(Cycle now);
@@ -165,6 +165,15 @@ class Processor {
   [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
   [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
 
+  static Cause waiting_for(Delay delay) {
+    switch (delay) {
+      case Delay::kBank: return Cause::kBank;
+      case Delay::kRefresh: return Cause::kRefresh;
+      default: return Cause::kMiss;
+    }
+  }
+
+  static constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
   static constexpr std::size_t kMany = kFifoPlaces + 1;  // more than can be on the way back to the sorter
 
   const std::uint8_t number_;

@@ -67,6 +67,9 @@ class VolumeCache {
     return fetch_plain(block, voxel, (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1));
   }
 
+  // check() of a direct mapped cache, which has plain_tags(), and does not write back.
+  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+
   // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
   const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
   std::size_t tiles_x() const { return tiles_x_; }
@@ -116,7 +119,6 @@ class VolumeCache {
  private:
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 
-  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   // The same if something is missing; `first` is the neighbourhood's lowest tile.
   const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);

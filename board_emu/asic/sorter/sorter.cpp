@@ -1,7 +1,6 @@
-#include "asic/sorter/sorter.h"
+#include "asic/sorter/sorter-inl.h"
 
 #include <algorithm>
-#include <bit>
 #include <ostream>
 
 namespace gicube::emu {
@@ -26,62 +25,14 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   listener_->tell({.step = step, .cycle = now, .handle = token.ray, .processor = processor_, .queue = queue_of(token)});
 }
 
-inline void Sorter::list_dirty(std::uint32_t queue) {
-  dirty_[queue] = {dirty_tail_, kNone};
-  (dirty_tail_ == kNone ? dirty_head_ : dirty_[dirty_tail_].next) = queue;
-  dirty_tail_ = queue;
-}
-
-inline void Sorter::unlist_dirty(std::uint32_t queue) {
-  const Dirty entry = dirty_[queue];
-  (entry.previous == kNone ? dirty_head_ : dirty_[entry.previous].next) = entry.next;
-  (entry.next == kNone ? dirty_tail_ : dirty_[entry.next].previous) = entry.previous;
-  dirty_[queue].next = kUnlisted;
-}
-
-inline void Sorter::modified(std::uint32_t queue) {
-  if (queue == active_) return;  // infinite until it is empty
-  if (!ranks_) {
-    maximum_->set(queue, queues_.importance(queue));
-  } else if (dirty_[queue].next == kUnlisted) {
-    list_dirty(queue);
-  }
-}
-
-inline void Sorter::give_up_active() {
-  const auto bits = static_cast<std::size_t>(std::bit_width(issued_since_active_)) - 1;  // it had at least one ray
-  const std::size_t bucket = std::min(bits, counters_.activation_rays.size() - 1);
-  ++counters_.activation_rays[bucket];
-  counters_.activation_issued[bucket] += issued_since_active_;
-  active_ = kNone;
-}
-
-inline void Sorter::choose_active() {
-  if (!ranks_) {
-    active_ = maximum_->queue();
-  } else {
-    if (ranks_->top() == kNone) return;
-    active_ = ranks_->top();
-    ranks_->activate_top();
-    if (dirty_[active_].next != kUnlisted) unlist_dirty(active_);
-  }
-  assert(queues_.waiting(active_) > 0);  // only the active queue loses rays
-  latest_active_ = active_;
-  ++counters_.activations;
-  issued_since_active_ = 0;
-}
-
 [[gnu::always_inline]] inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow,
                                                 std::uint32_t& written) {
   const std::uint32_t queue = queue_of(input.front());
   if (input.front().keeps_slot || queues_.has_slot(queue)) {
     if (input.front().watched) [[unlikely]]
       tell(now, RayStep::kQueued, input.front());
-    const std::uint32_t waiting = queues_.write(queue, input.pop(now));
+    write(queue, input.pop(now));
     written = queue;
-    ++counters_.written;
-    counters_.peak_waiting = std::max<std::uint64_t>(counters_.peak_waiting, waiting);
-    modified(queue);
     return true;
   }
   if (!may_overflow || !out_.overflow.can_push(now)) return false;
@@ -108,28 +59,6 @@ inline bool Sorter::tell_of_slot(Cycle now) {
   return true;
 }
 
-inline bool Sorter::update_ranks() {
-  bool moved = false;
-  if (active_ != kNone) {
-    if (queues_.waiting(active_) == 0) {
-      give_up_active();
-      ranks_->shift_up();
-      moved = true;
-    }
-  } else if (ranks_->top() == kNone && ranks_->size() > 0 && ranks_->can_insert()) {
-    ranks_->shift_up();  // a hole came to the top
-    moved = true;
-  }
-  if (dirty_head_ != kNone && ranks_->can_insert()) {
-    const std::uint32_t queue = dirty_head_;
-    unlist_dirty(queue);
-    ranks_->insert(queue, queues_.importance(queue));
-    ++counters_.inserts;
-    moved = true;
-  }
-  return moved;
-}
-
 // One function with all that most cycles need: what is called from one place only is inline.
 bool Sorter::work(Cycle now, bool others_come) {
   if (ranks_) ranks_->step();
@@ -142,11 +71,9 @@ bool Sorter::work(Cycle now, bool others_come) {
   }
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
   if (active_ != kNone && out_.issue.can_push(now)) {
-    out_.issue.push(now, queues_.read(active_));
+    issue(now);
     if (out_.issue.back().watched) [[unlikely]]
       tell(now, RayStep::kIssued, out_.issue.back());
-    ++counters_.issued;
-    ++issued_since_active_;
     moved = true;
   }
   std::uint32_t written = kNone;

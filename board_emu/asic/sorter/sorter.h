@@ -102,6 +102,11 @@ class Sorter {
     return rest != 0 && work(now, false);
   }
 
+  // The same where, besides, each ray finds a slot, no slot is kept and none is watched (sorter-inl.h).
+  bool tick_inside(Cycle now);
+  // Whether its configuration lets it.
+  bool may_tick_inside() const { return ranks_.has_value() && !single_; }
+
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
   bool has_kept_slots() const { return !kept_.empty(); }
   // A ray that comes to the queue finds a slot, also behind `others`.
@@ -142,6 +147,8 @@ class Sorter {
   // Moves the ray at the input's head to its queue, then `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   bool tell_of_slot(Cycle now);
+  void issue(Cycle now);
+  void write(std::uint32_t queue, const RayToken& token);
   void modified(std::uint32_t queue);
   bool update_ranks();
   void tell(Cycle now, RayStep step, const RayToken& token) const;
