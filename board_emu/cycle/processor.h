@@ -126,7 +126,7 @@ class Processor {
   // Of rays whose values are known, in a machine of the usual kind: the same, with only what there can be.
   bool goes_round() const;
   Cycle go_round(Cycle from, Cycle to, MemoryPort& memory);
-  void pass(Cycle now, const RayToken& issued, MemoryPort& memory);
+  void pass(Cycle now, const RayToken& issued, InFlight& entry, MemoryPort& memory);
 
   bool deliver(Cycle now, const InFlight& ray);
   bool fill(Cycle now);
@@ -174,7 +174,7 @@ class Processor {
   }
 
   static constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
-  static constexpr std::size_t kMany = kFifoPlaces + 1;  // more than can be on the way back to the sorter
+  static constexpr std::size_t kMany = kFifoPlaces + 1;         // more than can be on the way back to the sorter
 
   const std::uint8_t number_;
   const Partition& partition_;

@@ -55,16 +55,19 @@ Cycle Processor::go_alone(Cycle from, Cycle to, MemoryPort& memory) {
   return moved_at;
 }
 
+// What joins its parts holds no more than one item at the end of each of its cycles, but for `issue_`.
 bool Processor::goes_round() const {
-  return values_are_known_ && !scatters_or_deposits_ && !two_ports_ && !ideal_memory_ && sorter_.may_tick_inside() &&
-         cache_.plain_tags() != nullptr && write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
+  return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !scatters_or_deposits_ && !two_ports_ &&
+         !ideal_memory_ && sorter_.may_go_round() && cache_.plain_tags() != nullptr &&
+         write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
 }
 
 // check_tags() of such a ray.
-[[gnu::always_inline]] inline void Processor::pass(Cycle now, const RayToken& issued, MemoryPort& memory) {
+[[gnu::always_inline]] inline void Processor::pass(Cycle now, const RayToken& issued, InFlight& entry,
+                                                   MemoryPort& memory) {
   RayUnderWay& ray = rays_[issued.ray];
   Point& position = ray.ray_state.position;
-  InFlight& entry = stages_.enter(now);
+  entry.ready = now + stages_.prefetch_stages();
   entry.token = issued;
   entry.from = issued.queue;
   entry.packets = 0;
@@ -102,51 +105,95 @@ bool Processor::goes_round() const {
 
 Cycle Processor::go_round(Cycle from, Cycle to, MemoryPort& memory) {
   Cycle moved_at = 0;
-  const std::size_t room = cells_ ? kMaxPackets + kMaxCells : kMaxPackets;
+  const std::size_t room = cells_ ? kMaxPackets + kMaxCells : kMaxPackets, places = stages_.prefetch_stages();
+  Stages::Line line = stages_.line();
+  RayToken returned = returned_.front(), issue[kFifoPlaces + 1] = {issue_.front(), issue_.back()};
+  std::uint32_t released = released_.front();
+  bool has_returned = !returned_.empty(), has_released = !released_.empty();
+  std::size_t issued = issue_.size();
+  auto returns = returned_.clock();
+  auto releases = released_.clock();
+  auto issues = issue_.clock();
+  Cycle clock = compute_clock_;
+  Cause latest = latest_;
+  bool fed = false, backed_up = false, bubble = false;
+  std::uint64_t held = 0;
   for (Cycle now = from; now < to; ++now) {
-    bool moved = sorter_.tick_inside(now);
-    fed_ = backed_up_ = bubble_ = false;
-    if (!issue_.empty()) __builtin_prefetch(&rays_[issue_.back().ray]);
-    if (!issue_.empty() || !stages_.empty()) {
-      if (stages_.computing() > 0 && stages_.oldest_computing().ready <= compute_clock_) {
-        const InFlight& ray = stages_.oldest_computing();
-        returned_.push(now, ray.token);
-        if (!ray.token.keeps_slot) released_.push(now, ray.from);
-        stages_.leave();
-        moved = true;
+    const Sorter::Round round = sorter_.go_round(has_returned ? &returned : nullptr, has_released ? &released : nullptr,
+                                                 issued < kFifoPlaces, issue[issued]);
+    bool moved = round.moved;
+    if (has_returned) returns.pop = now;
+    if (has_released) releases.pop = now;
+    const std::size_t to_enter = issued;
+    if (round.issued) {
+      __builtin_prefetch(&rays_[issue[issued].ray]);
+      ++issued;
+      issues.push = now;
+    }
+    has_returned = has_released = fed = backed_up = false;
+    bubble = true;
+    if (issued != 0 || line.out != line.in) {
+      if (line.out != line.middle && line[line.out].ready <= clock) {
+        const InFlight& ray = line[line.out++];
+        returned = ray.token;
+        has_returned = moved = true;
+        returns.push = now;
+        if (!ray.token.keeps_slot) {
+          released = ray.from;
+          has_released = true;
+          releases.push = now;
+        }
       }
-      bubble_ = stages_.prefetching() == 0 || stages_.oldest_prefetching().ready > now;
-      if (!bubble_) {
-        InFlight& head = stages_.oldest_prefetching();
-        latest_ = head.sampled ? Cause::kBusy : Cause::kLeap;
+      InFlight& head = line[line.middle];
+      if (line.middle != line.in && head.ready <= now) {
+        bubble = false;
+        moved = true;
+        latest = head.sampled ? Cause::kBusy : Cause::kLeap;
         if (head.packets > 0) {
           const Packet& packet = misses_.oldest();
           if (packet.arrival > now) {
-            latest_ = packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
+            latest = packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
           } else {
             misses_.take();
-            if (--head.packets > 0) latest_ = Cause::kFill;
+            if (--head.packets > 0) latest = Cause::kFill;
           }
         }
-        if (head.packets == 0) stages_.start_computing(compute_clock_);
-        moved = true;
+        if (head.packets == 0) {
+          head.ready = clock + stages_.compute_stages();
+          ++line.middle;
+        }
       }
-      ++compute_clock_;
-      if (issue_.size() > (issue_.pushed(now) ? 1 : 0)) {
-        fed_ = stages_.can_enter() & (misses_.room() >= room);
-        backed_up_ = !fed_;
+      ++clock;
+      if (to_enter > 0) {
+        fed = line.in - line.middle < places && misses_.room() >= room;
+        backed_up = !fed;
+        if (fed) {
+          pass(now, issue[0], line[line.in++], memory);
+          issue[0] = issue[1];
+          --issued;
+          issues.pop = now;
+          moved = true;
+        }
       }
-      if (fed_) {
-        pass(now, issue_.front(), memory);
-        issue_.pop(now);
-        moved = true;
-      }
-    } else {
-      bubble_ = true;
     }
-    account(now, Cause::kLatency, 0);
+    // As account(), where some ray is always here.
+    if (bubble) latest = unfed_[(now - places) & unfed_mask_];
+    ++causes_[static_cast<std::size_t>(latest)];
+    const bool sorts = sorter_.waiting() + issued != 0;
+    unfed_[now & unfed_mask_] = backed_up ? Cause::kMiss : sorts ? Cause::kSorter : Cause::kLatency;
+    held += fed || sorts || line.out != line.in;
     if (moved) moved_at = now;
   }
+  stages_.put_back(line);
+  returned_.put_back(&returned, has_returned ? 1 : 0, returns);
+  released_.put_back(&released, has_released ? 1 : 0, releases);
+  issue_.put_back(issue, issued, issues);
+  compute_clock_ = clock;
+  latest_ = latest;
+  fed_ = fed;
+  backed_up_ = backed_up;
+  bubble_ = bubble;
+  holding_cycles_ += held;
   return moved_at;
 }
 

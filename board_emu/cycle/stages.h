@@ -68,6 +68,20 @@ class Stages {
     record.at_most(computing_, ring_.size() - prefetch_stages_);
     for (std::size_t i = 0; i < size(); ++i) record(ring_[(head_ + i) & mask_]);
   }
+  // For one who moves rays himself for some cycles. The places are counted on and on: rays compute from `out`, are prefetched from
+  // `middle`, and enter at `in`.
+  struct Line {
+    InFlight* ring;
+    std::size_t mask, out, middle, in;
+
+    InFlight& operator[](std::size_t place) const { return ring[place & mask]; }
+  };
+  Line line() { return {ring_.data(), mask_, head_, head_ + computing_, head_ + computing_ + prefetching_}; }
+  void put_back(const Line& line) {
+    head_ = line.out;
+    computing_ = line.middle - line.out;
+    prefetching_ = line.in - line.middle;
+  }
   // The oldest first.
   const InFlight& operator[](std::size_t i) const { return ring_[(head_ + i) & mask_]; }
 

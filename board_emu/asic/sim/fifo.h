@@ -50,6 +50,17 @@ class Fifo {
   std::size_t size() const { return size_; }
   // For the side that pops, before it does: nothing more could come before this cycle.
   bool was_full(Cycle now) const { return size_ - (last_push_ == now ? 1 : 0) == capacity_; }
+  // For one who keeps its few items elsewhere for some cycles: they are as if pushed and popped here.
+  struct Clock {
+    Cycle push, pop;  // the last
+  };
+  Clock clock() const { return {last_push_, last_pop_}; }
+  void put_back(const T* items, std::size_t count, const Clock& clock) {
+    size_ = 0;
+    for (; size_ < count; ++size_) items_[(head_ + size_) & mask_] = items[size_];
+    last_push_ = clock.push;
+    last_pop_ = clock.pop;
+  }
   void state(Archive::Record& record) {
     record.at_most(size_, capacity_);
     record(last_push_, last_pop_);

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cassert>
 
-#include "asic/latencies.h"
 #include "asic/sorter/sorter.h"
 
 namespace gicube::emu {
@@ -55,12 +54,6 @@ inline void Sorter::choose_active() {
   issued_since_active_ = 0;
 }
 
-inline void Sorter::issue(Cycle now) {
-  out_.issue.push(now, queues_.read(active_));
-  ++counters_.issued;
-  ++issued_since_active_;
-}
-
 inline void Sorter::write(std::uint32_t queue, const RayToken& token) {
   const std::uint32_t waiting = queues_.write(queue, token);
   ++counters_.written;
@@ -90,27 +83,24 @@ inline bool Sorter::update_ranks() {
   return moved;
 }
 
-// As work(), without what can't be. Here the sorter ticks before the pipeline, so that what is in a FIFO was there before the cycle.
-[[gnu::always_inline]] inline bool Sorter::tick_inside(Cycle now) {
-  if ((in_.returned.size() | in_.released.size() | queues_.waiting()) == 0) return false;
+// As work(), without what can't be.
+[[gnu::always_inline]] inline Sorter::Round Sorter::go_round(const RayToken* returned, const std::uint32_t* released,
+                                                             bool may_issue, RayToken& issued) {
+  Round round;
+  if (returned == nullptr && released == nullptr && queues_.waiting() == 0) return round;
   ranks_->step();
-  bool moved = false;
-  if (!in_.released.empty()) {
-    queues_.release_slot(in_.released.front());
-    in_.released.pop(now);
-    moved = true;
-  }
+  if (released != nullptr) queues_.release_slot(*released);
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
-  if (active_ != kNone && out_.issue.size() < kFifoPlaces) {
-    issue(now);
-    moved = true;
+  if (active_ != kNone && may_issue) {
+    issued = queues_.read(active_);
+    ++counters_.issued;
+    ++issued_since_active_;
+    round.issued = true;
   }
-  if (!in_.returned.empty()) {
-    write(in_.returned.front().queue, in_.returned.front());
-    in_.returned.pop(now);
-    moved = true;
-  }
-  return update_ranks() || moved;
+  if (returned != nullptr) write(returned->queue, *returned);
+  const bool ranks_moved = update_ranks();
+  round.moved = ranks_moved || round.issued || returned != nullptr || released != nullptr;
+  return round;
 }
 
 }  // namespace gicube::emu

@@ -71,9 +71,11 @@ bool Sorter::work(Cycle now, bool others_come) {
   }
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
   if (active_ != kNone && out_.issue.can_push(now)) {
-    issue(now);
+    out_.issue.push(now, queues_.read(active_));
     if (out_.issue.back().watched) [[unlikely]]
       tell(now, RayStep::kIssued, out_.issue.back());
+    ++counters_.issued;
+    ++issued_since_active_;
     moved = true;
   }
   std::uint32_t written = kNone;

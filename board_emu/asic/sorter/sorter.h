@@ -102,10 +102,15 @@ class Sorter {
     return rest != 0 && work(now, false);
   }
 
-  // The same where, besides, each ray finds a slot, no slot is kept and none is watched (sorter-inl.h).
-  bool tick_inside(Cycle now);
+  // The same where, besides, each ray finds a slot, no slot is kept and none is watched (sorter-inl.h). FIFOs are the caller's:
+  // `returned` and `released` are what can be popped in this cycle, or null, and `issued` receives what is pushed, if it may.
+  struct Round {
+    bool moved = false;
+    bool issued = false;
+  };
+  Round go_round(const RayToken* returned, const std::uint32_t* released, bool may_issue, RayToken& issued);
   // Whether its configuration lets it.
-  bool may_tick_inside() const { return ranks_.has_value() && !single_; }
+  bool may_go_round() const { return ranks_.has_value() && !single_; }
 
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
   bool has_kept_slots() const { return !kept_.empty(); }
@@ -147,7 +152,6 @@ class Sorter {
   // Moves the ray at the input's head to its queue, then `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   bool tell_of_slot(Cycle now);
-  void issue(Cycle now);
   void write(std::uint32_t queue, const RayToken& token);
   void modified(std::uint32_t queue);
   bool update_ranks();
