@@ -81,26 +81,26 @@ bool Machine::tick() {
   bool moved = dsp_->tick(now_);
   moved |= ray_bus_->tick(now_);
   moved |= links_->tick(now_);
-  const auto stays = [this](std::size_t i) {  // as it is
-    return go_alone_ && (asleep_since_[i] != kAwake || lone_.goes_alone(i, now_)) && !processors_[i]->has_input();
-  };
+  ticked_.clear();
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (stays(i)) continue;
     if (go_alone_) {
+      if ((asleep_since_[i] != kAwake || lone_.goes_alone(i, now_)) && !processors_[i]->has_input()) continue;
       wake(i);
       run_.moved_at = std::max(run_.moved_at, lone_.take(i, now_));
     }
     moved |= processors_[i]->tick_sorter(now_);
     moved |= processors_[i]->tick_pipeline(now_);
+    ticked_.push_back(i);
   }
   const bool is_seen = is_seen_soon();
-  for (std::size_t i = 0; i < memories_.size(); ++i) {
-    if (!stays(i)) moved |= is_seen ? memories_[i]->tick(now_) : memories_[i]->tick_ahead(now_);
+  if (go_alone_) {
+    for (const std::size_t i : ticked_) moved |= memories_[i]->tick_ahead(now_);
+  } else {
+    for (const auto& memory : memories_) moved |= is_seen ? memory->tick(now_) : memory->tick_ahead(now_);
   }
   moved |= tree_->tick(now_);
   if (asleep_ > 0) upstream_.push_back(upstream());
-  for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (stays(i)) continue;
+  for (const std::size_t i : ticked_) {
     Processor& processor = *processors_[i];
     processor.account(now_, processor.holds_rays() ? Cause::kLatency : upstream());
     if (!go_alone_) continue;

@@ -164,6 +164,7 @@ class Machine {
   // Not where somebody sees cycles, or two processors share a memory.
   LoneProcessors lone_;
   bool go_alone_ = false;
+  std::vector<std::size_t> ticked_;  // processors, in this cycle
   static constexpr std::size_t kAwake = ~std::size_t{0};
   std::vector<std::size_t> asleep_since_;  // by processor: the first of `upstream_` that it was not told, or kAwake
   std::size_t asleep_ = 0;                 // processors

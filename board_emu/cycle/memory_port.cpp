@@ -1,6 +1,7 @@
 #include "memory_port.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace gicube::emu {
@@ -9,7 +10,9 @@ MemoryPort::MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> 
     : clients_(std::move(clients)),
       channel_(make_memory(config, static_cast<std::uint32_t>(blocks * clients_.size()))),
       ratio_(memory_standard(config).clocks_per_core_cycle),
-      latency_(memory_standard(config).latency) {}
+      latency_(memory_standard(config).latency),
+      is_shift_(std::has_single_bit(ratio_)),
+      shift_(std::countr_zero(ratio_)) {}
 
 inline void MemoryPort::send(std::size_t which, Cycle now) {
   const MemoryClient& client = clients_[which];
@@ -26,7 +29,8 @@ inline void MemoryPort::send(std::size_t which, Cycle now) {
     return;
   }
   MissQueue& queue = *client.misses;
-  send_read(queue, block_in_memory(queue.next().block, which), now);
+  const Answer answer = read(block_in_memory(queue.next().block, which), queue.next().tile, now);
+  queue.send(now, answer.arrival, answer.delay);
 }
 
 // Serves the processor whose turn it is, or the next that has a request.

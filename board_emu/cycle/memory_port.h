@@ -48,11 +48,11 @@ class MemoryPort {
     return !clients_.front().all_sent() && serve_ahead();
   }
 
-  // As tick_ahead() after its only client has asked for a tile of a block.
+  // Its only client, of which all was sent, asks for a tile of a block: as tick_ahead() after that.
   void fetch(Cycle now, std::uint32_t block, std::uint32_t tile) {
-    MissQueue& queue = *clients_.front().misses;
-    queue.ask(now, block, tile);
-    send_read(queue, block, std::max(now, latest_) + 1);
+    latest_ = std::max(now, latest_) + 1;
+    const Answer answer = read(block, tile, latest_);
+    clients_.front().misses->ask({block, tile, now, latest_, answer.arrival, answer.delay});
   }
 
   std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // clocks of the memory until then
@@ -74,12 +74,15 @@ class MemoryPort {
   bool serve(Cycle now);
   bool serve_ahead();
   void send(std::size_t which, Cycle now);
-  // The oldest packet that was not sent; `block`: in memory.
-  void send_read(MissQueue& queue, std::uint32_t block, Cycle now) {
-    latest_ = now;
-    const dram::Access access = channel_->read(block, queue.next().tile, now * ratio_);
-    const auto clocks = static_cast<std::uint32_t>(access.data_end - now * ratio_) + latency_;
-    queue.send(now, now + (clocks + ratio_ - 1) / ratio_, delay(access.cause));
+  struct Answer {
+    Cycle arrival;
+    Delay delay;
+  };
+  // A packet whose request is sent now; `block`: in memory.
+  Answer read(std::uint32_t block, std::uint32_t tile, Cycle now) {
+    const dram::Access access = channel_->read(block, tile, now * ratio_);
+    const auto clocks = static_cast<std::uint32_t>(access.data_end - now * ratio_) + latency_ + ratio_ - 1;
+    return {now + (is_shift_ ? clocks >> shift_ : clocks / ratio_), delay(access.cause)};
   }
   static Delay delay(dram::Delay cause) {
     switch (cause) {
@@ -93,6 +96,8 @@ class MemoryPort {
   std::unique_ptr<dram::Memory> channel_;
   std::uint32_t ratio_;  // clocks a core cycle
   std::uint32_t latency_;
+  bool is_shift_;  // ratio_ is a power of two
+  int shift_;
   std::size_t turn_ = 0;
   Cycle latest_ = 0;  // in which something was sent
 };

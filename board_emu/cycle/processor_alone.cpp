@@ -76,12 +76,10 @@ bool Processor::goes_round() const {
   const Point low = grid_.low(position);
   entry.sampled = !is_leapt_over(ray.block, *frame_);
   if (entry.sampled) {
-    const Misses& misses = cache_.check_plain(ray.block, cell(position, low).voxel);
-    if (misses.count > 0) {
-      const std::uint32_t number = partition_.home(ray.block).number;
-      entry.packets = static_cast<std::uint8_t>(misses.count);
-      for (std::uint32_t i = 0; i < misses.count; ++i) memory.fetch(now, number, misses.tiles[i]);
-    }
+    cache_.for_each_miss(ray.block, cell(position, low).voxel, [&](std::uint32_t tile) {
+      memory.fetch(now, partition_.home(ray.block).number, tile);
+      ++entry.packets;
+    });
     advance(ray.ray_state, 1, *frame_);
     ray.ray_state.set_steps_left(std::max(ray.ray_state.steps_left() - 1, 0));
     ++counts_.samples;

@@ -44,6 +44,12 @@ class MissQueue {
     ring_[(head_ + size_) & mask_] = {block, tile, now, kNoCycle, kNoCycle, Delay::kTransfer};
     ++size_;
   }
+  // Of one that is sent at once; all before it were.
+  void ask(const Packet& sent) {
+    ring_[(head_ + size_) & mask_] = sent;
+    ++size_;
+    ++sent_;
+  }
   const Packet& oldest() const { return ring_[head_ & mask_]; }
   void take() {
     ++head_;

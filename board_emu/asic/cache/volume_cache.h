@@ -63,12 +63,12 @@ class VolumeCache {
 
   // The same for one who knows that something is missing, or is not the latest used.
   const Misses& ask(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-    if (!plain_) return check_sets(block, voxel);
-    return fetch_plain(block, voxel, (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1));
+    return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // check() of a direct mapped cache, which has plain_tags(), and does not write back.
-  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  // check() of a direct mapped cache, which has plain_tags(), and does not write back: calls fetch(tile) for each that is missing.
+  template <typename Fetch>
+  void for_each_miss(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, const Fetch& fetch);
 
   // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
   const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
@@ -119,8 +119,7 @@ class VolumeCache {
  private:
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 
-  // The same if something is missing; `first` is the neighbourhood's lowest tile.
-  const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
+  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   bool has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
@@ -164,47 +163,58 @@ class VolumeCache {
   CacheCounters counters_;
 };
 
-// A direct mapped cache looked up by the place in the block. Mostly nothing is missing, and that is seen at once, two
-// tiles of a row in a word.
+// Mostly nothing is missing, and that is seen at once, two tiles of a row in a word.
 inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
-  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
-  const auto differs = [this, block](std::size_t tile) {
-    const auto tags = std::bit_cast<std::uint64_t>(std::array{tags_[tile], tags_[tile + 1]});
-    return tags ^ std::bit_cast<std::uint64_t>(std::array{block, block});
-  };
-  const std::uint64_t of_both = std::bit_cast<std::uint64_t>(std::array{~0u, two_x != 0 ? ~0u : 0u});
-  const std::size_t row = two_y * tiles_x_, slice = slice_tiles_;
-  const std::uint64_t any =
-      differs(first) | differs(first + row) | differs(first + slice) | differs(first + slice + row);
-  if ((any & of_both) == 0) {
-    count(0, 4u >> (two_x + two_y));
-    return misses_;
-  }
-  return fetch_plain(block, voxel, first);
+  misses_.count = 0;
+  for_each_miss(block, voxel, [this](std::uint32_t tile) { misses_.tiles[misses_.count++] = tile; });
+  return misses_;
 }
 
-// Always eight tags, as the hardware does, and without a branch a tile, since which are missing is hard to predict: a tile
-// that comes twice is there the second time.
-inline const Misses& VolumeCache::fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel,
-                                              std::size_t first) {
+template <typename Fetch>
+[[gnu::always_inline]] inline void VolumeCache::for_each_miss(std::uint32_t block,
+                                                              const std::array<std::uint32_t, 3>& voxel,
+                                                              const Fetch& fetch) {
+  const std::uint32_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
   const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
-  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
-  const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
-  const std::uint32_t across[2] = {x != last ? 2u : 1u, x + two_x != last ? 2u : 1u};
-  const std::uint32_t down[2] = {y != last ? 2u : 1u, y + two_y != last ? 2u : 1u};
-  std::uint32_t count_missing = 0, filled = 0;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const std::size_t tile = first + (i & 1) * two_x + (i >> 1 & 1) * two_y * tiles_x_ + (i >> 2) * slice_tiles_;
-    const std::uint32_t missing = tags_[tile] != block;
-    tags_[tile] = block;
-    misses_.tiles[count_missing] = static_cast<std::uint32_t>(tile);
-    count_missing += missing;
-    filled += missing * across[i & 1] * down[i >> 1 & 1];
+  const std::size_t first = (voxel[2] * tiles_x_ + y) * tiles_x_ + x;
+  std::uint32_t* const tags = tags_.data() + first;
+  const auto differs = [tags, block](std::size_t tile) {
+    const auto pair = std::bit_cast<std::uint64_t>(std::array{tags[tile], tags[tile + 1]});
+    return pair ^ std::bit_cast<std::uint64_t>(std::array{block, block});
+  };
+  const std::size_t row = two_y * tiles_x_, slice = slice_tiles_;
+  const std::array<std::uint64_t, 4> different{differs(0), differs(row), differs(slice), differs(slice + row)};
+  const std::uint64_t of_both = std::bit_cast<std::uint64_t>(std::array{~0u, two_x != 0 ? ~0u : 0u});
+  const std::uint32_t voxels_of_tile = 4u >> (two_x + two_y);
+  ++counters_.checks;
+  if (((different[0] | different[1] | different[2] | different[3]) & of_both) == 0) [[likely]] {
+    ++counters_.misses[0];
+    return;
   }
-  counters_.filled_voxels += filled;
-  count(count_missing, 4u >> (two_x + two_y));
-  return misses_;
+  // A bit a tile: x, then y, then z. What comes twice counts once.
+  const std::uint32_t once = (two_x != 0 ? 0xFFu : 0x55u) & (two_y != 0 ? 0xFFu : 0x33u);
+  std::uint32_t missing = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pair = std::bit_cast<std::array<std::uint32_t, 2>>(different[i]);
+    missing |= (pair[0] != 0 ? 1u : 0u) << (2 * i) | (pair[1] != 0 ? 2u : 0u) << (2 * i);
+  }
+  missing &= once;
+  const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
+  const bool is_inside = x + 1 < last && y + 1 < last;
+  const std::array<std::size_t, 4> rows{0, row, slice, slice + row};
+  std::uint32_t packets = 0;
+  for (; missing != 0; missing &= missing - 1, ++packets) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(missing));
+    const std::size_t tile = rows[i >> 1] + (i & 1);
+    if (!is_inside)
+      counters_.filled_voxels -= 4u - (x + (i & 1) == last ? 1u : 2u) * ((y + (i >> 1 & 1)) == last ? 1u : 2u);
+    tags[tile] = block;
+    fetch(static_cast<std::uint32_t>(first + tile));
+  }
+  counters_.filled_voxels += 4u * packets;
+  counters_.packets += packets;
+  counters_.missed_voxels += packets * voxels_of_tile;
+  ++counters_.misses[packets * voxels_of_tile];
 }
 
 inline bool VolumeCache::latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
