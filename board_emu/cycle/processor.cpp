@@ -75,7 +75,7 @@ Processor::Processor(const ProcessorConfig& config)
 void Processor::begin(const Frame& frame, bool values_are_known) {
   frame_ = &frame;
   values_are_known_ = values_are_known;
-  scatters_or_deposits_ = !frame.plain();
+  does_more_ = does_more_than_gather();
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
 }
@@ -134,7 +134,7 @@ Cause Processor::enter_compute(Cycle now) {
     bubble_ = true;
     return latest_;
   }
-  if (scatters_or_deposits_ && splats_.takes_cache(now)) return Cause::kSplat;
+  if (does_more_ && splats_.takes_cache(now)) return Cause::kSplat;
   InFlight& head = stages_.oldest_prefetching();
   if (head.packets > 0) {
     const auto waits = [this, &head](Cause cause) {
@@ -166,7 +166,7 @@ inline std::uint8_t Processor::ask(Cycle now, const Misses& misses, std::uint32_
 // same whenever they are worked out) the sample taken and the ray's next queue found.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
   constexpr std::size_t kMaxCarriers = 8;
-  if (scatters_or_deposits_) rays_.make_room(kMaxCarriers);
+  if (does_more_) rays_.make_room(kMaxCarriers);
   RayUnderWay& ray = rays_[issued.ray];
   RayState& ray_state = ray.ray_state;
   if (issued.watched) [[unlikely]]
@@ -180,7 +180,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.splats = false;
   entry.block = ray.block;
   const Point low = grid_.low(ray_state.position);
-  const bool carries = scatters_or_deposits_ && ray_state.is(wire::kIrradianceCarrier);
+  const bool carries = does_more_ && ray_state.is(wire::kIrradianceCarrier);
   entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
   Termination how = Termination::kNot;
   if (!entry.sampled) {
@@ -191,7 +191,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     const Misses& misses = cache_.check(ray.block, at.voxel);
     for (const TileOfBlock& changed : cache_.victims()) write_back(changed, false);
     if (misses.count > 0) entry.packets = ask(now, misses, partition_.home(ray.block).number);
-    if (scatters_or_deposits_ && frame_->lit_by_irradiance && packs_irradiance()) {
+    if (does_more_ && frame_->lit_by_irradiance && packs_irradiance()) {
       const Misses& words = cells_->check(ray.block, at.voxel);
       for (const TileOfBlock& changed : cells_->victims()) write_back(changed, true);
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
@@ -204,7 +204,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     } else {
       const BlockView view = frame_->volume->view(ray.block);
       const SampleSite site{at, view, ray.block, edge_};
-      if (!scatters_or_deposits_) {
+      if (!does_more_) {
         gather(ray_state, site, *frame_, counts_);
       } else {
         const Point place = ray_state.position;
@@ -267,7 +267,7 @@ void Processor::tell_pass(Cycle now, const InFlight& entry, Termination how) {
 // Both halves of most conditions are always worked out: which of them fails is hard to predict.
 bool Processor::tick_pipeline(Cycle now) {
   fed_ = backed_up_ = bubble_ = false;
-  bool moved = scatters_or_deposits_ && tick_light(now), stalled = false;
+  bool moved = does_more_ && tick_light(now), stalled = false;
   if (issue_.empty() && stages_.empty()) {
     bubble_ = true;
     return moved;

@@ -59,7 +59,11 @@ class Processor {
     return values;
   }
   // Values are no longer known.
-  void take_samples() { values_are_known_ = false; }
+  void take_samples() {
+    if (!values_are_known_) return;
+    values_are_known_ = false;
+    does_more_ = does_more_than_gather();
+  }
   void invalidate_cache() {
     cache_.invalidate();
     if (cells_) cells_->invalidate();
@@ -152,6 +156,10 @@ class Processor {
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
   // Irradiance words have packets of their own, and this frame's rays leave or read them.
   bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
+  // Rays of this frame scatter or deposit, read irradiance from packets of its own, or it is not known.
+  bool does_more_than_gather() const {
+    return values_are_known_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
+  }
   // Blocks of its packets.
   std::uint32_t packet_blocks() const { return static_cast<std::uint32_t>(partition_.max_blocks() * (cells_ ? 2 : 1)); }
   bool has_room_for_victims() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
@@ -202,8 +210,8 @@ class Processor {
   SplatUnit splats_;
 
   bool values_are_known_ = false;
-  bool scatters_or_deposits_ = false;  // rays of this frame do more than gather
-  bool fed_ = false;                   // a ray entered the prefetch line in this cycle
+  bool does_more_ = false;  // does_more_than_gather()
+  bool fed_ = false;        // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, and not because it was stalled or waited
   Cause latest_ = Cause::kQueueEmpty;

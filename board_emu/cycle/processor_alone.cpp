@@ -15,8 +15,7 @@ Cycle Processor::alone_until(Cycle now) const {
   // Never empty before then: else it would matter why no ray comes. Carriers end in it.
   const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size() + returned_.size();
   const std::size_t outside = has_input() | out_links.size() | done.size() | overflow.size();
-  if (rays < (scatters_or_deposits_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_kept_slots() ||
-      splats_.has_carrier())
+  if (rays < (does_more_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_kept_slots() || splats_.has_carrier())
     return next;
   const auto others = static_cast<std::uint32_t>(stages_.size() + returned_.size());
   for (std::size_t i = 0; i < returned_.size(); ++i) {
@@ -57,7 +56,7 @@ Cycle Processor::go_alone(Cycle from, Cycle to, MemoryPort& memory) {
 
 // What joins its parts holds no more than one item at the end of each of its cycles, but for `issue_`.
 bool Processor::goes_round() const {
-  return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !scatters_or_deposits_ && !two_ports_ &&
+  return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !does_more_ && !two_ports_ &&
          !ideal_memory_ && sorter_.may_go_round() && cache_.plain_tags() != nullptr &&
          write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
 }
