@@ -281,6 +281,15 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   }
   expect_equal(functional.rays, dark.rays);
   expect_equal(ray_counters(machine) - before, functional.rays);
+
+  // Values of lit rays that are known before their time change no cycle.
+  if (!frame.gathers() || frame.lamps || config.sorter().policy() == v1::most_contribution) return;
+  Machine each(config, scene.volume.blocks()), ahead(config, scene.volume.blocks());
+  const Picture one_by_one = cycle_picture(scene, view, each, runs),
+                known = ahead_picture(scene, view, ahead, runs, false);
+  EXPECT_EQ(known.pixels, one_by_one.pixels);
+  EXPECT_EQ(known.ran.cycles, one_by_one.ran.cycles);
+  EXPECT_THAT(counter_texts(ahead), testing::ElementsAreArray(counter_texts(each)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RandomLight, testing::Range(1u, 201u));

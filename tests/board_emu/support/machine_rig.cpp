@@ -91,7 +91,12 @@ Picture ahead_picture(const Scene& scene, const wire::RenderCommand& view, Machi
   ImageRays rays(view, scene.frame, framebuffer, runs);
   const RayRange all{0, rays.count()};
   std::optional<ValuesAhead> values;
-  if (ValuesAhead::covers(scene.frame, nullptr)) values.emplace(rays, all, scene.frame, nullptr, 1);
+  OpacityCorrection correction;
+  SimdTracer vectors(correction);
+  const bool lit = scene.frame.lit_by_irradiance && scene.frame.gathers() && !scene.frame.in_bricks() &&
+                   vectors.prepare(rays.count(), scene.frame, scene.frame.segmentation_writes, 1);
+  const SimdTracer* const tracer = lit ? &vectors : nullptr;
+  if (ValuesAhead::covers(scene.frame, tracer)) values.emplace(rays, all, scene.frame, tracer, 1);
   if (saves) {
     progress.may_count = [&machine, at = machine.now()] {
       if (machine.now() - at > 3 * 4096) return;  // early in the run
