@@ -103,8 +103,8 @@ def emulator(_):
 
 
 def pairs(name, out):
-    build("gicube-render")
-    held_out.measure(ROOT / f"samples/studies/{name}_pairs.txt", RUNS / name, BIN / "gicube-render", out)
+    build("gicube-render", "gicube-cone-beam")
+    held_out.measure(ROOT / f"samples/studies/{name}_pairs.txt", RUNS / name, BIN, out)
     shutil.rmtree(RUNS / name)
 
 

@@ -43,8 +43,9 @@ def processor_seconds():
     return used.ru_utime + used.ru_stime
 
 
-def measured(folder, programs, name, program, before, command):
-    """Statistics and seconds by way; those of the approximate level are missing where it does not take the board."""
+def measured(folder, programs, name, program, before, command, ways=WAYS, once=()):
+    """Statistics and seconds by way, of ways in `once` of one run; those of the approximate level are missing where it does not take the
+    board."""
     work = folder / name
     work.mkdir(parents=True, exist_ok=True)
     binary = f"{programs}/gicube-{program}"
@@ -53,7 +54,9 @@ def measured(folder, programs, name, program, before, command):
         (work / "made").touch()
     found = {}
     for number in range(ROUNDS):
-        for way, options in WAYS.items():
+        for way, options in ways.items():
+            if number > 0 and way in once:
+                continue
             stats = work / f"{way}{number}.json"
             if not (work / f"{way}{number}.s").exists():
                 output = work / ("out.png" if program == "render" else "out.nrrd")
@@ -81,7 +84,8 @@ def sums(stats):
             value[name] = value.get(name, 0) + each["value"]
     memory = next(name for name in ("rdram", "ddr") if f"{name}.reads" in value)
     return {"cycles": value["asic.cycles"], "packets": value[f"{memory}.reads"] + value[f"{memory}.writes"],
-            "missed_voxels": value["processor.cache.missed_voxels"]}
+            "missed_voxels": value["processor.cache.missed_voxels"], "checks": value.get("processor.cache.checks", 0),
+            "by_cycle_level": value.get("fidelity_answered.cycle", 0)}
 
 
 def row_of(name, command, found):

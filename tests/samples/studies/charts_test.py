@@ -32,43 +32,42 @@ def test_every_chart_is_drawn_from_its_tables_and_no_other_is_in_the_folder(tmp_
     assert drawn == {file.name: file.read_text() for file in charts.CHARTS.glob("*.svg")}
 
 
-def test_pairs_are_lines_with_a_name_and_arguments_and_those_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
+def test_pairs_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
     file = tmp_path / "pairs.txt"
-    file.write_text("# NAME ARGUMENTS\n\nball    builtin:buckyball --set asic.queue_rays=64\nscan    @head/a.nrrd --step 1\n")
+    file.write_text("# NAME PROGRAM ARGUMENTS\n\nball    render builtin:buckyball --set asic.queue_rays=64\nscan  render @head/a.nrrd --step 1\n")
     monkeypatch.setattr(held_out, "DATA", tmp_path / "none")
-    ball = ("ball", "builtin:buckyball --set asic.queue_rays=64", ["builtin:buckyball", "--set", "asic.queue_rays=64"])
+    ball = ("ball", "render", "", "builtin:buckyball --set asic.queue_rays=64")
     assert list(held_out.pairs_of(file)) == [ball]
     assert capsys.readouterr().out == "scan: no scans, left out\n"
     monkeypatch.setattr(held_out, "DATA", tmp_path)
-    assert list(held_out.pairs_of(file)) == [ball, ("scan", "@head/a.nrrd --step 1", [f"{tmp_path}/head/a.nrrd", "--step", "1"])]
-    assert held_out.queue_rays(ball[2]) == 64 and held_out.queue_rays([]) == 256
+    assert list(held_out.pairs_of(file)) == [ball, ("scan", "render", "", "@head/a.nrrd --step 1")]
+    assert held_out.queue_rays(ball[3]) == 64 and held_out.queue_rays("") == 256
 
 
-def test_a_pair_is_measured_on_every_level_by_its_least_seconds_and_goes_on_where_it_was(tmp_path):
-    """By a program that says how often it has run, and takes one millisecond more for each level."""
-    render = tmp_path / "render"
-    render.write_text(f'''#!/usr/bin/python3
+def test_a_pair_is_measured_on_every_level_with_its_light_and_goes_on_where_it_was(tmp_path):
+    """By a program of as many milliseconds, cycles, packets and missed voxels as it is told by its level, in a picture and a pass."""
+    program = tmp_path / "gicube-render"
+    program.write_text(f'''#!/usr/bin/python3
 import json, pathlib, sys
-count = pathlib.Path("{tmp_path}/count")
-runs = int(count.read_text()) + 1 if count.exists() else 1
-count.write_text(str(runs))
 words = sys.argv[1:]
-level = ["functional", "approximate", "cycle"].index(words[words.index("--fidelity") + 1])
-pathlib.Path(words[words.index("-o") + 1]).write_text("")
-pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(dict(
-    frame_ms=1.0 + level + ("asic.queue_rays=63" in words), hit_ratio=0.5 + level / 8, memory_gb_s=2.0 ** level, host_seconds=10.0 * level + runs,
-    host=dict(board_cpu_s=float(runs)), counters={{"rdram.reads": 1, "rdram0.reads": 1, "rdram1.reads": 1}})))
+with open("{tmp_path}/calls", "a") as calls:
+    print(words[0], file=calls)
+size = [90, 98, 100, 101][["functional", "approximate", "cycle"].index(words[words.index("--fidelity") + 1]) + ("asic.queue_rays=63" in words)]
+counters = {{"asic.cycles": size, "rdram.reads": size, "rdram.writes": 0, "processor.cache.checks": 25, "processor.cache.missed_voxels": size}}
+counters = {{name: {{"value": value}} for name, value in counters.items()}}
+pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(
+    {{"frame_ms": size, "counters": counters, "lighting": [{{"reused": False, "pass_ms": size, "counters": counters}}]}}))
 ''')
-    render.chmod(0o755)
+    program.chmod(0o755)
     pairs = tmp_path / "pairs.txt"
-    pairs.write_text("ball  builtin:buckyball --set asic.queue_rays=64\n")
+    pairs.write_text("ball  render @ball --set asic.queue_rays=64\n")
     for _ in range(2):
-        held_out.measure(pairs, tmp_path / "runs", render, tmp_path / "out.csv")
-        (row,) = rows_of(tmp_path / "out.csv")
-        assert (tmp_path / "count").read_text() == "13"  # three levels, four times, and the shorter queues
+        held_out.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
+        assert (tmp_path / "calls").read_text().splitlines() == [f"{held_out.DATA}/ball"] * (3 * sampled.ROUNDS + 1)
+    (row,) = rows_of(tmp_path / "out.csv")
     assert list(row) == held_out.COLUMNS
-    assert list(row.values()) == ["ball", "-0.33333", "0.75", "-0.125", "4", "-0.5", "-0.625", "0.33333", "0", "-0.66667", "1", "12", "23", "2",
-                                  "3", "builtin:buckyball --set asic.queue_rays=64"]
+    assert [row[name] for name in held_out.COLUMNS[:10]] == ["ball", "-0.02", "-0.02", "-0.02", "0.5", "0.01", "0.01", "0.01", "-0.1", "0"]
+    assert row["command"] == "render @ball --set asic.queue_rays=64"
 
 
 def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path):
