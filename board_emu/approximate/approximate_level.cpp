@@ -10,8 +10,7 @@ namespace gicube::emu {
 // Passes know nothing of rays that wait for blocks or end at borders, nor of the packets of two processors that alternate on one
 // channel.
 bool ApproximateLevel::answers(const Frame& frame) const {
-  return !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_) &&
-         (!(frame.lights() || frame.backprojects()) || PassMachine::covers_writes(config_));
+  return !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_);
 }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {

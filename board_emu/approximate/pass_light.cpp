@@ -14,99 +14,84 @@ namespace gicube::emu {
 
 namespace {
 
+constexpr std::size_t kSplatPlaces = 16;  // eight tiles, each fetched first
 constexpr Cycle kSplatCycles = 2;  // in which the cache's one port reads and writes its words
 
 }  // namespace
 
-// The first cycle from `first` on in which a sample may begin to be resampled.
-Cycle PassProcessor::enters(Cycle first) {
-  while (!held_up_.empty() && held_up_.front().begin + held_up_.front().cycles <= computing_) held_up_.drop();
-  for (std::size_t i = held_up_.begin(); i != held_up_.end() && held_up_[i].begin <= first; ++i) {
-    first = std::max(first, held_up_[i].begin + held_up_[i].cycles);
-  }
-  return first;
-}
-
-// When what began to be resampled in cycle `computing` comes out.
-Cycle PassProcessor::comes_out(Cycle computing) const {
-  Cycle out = computing + compute_;
-  for (std::size_t i = held_up_.begin(); i != held_up_.end() && held_up_[i].begin <= out; ++i) {
-    if (held_up_[i].stalls && held_up_[i].begin > computing) out += held_up_[i].cycles;
-  }
-  return out;
-}
-
-// Before which cycle nothing that enters is held up, nor stalls on its way.
-Cycle PassProcessor::undisturbed() const {
-  if (held_up_.empty()) return kNoCycle;
-  Cycle until = held_up_.front().begin;
-  for (std::size_t i = held_up_.begin(); i != held_up_.end(); ++i) {
-    if (held_up_[i].stalls) return std::min(until, held_up_[i].begin - std::min<Cycle>(held_up_[i].begin, compute_));
-  }
-  return until;
-}
-
 // Writes of which the memory has been asked before cycle `now`.
 void PassProcessor::send_writes(Cycle now) {
+  if (changed_ + 1 < now) writes_.ask(changed_ + 1, false);
   PassMemory& memory = *shared_.memory;
-  writes_.send_before(now, [&](const TileWrite& write) {
+  while (!writes_.all_sent() && writes_.next().asked < now) {
+    const TileWrite& write = writes_.next();
     memory.asked = std::max(memory.asked, write.asked) + 1;
-    memory.channel->write(write.block, write.tile, memory.asked * ratio_);
-  });
+    if (write.fetch) {
+      memory.channel->read(write.block, write.tile, memory.asked * ratio_);
+    } else {
+      memory.channel->write(write.block, write.tile, memory.asked * ratio_);
+    }
+    writes_.send(memory.asked);
+  }
 }
 
-// Tiles that have changed before cycle `now`, in which others may take their places.
-void PassProcessor::fetch_lost(Cycle now) {
-  PassMemory& memory = *shared_.memory;
-  const auto holds = [&](const TileWrite& write) {
-    return ideal_memory_ ||
-           cache_.holds(static_cast<std::uint32_t>(shared_.partition->block(number_, write.block)), write.tile);
-  };
-  writes_.lost_before(now, holds, [&](const TileWrite& write) {
-    memory.asked = std::max(memory.asked, write.asked) + 1;
-    memory.channel->read(write.block, write.tile, memory.asked * ratio_);
-  });
+// The first cycle from `now` on in which a splat finds its places.
+Cycle PassProcessor::room_from(Cycle now) {
+  for (;; ++now) {
+    send_writes(now);
+    writes_.settle(now);
+    if (writes_.room() >= kSplatPlaces) return now;
+  }
 }
 
 Cycle PassProcessor::finish_writes() {
-  fetch_lost(kNoCycle);
-  if (writes_.empty()) return 0;
-  writes_.ask(std::max(computing_ + compute_, writes_.changed()) + 1);
+  if (writes_.empty() && !cache_.has_changes()) return 0;
+  changed_ = std::max(last_out_, changed_);
+  while (cache_.has_changes()) write_back(cache_.clean());
+  writes_.ask(changed_ + 1, true);
   send_writes(kNoCycle);
+  writes_.settle(kNoCycle);
   return shared_.memory->asked + 1;
 }
 
-// Of a ray that backprojects, at a place from the active block's corner.
-Deposit PassProcessor::amount_at(Point place, std::int32_t amount) const {
-  for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += corner_[axis];
+Point PassProcessor::corner_of(std::uint32_t block) const {
+  Point corner = grid_.corner(block);
+  for (std::int32_t& at : corner) at <<= wire::kPositionFractionBits;
+  return corner;
+}
+
+// Of a ray that backprojects, at a place from the block's corner.
+Deposit PassProcessor::amount_at(Point place, std::uint32_t block, std::int32_t amount) const {
+  const Point corner = corner_of(block);
+  for (std::size_t axis = 0; axis < 3; ++axis) place[axis] += corner[axis];
   Deposit deposit = spread_at(place, amount);
   if (writes_all_voxels_) deposit.shares.fill(1);
   return deposit;
 }
 
-// Mostly it is the active one alone, as is seen at once.
-SharingBlocks PassProcessor::blocks_of(const Deposit& deposit) const {
+// Mostly it is the ray's alone, as is seen at once.
+SharingBlocks PassProcessor::blocks_of(const Deposit& deposit, std::uint32_t block) const {
+  const std::array<std::int32_t, 3> corner = grid_.corner(block);
   const std::int32_t n = grid_.size() >> wire::kPositionFractionBits, first = leaves_sums_ ? 0 : 1;
   bool inside = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t local = deposit.voxel[axis] - (corner_[axis] >> wire::kPositionFractionBits);
+    const std::int32_t local = deposit.voxel[axis] - corner[axis];
     inside = inside && local >= first && local + 1 < n;
   }
-  if (inside) return {1, {block_}};
+  if (inside) return {1, {block}};
   return leaves_sums_ ? frame_->sums->blocks_of(deposit) : frame_->irradiance->blocks_of(deposit);
 }
 
-// The deposit of a ray of the active queue, whose carriers go to other blocks unless it is one itself. The ray comes out of the
-// pipeline in cycle `out`, or later if it must wait: returns when.
-Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
-  const SharingBlocks sharing = blocks_of(deposit);
-  const Cycle begin = writes_.room_from(std::max(out, splat_free_));
-  if (begin > out) held_up_.push({out, begin - out, true});
+// The deposit of a pass, whose carriers go to other blocks unless its ray is one itself. It comes out of the pipeline in cycle `out`, or
+// later if it must wait: returns when.
+Cycle PassProcessor::splat(const Deposit& deposit, const OnLine& from, bool carries, Cycle out) {
+  const SharingBlocks sharing = blocks_of(deposit, from.block);
+  const Cycle begin = room_from(std::max(out, splat_free_));
   const auto edge = static_cast<std::int32_t>(grid_.size() >> wire::kPositionFractionBits) + 1;
   Cycle carriers = 0;
   bool here = false;
   for (std::size_t i = 0; i < sharing.count; ++i) {
-    if (sharing.block[i] == block_) {
+    if (sharing.block[i] == from.block) {
       here = true;
     } else if (carries) {
       carry(deposit, sharing.block[i], begin + ++carriers);
@@ -114,17 +99,32 @@ Cycle PassProcessor::splat(const Deposit& deposit, bool carries, Cycle out) {
   }
   counters_.carriers += carriers;
   const SplatTiles tiles =
-      here ? tiles_of(deposit, {grid_.corner(block_), edge, edge - (leaves_sums_ ? 2 : 1)}, false) : SplatTiles();
+      here ? tiles_of(deposit, {grid_.corner(from.block), edge, edge - (leaves_sums_ ? 2 : 1)}, false) : SplatTiles();
   for (std::uint32_t i = 0; i < tiles.count; ++i) {
-    writes_.put(active_, tiles.tile[i], combines_, begin);
+    change(from, tiles.tile[i]);
   }
   splat_free_ = begin + carriers;
   if (tiles.count > 0) {
     ++counters_.deposits;
-    held_up_.push({begin, kSplatCycles, false});
+    changed_ = begin;
+    free_to_compute_ = begin + kSplatCycles;
     splat_free_ = std::max(splat_free_, begin + kSplatCycles);
   }
   return begin;
+}
+
+// A tile has changed: it is written soon, or when it leaves the cache.
+void PassProcessor::change(const OnLine& from, std::uint32_t tile) {
+  const bool known = cache_.holds(from.block, tile);
+  if (writes_back_ && known) {
+    writes_.change(cache_.change(from.block, tile));
+  } else {
+    writes_.put(from.queue, tile, ideal_memory_ || known, combines_);
+  }
+}
+
+void PassProcessor::write_back(const TileOfBlock& changed) {
+  writes_.write_back(shared_.partition->home(changed.block).number, changed.tile);
 }
 
 // A ray that takes the deposit to another block leaves in cycle `when`.
@@ -152,20 +152,21 @@ void PassProcessor::carry(const Deposit& deposit, std::uint32_t block, Cycle whe
   if (!out_blocked_) enter_links();
 }
 
-// The first ray's event, which it has come to: where it goes on from its block's corner, or that it does not.
-bool PassProcessor::meets_event(QueuedRay& ray, Point& at, Cycle& out) {
+// The event to which a pass has taken its ray: where that goes on, or that it does not.
+bool PassProcessor::meets_event(OnLine& pass, Cycle& out) {
+  QueuedRay& ray = pass.ray;
   PassRoute& route = *(*shared_.rays)[ray.ray].route;
   const TrailEvent& event = route.events[route.next];
-  if (event.deposits) out = splat(event.deposit, !route.carrier, out);
+  if (event.deposits) out = splat(event.deposit, pass, !route.carrier, out);
   if (route.carrier) {
-    release(active_, out);
+    release(pass.queue, out);
     hold(-1, out);
     shared_.rays->remove(ray.ray);
     ++counters_.carried;
     return false;
   }
   if (event.ends || event.trapped) {
-    finish(ray.ray, out);
+    finish(ray.ray, pass.queue, out);
     return false;
   }
   ray.left = route.events[++route.next].steps;
@@ -173,7 +174,10 @@ bool PassProcessor::meets_event(QueuedRay& ray, Point& at, Cycle& out) {
   PassRay& of_ray = (*shared_.rays)[ray.ray];
   of_ray.follow(event.way, jitter_);
   ray.step = packed(field_step(of_ray.step));
-  for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = of_ray.position[axis] - corner_[axis];
+  const Point corner = corner_of(pass.block);
+  for (std::size_t axis = 0; axis < 3; ++axis) pass.to[axis] = of_ray.position[axis] - corner[axis];
+  pass.goes_out = (pass.to[0] | pass.to[1] | pass.to[2]) >> block_shift_ != 0;
+  if (!pass.goes_out) pass.next = packed(pass.to);
   return true;
 }
 

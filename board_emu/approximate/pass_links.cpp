@@ -35,7 +35,8 @@ void PassProcessor::enter_links() {
     if (out_blocked_) return;
     if (waited) next.at = std::max(next.at, link.left + 1);
     out_.drop();
-    if (link_stalled_) line_goes_on(next.at);
+    if (link_stalled_ && !has_events_) line_goes_on(next.at);
+    if (std::exchange(link_stalled_, false)) link_free_ = next.at + 1;
     link.entry.push(next);
     run_link(way);
   }
@@ -51,11 +52,6 @@ void PassProcessor::line_goes_on(Cycle moved) {
   for (std::size_t i = std::max(arrived_, active_rays_.begin()); i != active_rays_.end(); ++i)
     active_rays_[i].ready += was_stalled;
   computing_ += was_stalled;
-  for (std::size_t i = held_up_.begin(); i != held_up_.end(); ++i) {
-    if (held_up_[i].begin >= out) held_up_[i].begin += was_stalled;
-  }
-  if (splat_free_ > out) splat_free_ += was_stalled;
-  last_out_ = std::max(last_out_, out) + was_stalled;
 }
 
 void PassProcessor::run_link(Direction way) {

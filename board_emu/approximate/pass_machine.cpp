@@ -13,7 +13,8 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kSlack = 96;  // chosen: cycles by which a part may run ahead of the next
+// Chosen: cycles by which a part may run ahead of the next; less where the order of deposits decides what is written.
+constexpr Cycle kSlack = 96, kSlackOfEvents = 16;
 constexpr std::size_t kOnTheWay =
     kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
@@ -62,11 +63,6 @@ bool PassMachine::covers(const v1::BoardConfig& config) {
   return memory_standard(config).sharing == 1 && config.sorter().policy() != v1::most_contribution &&
          config.sorter().queues() == v1::per_block && config.cache().irradiance() == v1::with_voxels &&
          config.cache().ports() == 1;
-}
-
-// Of tiles that are written when they leave the cache it has no model.
-bool PassMachine::covers_writes(const v1::BoardConfig& config) {
-  return config.cache().write_policy() != v1::write_back;
 }
 
 void PassMachine::invalidate_caches() {
@@ -260,6 +256,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   jitter_ = frame.jitter;
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
+  const Cycle slack = frame.plain() ? kSlack : kSlackOfEvents;
   RunResult ran;
   while (true) {
     PassProcessor* behind = nullptr;
@@ -282,8 +279,8 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
       if (behind == nullptr) break;
     }
     const bool dsp_has_work = may_make() || store_.has_ready();
-    Cycle until = second == kNoCycle ? least + 64 : second + kSlack;
-    if (dsp_has_work) until = std::min(until, std::max(least, engine_.now) + kSlack);
+    Cycle until = second == kNoCycle ? least + std::min<Cycle>(slack, 64) : second + slack;
+    if (dsp_has_work) until = std::min(until, std::max(least, engine_.now) + slack);
     behind->work(std::max(until, least), holding_ == behind);
     run_bus();
     progress.done = static_cast<std::uint32_t>(engine_.taken - taken);

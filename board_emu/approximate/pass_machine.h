@@ -59,11 +59,9 @@ class PassMachine {
  public:
   // For volumes of `blocks` along x, y, z.
   PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
-  // Whether it knows all that such a board does with rays that only gather. Where it does not, the cycle level is to answer: where
+  // Whether it knows all that such a board does. Where it does not, the cycle level is to answer: where
   // processors share a channel, and with a sorter that it has no model of.
   static bool covers(const v1::BoardConfig& config);
-  // And with rays that write words.
-  static bool covers_writes(const v1::BoardConfig& config);
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
 

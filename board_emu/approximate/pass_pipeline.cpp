@@ -24,19 +24,21 @@ bool PassProcessor::finds_place() {
   return !stalled_;
 }
 
+// When a packet can be written into the cache, of whose data the last came in that clock.
+Cycle PassProcessor::arrival(Cycle data_end) const {
+  const Cycle there = data_end + memory_latency_ + ratio_ - 1;
+  return ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
+}
+
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
 Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   if (ideal_memory_) return first;
   PassMemory& memory = *shared_.memory;
-  if (has_events_) send_writes(now_);
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
-    const Cycle read = memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end;
-    const Cycle there = read + memory_latency_ + ratio_ - 1;
-    const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
-    first = std::max(i == 0 ? first : first + 1, arrival);
-    if (has_events_) first = enters(first);
+    const Cycle there = arrival(memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end);
+    first = std::max(i == 0 ? first : first + 1, there);
     taken_[packets_++ % kRemembered] = first;
   }
   return first;
@@ -53,23 +55,28 @@ void PassProcessor::release(std::uint32_t queue, Cycle out) {
   if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
 }
 
-// A ray of the active queue is at its end when it comes out of the pipeline in cycle `out`.
-void PassProcessor::finish(std::uint32_t handle, Cycle out) {
-  release(active_, out);
+// A ray of that queue is at its end when it comes out of the pipeline in cycle `out`.
+void PassProcessor::finish(std::uint32_t handle, std::uint32_t queue, Cycle out) {
+  release(queue, out);
   hold(-1, out);
   shared_.up->push(number_, {out + to_dsp_, handle, 0, Arrival::Kind::kRay, number_});
   ++in_tree_;
 }
 
-// A ray of the active queue has come out of its block, to `at` from its corner.
-void PassProcessor::change_block(QueuedRay ray, Point at, Cycle out) {
+// The block of a place that is `at` from that one's corner.
+std::uint32_t PassProcessor::block_at(std::uint32_t block, const Point& at) const {
   const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
-  const std::uint32_t block = block_ + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+  return block + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+}
+
+// A ray of that queue has come out of its block, to `at` from its corner.
+void PassProcessor::change_block(QueuedRay ray, std::uint32_t queue, std::uint32_t from, Point at, Cycle out) {
+  const std::uint32_t block = block_at(from, at);
   for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
   ray.at = packed(at);
   const Home& home = shared_.partition->home(block);
-  const bool keeps_slot = home.processor == number_ && home.number == active_;
-  if (!keeps_slot) release(active_, out);
+  const bool keeps_slot = home.processor == number_ && home.number == queue;
+  if (!keeps_slot) release(queue, out);
   if (home.processor == number_) {
     ray.ready = out + kPipelineToPipeline;
     comes_back({ray, home.number, keeps_slot});
@@ -89,14 +96,14 @@ struct DrawnFrom {
 };
 
 // A jittered step's, 16.16 voxels.
-inline std::uint32_t PassProcessor::distance_of(const QueuedRay& ray) const {
+std::uint32_t PassProcessor::distance_of(const QueuedRay& ray) const {
   const auto words = std::bit_cast<DrawnFrom>((*shared_.rays)[ray.ray].step);
   Point position = unpacked(ray.at);
   for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner_[axis];
   return jittered(*frame_, jitter(position, words.u, words.v));
 }
 
-inline Point PassProcessor::step_of(const QueuedRay& ray) const {
+Point PassProcessor::step_of(const QueuedRay& ray) const {
   const PassRay& words = (*shared_.rays)[ray.ray];
   if (jitter_) return step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
   if (!short_steps_) return words.step;
@@ -110,7 +117,7 @@ inline Point PassProcessor::step_of(const QueuedRay& ray) const {
   return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
 }
 
-inline FinePoint PassProcessor::fine_step_of(const QueuedRay& ray) const {
+FinePoint PassProcessor::fine_step_of(const QueuedRay& ray) const {
   const PassRay& words = (*shared_.rays)[ray.ray];
   if (!jitter_) return fine(words.step, words.step_rest);
   return fine_step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
@@ -125,7 +132,7 @@ inline std::uint64_t PassProcessor::next_place(const QueuedRay& ray, Rest& rest)
 }
 
 // Whether its last step takes it to the DSP.
-inline bool PassProcessor::goes_to_dsp(std::uint32_t handle) const {
+bool PassProcessor::goes_to_dsp(std::uint32_t handle) const {
   const PassRoute* route = (*shared_.rays)[handle].route.get();
   if (route == nullptr) return true;
   return !route->carrier && (route->events[route->next].ends || route->events[route->next].trapped);
@@ -134,7 +141,7 @@ inline bool PassProcessor::goes_to_dsp(std::uint32_t handle) const {
 // One pass of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
 // pipeline. False if the pipeline stalls instead.
 bool PassProcessor::pass_out(Cycle& now) {
-  if ((active_rays_.front().left == 1 && goes_to_dsp(active_rays_.front().ray) && !finds_place()) ||
+  if ((active_rays_.front().left == 1 && !finds_place()) ||
       stalls_for_link(now)) {
     arrive(now, now);
     return false;
@@ -144,31 +151,26 @@ bool PassProcessor::pass_out(Cycle& now) {
   // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
   now_ = std::max({now, started_[(passes_ - prefetch_) % kRemembered], oldest_taken()});
   now = now_ + 1;
-  const Cycle last_out = std::max(last_out_, computing_ + compute_);
-  if (has_events_ && now_ > last_out) writes_.ask(last_out + 1);  // nothing was in the pipeline
   Cycle computing = std::max(computing_ + 1, now_ + prefetch_);
   const bool wide = wide_;
   PassRay& of_ray = (*shared_.rays)[ray.ray];
   Rest& rest = of_ray.rest;
-  const bool carrier = of_ray.route && of_ray.route->carrier;
   const Point step = wide ? Point{} : step_of(ray);
   const FinePoint fine_step = wide ? fine_step_of(ray) : FinePoint{};
   Point at = unpacked(ray.at);
   const FinePoint from = wide ? fine(at, rest) : FinePoint{};
   std::int32_t steps = 1;
-  if (empty_ != nullptr && empty_[block_] != 0 && !carrier) {
+  if (empty_ != nullptr && empty_[block_] != 0) {
     ++counters_.leaps;
     const std::int32_t out_of_block =
         wide ? leap_steps(from, fine_step, FinePoint{}, std::int64_t{grid_.size()} << kRestBits)
              : leap_steps(at, step, Point{}, grid_.size());
     steps = std::min(out_of_block, ray.left);
   } else {
-    if (has_events_) fetch_lost(now_);
     computing = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing);
   }
-  computing_ = has_events_ ? enters(computing) : computing;
+  computing_ = computing;
   started_[passes_++ % kRemembered] = computing_;
-  const Point sampled = at;
   if (wide) {
     const FinePoint to = moved(from, fine_step, steps);
     at = units_of(to);
@@ -177,15 +179,11 @@ bool PassProcessor::pass_out(Cycle& now) {
     for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
   }
   ray.left -= steps;
-  Cycle out = has_events_ ? comes_out(computing_) : computing_ + compute_;
-  if (of_ray.amount != 0) out = splat(amount_at(sampled, of_ray.amount), true, out);
-  const bool goes_on = ray.left > 0 || !has_route(ray.ray) || meets_event(ray, at, out);
-  last_out_ = out;
-  if (!goes_on) return true;
+  const Cycle out = last_out_ = computing_ + compute_;
   if (ray.left <= 0) {
-    finish(ray.ray, out);
+    finish(ray.ray, active_, out);
   } else if ((at[0] | at[1] | at[2]) >> block_shift_ != 0) {
-    change_block(ray, at, out);
+    change_block(ray, active_, block_, at, out);
   } else {
     ray.at = packed(at);
     ray.ready = out + kPipelineToPipeline;
@@ -195,7 +193,7 @@ bool PassProcessor::pass_out(Cycle& now) {
 }
 
 // When the first of those that were not of the active queue, and now are, is back.
-inline Cycle PassProcessor::own_return() const {
+Cycle PassProcessor::own_return() const {
   if (returning_[active_] == 0) return kNoCycle;
   std::size_t first = returned_.begin();
   while (returned_[first].queue != active_) ++first;
@@ -212,8 +210,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
   const std::uint64_t both = block * 0x1'0000'0001u, first_only = ~0u;
   const std::size_t tiles_x = cache_.tiles_x(), slice = tiles_x * tiles_x;
   constexpr int kVoxel = wire::kPositionFractionBits;
-  const std::uint64_t outside = ((1u << kField) - 1) & ~static_cast<std::uint64_t>(grid_.size() - 1);
-  const std::uint64_t leaving = outside | outside << kField | outside << 2 * kField;
+  const std::uint64_t leaving = outside_;
   const Cycle come_back = compute_ + kPipelineToPipeline, prefetch = prefetch_;
   while (!active_rays_.empty()) {
     // How far it may go: until something comes. What returns to other queues can wait.
@@ -223,8 +220,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
     std::size_t first = begin;
     const std::uint64_t passes = passes_ - begin;
     Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
-    bool goes_out = leaps || leaves_sums_ || out_.size() > kLeaving;
-    const Cycle undisturbed_until = undisturbed();
+    bool goes_out = leaps || out_.size() > kLeaving;
     for (; now <= last; ++first) {
       const QueuedRay& ray = places[first & mask];
       if (ray.ready > now) break;
@@ -234,7 +230,6 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
       goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
       const Cycle enters = std::max({now, started_[(passes + first - prefetch) % kRemembered], taken});
       const Cycle computes = std::max(computing + 1, enters + prefetch);
-      goes_out = goes_out || computes >= undisturbed_until;
       if (goes_out) break;
       bool there = false;
       if constexpr (kPlain) {
@@ -253,17 +248,12 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
       } else {
         there = cache_.latest(block, cell(unpacked(at), Point{}).voxel);
       }
-      if (!there && undisturbed_until != kNoCycle) {  // it may be later than that
-        goes_out = true;
-        break;
-      }
       before = now;
       entered = enters;
       now = entered + 1;
       computing = computes;
       if (!there) {
         now_ = entered;
-        if (has_events_) fetch_lost(now_);
         computing = fetch(cache_.ask(block, cell(unpacked(at), Point{}).voxel), computing);
         taken = oldest_taken();
       }

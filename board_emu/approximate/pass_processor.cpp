@@ -30,6 +30,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
       ideal_memory_(shared_.config->ideal().memory() != 0),
       writes_all_voxels_(shared_.config->cache().splat_rule() != v1::whole_units),
+      writes_back_(shared_.config->cache().write_policy() == v1::write_back),
       combines_(shared_.config->cache().write_policy() != v1::write_through),
       queues_(std::max<std::size_t>(1, shared_.partition->blocks_of(number))),
       slots_(queues_.size()),
@@ -41,7 +42,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       listed_(queues_.size()),
       returning_(queues_.size()),
       cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
-              shared_.blocks, false, 1, shared_.config->cache().tags() == v1::of_voxels}),
+              shared_.blocks, writes_back_, 1, shared_.config->cache().tags() == v1::of_voxels}),
       writes_(shared_.config->cache().write_packets()) {}
 
 void PassProcessor::begin(Cycle now, const Frame& frame) {
@@ -52,15 +53,18 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   wide_ = frame.wide;
   has_events_ = !frame.plain();
   leaves_sums_ = frame.sums != nullptr;
-  held_up_.clear();
-  writes_.begin();
+  stood_ = 0;
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
   const bool alike = !jitter_ && !wide_;
   rotate_ = alike ? (plain ? &PassProcessor::rotate<true, true> : &PassProcessor::rotate<true, false>)
                   : (plain ? &PassProcessor::rotate<false, true> : &PassProcessor::rotate<false, false>);
+  if (has_events_) rotate_ = &PassProcessor::rotate_line;
   empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
+  packs_steps_ = alike && short_steps_;
+  const std::uint64_t outside = ((1u << kField) - 1) & ~static_cast<std::uint64_t>(grid_.size() - 1);
+  outside_ = outside | outside << kField | outside << 2 * kField;
   block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));
   across_ = static_cast<std::uint32_t>(frame.volume->blocks()[0]);
   slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
@@ -91,8 +95,11 @@ void PassProcessor::state(Archive& archive) {
     record(holds_, held_since_, held_until_);
   });
   archive("counters", counters_);
-  archive("writes", writes_);
-  archive.field("splats", [this](Archive::Record& record) { record(last_out_, splat_free_); });
+  archive.within("writes", [&] { writes_.state(archive, queues, cache_.tiles_of_block()); });
+  archive.field("splats", [this](Archive::Record& record) {
+    record(computing_from_, entered_, room_since_, free_to_compute_, last_out_, link_free_, splat_free_, changed_);
+    line_.empty_state(record);
+  });
   if (!archive.loads()) return;
   const auto is_queue = [&](const char* field, std::uint32_t queue, bool may_be_none) {
     archive.expect(queue < queues || (may_be_none && queue == kNone), field, "a queue of the processor", queue);
@@ -342,8 +349,9 @@ void PassProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next();
   while (true) {
-    const bool was_stalled = stalled();
+    const bool was_stalled = line_stands() && !has_events_;  // times of what is in the pipeline may change
     if (!was_stalled && !resting_) (this->*rotate_)(now, until);
+    if (has_events_) run_line(std::min(now, until));
     std::uint32_t written = kNone;
     if (now > until) {
       if (!stalled()) take_returned(until, until, written);

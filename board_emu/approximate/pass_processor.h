@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "asic/cache/volume_cache.h"
+#include "asic/cache/write_queue.h"
 #include "asic/latencies.h"
 #include "asic/memory_standards.h"
 #include "asic/partition.h"
@@ -38,7 +39,6 @@
 #include "levels/dsp_task.h"
 #include "memory/irradiance_memory.h"
 #include "pass_tree.h"
-#include "pass_writes.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -222,10 +222,21 @@ class PassProcessor {
     void state(Archive::Record& record) { record(left, blocked); }
   };
 
-  // Cycles in which no sample enters the compute line; if it stalls, nothing in it moves either.
-  struct HeldUp {
-    Cycle begin = 0, cycles = 0;
-    bool stalls = false;
+  // A ray between the sorter and the pipeline.
+  struct Issued {
+    QueuedRay ray;
+    std::uint32_t queue = 0, block = 0;
+  };
+  // A pass in the pipeline of frames with events.
+  struct OnLine {
+    QueuedRay ray;           // where it samples, and the steps that it then has left
+    std::uint64_t next = 0;  // where it is then, if it is in the block
+    Point to{};              // or else, from the block's corner
+    Cycle due = 0;  // when it has passed the stages that it is in; of those that compute without the cycles in which the line stands
+    std::uint32_t queue = 0, block = 0;
+    std::uint32_t packets = 0;  // that it waits for
+    bool goes_out = false;      // of its block
+    bool leaves = false;        // for another processor
   };
 
   // In the order in which they are back: carriers leave after the ray that sends them, when others may have left already.
@@ -235,16 +246,28 @@ class PassProcessor {
     returned_.insert(place, next);
     ++returning_[next.queue];
   }
-  Cycle enters(Cycle first);
-  Cycle comes_out(Cycle computing) const;
-  Cycle undisturbed() const;
+  Cycle next_in_line() const;
+  Cycle next_slot() const;
+  void run_line(Cycle until);
+  void come_out(Cycle out);
+  void enter(const Issued& issued, Cycle now);
+  void take_slot_of_line(Cycle slot);
+  Cycle next_entry() const;
+  bool leaps_over(const QueuedRay& ray, std::uint32_t block) const;
+  std::uint32_t ask(const Misses& misses, std::uint32_t queue, Cycle now);
+  void rotate_line(Cycle& ends, Cycle until);
+  bool line_is_full() const { return line_.end() - computing_from_ >= prefetch_ || arrivals_.size() > room_; }
+  bool line_stands() const { return stalled_ || link_stalled_; }
   void send_writes(Cycle now);
-  void fetch_lost(Cycle now);
-  Deposit amount_at(Point place, std::int32_t amount) const;
-  SharingBlocks blocks_of(const Deposit& deposit) const;
-  Cycle splat(const Deposit& deposit, bool carries, Cycle out);
+  Cycle room_from(Cycle now);
+  Point corner_of(std::uint32_t block) const;
+  Deposit amount_at(Point place, std::uint32_t block, std::int32_t amount) const;
+  SharingBlocks blocks_of(const Deposit& deposit, std::uint32_t block) const;
+  Cycle splat(const Deposit& deposit, const OnLine& from, bool carries, Cycle out);
+  void change(const OnLine& from, std::uint32_t tile);
+  void write_back(const TileOfBlock& changed);
   void carry(const Deposit& deposit, std::uint32_t block, Cycle when);
-  bool meets_event(QueuedRay& ray, Point& at, Cycle& out);
+  bool meets_event(OnLine& pass, Cycle& out);
   // A step of a block or more leaves it, however long it is.
   static Point field_step(const Point& step) {
     Point out{};
@@ -269,7 +292,6 @@ class PassProcessor {
   template <bool kAlike, bool kPlain>
   void rotate(Cycle& now, Cycle until);
   bool goes_to_dsp(std::uint32_t handle) const;
-  bool has_route(std::uint32_t handle) const { return (*shared_.rays)[handle].route != nullptr; }
   [[gnu::noinline]] bool pass_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
@@ -279,8 +301,10 @@ class PassProcessor {
   Point step_of(const QueuedRay& ray) const;
   FinePoint fine_step_of(const QueuedRay& ray) const;
   std::uint64_t next_place(const QueuedRay& ray, Rest& rest) const;
-  void finish(std::uint32_t handle, Cycle out);
-  void change_block(QueuedRay ray, Point at, Cycle out);
+  Cycle arrival(Cycle data_end) const;
+  std::uint32_t block_at(std::uint32_t block, const Point& at) const;
+  void finish(std::uint32_t handle, std::uint32_t queue, Cycle out);
+  void change_block(QueuedRay ray, std::uint32_t queue, std::uint32_t block, Point at, Cycle out);
   Cycle retry(Cycle now) const;
   Cycle next_gap(Cycle now);
   void release(std::uint32_t queue, Cycle out);
@@ -291,7 +315,8 @@ class PassProcessor {
   PassProcessor& neighbour(Direction way) const;
   Direction way_to(std::uint8_t processor) const;
   void line_goes_on(Cycle moved);
-  bool stalled() const { return stalled_ || link_stalled_; }
+  // No ray can enter, and it is not known yet when one can.
+  bool stalled() const { return line_stands() && (!has_events_ || (issued_.size() >= kFifoPlaces && line_is_full())); }
   // More rays than there are places have come out of the pipeline.
   bool stalls_for_link(Cycle now) {
     link_stalled_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
@@ -319,8 +344,11 @@ class PassProcessor {
   bool has_events_ = false;                                 // rays of the frame do more than gather
   bool leaves_sums_ = false;                                // they leave amounts in sums
   bool writes_all_voxels_;                                  // of a deposit
+  bool writes_back_;                                        // tiles when they leave the cache
   bool combines_;                                           // writes of one tile
   bool short_steps_ = false;                                // each fits in its fields
+  bool packs_steps_ = false;                                // and all of a ray are alike
+  std::uint64_t outside_ = 0;                               // bits of a packed place that is not in the block
   void (PassProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
   BlockGrid grid_;
@@ -354,10 +382,19 @@ class PassProcessor {
   std::array<bool, 3> waits_{};                          // its first has to wait
   LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
   VolumeCache cache_;
-  PassWrites writes_;
-  Cycle last_out_ = 0;         // when the last pass that was worked out one by one came out of the pipeline
-  Cycle splat_free_ = 0;       // when the splat unit has done with the last
-  LongQueue<HeldUp> held_up_;  // in their order
+  // Of frames with events: the pipeline, the oldest first.
+  LongQueue<Issued> issued_;
+  LongQueue<OnLine> line_;
+  std::size_t computing_from_ = 0;  // the number of the first that has not begun to be resampled
+  LongQueue<Cycle> arrivals_;       // of packets that are not in the cache yet
+  Cycle entered_ = 0, room_since_ = 0;  // when the last entered, and when a full line had room again
+  Cycle stood_ = 0;                 // cycles in which the line stood
+  Cycle free_to_compute_ = 0;       // before that nothing begins to be resampled
+  Cycle last_out_ = 0;              // when the last came out
+  Cycle link_free_ = 0;             // when the last that waited for a link went on
+  Cycle splat_free_ = 0;            // when the splat unit has done with the last
+  WriteQueue writes_;
+  Cycle changed_ = 0;  // when the last tile did
 
   Cycle before_ = 0;                                // up to which the sorter has written
   Cycle now_ = 0;                                   // in which the last pass entered the pipeline
@@ -380,6 +417,7 @@ class PassProcessor {
 inline Cycle PassProcessor::next() const {
   if (stalled()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
   Cycle first = waiting_ > 0 ? now_ + 1 : others_;
+  if (has_events_) first = std::min(first, next_in_line());
   if (!active_rays_.empty()) first = std::min(first, active_rays_.front().ready);
   if (!returned_.empty()) first = std::min(first, returned_.front().ray.ready);
   return first == kNoCycle ? first : std::max(first, now_ + 1);

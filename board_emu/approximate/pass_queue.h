@@ -29,10 +29,12 @@ class LongQueue {
   void drop() { ++head_; }
   void clear() { head_ = tail_; }
   Item pop() { return ring_[head_++ & mask_]; }
-  void push(const Item& item) {
+  void push(const Item& item) { add() = item; }
+  // At the end, as an earlier item has left it.
+  Item& add() {
     if (size() > mask_) [[unlikely]]
       grow();
-    ring_[tail_++ & mask_] = item;
+    return ring_[tail_++ & mask_];
   }
   // For a caller that takes the first and puts one at the end, again and again: the item of a number is at number & mask().
   // rotated() says how often it did so.

@@ -106,9 +106,9 @@ def held_out(folder):
     def of(label, x, y, **look):
         return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
     lines = [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "time_error"),
-             of("approximate: bandwidth", "approximate_s", "bandwidth_error", hollow=True),
+             of("approximate: packets", "approximate_s", "packets_error", hollow=True),
              of("cycle, a place less: time", "cycle_s", "time_self", colour=6),
-             of("cycle, a place less: bandwidth", "cycle_s", "bandwidth_self", hollow=True, colour=5)]
+             of("cycle, a place less: packets", "cycle_s", "packets_self", hollow=True, colour=5)]
     draw(folder, "held_out_error", lines, log_x=True, log_y=True, lines_y=[(0.05, "5%")])
 
 

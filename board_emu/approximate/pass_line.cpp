@@ -1,0 +1,187 @@
+// The pipeline of frames whose rays do more than gather, event by event: passes enter, have their packets written and begin to be
+// resampled, and come out, each when all that could keep it from that is known. The rules are those of cycle/processor.cpp.
+#include <algorithm>
+#include <utility>
+
+#include "pass_processor.h"
+
+namespace gicube::emu {
+
+// When the next of the line's events is; kNoCycle if none is known yet.
+Cycle PassProcessor::next_in_line() const {
+  Cycle next = next_entry();
+  if (line_stands()) return next;
+  if (computing_from_ != line_.begin()) next = std::min(next, line_.front().due + stood_);
+  if (computing_from_ != line_.end()) next = std::min(next, next_slot());
+  return next;
+}
+
+// When the first that the sorter has issued enters, if there is room for it and its packets.
+Cycle PassProcessor::next_entry() const {
+  if (issued_.empty() || line_is_full()) return kNoCycle;
+  return std::max({issued_.front().ray.ready, entered_ + 1, room_since_});
+}
+
+// The next cycle in which the first of those that prefetch takes a packet, or goes on to be resampled.
+Cycle PassProcessor::next_slot() const {
+  const OnLine& first = line_[computing_from_];
+  const Cycle slot = std::max({computing_ + 1, free_to_compute_, first.due});
+  return first.packets > 0 ? std::max(slot, arrivals_.front()) : slot;
+}
+
+// All that happens there up to cycle `until`; what comes out goes before what goes in.
+void PassProcessor::run_line(Cycle until) {
+  while (true) {
+    const bool stands = line_stands();
+    const Cycle out = !stands && computing_from_ != line_.begin() ? line_.front().due + stood_ : kNoCycle;
+    const Cycle slot = !stands && computing_from_ != line_.end() ? next_slot() : kNoCycle;
+    const Cycle entry = next_entry();
+    if (std::min({out, slot, entry}) > until) return;
+    if (out <= std::min(slot, entry)) {
+      come_out(out);
+    } else if (slot <= entry) {
+      take_slot_of_line(slot);
+    } else {
+      enter(issued_.pop(), entry);
+    }
+  }
+}
+
+void PassProcessor::take_slot_of_line(Cycle slot) {
+  if (line_is_full()) room_since_ = slot;
+  computing_ = slot;
+  OnLine& first = line_[computing_from_];
+  if (first.packets > 0) {
+    arrivals_.drop();
+    if (--first.packets > 0) return;
+  }
+  first.due = slot - stood_ + compute_;
+  ++computing_from_;
+}
+
+// The line's first comes out in cycle `out`, unless there is no place for it: then the line stands until there is.
+void PassProcessor::come_out(Cycle out) {
+  const OnLine& first = line_.front();
+  const Cycle due = out;
+  if (first.ray.left <= 0 && goes_to_dsp(first.ray.ray)) {
+    stalled_ = in_tree_ >= tree_places_;
+    if (in_tree_ + 1 > tree_places_ / 2) out = std::max(out, tree_free_);
+  } else if (first.leaves) {
+    link_stalled_ = out_.size() >= kLeaving;
+    out = std::max(out, link_free_);
+  }
+  if (line_stands()) return;
+  OnLine next = line_.pop();
+  if (leaves_sums_) {
+    const std::int32_t amount = (*shared_.rays)[next.ray.ray].amount;
+    if (amount != 0) out = splat(amount_at(unpacked(next.ray.at), next.block, amount), next, true, out);
+  }
+  const bool goes_on = next.ray.left > 0 || (*shared_.rays)[next.ray.ray].route == nullptr || meets_event(next, out);
+  stood_ += out - due;
+  if (out > due) free_to_compute_ = std::max(free_to_compute_, out);
+  last_out_ = out;
+  if (!goes_on) return;
+  if (next.ray.left <= 0) {
+    finish(next.ray.ray, next.queue, out);
+  } else if (next.goes_out) {
+    change_block(next.ray, next.queue, next.block, next.to, out);
+  } else {
+    next.ray.at = next.next;
+    next.ray.ready = out + kPipelineToPipeline;
+    if (next.queue == active_) {
+      active_rays_.push(next.ray);
+    } else {
+      comes_back({next.ray, next.queue, true});
+    }
+  }
+}
+
+// One ray enters in cycle `now`: its tags are checked, and it is known where it goes. Mostly it takes a step within its block, and its
+// words are not looked at.
+void PassProcessor::enter(const Issued& issued, Cycle now) {
+  const QueuedRay& ray = issued.ray;
+  entered_ = now;
+  if (line_.empty() && now > last_out_) writes_.ask(last_out_ + 1, true);
+  ++passes_;
+  OnLine& pass = line_.add();
+  pass.ray = ray;
+  pass.due = now + prefetch_;
+  pass.queue = issued.queue;
+  pass.block = issued.block;
+  pass.packets = 0;
+  pass.goes_out = pass.leaves = false;
+  std::int32_t steps = 1;
+  if (leaps_over(ray, issued.block)) {
+    ++counters_.leaps;
+    steps = 0;
+  } else if (const Misses& misses = cache_.check(issued.block, cell(unpacked(ray.at), Point{}).voxel); misses.count > 0) {
+    if (writes_back_) {
+      for (const TileOfBlock& changed : cache_.victims()) write_back(changed);
+      changed_ = std::max(changed_, now);
+    }
+    pass.packets = ask(misses, issued.queue, now);
+  }
+  pass.next = ray.at + ray.step;
+  if (steps == 0 || !packs_steps_ || (pass.next & outside_) != 0) {
+    PassRay& of_ray = (*shared_.rays)[ray.ray];
+    pass.to = unpacked(ray.at);
+    const FinePoint from = fine(pass.to, of_ray.rest);
+    const std::int64_t edge = grid_.size();
+    if (wide_) {
+      const FinePoint step = fine_step_of(ray);
+      if (steps == 0) steps = std::min(leap_steps(from, step, FinePoint{}, edge << kRestBits), ray.left);
+      const FinePoint to = moved(from, step, steps);
+      pass.to = units_of(to);
+      of_ray.rest = rest_of(to);
+    } else {
+      const Point step = step_of(ray);
+      if (steps == 0) steps = std::min(leap_steps(pass.to, step, Point{}, grid_.size()), ray.left);
+      for (std::size_t axis = 0; axis < 3; ++axis) pass.to[axis] += steps * step[axis];
+    }
+    pass.goes_out = (pass.to[0] | pass.to[1] | pass.to[2]) >> block_shift_ != 0;
+    if (!pass.goes_out) pass.next = packed(pass.to);
+  }
+  pass.ray.left -= steps;
+  if (pass.goes_out && pass.ray.left > 0)
+    pass.leaves = shared_.partition->home(block_at(issued.block, pass.to)).processor != number_;
+}
+
+bool PassProcessor::leaps_over(const QueuedRay& ray, std::uint32_t block) const {
+  if (empty_ == nullptr || empty_[block] == 0) return false;
+  const PassRoute* const route = (*shared_.rays)[ray.ray].route.get();
+  return route == nullptr || !route->carrier;
+}
+
+// Asks for the packets of a sample; returns how many they are.
+std::uint32_t PassProcessor::ask(const Misses& misses, std::uint32_t queue, Cycle now) {
+  if (ideal_memory_) return 0;
+  send_writes(now);
+  PassMemory& memory = *shared_.memory;
+  for (std::uint32_t i = 0; i < misses.count; ++i) {
+    memory.asked = std::max(memory.asked, now) + 1;
+    arrivals_.push(arrival(memory.channel->read(queue, misses.tiles[i], memory.asked * ratio_).data_end));
+  }
+  return misses.count;
+}
+
+// As rotate(), of these frames.
+void PassProcessor::rotate_line(Cycle& ends, Cycle until) {
+  while (ends <= until) {
+    run_line(ends);
+    if (active_rays_.empty() || active_rays_.front().ready > ends) return;
+    if (ends > std::min({until, others_ - 1, own_return() - 1})) return;
+    before_ = ends;
+    if (issued_.size() >= kFifoPlaces) {
+      const Cycle next = next_in_line();
+      if (next == kNoCycle) return;
+      if (next <= until) run_line(next);
+      ends = std::max(ends, issued_.size() < kFifoPlaces ? entered_ + 2 : next);
+      now_ = ends - 1;
+      continue;
+    }
+    issued_.push({active_rays_.pop(), active_, block_});
+    issued_[issued_.end() - 1].ray.ready = now_ = ends++;
+  }
+}
+
+}  // namespace gicube::emu
