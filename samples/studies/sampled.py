@@ -43,9 +43,8 @@ def processor_seconds():
     return used.ru_utime + used.ru_stime
 
 
-def measured(folder, programs, name, program, before, command, ways=WAYS, once=()):
-    """Statistics and seconds by way, of ways in `once` of one run; those of the approximate level are missing where it does not take the
-    board."""
+def measured(folder, programs, name, program, before, command, ways=WAYS, rounds=ROUNDS):
+    """Statistics and seconds by way; those of the approximate level are missing where it does not take the board."""
     work = folder / name
     work.mkdir(parents=True, exist_ok=True)
     binary = f"{programs}/gicube-{program}"
@@ -53,10 +52,8 @@ def measured(folder, programs, name, program, before, command, ways=WAYS, once=(
         run_to_end(binary, [*shlex.split(before.format(work=work)), "--quiet"], work / "before.log")
         (work / "made").touch()
     found = {}
-    for number in range(ROUNDS):
+    for number in range(rounds):
         for way, options in ways.items():
-            if number > 0 and way in once:
-                continue
             stats = work / f"{way}{number}.json"
             if not (work / f"{way}{number}.s").exists():
                 output = work / ("out.png" if program == "render" else "out.nrrd")
