@@ -35,7 +35,7 @@ void PassProcessor::enter_links() {
     if (out_blocked_) return;
     if (waited) next.at = std::max(next.at, link.left + 1);
     out_.drop();
-    if (link_stalled_ && !has_events_) line_goes_on(next.at);
+    if (link_stalled_ && !by_events_) line_goes_on(next.at);
     if (std::exchange(link_stalled_, false)) link_free_ = next.at + 1;
     link.entry.push(next);
     run_link(way);

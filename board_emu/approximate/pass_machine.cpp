@@ -256,7 +256,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   jitter_ = frame.jitter;
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
-  const Cycle slack = frame.plain() ? kSlack : kSlackOfEvents;
+  const Cycle slack = PassProcessor::goes_by_events(config_, frame) ? kSlackOfEvents : kSlack;
   RunResult ran;
   while (true) {
     PassProcessor* behind = nullptr;

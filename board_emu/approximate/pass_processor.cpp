@@ -45,13 +45,18 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
               shared_.blocks, writes_back_, 1, shared_.config->cache().tags() == v1::of_voxels}),
       writes_(shared_.config->cache().write_packets()) {}
 
+bool PassProcessor::goes_by_events(const v1::BoardConfig& config, const Frame& frame) {
+  const v1::IdealConfig& ideal = config.ideal();
+  return !frame.plain() || ideal.memory() + ideal.queues() + ideal.sorter() + ideal.dsp() > 0;
+}
+
 void PassProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);
   computing_ = std::max(computing_, now);
   frame_ = &frame;
   jitter_ = frame.jitter;
   wide_ = frame.wide;
-  has_events_ = !frame.plain();
+  by_events_ = goes_by_events(*shared_.config, frame);
   leaves_sums_ = frame.sums != nullptr;
   stood_ = 0;
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
@@ -59,7 +64,7 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   const bool alike = !jitter_ && !wide_;
   rotate_ = alike ? (plain ? &PassProcessor::rotate<true, true> : &PassProcessor::rotate<true, false>)
                   : (plain ? &PassProcessor::rotate<false, true> : &PassProcessor::rotate<false, false>);
-  if (has_events_) rotate_ = &PassProcessor::rotate_line;
+  if (by_events_) rotate_ = &PassProcessor::rotate_line;
   empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
   packs_steps_ = alike && short_steps_;
@@ -349,9 +354,9 @@ void PassProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next();
   while (true) {
-    const bool was_stalled = line_stands() && !has_events_;  // times of what is in the pipeline may change
+    const bool was_stalled = line_stands() && !by_events_;  // times of what is in the pipeline may change
     if (!was_stalled && !resting_) (this->*rotate_)(now, until);
-    if (has_events_) run_line(std::min(now, until));
+    if (by_events_) run_line(std::min(now, until));
     std::uint32_t written = kNone;
     if (now > until) {
       if (!stalled()) take_returned(until, until, written);

@@ -140,6 +140,8 @@ class PassProcessor {
 
   PassProcessor(std::uint8_t number, const Shared& shared);
 
+  // Whether a frame's passes go event by event: its rays do more than gather, or a part is ideal, so that the pipeline is always full.
+  static bool goes_by_events(const v1::BoardConfig& config, const Frame& frame);
   // All passes until the next call are of this frame, and none is before cycle `now`.
   void begin(Cycle now, const Frame& frame);
   void invalidate_cache() { cache_.invalidate(); }
@@ -316,7 +318,7 @@ class PassProcessor {
   Direction way_to(std::uint8_t processor) const;
   void line_goes_on(Cycle moved);
   // No ray can enter, and it is not known yet when one can.
-  bool stalled() const { return line_stands() && (!has_events_ || (issued_.size() >= kFifoPlaces && line_is_full())); }
+  bool stalled() const { return line_stands() && (!by_events_ || (issued_.size() >= kFifoPlaces && line_is_full())); }
   // More rays than there are places have come out of the pipeline.
   bool stalls_for_link(Cycle now) {
     link_stalled_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
@@ -341,7 +343,7 @@ class PassProcessor {
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   bool jitter_ = false, wide_ = false;
-  bool has_events_ = false;                                 // rays of the frame do more than gather
+  bool by_events_ = false;                                  // goes_by_events()
   bool leaves_sums_ = false;                                // they leave amounts in sums
   bool writes_all_voxels_;                                  // of a deposit
   bool writes_back_;                                        // tiles when they leave the cache
@@ -417,7 +419,7 @@ class PassProcessor {
 inline Cycle PassProcessor::next() const {
   if (stalled()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
   Cycle first = waiting_ > 0 ? now_ + 1 : others_;
-  if (has_events_) first = std::min(first, next_in_line());
+  if (by_events_) first = std::min(first, next_in_line());
   if (!active_rays_.empty()) first = std::min(first, active_rays_.front().ready);
   if (!returned_.empty()) first = std::min(first, returned_.front().ray.ready);
   return first == kNoCycle ? first : std::max(first, now_ + 1);
