@@ -15,7 +15,7 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::size_t kSplatPlaces = 16;  // eight tiles, each fetched first
-constexpr Cycle kSplatCycles = 2;  // in which the cache's one port reads and writes its words
+constexpr Cycle kSplatCycles = 2;         // in which the cache's one port reads and writes its words
 
 }  // namespace
 

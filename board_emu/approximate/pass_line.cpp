@@ -114,7 +114,8 @@ void PassProcessor::enter(const Issued& issued, Cycle now) {
   if (leaps_over(ray, issued.block)) {
     ++counters_.leaps;
     steps = 0;
-  } else if (const Misses& misses = cache_.check(issued.block, cell(unpacked(ray.at), Point{}).voxel); misses.count > 0) {
+  } else if (const Misses& misses = cache_.check(issued.block, cell(unpacked(ray.at), Point{}).voxel);
+             misses.count > 0) {
     if (writes_back_) {
       for (const TileOfBlock& changed : cache_.victims()) write_back(changed);
       changed_ = std::max(changed_, now);

@@ -141,8 +141,7 @@ bool PassProcessor::goes_to_dsp(std::uint32_t handle) const {
 // One pass of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
 // pipeline. False if the pipeline stalls instead.
 bool PassProcessor::pass_out(Cycle& now) {
-  if ((active_rays_.front().left == 1 && !finds_place()) ||
-      stalls_for_link(now)) {
+  if ((active_rays_.front().left == 1 && !finds_place()) || stalls_for_link(now)) {
     arrive(now, now);
     return false;
   }

@@ -34,72 +34,13 @@
 #include "asic/sorter/policies.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
-#include "functional/trail.h"
 #include "gicube/v1/board_config.pb.h"
-#include "levels/dsp_task.h"
 #include "memory/irradiance_memory.h"
+#include "pass_rays.h"
 #include "pass_tree.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
-
-// What a ray that does more than gather meets.
-struct PassRoute {
-  std::vector<TrailEvent> events;
-  std::size_t next = 0;  // of them
-  bool carrier = false;  // an irradiance carrier
-  DspTask looking;       // for lamps, when it comes back
-};
-
-// A ray under way. Of jittered rays `step` has the words from which each step is drawn. `rest`, `step_rest`: of the wide datapath
-// (datapath/advance.h).
-struct PassRay {
-  Point position{};  // from its block's least corner
-  Point step{};
-  std::int32_t left = 0;  // steps to its end, or to its next event
-  std::uint32_t block = 0;
-  std::int32_t amount = 0;  // that each sample leaves in sums
-  Rest rest{}, step_rest{};
-  std::unique_ptr<PassRoute> route{};  // null: it has no events but its end
-
-  // It goes on by `way`; its position is then the volume's.
-  inline void follow(const RayWay& way, bool jitter);
-};
-
-// All rays under way, each in one place; what goes from part to part is its handle.
-class PassRays {
- public:
-  std::uint32_t add(PassRay&& ray) {
-    if (free_.empty()) {
-      free_.push_back(static_cast<std::uint32_t>(rays_.size()));
-      rays_.emplace_back();
-    }
-    const std::uint32_t handle = free_.back();
-    free_.pop_back();
-    rays_[handle] = std::move(ray);
-    return handle;
-  }
-  void remove(std::uint32_t handle) { free_.push_back(handle); }
-  PassRay& operator[](std::uint32_t handle) { return rays_[handle]; }
-
- private:
-  std::vector<PassRay> rays_;
-  std::vector<std::uint32_t> free_;
-};
-
-// Direction, and place in the image: what a jittered step is drawn from.
-inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint16_t u, std::uint16_t v) {
-  return std::bit_cast<Point>(std::array<std::uint16_t, 6>{static_cast<std::uint16_t>(direction[0]),
-                                                           static_cast<std::uint16_t>(direction[1]),
-                                                           static_cast<std::uint16_t>(direction[2]), u, v, 0});
-}
-
-inline void PassRay::follow(const RayWay& way, bool jitter) {
-  position = way.position;
-  step = jitter ? drawn_from(way.direction, way.u, way.v) : way.step;
-  rest = way.rest;
-  step_rest = way.step_rest;
-}
 
 // A processor's memory channel.
 struct PassMemory {
@@ -234,7 +175,8 @@ class PassProcessor {
     QueuedRay ray;           // where it samples, and the steps that it then has left
     std::uint64_t next = 0;  // where it is then, if it is in the block
     Point to{};              // or else, from the block's corner
-    Cycle due = 0;  // when it has passed the stages that it is in; of those that compute without the cycles in which the line stands
+    Cycle due =
+        0;  // when it has passed the stages that it is in; of those that compute without the cycles in which the line stands
     std::uint32_t queue = 0, block = 0;
     std::uint32_t packets = 0;  // that it waits for
     bool goes_out = false;      // of its block
@@ -387,14 +329,14 @@ class PassProcessor {
   // Of frames with events: the pipeline, the oldest first.
   LongQueue<Issued> issued_;
   LongQueue<OnLine> line_;
-  std::size_t computing_from_ = 0;  // the number of the first that has not begun to be resampled
-  LongQueue<Cycle> arrivals_;       // of packets that are not in the cache yet
+  std::size_t computing_from_ = 0;      // the number of the first that has not begun to be resampled
+  LongQueue<Cycle> arrivals_;           // of packets that are not in the cache yet
   Cycle entered_ = 0, room_since_ = 0;  // when the last entered, and when a full line had room again
-  Cycle stood_ = 0;                 // cycles in which the line stood
-  Cycle free_to_compute_ = 0;       // before that nothing begins to be resampled
-  Cycle last_out_ = 0;              // when the last came out
-  Cycle link_free_ = 0;             // when the last that waited for a link went on
-  Cycle splat_free_ = 0;            // when the splat unit has done with the last
+  Cycle stood_ = 0;                     // cycles in which the line stood
+  Cycle free_to_compute_ = 0;           // before that nothing begins to be resampled
+  Cycle last_out_ = 0;                  // when the last came out
+  Cycle link_free_ = 0;                 // when the last that waited for a link went on
+  Cycle splat_free_ = 0;                // when the splat unit has done with the last
   WriteQueue writes_;
   Cycle changed_ = 0;  // when the last tile did
 

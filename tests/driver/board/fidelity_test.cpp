@@ -52,8 +52,8 @@ TEST(FidelityReport, StatesErrorsThatItsSourcesState) {
 TEST(FidelityReport, TellsWhichLevelAnsweredWhichCommand) {
   const reference::BoxVolume volume(16, 4, 11);
   // Viewing rays in segments are left to the cycle level.
-  Board board = reference::open_board(reference::kSmallBlocks +
-                                      std::string("&fidelity=approximate&set=dsp.segments=1"));
+  Board board =
+      reference::open_board(reference::kSmallBlocks + std::string("&fidelity=approximate&set=dsp.segments=1"));
   board.load_volume(volume.view());
   board.set_transfer_function(reference::step_function(0.5));
   EXPECT_TRUE(fidelity_report(board.counters()).empty());
