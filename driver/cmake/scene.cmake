@@ -11,7 +11,7 @@ target_sources(gicube-scene
 target_compile_features(gicube-scene INTERFACE cxx_std_20)
 target_link_libraries(gicube-scene
   PUBLIC gicube
-  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB pugixml::pugixml PkgConfig::OpenImageIO ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
+  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
 target_link_options(gicube-scene PRIVATE
   LINKER:--version-script=${scene_script} LINKER:--exclude-libs,ALL LINKER:--as-needed)
 if(NOT GICUBE_SANITIZE AND NOT GICUBE_FUZZ)  # as libgicube.so
@@ -32,3 +32,15 @@ install(TARGETS gicube-scene EXPORT gicubeSceneTargets
 install(EXPORT gicubeSceneTargets NAMESPACE gicube:: DESTINATION ${cmake_dir} COMPONENT dev)
 configure_file(gicube-scene.pc.in gicube-scene.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/gicube-scene.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+
+# libgicube-pictures.so, which they load when they need OpenImageIO (driver/scene/formats/picture_library.h). Nothing links it.
+add_library(gicube-pictures SHARED ${PROJECT_SOURCE_DIR}/driver/scene/pictures/pictures.cpp)
+target_include_directories(gicube-pictures PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include ${scene_include})
+target_link_libraries(gicube-pictures PRIVATE gicube_options PkgConfig::OpenImageIO)
+target_link_options(gicube-pictures PRIVATE LINKER:--as-needed)
+set_target_properties(gicube-pictures PROPERTIES
+  CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+  VERSION ${PROJECT_VERSION} SOVERSION ${GICUBE_SOVERSION}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+add_dependencies(gicube_scene gicube-pictures)  # whoever links that one may load this one
+install(TARGETS gicube-pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_SKIP)

@@ -162,10 +162,11 @@ const std::vector<Rule>& rules() {
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
       {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
+      {"driver/scene/pictures", {"driver/scene/formats/picture_library.h"}, {"OpenImageIO"}},
       {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"},
                              {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
-                             {"fmt", "nifti2_io.h", "OpenImageIO", "pugixml.hpp", "teem", "zlib.h"}},
+                             {"dlfcn.h", "fmt", "nifti2_io.h", "png.h", "pugixml.hpp", "teem", "zlib.h"}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
       {"driver/scene/geometry", {"driver/scene/geometry", "driver/scene/buckyball.h", "driver/scene/common",
                               "driver/scene/formats/header_lines.h", "driver/scene/formats/stored_samples.h",

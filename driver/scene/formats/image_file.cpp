@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
-#include "scene/formats/encoded_picture.h"
+#include "scene/formats/picture_library.h"
+#include "scene/formats/png_file.h"
 
 namespace gicube::scene {
 namespace {
@@ -46,11 +46,13 @@ void check(const Image& image, const std::filesystem::path& path) {
                   fmt::format("{} x {} and {}", image.width, image.height, image.pixels.size()));
 }
 
-void write(const std::filesystem::path& path, const char* format, OIIO::ImageSpec spec, const Provenance& provenance,
-           const OIIO::TypeDesc& type, const void* samples) {
-  spec["Software"] = "GI-Cube";
-  for (const auto& [key, value] : entries(provenance)) spec[key] = value;
-  const std::vector<std::uint8_t> bytes = encoded_picture(path, format, spec, type, samples);
+std::vector<std::pair<std::string, std::string>> texts_of(const Provenance& provenance) {
+  auto texts = entries(provenance);
+  texts.insert(texts.begin(), {"Software", "GI-Cube"});
+  return texts;
+}
+
+void write(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
   write_whole(path, [&bytes](WholeFile& file) { file.write(std::span(bytes)); });
 }
 
@@ -89,10 +91,7 @@ void write_png(const Image& image, const std::filesystem::path& path, const std:
   check(image, path);
   const int channels = background ? 3 : 4;
   const std::vector<std::uint8_t> bytes = png_pixels(image, background);
-  OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::UINT8);
-  spec["oiio:UnassociatedAlpha"] = 1;  // already so: OpenImageIO must not divide again
-  spec["oiio:ColorSpace"] = "sRGB";
-  write(path, "png", spec, provenance, OIIO::TypeDesc::UINT8, bytes.data());
+  write(path, encoded_png(path, {image.width, image.height, channels, bytes, texts_of(provenance)}));
 }
 
 void write_exr(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
@@ -110,11 +109,12 @@ void write_exr(const Image& image, const std::filesystem::path& path, const std:
     }
     if (!background) floats.push_back(static_cast<float>(seen.alpha));
   }
-  OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::FLOAT);
-  spec["DateTime"] = "";  // or OpenImageIO would put the time of day there, and no two files were alike
-  spec["oiio:ColorSpace"] = "Linear";
-  spec["compression"] = "zip";
-  write(path, "openexr", spec, provenance, OIIO::TypeDesc::FLOAT, floats.data());
+  PictureToWrite picture{"openexr", image.width, image.height, channels, floats.data(), texts_of(provenance)};
+  picture.attributes.emplace_back("DateTime",
+                                  "");  // or OpenImageIO would put the time of day there, and no two files were alike
+  picture.attributes.emplace_back("oiio:ColorSpace", "Linear");
+  picture.attributes.emplace_back("compression", "zip");
+  write(path, encoded_picture(path, picture));
 }
 
 void write_image(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "scene/common/checks.h"
 #include "scene/formats/ome_tiff.h"
+#include "scene/formats/picture_library.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {
@@ -47,23 +47,6 @@ struct Slice {
   std::vector<std::byte> samples;
   std::vector<std::uint8_t> colours;  // of coloured slices, three bytes a pixel
 };
-
-SampleType type_of(const std::filesystem::path& file, const OIIO::TypeDesc& format) {
-  if (format == OIIO::TypeDesc::UINT8) return SampleType::kUint8;
-  if (format == OIIO::TypeDesc::UINT16) return SampleType::kUint16;
-  if (format == OIIO::TypeDesc::INT16) return SampleType::kInt16;
-  if (format == OIIO::TypeDesc::FLOAT || format == OIIO::TypeDesc::HALF) return SampleType::kFloat32;
-  throw FileError(file, "sample type", "8 or 16 bits or float", format.c_str());
-}
-
-OIIO::TypeDesc read_as(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8: return OIIO::TypeDesc::UINT8;
-    case SampleType::kInt16: return OIIO::TypeDesc::INT16;
-    case SampleType::kFloat32: return OIIO::TypeDesc::FLOAT;
-    default: return OIIO::TypeDesc::UINT16;
-  }
-}
 
 // Whether red, green and blue differ in a pixel.
 bool has_colour(std::span<const std::byte> pixels, std::size_t channels, std::size_t sample_bytes) {
@@ -107,41 +90,41 @@ void take_colours(const std::vector<std::byte>& pixels, std::size_t channels, Sl
   slice.type = SampleType::kUint8;
 }
 
-void check_size(const std::filesystem::path& file, const OIIO::ImageSpec& spec) {
-  if (spec.width < 1 || spec.width > kMaxFileDim || spec.height < 1 || spec.height > kMaxFileDim || spec.depth > 1) {
+void check_page(const std::filesystem::path& file, const PictureReader::Page& page) {
+  if (page.width < 1 || page.width > kMaxFileDim || page.height < 1 || page.height > kMaxFileDim || page.depth > 1) {
     throw FileError(file, "size", fmt::format("1..{} pixels a side", kMaxFileDim),
-                    fmt::format("{} x {} x {}", spec.width, spec.height, spec.depth));
+                    fmt::format("{} x {} x {}", page.width, page.height, page.depth));
   }
-  if (spec.nchannels < 1 || spec.nchannels > 4) {
-    throw FileError(file, "channels", "1 to 4", fmt::format("{}", spec.nchannels));
+  if (page.channels < 1 || page.channels > 4) {
+    throw FileError(file, "channels", "1 to 4", fmt::format("{}", page.channels));
   }
+  if (!page.type) throw FileError(file, "sample type", "8 or 16 bits or float", page.type_name);
 }
 
-std::unique_ptr<OIIO::ImageInput> open(const std::filesystem::path& file) {
-  OIIO::ImageSpec config;
-  config["oiio:UnassociatedAlpha"] = 1;  // the colours as stored, not premultiplied
-  auto input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) throw FileError(file, "image", "an image that OpenImageIO can read", OIIO::geterror());
-  return input;
+std::unique_ptr<PictureReader> open(const std::filesystem::path& file) {
+  std::string error;
+  auto reader = picture_library(file).open(file, error);
+  if (!reader) throw FileError(file, "image", "an image that OpenImageIO can read", error);
+  return reader;
 }
 
 // All channels of its pixels.
-Slice read_pixels(const std::filesystem::path& file, OIIO::ImageInput& input, int page) {
-  const OIIO::ImageSpec spec = input.spec();
-  check_size(file, spec);
-  Slice slice{spec.width, spec.height, type_of(file, spec.format), static_cast<std::size_t>(spec.nchannels), {}, {}};
-  const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+Slice read_pixels(const std::filesystem::path& file, PictureReader& reader, int number) {
+  const PictureReader::Page page = reader.page();
+  check_page(file, page);
+  Slice slice{page.width, page.height, *page.type, static_cast<std::size_t>(page.channels), {}, {}};
+  const std::size_t pixels = static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height);
   slice.samples.resize(pixels * slice.channels * bytes_per_sample(slice.type));
-  if (!input.read_image(page, 0, 0, spec.nchannels, read_as(slice.type), slice.samples.data())) {
-    throw FileError(file, "image", "a whole image", input.geterror());
+  if (!reader.read(number, slice.type, slice.samples)) {
+    throw FileError(file, "image", "a whole image", reader.error());
   }
   return slice;
 }
 
 Slice read_pixels(const std::filesystem::path& file) {
-  const auto input = open(file);
-  Slice slice = read_pixels(file, *input, 0);
-  if (input->seek_subimage(1, 0)) throw FileError(file, "image", "one image a file", "several");
+  const auto reader = open(file);
+  Slice slice = read_pixels(file, *reader, 0);
+  if (reader->seek(1)) throw FileError(file, "image", "one image a file", "several");
   return slice;
 }
 
@@ -280,17 +263,17 @@ Volume open_slices(const std::filesystem::path& folder) {
 }
 
 Volume open_pages(const std::filesystem::path& file) {
-  const std::shared_ptr<OIIO::ImageInput> input = open(file);
-  const auto ome = ome_pixels(file, input->spec().get_string_attribute("ImageDescription"));
+  const std::shared_ptr<PictureReader> reader = open(file);
+  const auto ome = ome_pixels(file, reader->description());
   int pages = 1;
-  while (pages <= kMaxFileDim && input->seek_subimage(pages, 0)) ++pages;
+  while (pages <= kMaxFileDim && reader->seek(pages)) ++pages;
   if (pages > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
   if (ome && ome->size_z != pages) {
     throw FileError(file, "SizeZ", fmt::format("{}, a plane a page", pages), fmt::format("{}", ome->size_z));
   }
-  const auto read = [file, input](int page) {
-    if (!input->seek_subimage(page, 0)) throw FileError(file, "image", "a whole image", input->geterror());
-    Slice pixels = read_pixels(file, *input, page);
+  const auto read = [file, reader](int page) {
+    if (!reader->seek(page)) throw FileError(file, "image", "a whole image", reader->error());
+    Slice pixels = read_pixels(file, *reader, page);
     if (is_coloured(pixels)) throw FileError(file, "colour", "a grey image", "a coloured one");
     return pixels;
   };

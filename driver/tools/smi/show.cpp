@@ -15,8 +15,7 @@
 
 #include "options.h"
 
-// Reads the few bytes that say where a file came from (gicube/scene/provenance.h) by itself: OpenImageIO alone would take a quarter of
-// a second to load, for every command.
+// Reads the few bytes that say where a file came from (gicube/scene/provenance.h) by itself: it needs nothing else of gicube-scene.
 namespace gicube::smi {
 namespace {
 

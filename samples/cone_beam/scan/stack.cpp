@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +11,7 @@
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/encoded_picture.h"
+#include "scene/formats/picture_library.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 
@@ -75,9 +74,9 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t nu
 
 void write_tiff(std::span<const float> values, const Stack& stack, const std::filesystem::path& path,
                 WholeFiles& files) {
-  OIIO::ImageSpec spec(stack.columns, stack.rows, 1, OIIO::TypeDesc::FLOAT);
-  spec["compression"] = "none";  // which every reader of stacks knows
-  const auto bytes = encoded_picture(path, "tiff", spec, OIIO::TypeDesc::FLOAT, values.data());
+  const PictureToWrite picture{"tiff", stack.columns, stack.rows,
+                               1,      values.data(), {{"compression", "none"}}};  // which every reader of stacks knows
+  const auto bytes = encoded_picture(path, picture);
   files.write(path, [&bytes](WholeFile& file) { file.write(std::span(bytes)); });
 }
 

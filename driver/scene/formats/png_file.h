@@ -1,0 +1,23 @@
+// PNG files of eight bits a channel, in sRGB, by libpng.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gicube::scene {
+
+struct PngToWrite {
+  int width = 0, height = 0,
+      channels = 0;  // 3: red, green, blue; 4: and alpha, which the colours are not multiplied with
+  std::span<const std::uint8_t> samples;  // row by row, the channels of a pixel together
+  std::vector<std::pair<std::string, std::string>> texts;
+};
+
+// The bytes of a file. Throws FileError that names the path.
+std::vector<std::uint8_t> encoded_png(const std::filesystem::path& file, const PngToWrite& picture);
+
+}  // namespace gicube::scene

@@ -1,0 +1,85 @@
+// libgicube-pictures.so: pictures by OpenImageIO. Nothing of it is thrown to the library that loads it.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include "scene/formats/picture_library.h"
+
+namespace gicube::scene {
+namespace {
+
+OIIO::TypeDesc type_of(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8: return OIIO::TypeDesc::UINT8;
+    case SampleType::kInt16: return OIIO::TypeDesc::INT16;
+    case SampleType::kFloat32: return OIIO::TypeDesc::FLOAT;
+    default: return OIIO::TypeDesc::UINT16;
+  }
+}
+
+std::optional<SampleType> type_of(const OIIO::TypeDesc& format) {
+  if (format == OIIO::TypeDesc::UINT8) return SampleType::kUint8;
+  if (format == OIIO::TypeDesc::UINT16) return SampleType::kUint16;
+  if (format == OIIO::TypeDesc::INT16) return SampleType::kInt16;
+  if (format == OIIO::TypeDesc::FLOAT || format == OIIO::TypeDesc::HALF) return SampleType::kFloat32;
+  return std::nullopt;
+}
+
+class Reader final : public PictureReader {
+ public:
+  explicit Reader(std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {}
+
+  bool seek(int page) override { return input_->seek_subimage(page, 0); }
+  Page page() const override {
+    const OIIO::ImageSpec& spec = input_->spec();
+    return {spec.width, spec.height, spec.depth, spec.nchannels, type_of(spec.format), spec.format.c_str()};
+  }
+  bool read(int page, SampleType type, std::span<std::byte> out) override {
+    return input_->read_image(page, 0, 0, input_->spec().nchannels, type_of(type), out.data());
+  }
+  std::string description() const override { return input_->spec().get_string_attribute("ImageDescription"); }
+  std::string error() override { return input_->geterror(); }
+
+ private:
+  std::unique_ptr<OIIO::ImageInput> input_;
+};
+
+class Library final : public PictureLibrary {
+ public:
+  std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const override {
+    OIIO::ImageSpec config;
+    config["oiio:UnassociatedAlpha"] = 1;  // the colours as stored, not premultiplied
+    auto input = OIIO::ImageInput::open(file.string(), &config);
+    if (!input) {
+      error = OIIO::geterror();
+      return nullptr;
+    }
+    return std::make_unique<Reader>(std::move(input));
+  }
+
+  std::vector<std::uint8_t> encode(const std::filesystem::path& file, const PictureToWrite& picture,
+                                   std::string& error) const override {
+    OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::FLOAT);
+    for (const auto& [name, value] : picture.attributes) spec[name] = value;
+    std::vector<std::uint8_t> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    const auto output = OIIO::ImageOutput::create(picture.format);
+    if (!output) {
+      error = OIIO::geterror();
+      return {};
+    }
+    if (!output->set_ioproxy(&memory) || !output->open(file.string(), spec) ||
+        !output->write_image(OIIO::TypeDesc::FLOAT, picture.samples) || !output->close()) {
+      error = output->geterror();
+      return {};
+    }
+    return bytes;
+  }
+};
+
+}  // namespace
+}  // namespace gicube::scene
+
+extern "C" __attribute__((visibility("default"))) const gicube::scene::PictureLibrary* gicube_pictures() {
+  static const gicube::scene::Library library;
+  return &library;
+}
