@@ -20,6 +20,17 @@ mv "$scratch/prefix" "$prefix"
 
 for program in board compose cone-beam form-factors path photon-map render replay smi; do test -x "$prefix/bin/gicube-$program"; done
 
+# OpenImageIO is loaded where a picture needs it, from beside the program's libraries; without it PNGs are still written.
+if objdump -p "$prefix/bin/gicube-render" | grep OpenImageIO; then exit 1; fi
+render() { "$prefix/bin/gicube-render" builtin:buckyball --volume-size 16 --size 8x8 --quiet -o "$scratch/$1" 2>&1; }
+render picture.exr
+pictures=$(find "$prefix" -name 'libgicube-pictures.so.0.2')
+mv "$pictures" "$scratch/away"
+render picture.png
+if said=$(render other.exr); then exit 1; fi
+[[ -e /usr/lib/$(gcc -print-multiarch)/libgicube-pictures.so.0.2 ]] || grep -q 'other.exr: image: expected one that can be .* libgicube-pictures.so.0.2' <<<"$said"
+mv "$scratch/away" "$pictures"
+
 cmake -S "$source/samples/installed" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror"
 grep -q "^gicube_DIR:PATH=$prefix/" "$scratch/build/CMakeCache.txt"
