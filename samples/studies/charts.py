@@ -92,16 +92,6 @@ def rendering(jobs):
 # The host's seconds are the cost of what follows: one run at a time, and anew once all are done.
 
 
-def emulator(_):
-    build("gicube-render")
-    swept("emulator", "emulator", "builtin:buckyball", "--fix", "size=192x192",
-          *each("--vary", "volume-size=64,128", "no-leap=off,on", LEVELS, "asic.processors=1,4,16"), "--reference", "fidelity=cycle",
-          "--cost", "host_seconds", "--error", "frame_ms",
-          *each("--also-error", "/counters/pipeline.samples/value", "/counters/processor.cache.packets/value", "hit_ratio", "memory_gb_s"),
-          "--jobs", "1")
-    shutil.rmtree(RUNS / "emulator")
-
-
 def pairs(name, out):
     build("gicube-render", "gicube-cone-beam")
     held_out.measure(ROOT / f"samples/studies/{name}_pairs.txt", RUNS / name, BIN, out)
@@ -135,7 +125,7 @@ def scaling(_):
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-path", "gicube-photon-map", "gicube-light-reference"],
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
-MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS}, "emulator": emulator,
+MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
             "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "sampled": sampled_series, "scaling": scaling}
 # On which the approximate level was adjusted; no chart.
 OTHERS = {"development": lambda _: pairs("development", RUNS / "development.csv")}

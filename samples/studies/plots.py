@@ -89,40 +89,34 @@ def light(folder):
 
 
 def emulator(folder):
-    rows = rows_of(folder / "emulator.csv")
+    """Errors of time and of memory traffic by the host's seconds: pairs at each level (held_out.csv), and sampled series (sampled.csv)."""
+    pairs = rows_of(folder / "held_out.csv")
+    sampled = rows_of(folder / "sampled.csv")
+    kinds = grouped([row | {"kind": kind_of(row["command"])} for row in pairs if row["answered"] == "approximate"], "kind")
 
-    def of(level, processors, colour, mark):
-        points = where(rows, fidelity=level, asic_processors=processors)
-        errors = [LEAST if level == "cycle" else max(error, LEAST) for error in column(points, "error frame_ms")]
-        return Series(level if level != "cycle" else "cycle: the reference, without error", column(points, "host_seconds"), errors,
-                      look="points", colour=colour, mark=mark)
-    lines = [of(level, processors, colour, mark) for colour, level in enumerate(LEVELS) for mark, processors in enumerate(("1", "4", "16"))]
-    draw(folder, "emulator_error", lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1))
+    def of(rows, seconds, error, colour, label, hollow=False):
+        return Series(label, column(rows, seconds), [max(abs(each), LEAST) for each in column(rows, error)], look="points", colour=colour, hollow=hollow)
+
+    def panel(axis, approximate, one_place, of_sample, named, *more, **of_panel):
+        lines = [*more, *(of(kinds[kind], "approximate_s", approximate, colour, f"approximate, {kind}" if named else "")
+                          for colour, kind in enumerate(("viewing rays", "light", "backprojection"))),
+                 of(sampled, "sampled_s", of_sample, 3, "sampled, series of commands" if named else ""),
+                 of(pairs, "cycle_s", one_place, 4, "cycle, queues a place shorter" if named else "", hollow=True),
+                 Series("cycle, the reference: no error" if named else "", column(pairs, "cycle_s"), [LEAST] * len(pairs), look="points", colour=5)]
+        return Panel(WORDS["emulator_error"][1], axis, lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1), **of_panel)
+    time, traffic = WORDS["emulator_error"][2:]
+    draw_panels(folder, "emulator_error",
+                [panel(time, "time_error", "time_self", "cycles_error", False, of(pairs, "functional_s", "functional_time_error", -1, ""),
+                       lines_y=[(0.025, "2.5%")]),
+                 panel(traffic, "packets_error", "packets_self", "packets_error", True,
+                       Series("functional: no traffic", [], [], look="points", colour=-1), lines_y=[(0.05, "5%")], box_outside=True)])
 
 
-def held_out(folder):
-    rows = rows_of(folder / "held_out.csv")
-
-    def of(label, x, y, **look):
-        return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
-    lines = [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "time_error"),
-             of("approximate: packets", "approximate_s", "packets_error", hollow=True),
-             of("cycle, a place less: time", "cycle_s", "time_self", colour=6),
-             of("cycle, a place less: packets", "cycle_s", "packets_self", hollow=True, colour=5)]
-    draw(folder, "held_out_error", lines, log_x=True, log_y=True, lines_y=[(0.05, "5%")])
-
-
-def sampled(folder):
-    rows = rows_of(folder / "sampled.csv")
-
-    def of(label, x, y, **look):
-        return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
-    cycle = Series("cycle: the reference, without error", column(rows, "cycle_s"), [LEAST] * len(rows), look="points")
-    lines = [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "approximate_time_error"),
-             of("approximate: packets", "approximate_s", "approximate_packets_error", hollow=True, colour=1),
-             of("sampled to 3%: time", "sampled_s", "cycles_error", colour=3),
-             of("sampled to 3%: packets", "sampled_s", "packets_error", hollow=True, colour=3), cycle]
-    draw(folder, "sampled_error", lines, log_x=True, log_y=True, lines_y=[(0.03, "3%")], box_outside=True)
+def kind_of(command):
+    """What the rays of a pair do."""
+    if command.startswith("cone-beam"):
+        return "backprojection"
+    return "light" if ".scene" in command and "--illumination none" not in command else "viewing rays"
 
 
 def scaling(folder):
@@ -276,5 +270,6 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, emulator, held_out, sampled, scaling)} | {
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, scaling)} | {
+    "held_out": [emulator], "sampled": [emulator],
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

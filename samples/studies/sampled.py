@@ -1,6 +1,6 @@
 """How far sampled simulation is from the cycle level, whether its intervals hold, and what it costs the host, on the series of commands of
-samples/studies/sampled_pairs.txt. Seconds are those of the processor, of the program and its board, the least of `ROUNDS`
-runs that take turns. What the folder has is not run again."""
+samples/studies/sampled_pairs.txt. Seconds are those of the processor, of the program and its board, of
+one run a level. What the folder has is not run again."""
 import json
 import pathlib
 import resource
@@ -9,7 +9,7 @@ import shlex
 from studies.runs import RunFailed, run_to_end
 from studies.table import csv_text, write_whole
 
-ROUNDS = 2
+ROUNDS = 1
 ERROR = "3%"
 WAYS = {"functional": ("--fidelity", "functional"), "approximate": ("--fidelity", "approximate"), "cycle": ("--fidelity", "cycle"),
         "sampled": ("--sample", ERROR)}
