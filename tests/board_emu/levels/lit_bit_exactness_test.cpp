@@ -153,11 +153,7 @@ void expect_passes_to_leave(const Irradiance& expected, const RayCounters& count
   assignments.insert(assignments.end(),
                      {"sorter.policy=most_rays", "sorter.queues=per_block", "ideal.sorter=0", "cache.ports=1",
                       "cache.irradiance=with_voxels", "rdram.processors_per_rdram=1", "ddr.processors_per_channel=1"});
-  v1::BoardConfig config = config_with(assignments);
-  if (!PassMachine::covers_writes(config)) {
-    assignments.push_back("cache.write_policy=combining");
-    config = config_with(assignments);
-  }
+  const v1::BoardConfig config = config_with(assignments);
   ASSERT_TRUE(PassMachine::covers(config));
   Progress work;
   Irradiance exact_held(scene, scene.frame.wide), held(scene, scene.frame.wide);
