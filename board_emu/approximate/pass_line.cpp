@@ -128,14 +128,15 @@ void PassProcessor::enter(const Issued& issued, Cycle now) {
     pass.to = unpacked(ray.at);
     const FinePoint from = fine(pass.to, of_ray.rest);
     const std::int64_t edge = grid_.size();
+    const Point corner = jitter_ ? corner_of(issued.block) : Point{};
     if (wide_) {
-      const FinePoint step = fine_step_of(ray);
+      const FinePoint step = fine_step_of(ray, corner);
       if (steps == 0) steps = std::min(leap_steps(from, step, FinePoint{}, edge << kRestBits), ray.left);
       const FinePoint to = moved(from, step, steps);
       pass.to = units_of(to);
       of_ray.rest = rest_of(to);
     } else {
-      const Point step = step_of(ray);
+      const Point step = step_of(ray, corner);
       if (steps == 0) steps = std::min(leap_steps(pass.to, step, Point{}, grid_.size()), ray.left);
       for (std::size_t axis = 0; axis < 3; ++axis) pass.to[axis] += steps * step[axis];
     }

@@ -95,17 +95,17 @@ struct DrawnFrom {
   std::uint16_t u, v, unused;
 };
 
-// A jittered step's, 16.16 voxels.
-std::uint32_t PassProcessor::distance_of(const QueuedRay& ray) const {
+// A jittered step's, 16.16 voxels. `corner`: of the ray's block.
+std::uint32_t PassProcessor::distance_of(const QueuedRay& ray, const Point& corner) const {
   const auto words = std::bit_cast<DrawnFrom>((*shared_.rays)[ray.ray].step);
   Point position = unpacked(ray.at);
-  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner_[axis];
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner[axis];
   return jittered(*frame_, jitter(position, words.u, words.v));
 }
 
-Point PassProcessor::step_of(const QueuedRay& ray) const {
+Point PassProcessor::step_of(const QueuedRay& ray, const Point& corner) const {
   const PassRay& words = (*shared_.rays)[ray.ray];
-  if (jitter_) return step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
+  if (jitter_) return step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray, corner));
   if (!short_steps_) return words.step;
   // What a field borrowed from is added to it again.
   const auto field = [](std::uint64_t from) {
@@ -117,16 +117,16 @@ Point PassProcessor::step_of(const QueuedRay& ray) const {
   return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
 }
 
-FinePoint PassProcessor::fine_step_of(const QueuedRay& ray) const {
+FinePoint PassProcessor::fine_step_of(const QueuedRay& ray, const Point& corner) const {
   const PassRay& words = (*shared_.rays)[ray.ray];
   if (!jitter_) return fine(words.step, words.step_rest);
-  return fine_step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
+  return fine_step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray, corner));
 }
 
 // Where a ray is after a step that is its own; `rest`: on the wide datapath, what it then has below a unit.
 inline std::uint64_t PassProcessor::next_place(const QueuedRay& ray, Rest& rest) const {
-  if (!wide_) return ray.at + packed(step_of(ray));
-  const FinePoint to = moved(fine(unpacked(ray.at), (*shared_.rays)[ray.ray].rest), fine_step_of(ray), 1);
+  if (!wide_) return ray.at + packed(step_of(ray, corner_));
+  const FinePoint to = moved(fine(unpacked(ray.at), (*shared_.rays)[ray.ray].rest), fine_step_of(ray, corner_), 1);
   rest = rest_of(to);
   return packed(units_of(to));
 }
@@ -154,8 +154,8 @@ bool PassProcessor::pass_out(Cycle& now) {
   const bool wide = wide_;
   PassRay& of_ray = (*shared_.rays)[ray.ray];
   Rest& rest = of_ray.rest;
-  const Point step = wide ? Point{} : step_of(ray);
-  const FinePoint fine_step = wide ? fine_step_of(ray) : FinePoint{};
+  const Point step = wide ? Point{} : step_of(ray, corner_);
+  const FinePoint fine_step = wide ? fine_step_of(ray, corner_) : FinePoint{};
   Point at = unpacked(ray.at);
   const FinePoint from = wide ? fine(at, rest) : FinePoint{};
   std::int32_t steps = 1;

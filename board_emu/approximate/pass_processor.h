@@ -241,9 +241,9 @@ class PassProcessor {
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
   Cycle own_return() const;
-  std::uint32_t distance_of(const QueuedRay& ray) const;
-  Point step_of(const QueuedRay& ray) const;
-  FinePoint fine_step_of(const QueuedRay& ray) const;
+  std::uint32_t distance_of(const QueuedRay& ray, const Point& corner) const;
+  Point step_of(const QueuedRay& ray, const Point& corner) const;
+  FinePoint fine_step_of(const QueuedRay& ray, const Point& corner) const;
   std::uint64_t next_place(const QueuedRay& ray, Rest& rest) const;
   Cycle arrival(Cycle data_end) const;
   std::uint32_t block_at(std::uint32_t block, const Point& at) const;
