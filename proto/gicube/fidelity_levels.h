@@ -42,7 +42,7 @@ struct MeasuredError {
   std::string_view source;  // the page that states it
 };
 
-inline constexpr std::string_view kLevelPage = "docs/reference/hardware.md", kChartsPage = "docs/studies/charts.md";
+inline constexpr std::string_view kLevelPage = "docs/reference/hardware.md";
 
 inline constexpr std::array kApproximateErrors{
     MeasuredError{"time", 0.024, true, "the 16 scenes and configurations of approximate_level_test", kLevelPage},
@@ -61,8 +61,6 @@ inline constexpr std::array kApproximateErrors{
     MeasuredError{"packets", 0.069, true, "the unlit held-out pairs", kLevelPage},
     MeasuredError{"hit ratio", 0.002, false, "all held-out pairs", kLevelPage},
     MeasuredError{"bandwidth", 0.16, true, "links of 8 bits and less, with two or four places", kLevelPage},
-    MeasuredError{"packets and bandwidth", 0.17, true, "the buckyball of 64^3 voxels, where nearly all voxels hit",
-                  kChartsPage},
 };
 
 }  // namespace gicube
