@@ -175,8 +175,8 @@ class PassProcessor {
     QueuedRay ray;           // where it samples, and the steps that it then has left
     std::uint64_t next = 0;  // where it is then, if it is in the block
     Point to{};              // or else, from the block's corner
-    Cycle due =
-        0;  // when it has passed the stages that it is in; of those that compute without the cycles in which the line stands
+    // When it has passed the stages that it is in; of those that compute, without the cycles in which the line stands.
+    Cycle due = 0;
     std::uint32_t queue = 0, block = 0;
     std::uint32_t packets = 0;  // that it waits for
     bool goes_out = false;      // of its block

@@ -110,8 +110,8 @@ void write_exr(const Image& image, const std::filesystem::path& path, const std:
     if (!background) floats.push_back(static_cast<float>(seen.alpha));
   }
   PictureToWrite picture{"openexr", image.width, image.height, channels, floats.data(), texts_of(provenance)};
-  picture.attributes.emplace_back("DateTime",
-                                  "");  // or OpenImageIO would put the time of day there, and no two files were alike
+  // Or OpenImageIO would put the time of day there, and no two files were alike.
+  picture.attributes.emplace_back("DateTime", "");
   picture.attributes.emplace_back("oiio:ColorSpace", "Linear");
   picture.attributes.emplace_back("compression", "zip");
   write(path, encoded_picture(path, picture));

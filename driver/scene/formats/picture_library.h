@@ -47,7 +47,7 @@ class PictureLibrary {
   virtual ~PictureLibrary() = default;
   // Null: `error` says why.
   virtual std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const = 0;
-  // The bytes of a file. Empty: `error` says why.
+  // The bytes of a file. Empty: `error` says why. OpenImageIO would write the file itself, but does not check each of its writes.
   virtual std::vector<std::uint8_t> encode(const std::filesystem::path& file, const PictureToWrite& picture,
                                            std::string& error) const = 0;
 };

@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <csetjmp>
+#include <new>
 
 #include "gicube/scene/error.h"
 
@@ -14,9 +15,16 @@ struct Target {
   std::string error;
 };
 
+// Nothing may be thrown through libpng, which is C.
 void append(png_structp png, png_bytep data, std::size_t count) {
   auto& bytes = static_cast<Target*>(png_get_io_ptr(png))->bytes;
-  bytes.insert(bytes.end(), data, data + count);
+  bool is_added = true;
+  try {
+    bytes.insert(bytes.end(), data, data + count);
+  } catch (const std::bad_alloc&) {
+    is_added = false;
+  }
+  if (!is_added) png_error(png, "no memory");
 }
 
 [[noreturn]] void fail(png_structp png, const char* message) {

@@ -11,8 +11,8 @@
 namespace gicube::scene {
 
 struct PngToWrite {
-  int width = 0, height = 0,
-      channels = 0;  // 3: red, green, blue; 4: and alpha, which the colours are not multiplied with
+  int width = 0, height = 0;
+  int channels = 0;  // 3: red, green, blue; 4: and alpha, which the colours are not multiplied with
   std::span<const std::uint8_t> samples;  // row by row, the channels of a pixel together
   std::vector<std::pair<std::string, std::string>> texts;
 };
