@@ -7,10 +7,10 @@
 
 namespace gicube::emu {
 
-// Passes know nothing of rays that wait for blocks or end at borders, nor of the packets of two processors that alternate on one
-// channel.
+// Passes know nothing of rays that wait for blocks, nor of what rays that scatter contribute on their way.
 bool ApproximateLevel::answers(const Frame& frame) const {
-  return !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_);
+  const bool contribute = config_.sorter().policy() == v1::most_contribution;
+  return !frame.in_bricks() && (frame.plain() || !contribute) && PassMachine::covers(config_);
 }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {

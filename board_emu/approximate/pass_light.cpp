@@ -15,41 +15,49 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::size_t kSplatPlaces = 16;  // eight tiles, each fetched first
-constexpr Cycle kSplatCycles = 2;         // in which the cache's one port reads and writes its words
 
 }  // namespace
+
+void PassProcessor::send_write(Cycle now) {
+  const TileWrite& write = writes_.next();
+  if (write.fetch) {
+    shared_.memory->channel->read(in_memory(write.block), write.tile, now * ratio_);
+  } else {
+    shared_.memory->channel->write(in_memory(write.block), write.tile, now * ratio_);
+  }
+  writes_.send(now);
+}
 
 // Writes of which the memory has been asked before cycle `now`.
 void PassProcessor::send_writes(Cycle now) {
   if (changed_ + 1 < now) writes_.ask(changed_ + 1, false);
   PassMemory& memory = *shared_.memory;
+  if (memory.shared()) return;
   while (!writes_.all_sent() && writes_.next().asked < now) {
-    const TileWrite& write = writes_.next();
-    memory.asked = std::max(memory.asked, write.asked) + 1;
-    if (write.fetch) {
-      memory.channel->read(write.block, write.tile, memory.asked * ratio_);
-    } else {
-      memory.channel->write(write.block, write.tile, memory.asked * ratio_);
-    }
-    writes_.send(memory.asked);
+    memory.asked = std::max(memory.asked, writes_.next().asked) + 1;
+    send_write(memory.asked);
   }
 }
 
-// The first cycle from `now` on in which a splat finds its places.
+// The first cycle from `now` on in which a splat finds its places. A shared memory goes on without what the other may ask for until then.
 Cycle PassProcessor::room_from(Cycle now) {
   for (;; ++now) {
     send_writes(now);
+    while (shared_.memory->shared() && writes_.room() < kSplatPlaces && shared_.memory->next() <= now)
+      shared_.memory->send();
     writes_.settle(now);
     if (writes_.room() >= kSplatPlaces) return now;
   }
 }
 
 Cycle PassProcessor::finish_writes() {
-  if (writes_.empty() && !cache_.has_changes()) return 0;
+  if (writes_.empty() && !cache_.has_changes() && !(cells_ && cells_->has_changes())) return 0;
   changed_ = std::max(last_out_, changed_);
-  while (cache_.has_changes()) write_back(cache_.clean());
+  while (cache_.has_changes()) write_back(cache_.clean(), false);
+  while (cells_ && cells_->has_changes()) write_back(cells_->clean(), true);
   writes_.ask(changed_ + 1, true);
   send_writes(kNoCycle);
+  while (shared_.memory->shared() && shared_.memory->next() != kNoCycle) shared_.memory->send();
   writes_.settle(kNoCycle);
   return shared_.memory->asked + 1;
 }
@@ -99,7 +107,10 @@ Cycle PassProcessor::splat(const Deposit& deposit, const OnLine& from, bool carr
   }
   counters_.carriers += carriers;
   const SplatTiles tiles =
-      here ? tiles_of(deposit, {grid_.corner(from.block), edge, edge - (leaves_sums_ ? 2 : 1)}, false) : SplatTiles();
+      here
+          ? tiles_of(deposit,
+                     {grid_.corner(from.block), edge, edge - (leaves_sums_ ? 2 : 1), packs_irradiance() ? 2 : 1}, false)
+          : SplatTiles();
   for (std::uint32_t i = 0; i < tiles.count; ++i) {
     change(from, tiles.tile[i]);
   }
@@ -107,24 +118,30 @@ Cycle PassProcessor::splat(const Deposit& deposit, const OnLine& from, bool carr
   if (tiles.count > 0) {
     ++counters_.deposits;
     changed_ = begin;
-    free_to_compute_ = begin + kSplatCycles;
-    splat_free_ = std::max(splat_free_, begin + kSplatCycles);
+    free_to_compute_ = begin + splat_cycles_;
+    splat_free_ = std::max(splat_free_, begin + splat_cycles_);
+    if (shared_.memory->shared()) writes_.ask(changed_ + 1, false);
   }
   return begin;
 }
 
-// A tile has changed: it is written soon, or when it leaves the cache.
+// A tile has changed: it is written soon, or when it leaves the cache. Irradiance in packets of its own comes into the cache here.
 void PassProcessor::change(const OnLine& from, std::uint32_t tile) {
-  const bool known = cache_.holds(from.block, tile);
-  if (writes_back_ && known) {
-    writes_.change(cache_.change(from.block, tile));
-  } else {
-    writes_.put(from.queue, tile, ideal_memory_ || known, combines_);
+  const bool packs = packs_irradiance();
+  VolumeCache& cache = packs ? *cells_ : cache_;
+  const bool known = packs ? cache.touch(from.block, tile) : cache.holds(from.block, tile);
+  const std::uint32_t block = packs ? irradiance_of(from.queue) : from.queue;
+  if (!writes_back_ || !(known || packs)) return writes_.put(block, tile, ideal_memory_ || known, combines_);
+  if (packs) {
+    for (const TileOfBlock& changed : cache.victims()) write_back(changed, true);
   }
+  if (!known && !ideal_memory_) writes_.fetch(block, tile);
+  writes_.change(cache.change(from.block, tile));
 }
 
-void PassProcessor::write_back(const TileOfBlock& changed) {
-  writes_.write_back(shared_.partition->home(changed.block).number, changed.tile);
+void PassProcessor::write_back(const TileOfBlock& changed, bool irradiance) {
+  const std::uint32_t number = shared_.partition->home(changed.block).number;
+  writes_.write_back(irradiance ? irradiance_of(number) : number, changed.tile);
 }
 
 // A ray that takes the deposit to another block leaves in cycle `when`.

@@ -9,7 +9,7 @@ namespace gicube::emu {
 
 // When the next of the line's events is; kNoCycle if none is known yet.
 Cycle PassProcessor::next_in_line() const {
-  Cycle next = next_entry();
+  Cycle next = std::min(next_entry(), next_fill());
   if (line_stands()) return next;
   if (computing_from_ != line_.begin()) next = std::min(next, line_.front().due + stood_);
   if (computing_from_ != line_.end()) next = std::min(next, next_slot());
@@ -26,7 +26,30 @@ Cycle PassProcessor::next_entry() const {
 Cycle PassProcessor::next_slot() const {
   const OnLine& first = line_[computing_from_];
   const Cycle slot = std::max({computing_ + 1, free_to_compute_, first.due});
-  return first.packets > 0 ? std::max(slot, arrivals_.front()) : slot;
+  if (first.packets == 0) return slot;
+  return two_ports_ || arrivals_.empty() ? kNoCycle : std::max(slot, arrivals_.front());
+}
+
+// The next cycle in which a port of its own writes a packet, unless an older sample of another block has yet to read: then it is not
+// known yet.
+Cycle PassProcessor::next_fill() const {
+  if (!two_ports_ || arrivals_.empty()) return kNoCycle;
+  std::size_t owner = computing_from_;
+  while (line_[owner].packets == 0) ++owner;
+  for (std::size_t i = computing_from_; i != owner; ++i) {
+    if (line_[i].sampled && line_[i].block != line_[owner].block) return kNoCycle;
+  }
+  const Cycle next = std::max(arrivals_.front(), fill_free_);
+  return next == free_to_compute_ ? next + 1 : next;  // then the port writes a splat's words
+}
+
+void PassProcessor::fill(Cycle now) {
+  arrivals_.drop();
+  fill_free_ = now + 1;
+  std::size_t owner = computing_from_;
+  while (line_[owner].packets == 0) ++owner;
+  --line_[owner].packets;
+  line_[owner].due = std::max(line_[owner].due, now);
 }
 
 // All that happens there up to cycle `until`; what comes out goes before what goes in.
@@ -35,9 +58,11 @@ void PassProcessor::run_line(Cycle until) {
     const bool stands = line_stands();
     const Cycle out = !stands && computing_from_ != line_.begin() ? line_.front().due + stood_ : kNoCycle;
     const Cycle slot = !stands && computing_from_ != line_.end() ? next_slot() : kNoCycle;
-    const Cycle entry = next_entry();
-    if (std::min({out, slot, entry}) > until) return;
-    if (out <= std::min(slot, entry)) {
+    const Cycle entry = next_entry(), write = next_fill();
+    if (std::min({out, slot, entry, write}) > until) return;
+    if (write <= std::min({out, slot, entry})) {
+      fill(write);
+    } else if (out <= std::min(slot, entry)) {
       come_out(out);
     } else if (slot <= entry) {
       take_slot_of_line(slot);
@@ -56,7 +81,9 @@ void PassProcessor::take_slot_of_line(Cycle slot) {
     if (--first.packets > 0) return;
   }
   first.due = slot - stood_ + compute_;
+  const bool waited = two_ports_ && next_fill() == kNoCycle;
   ++computing_from_;
+  if (waited) fill_free_ = std::max(fill_free_, slot + 1);
 }
 
 // The line's first comes out in cycle `out`, unless there is no place for it: then the line stands until there is.
@@ -110,17 +137,14 @@ void PassProcessor::enter(const Issued& issued, Cycle now) {
   pass.block = issued.block;
   pass.packets = 0;
   pass.goes_out = pass.leaves = false;
+  pass.sampled = !leaps_over(ray, issued.block);
   std::int32_t steps = 1;
-  if (leaps_over(ray, issued.block)) {
+  if (!pass.sampled) {
     ++counters_.leaps;
     steps = 0;
-  } else if (const Misses& misses = cache_.check(issued.block, cell(unpacked(ray.at), Point{}).voxel);
-             misses.count > 0) {
-    if (writes_back_) {
-      for (const TileOfBlock& changed : cache_.victims()) write_back(changed);
-      changed_ = std::max(changed_, now);
-    }
-    pass.packets = ask(misses, issued.queue, now);
+  } else {
+    pass.packets = check(cache_, issued, now, false);
+    if (frame_->lit_by_irradiance && packs_irradiance()) pass.packets += check(*cells_, issued, now, true);
   }
   pass.next = ray.at + ray.step;
   if (steps == 0 || !packs_steps_ || (pass.next & outside_) != 0) {
@@ -154,16 +178,49 @@ bool PassProcessor::leaps_over(const QueuedRay& ray, std::uint32_t block) const 
   return route == nullptr || !route->carrier;
 }
 
+// Asks for what a sample misses of its voxels, or of their irradiance in packets of its own; returns how many packets that is.
+std::uint32_t PassProcessor::check(VolumeCache& cache, const Issued& issued, Cycle now, bool irradiance) {
+  const Misses& misses = cache.check(issued.block, cell(unpacked(issued.ray.at), Point{}).voxel);
+  if (misses.count == 0) return 0;
+  if (writes_back_) {
+    for (const TileOfBlock& changed : cache.victims()) write_back(changed, irradiance);
+    changed_ = std::max(changed_, now);
+  }
+  return ask(misses, irradiance ? irradiance_of(issued.queue) : issued.queue, now);
+}
+
 // Asks for the packets of a sample; returns how many they are.
 std::uint32_t PassProcessor::ask(const Misses& misses, std::uint32_t queue, Cycle now) {
   if (ideal_memory_) return 0;
   send_writes(now);
   PassMemory& memory = *shared_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
+    if (memory.shared()) {
+      reads_.push({now, queue, misses.tiles[i]});
+      continue;
+    }
     memory.asked = std::max(memory.asked, now) + 1;
-    arrivals_.push(arrival(memory.channel->read(queue, misses.tiles[i], memory.asked * ratio_).data_end));
+    arrivals_.push(arrival(memory.channel->read(in_memory(queue), misses.tiles[i], memory.asked * ratio_).data_end));
   }
   return misses.count;
+}
+
+void PassProcessor::send_request(Cycle now) {
+  if (reads_.empty() || (!writes_.all_sent() && writes_.next().asked < reads_.front().asked)) return send_write(now);
+  const PacketRead read = reads_.pop();
+  arrivals_.push(arrival(shared_.memory->channel->read(in_memory(read.queue), read.tile, now * ratio_).data_end));
+}
+
+Cycle PassMemory::next() const {
+  Cycle first = kNoCycle;
+  for (const PassProcessor* client : clients) first = std::min(first, client->next_request());
+  return first == kNoCycle ? first : std::max(first, asked) + 1;
+}
+
+void PassMemory::send() {
+  asked = next();
+  while (clients[turn]->next_request() >= asked) turn = (turn + 1) % clients.size();
+  clients[std::exchange(turn, (turn + 1) % clients.size())]->send_request(asked);
 }
 
 // As rotate(), of these frames.

@@ -13,8 +13,9 @@ namespace gicube::emu {
 
 namespace {
 
-// Chosen: cycles by which a part may run ahead of the next; less where the order of deposits decides what is written.
-constexpr Cycle kSlack = 96, kSlackOfEvents = 16;
+// Chosen: cycles by which a part may run ahead of the next; less where the order of deposits decides what is written,
+// or that of requests which rows of a shared memory are open.
+constexpr Cycle kSlack = 96, kSlackOfEvents = 16, kSlackOfShared = 4;
 constexpr std::size_t kOnTheWay =
     kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
@@ -52,18 +53,19 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
       store_(config.asic().processors() * std::max<std::size_t>(1, partition_.max_blocks())),
       listeners_(config.asic().processors()) {
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
-    memories_.push_back(std::make_unique<PassMemory>(config_, partition_.max_blocks()));
+    const std::size_t clients = standard_.sharing;
+    if (i % clients == 0) {
+      memories_.push_back(
+          std::make_unique<PassMemory>(config_, clients * blocks_in_memory(config_, partition_.max_blocks())));
+    }
     const PassProcessor::Shared with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
                                      &rays_,   &up_};
     processors_.push_back(std::make_unique<PassProcessor>(static_cast<std::uint8_t>(i), with));
+    memories_.back()->clients.push_back(processors_.back().get());
   }
 }
 
-bool PassMachine::covers(const v1::BoardConfig& config) {
-  return memory_standard(config).sharing == 1 && config.sorter().policy() != v1::most_contribution &&
-         config.sorter().queues() == v1::per_block && config.cache().irradiance() == v1::with_voxels &&
-         config.cache().ports() == 1;
-}
+bool PassMachine::covers(const v1::BoardConfig& config) { return config.sorter().queues() == v1::per_block; }
 
 void PassMachine::invalidate_caches() {
   for (const auto& processor : processors_) processor->invalidate_cache();
@@ -242,6 +244,16 @@ bool PassMachine::dsp_acts(PassRaySource& work) {
   return true;
 }
 
+// A shared memory sends what no processor can be before any more: false if that is nothing.
+bool PassMachine::send_first(Cycle before) {
+  for (const auto& memory : memories_) {
+    if (!memory->shared() || memory->next() > before || memory->next() == kNoCycle) continue;
+    memory->send();
+    return true;
+  }
+  return false;
+}
+
 RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead) {
   if (std::exchange(caches_sums_, frame.sums != nullptr) != caches_sums_) invalidate_caches();
   const Cycle begin = now_;
@@ -256,7 +268,8 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   jitter_ = frame.jitter;
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
-  const Cycle slack = PassProcessor::goes_by_events(config_, frame) ? kSlackOfEvents : kSlack;
+  const bool by_events = PassProcessor::goes_by_events(config_, frame);
+  const Cycle slack = standard_.sharing > 1 ? kSlackOfShared : by_events ? kSlackOfEvents : kSlack;
   RunResult ran;
   while (true) {
     PassProcessor* behind = nullptr;
@@ -269,6 +282,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
         behind = processor.get();
       }
     }
+    if (standard_.sharing > 1 && send_first(least)) continue;
     // While the DSP is not behind the processors it has seen all that comes.
     if (least >= engine_.now) {
       if (dsp_acts(work)) continue;
@@ -307,6 +321,7 @@ void PassMachine::state(Archive& archive) {
     archive.within("memory" + std::to_string(number++), [&] {
       archive("channel", *memory->channel);
       archive("asked", memory->asked);
+      archive.at_most("turn", memory->turn, memory->clients.size() - 1);
     });
   }
   archive.parts("processor", processors_);

@@ -34,7 +34,7 @@ class PassRaySource {
   virtual std::uint64_t run_end(std::uint64_t i) const = 0;
   virtual std::uint64_t max_under_way() const = 0;
   virtual DspTask making(std::uint64_t i) const = 0;
-  virtual DspTask taking(std::uint64_t i) const = 0;
+  virtual DspTask taking(std::uint64_t i) = 0;
   virtual bool misses_are_free() const = 0;
 };
 
@@ -59,8 +59,7 @@ class PassMachine {
  public:
   // For volumes of `blocks` along x, y, z.
   PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
-  // Whether it knows all that such a board does. Where it does not, the cycle level is to answer: where
-  // processors share a channel, and with a sorter that it has no model of.
+  // Whether it has a model of such a board's sorter. Where it has none, the cycle level is to answer.
   static bool covers(const v1::BoardConfig& config);
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
@@ -118,6 +117,7 @@ class PassMachine {
   void hand_on(const OnBus& next);
   void run_bus();
   bool dsp_acts(PassRaySource& work);
+  bool send_first(Cycle before);
 
   v1::BoardConfig config_;
   std::array<int, 3> blocks_;

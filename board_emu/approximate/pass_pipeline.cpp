@@ -1,11 +1,27 @@
 // A processor's passes: from the sorter through the pipeline and back, or out of the processor.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "pass_processor.h"
 
 namespace gicube::emu {
+
+// As the sorter's queues count it, at least 1.
+std::uint64_t PassProcessor::contribution_of(const QueuedRay& ray) const {
+  const PassRay& of_ray = (*shared_.rays)[ray.ray];
+  const auto last = std::max<float>(1, of_ray.last_contribution), first = std::max<float>(last, of_ray.contribution);
+  const float to_go = static_cast<float>(ray.left) / static_cast<float>(std::max(1, of_ray.steps));
+  return static_cast<std::uint64_t>(last * std::pow(first / last, to_go));
+}
+
+void PassProcessor::put(const QueuedRay& ray, std::size_t block) {
+  PassRay& to = (*shared_.rays)[ray.ray];
+  to.position = unpacked(ray.at);
+  to.left = ray.left;
+  to.block = static_cast<std::uint32_t>(block);
+}
 
 // Counts rays that come (+1) and go (-1).
 void PassProcessor::hold(int rays, Cycle when) {
@@ -37,7 +53,8 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   PassMemory& memory = *shared_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
-    const Cycle there = arrival(memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end);
+    const Cycle there =
+        arrival(memory.channel->read(in_memory(active_), misses.tiles[i], memory.asked * ratio_).data_end);
     first = std::max(i == 0 ? first : first + 1, there);
     taken_[packets_++ % kRemembered] = first;
   }

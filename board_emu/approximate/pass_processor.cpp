@@ -8,7 +8,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint32_t kMaxPackets = 8;  // of one neighbourhood
+constexpr std::uint32_t kMaxPackets = 8;  // of one neighbourhood, and of its irradiance
 constexpr auto kBus = static_cast<std::size_t>(PassProcessor::From::kBus);
 constexpr std::uint32_t kRayBits = 256;
 
@@ -21,8 +21,10 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       compute_(shared_.config->pipeline().compute_stages()),
       capacity_(shared_.config->ideal().queues() != 0 ? kNone : shared_.config->asic().queue_rays()),
       ratio_(memory_standard(*shared_.config).clocks_per_core_cycle),
+      sharing_(memory_standard(*shared_.config).sharing),
       ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
-      room_(shared_.config->cache().miss_packets() - kMaxPackets),
+      room_(shared_.config->cache().miss_packets() -
+            (shared_.config->cache().irradiance() == v1::in_cells ? 2 : 1) * kMaxPackets),
       link_cycles_((kRayBits + shared_.config->link().bits() - 1) / shared_.config->link().bits()),
       link_rays_(shared_.config->link().rays()),
       memory_latency_(memory_standard(*shared_.config).latency),
@@ -37,17 +39,27 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       overflowed_(queues_.size()),
       importance_(static_cast<std::uint32_t>(queues_.size())),
       importance_of_(emu::importance_of(shared_.config->sorter().policy())),
+      by_contribution_(shared_.config->sorter().policy() == v1::most_contribution),
+      contributions_(queues_.size()),
       ideal_sorter_(shared_.config->ideal().sorter() != 0),
       opened_(queues_.size()),
       listed_(queues_.size()),
       returning_(queues_.size()),
       cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
               shared_.blocks, writes_back_, 1, shared_.config->cache().tags() == v1::of_voxels}),
+      cells_(shared_.config->cache().irradiance() == v1::in_cells
+                 ? std::optional<VolumeCache>(CacheShape{static_cast<int>(shared_.config->asic().block_voxels()),
+                                                         shared_.config->cache().ways(), false, shared_.blocks,
+                                                         writes_back_, 2})
+                 : std::nullopt),
+      two_ports_(shared_.config->cache().ports() == 2),
+      splat_cycles_(two_ports_ ? 1 : 2),
       writes_(shared_.config->cache().write_packets()) {}
 
 bool PassProcessor::goes_by_events(const v1::BoardConfig& config, const Frame& frame) {
   const v1::IdealConfig& ideal = config.ideal();
-  return !frame.plain() || ideal.memory() + ideal.queues() + ideal.sorter() + ideal.dsp() > 0;
+  return !frame.plain() || config.cache().ports() == 2 || memory_standard(config).sharing > 1 ||
+         ideal.memory() + ideal.queues() + ideal.sorter() + ideal.dsp() > 0;
 }
 
 void PassProcessor::begin(Cycle now, const Frame& frame) {
@@ -83,9 +95,10 @@ void PassProcessor::state(Archive& archive) {
                       "a processor of passes");
   const auto queues = static_cast<std::uint32_t>(queues_.size());
   archive("cache", cache_);
+  if (cells_) archive("cells", *cells_);
   archive("importance", importance_);
   archive.field("slots", [this](Archive::Record& record) {
-    record(slots_, overflowed_, opened_, openings_, listed_, modified_);
+    record(slots_, overflowed_, opened_, openings_, listed_, modified_, contributions_);
   });
   archive.field("sorter", [this](Archive::Record& record) {
     record(active_, resting_, block_, corner_, arrived_, sorted_);
@@ -100,9 +113,10 @@ void PassProcessor::state(Archive& archive) {
     record(holds_, held_since_, held_until_);
   });
   archive("counters", counters_);
-  archive.within("writes", [&] { writes_.state(archive, queues, cache_.tiles_of_block()); });
+  archive.within("writes", [&] { writes_.state(archive, (cells_ ? 2 : 1) * queues, cache_.tiles_of_block()); });
   archive.field("splats", [this](Archive::Record& record) {
-    record(computing_from_, entered_, room_since_, free_to_compute_, last_out_, link_free_, splat_free_, changed_);
+    record(computing_from_, entered_, room_since_, free_to_compute_, last_out_, link_free_, splat_free_, changed_,
+           fill_free_);
     line_.empty_state(record);
   });
   if (!archive.loads()) return;
@@ -172,6 +186,7 @@ inline void PassProcessor::write(const QueuedRay& ray, std::uint32_t queue) {
   }
   if (queues_[queue].empty()) opened_[queue] = ++openings_;
   queues_[queue].push(ray);
+  if (by_contribution_) contributions_[queue] += contribution_of(ray);
   ++waiting_;
   if (listed_[queue] != 0) return;
   listed_[queue] = 1;
@@ -246,7 +261,8 @@ inline void PassProcessor::take_in(Cycle now) {
     listed_[queue] = 0;
     if (queues_[queue].empty()) continue;
     importance_.set(queue, importance_of_({.waiting = static_cast<std::uint32_t>(queues_[queue].size()),
-                                           .opened = opened_[queue]}));
+                                           .opened = opened_[queue],
+                                           .contribution = contributions_[queue]}));
     cycles -= ideal_sorter_ ? 0 : 1;
   }
 }
@@ -261,7 +277,10 @@ inline bool PassProcessor::choose(Cycle now) {
   if (waits) {
     arrive(now, now);
     const auto rays = static_cast<std::uint32_t>(arrived_ - active_rays_.begin());
-    const std::uint32_t own = importance_of_({.waiting = rays, .opened = openings_ + 1});
+    std::uint64_t contribution = 0;
+    for (std::size_t i = active_rays_.begin(); by_contribution_ && i != arrived_; ++i)
+      contribution += contribution_of(active_rays_[i]);
+    const std::uint32_t own = importance_of_({.waiting = rays, .opened = openings_ + 1, .contribution = contribution});
     resting_ = own < most || (own == most && active_ > importance_.queue());
   }
   if (resting_ && most == 0) return false;
@@ -277,6 +296,7 @@ void PassProcessor::activate(std::uint32_t queue, Cycle now) {
   importance_.set(queue, 0);
   LongQueue<QueuedRay>& from = queues_[queue];
   waiting_ -= from.size();
+  contributions_[queue] = 0;
   block_ = static_cast<std::uint32_t>(shared_.partition->block(number_, queue));
   corner_ = grid_.corner(block_);  // also without jitter: the block may still be active when a frame with it begins
   for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
@@ -310,13 +330,6 @@ void PassProcessor::put_back(Cycle now) {
 PassProcessor::QueuedRay PassProcessor::queued_ray(std::uint32_t handle, Cycle ready) const {
   const PassRay& ray = (*shared_.rays)[handle];
   return {packed(ray.position), packed(field_step(ray.step)), ready, handle, ray.left};
-}
-
-void PassProcessor::put(const QueuedRay& ray, std::size_t block) {
-  PassRay& to = (*shared_.rays)[ray.ray];
-  to.position = unpacked(ray.at);
-  to.left = ray.left;
-  to.block = static_cast<std::uint32_t>(block);
 }
 
 // How many rays of the active queue have come back from after `before` to `now`.

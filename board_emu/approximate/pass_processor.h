@@ -12,8 +12,7 @@
 // What a ray meets on its way (functional/trail.h) is an input too: splats, turns and traps.
 //
 // Simplified: the sorter knows a queue's new importance as soon as it takes it in, one a cycle. The merge tree's places are
-// counted by processor. Processors that share a channel are not modelled (pass_machine.h, covers()): how often they close
-// each other's rows depends on the cycle.
+// counted by processor. What a ray can still contribute falls evenly over its steps (PassRay::contribution).
 #pragma once
 
 #include <algorithm>
@@ -21,6 +20,7 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -28,7 +28,6 @@
 #include "asic/cache/volume_cache.h"
 #include "asic/cache/write_queue.h"
 #include "asic/latencies.h"
-#include "asic/memory_standards.h"
 #include "asic/partition.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/policies.h"
@@ -36,20 +35,12 @@
 #include "datapath/ray_step.h"
 #include "gicube/v1/board_config.pb.h"
 #include "memory/irradiance_memory.h"
+#include "pass_memory.h"
 #include "pass_rays.h"
 #include "pass_tree.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
-
-// A processor's memory channel.
-struct PassMemory {
-  PassMemory(const v1::BoardConfig& config, std::size_t blocks)
-      : channel(make_memory(config, static_cast<std::uint32_t>(blocks))) {}
-
-  std::unique_ptr<dram::Memory> channel;
-  Cycle asked = 0;  // in which it took the last packet on
-};
 
 struct PassCounters {
   std::uint64_t leaps = 0;
@@ -85,7 +76,10 @@ class PassProcessor {
   static bool goes_by_events(const v1::BoardConfig& config, const Frame& frame);
   // All passes until the next call are of this frame, and none is before cycle `now`.
   void begin(Cycle now, const Frame& frame);
-  void invalidate_cache() { cache_.invalidate(); }
+  void invalidate_cache() {
+    cache_.invalidate();
+    if (cells_) cells_->invalidate();
+  }
   // Nothing is under way: what waits to be written goes to the memory. Returns the cycle in which that is done; 0 if nothing waits.
   Cycle finish_writes();
 
@@ -99,6 +93,13 @@ class PassProcessor {
     from_[static_cast<std::size_t>(from)].push(ray);
     others_ = std::min(others_, ray.ready);
   }
+
+  // Of a memory that it shares: when its next request was made, and that it is sent now.
+  Cycle next_request() const {
+    const Cycle write = writes_.all_sent() ? kNoCycle : writes_.next().asked;
+    return reads_.empty() ? write : std::min(write, reads_.front().asked);
+  }
+  void send_request(Cycle now);
 
   // The DSP has taken a ray of this processor out of the merge tree.
   void taken_from_tree(Cycle now);
@@ -165,6 +166,10 @@ class PassProcessor {
     void state(Archive::Record& record) { record(left, blocked); }
   };
 
+  struct PacketRead {
+    Cycle asked = 0;
+    std::uint32_t queue = 0, tile = 0;
+  };
   // A ray between the sorter and the pipeline.
   struct Issued {
     QueuedRay ray;
@@ -179,8 +184,9 @@ class PassProcessor {
     Cycle due = 0;
     std::uint32_t queue = 0, block = 0;
     std::uint32_t packets = 0;  // that it waits for
-    bool goes_out = false;      // of its block
-    bool leaves = false;        // for another processor
+    bool sampled = false;
+    bool goes_out = false;  // of its block
+    bool leaves = false;    // for another processor
   };
 
   // In the order in which they are back: carriers leave after the ray that sends them, when others may have left already.
@@ -196,12 +202,18 @@ class PassProcessor {
   void come_out(Cycle out);
   void enter(const Issued& issued, Cycle now);
   void take_slot_of_line(Cycle slot);
+  Cycle next_fill() const;
+  void fill(Cycle now);
   Cycle next_entry() const;
   bool leaps_over(const QueuedRay& ray, std::uint32_t block) const;
+  std::uint32_t check(VolumeCache& cache, const Issued& issued, Cycle now, bool irradiance);
   std::uint32_t ask(const Misses& misses, std::uint32_t queue, Cycle now);
   void rotate_line(Cycle& ends, Cycle until);
-  bool line_is_full() const { return line_.end() - computing_from_ >= prefetch_ || arrivals_.size() > room_; }
+  bool line_is_full() const {
+    return line_.end() - computing_from_ >= prefetch_ || arrivals_.size() + reads_.size() > room_;
+  }
   bool line_stands() const { return stalled_ || link_stalled_; }
+  void send_write(Cycle now);
   void send_writes(Cycle now);
   Cycle room_from(Cycle now);
   Point corner_of(std::uint32_t block) const;
@@ -209,7 +221,11 @@ class PassProcessor {
   SharingBlocks blocks_of(const Deposit& deposit, std::uint32_t block) const;
   Cycle splat(const Deposit& deposit, const OnLine& from, bool carries, Cycle out);
   void change(const OnLine& from, std::uint32_t tile);
-  void write_back(const TileOfBlock& changed);
+  bool packs_irradiance() const { return cells_.has_value() && !leaves_sums_; }
+  std::uint32_t irradiance_of(std::uint32_t queue) const {  // behind the voxels of all blocks
+    return queue + static_cast<std::uint32_t>(shared_.partition->max_blocks());
+  }
+  void write_back(const TileOfBlock& changed, bool irradiance);
   void carry(const Deposit& deposit, std::uint32_t block, Cycle when);
   bool meets_event(OnLine& pass, Cycle& out);
   // A step of a block or more leaves it, however long it is.
@@ -219,6 +235,8 @@ class PassProcessor {
     return out;
   }
 
+  // The blocks of processors that share a memory alternate there.
+  std::uint32_t in_memory(std::uint32_t block) const { return block * sharing_ + number_ % sharing_; }
   Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
@@ -232,6 +250,7 @@ class PassProcessor {
   void put_back(Cycle now);
   Cycle arrive(Cycle now, Cycle before);
   QueuedRay queued_ray(std::uint32_t handle, Cycle ready) const;
+  std::uint64_t contribution_of(const QueuedRay& ray) const;
   void put(const QueuedRay& ray, std::size_t block);
   template <bool kAlike, bool kPlain>
   void rotate(Cycle& now, Cycle until);
@@ -260,7 +279,11 @@ class PassProcessor {
   Direction way_to(std::uint8_t processor) const;
   void line_goes_on(Cycle moved);
   // No ray can enter, and it is not known yet when one can.
-  bool stalled() const { return line_stands() && (!by_events_ || (issued_.size() >= kFifoPlaces && line_is_full())); }
+  bool stalled() const {
+    if (!by_events_) return line_stands();
+    return issued_.size() >= kFifoPlaces && ((line_stands() && line_is_full()) || waits_for_shared_memory());
+  }
+  bool waits_for_shared_memory() const { return !reads_.empty() && next_in_line() == kNoCycle; }
   // More rays than there are places have come out of the pipeline.
   bool stalls_for_link(Cycle now) {
     link_stalled_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
@@ -274,7 +297,7 @@ class PassProcessor {
 
   const std::uint8_t number_;
   Shared shared_;
-  std::uint32_t prefetch_, compute_, capacity_, ratio_;
+  std::uint32_t prefetch_, compute_, capacity_, ratio_, sharing_;
   int ratio_bits_;             // if it is a power of two
   std::uint32_t room_;         // packets that may be on their way when a sample enters
   Cycle link_cycles_;          // of a ray
@@ -304,6 +327,8 @@ class PassProcessor {
   std::vector<std::uint32_t> overflowed_;  // rays of each queue that no slot is kept for yet
   ExactMaximum importance_;                // by the importance that the sorter knows of
   ImportanceOf importance_of_;
+  bool by_contribution_;                      // of a queue's rays
+  std::vector<std::uint64_t> contributions_;  // their sums
   bool ideal_sorter_;
   std::vector<std::uint32_t> opened_;  // when each got the first of its rays, by number
   std::uint32_t openings_ = 0;
@@ -326,17 +351,22 @@ class PassProcessor {
   std::array<bool, 3> waits_{};                          // its first has to wait
   LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
   VolumeCache cache_;
+  std::optional<VolumeCache> cells_;  // of irradiance, if it is in packets of its own
   // Of frames with events: the pipeline, the oldest first.
   LongQueue<Issued> issued_;
   LongQueue<OnLine> line_;
   std::size_t computing_from_ = 0;      // the number of the first that has not begun to be resampled
   LongQueue<Cycle> arrivals_;           // of packets that are not in the cache yet
+  LongQueue<PacketRead> reads_;         // and of those that a shared memory is asked for
   Cycle entered_ = 0, room_since_ = 0;  // when the last entered, and when a full line had room again
   Cycle stood_ = 0;                     // cycles in which the line stood
   Cycle free_to_compute_ = 0;           // before that nothing begins to be resampled
   Cycle last_out_ = 0;                  // when the last came out
   Cycle link_free_ = 0;                 // when the last that waited for a link went on
   Cycle splat_free_ = 0;                // when the splat unit has done with the last
+  const bool two_ports_;                // of the cache's banks
+  const Cycle splat_cycles_;            // in which no sample is read
+  Cycle fill_free_ = 0;                 // two ports: before that no packet is written
   WriteQueue writes_;
   Cycle changed_ = 0;  // when the last tile did
 

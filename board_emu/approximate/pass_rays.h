@@ -31,6 +31,9 @@ struct PassRay {
   std::int32_t left = 0;  // steps to its end, or to its next event
   std::uint32_t block = 0;
   std::int32_t amount = 0;  // that each sample leaves in sums
+  // What a ray without events contributes where it begins, and so many steps later at its end; 12 bits.
+  std::uint16_t contribution = 0, last_contribution = 0;
+  std::int32_t steps = 0;
   Rest rest{}, step_rest{};
   std::unique_ptr<PassRoute> route{};  // null: it has no events but its end
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <mutex>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "approximate/pass_machine.h"
@@ -34,7 +36,8 @@ class TracedPasses : public PassRaySource {
   }
   std::uint64_t max_under_way() const override { return source_.max_under_way(); }
   DspTask making(std::uint64_t i) const override { return source_.making(which_.begin + i); }
-  DspTask taking(std::uint64_t i) const override { return source_.taking(which_.begin + i); }
+  // The parts of a ray are given back to the source here, since what that costs depends on which of them is the last.
+  DspTask taking(std::uint64_t i) override;
 
   bool misses_are_free() const override { return source_.misses_are_free(); }
 
@@ -46,6 +49,8 @@ class TracedPasses : public PassRaySource {
 
  private:
   unsigned tracers() const { return threads_ > 1 ? threads_ - 1 : 1; }
+  void trace_parts(std::span<const wire::Ray> rays, std::span<const std::uint64_t> index,
+                   std::span<std::int32_t> steps);
   void follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended);
 
   RaySource& source_;
@@ -56,6 +61,8 @@ class TracedPasses : public PassRaySource {
   TrailRecord record_;
   std::uint64_t made_ = 0;
   RayCounters counters_;
+  std::mutex coming_back_mutex_;                              // rays are made on another thread
+  std::unordered_map<std::uint64_t, wire::Ray> coming_back_;  // parts of rays, by number
 };
 
 }  // namespace gicube::emu

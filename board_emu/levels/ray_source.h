@@ -82,6 +82,8 @@ class RaySource {
   // Makes ray `i`, once for each. Nothing is returned for a ray that does not go to the ASIC: the source has done with it, and
   // has counted it in `counters`.
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
+  // In which a ray that was made flies, as RayBatch::frame; of frames whose rays end at borders.
+  virtual const Frame* frame_of(const wire::Ray& /*made*/) const { return nullptr; }
   // Takes ray `i` back after its flight, once for each ray that was made, unless it waits for the host. Its flags mean nothing then.
   virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
 

@@ -44,6 +44,9 @@ class SegmentRays : public RaySource {
   DspTask taking(std::uint64_t i) const override;
   std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const override;
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
+  const Frame* frame_of(const wire::Ray& made) const override {
+    return &frames_[slab_of(static_cast<std::int32_t>(made.position[0]))];
+  }
   void take(std::uint64_t i, const wire::Ray& ray) override;
   void state(Archive::Record& record, std::uint64_t /*begin*/) override { record(kept_, waits_for_); }
   std::size_t divide(std::size_t rays) override;

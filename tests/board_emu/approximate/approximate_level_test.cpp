@@ -150,6 +150,15 @@ INSTANTIATE_TEST_SUITE_P(
         Case{.name = "ideal_sorter", .machine = {"ideal.sorter=1", "dsp.clock_khz=1000000"}},
         Case{.name = "ddr", .machine = {"memory=ddr", "dsp.clock_khz=1000000"}},
         Case{.name = "one_processor", .machine = {"asic.processors=1"}},
+        Case{.name = "most_contribution",
+             .machine = {"sorter.policy=most_contribution", "dsp.clock_khz=1000000"},
+             .opacity = 300},
+        Case{.name = "two_ports", .machine = {"cache.ports=2", "dsp.clock_khz=1000000"}},
+        Case{.name = "shared_rdram",
+             .machine = {"rdram.processors_per_rdram=2", "asic.processors=4", "dsp.clock_khz=1000000"}},
+        Case{.name = "shared_ddr",
+             .machine = {"memory=ddr", "ddr.processors_per_channel=2", "asic.processors=8",
+                         "asic.partition=skewed_block", "dsp.clock_khz=1000000"}},
         Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},
         Case{.name = "jittered", .machine = {}, .jitter = true}),
     [](const auto& test) { return test.param.name; });
@@ -173,22 +182,33 @@ TEST(ApproximateBoard, TakesStepsThatAreLongerThanABlock) {
   EXPECT_NEAR(time / expected_time, 1, 0.03);
 }
 
-// Their packets alternate on the channel, which turns know nothing of.
-TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
-  const auto time = [](const char* fidelity, const char* sharing) {
-    BareBoard board(config_with(
-        {fidelity, sharing, "dsp.clock_khz=1000000", "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
-    board.load_volume({32, 32, 32}, [](int x, int y, int) {
-      return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
-    });
-    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 800}; });
-    const std::uint64_t begin = board.now_ps;
-    board.render(corner_view({32, 32, 32}, 32));
-    return board.now_ps - begin;
+// The parts of a ray are rays, and end at the processors' borders.
+TEST(ApproximateBoard, CastsThePartsOfARayAtTheSameTime) {
+  struct Run {
+    std::uint64_t rays, samples, answered;
+    double time;
+    std::vector<wire::Pixel> picture;
   };
-  constexpr const char *kApproximate = "fidelity=approximate", *kCycle = "fidelity=cycle";
-  EXPECT_EQ(time(kApproximate, "rdram.processors_per_rdram=2"), time(kCycle, "rdram.processors_per_rdram=2"));
-  EXPECT_NE(time(kApproximate, "rdram.processors_per_rdram=1"), time(kCycle, "rdram.processors_per_rdram=1"));
+  const auto run = [](const std::string& fidelity, const char* segments) {
+    BareBoard board(config_with({"fidelity=" + fidelity, "asic.processors=3", segments, "dsp.clock_khz=1000000",
+                                 "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
+    board.load_volume({64, 64, 64}, [](int x, int y, int z) {
+      return wire::Voxel{static_cast<std::uint16_t>(20 * x + 20 * y + z), 0, 0, 0};
+    });
+    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 100}; });
+    const std::uint64_t begin = board.now_ps;
+    std::vector<wire::Pixel> picture = board.render(corner_view({64, 64, 64}, 64));
+    return Run{board.counter("dsp.rays_taken"), board.counter("pipeline.samples"),
+               board.counter("fidelity_answered." + fidelity), static_cast<double>(board.now_ps - begin),
+               std::move(picture)};
+  };
+  const Run got = run("approximate", "dsp.segments=1"), expected = run("cycle", "dsp.segments=1");
+  EXPECT_EQ(got.answered, 1u);
+  EXPECT_GT(expected.rays, run("approximate", "dsp.segments=0").rays);
+  EXPECT_EQ(got.rays, expected.rays);
+  EXPECT_EQ(got.samples, expected.samples);
+  EXPECT_EQ(got.picture, expected.picture);
+  EXPECT_NEAR(got.time / expected.time, 1, 0.025);
 }
 
 TEST(ApproximateBoard, SaysWhichLevelAnsweredEachCommand) {
@@ -214,7 +234,7 @@ TEST(ApproximateBoard, SaysWhichLevelAnsweredEachCommand) {
 TEST(ApproximateBoard, CyclesAddUpByCauseBeforeAndAfterACommandOfTheCycleLevel) {
   constexpr std::uint64_t kProcessors = 3;
   BareBoard board(config_with({"fidelity=approximate", "asic.processors=3", "asic.block_voxels=16",
-                               "asic.max_volume_voxels=128", "dsp.segments=1"}));
+                               "asic.max_volume_voxels=128", "sorter.policy=most_contribution"}));
   board.load_volume({32, 32, 32}, [](int x, int y, int) {
     return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
   });
@@ -226,14 +246,15 @@ TEST(ApproximateBoard, CyclesAddUpByCauseBeforeAndAfterACommandOfTheCycleLevel) 
     }
     return sum;
   };
-  wire::IlluminateCommand light;
-  light.energy = 1000;
-  light.position = {-20, 10, 10};
-  board.wait(board.command(wire::encoded(light)));
+  board.render(corner_view({32, 32, 32}, 16));
   const std::uint64_t unattributed = board.counter("processor.cycles.unattributed");
   EXPECT_GT(unattributed, 0u);
   EXPECT_EQ(of_all_causes(), kProcessors * board.counter("asic.cycles"));
-  board.render(corner_view({32, 32, 32}, 16));  // in segments: answered by the cycle level
+  wire::IlluminateCommand light;
+  light.energy = 1000;
+  light.position = {-20, 10, 10};
+  board.wait(board.command(wire::encoded(light)));  // what these rays contribute is the cycle level's to know
+  EXPECT_EQ(board.counter("fidelity_answered.cycle"), 1u);
   EXPECT_GT(board.counter("processor.cycles.latency"), 0u);
   EXPECT_EQ(board.counter("processor.cycles.unattributed"), unattributed) << "the cycle level knows all its causes";
   EXPECT_EQ(of_all_causes(), kProcessors * board.counter("asic.cycles"));

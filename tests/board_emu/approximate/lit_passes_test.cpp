@@ -95,18 +95,23 @@ TEST_P(LitPasses, TakeAboutTheTimeAndTheTrafficOfTheCycleLevel) {
 
 INSTANTIATE_TEST_SUITE_P(
     Of, LitPasses,
-    testing::Values(LitCase{.name = "low_albedo", .machine = {}},
-                    LitCase{.name = "photons", .machine = {}, .albedo = wire::Albedo::kHigh},
-                    LitCase{.name = "straight", .machine = {}, .bsdf = wire::Bsdf::kNone, .extinction = 0.02},
-                    LitCase{.name = "thick", .machine = {}, .extinction = 0.5},
-                    LitCase{.name = "eight_processors",
-                            .machine = {"asic.processors=8", "asic.partition=skewed_block", "dsp.clock_khz=1000000"}},
-                    LitCase{.name = "one_processor_fast_dsp",
-                            .machine = {"asic.processors=1", "dsp.clock_khz=1000000"}},
-                    LitCase{.name = "all_samples_write", .machine = {"cache.splat_rule=all_samples"}},
-                    LitCase{.name = "write_through",
-                            .machine = {"cache.write_policy=write_through", "cache.splat_rule=visible_samples"}},
-                    LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}}),
+    testing::Values(
+        LitCase{.name = "low_albedo", .machine = {}},
+        LitCase{.name = "photons", .machine = {}, .albedo = wire::Albedo::kHigh},
+        LitCase{.name = "straight", .machine = {}, .bsdf = wire::Bsdf::kNone, .extinction = 0.02},
+        LitCase{.name = "thick", .machine = {}, .extinction = 0.5},
+        LitCase{.name = "eight_processors",
+                .machine = {"asic.processors=8", "asic.partition=skewed_block", "dsp.clock_khz=1000000"}},
+        LitCase{.name = "one_processor_fast_dsp", .machine = {"asic.processors=1", "dsp.clock_khz=1000000"}},
+        LitCase{.name = "all_samples_write", .machine = {"cache.splat_rule=all_samples"}},
+        LitCase{.name = "write_through",
+                .machine = {"cache.write_policy=write_through", "cache.splat_rule=visible_samples"}},
+        LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}},
+        LitCase{.name = "irradiance_in_cells", .machine = {"cache.irradiance=in_cells"}},
+        LitCase{.name = "in_cells_written_back",
+                .machine = {"cache.irradiance=in_cells", "cache.write_policy=write_back"}},
+        LitCase{.name = "two_ports", .machine = {"cache.ports=2"}},
+        LitCase{.name = "shared_rdram", .machine = {"rdram.processors_per_rdram=2", "dsp.clock_khz=1000000"}}),
     [](const auto& test) { return test.param.name; });
 
 class BackprojectingPasses : public testing::TestWithParam<LitCase> {};
@@ -168,7 +173,9 @@ INSTANTIATE_TEST_SUITE_P(
                     LitCase{.name = "all_samples_write", .machine = {"cache.splat_rule=all_samples"}},
                     LitCase{.name = "long_write_queue", .machine = {"cache.write_packets=256"}},
                     LitCase{.name = "write_through", .machine = {"cache.write_policy=write_through"}},
-                    LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}}),
+                    LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}},
+                    LitCase{.name = "two_ports", .machine = {"cache.ports=2"}},
+                    LitCase{.name = "shared_rdram", .machine = {"rdram.processors_per_rdram=2"}}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace
