@@ -7,11 +7,8 @@
 
 namespace gicube::emu {
 
-// Passes know nothing of rays that wait for blocks, nor of what rays that scatter contribute on their way.
-bool ApproximateLevel::answers(const Frame& frame) const {
-  const bool contribute = config_.sorter().policy() == v1::most_contribution;
-  return !frame.in_bricks() && (frame.plain() || !contribute) && PassMachine::covers(config_);
-}
+// Passes know nothing of rays that wait for blocks.
+bool ApproximateLevel::answers(const Frame& frame) const { return !frame.in_bricks() && PassMachine::covers(config_); }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {
   if (machine_ && machine_->blocks() != frame.volume->blocks()) drop_machines();

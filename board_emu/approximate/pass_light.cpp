@@ -152,7 +152,8 @@ void PassProcessor::carry(const Deposit& deposit, std::uint32_t block, Cycle whe
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ray.position[axis] = std::clamp(deposit.voxel[axis] - corner[axis], 0, most) << wire::kPositionFractionBits;
   }
-  ray.left = 1;
+  ray.next_contribution = kFullContribution;
+  ray.begin_way(1, kFullContribution);
   ray.block = block;
   ray.route = std::make_unique<PassRoute>();
   ray.route->carrier = true;
@@ -186,9 +187,11 @@ bool PassProcessor::meets_event(OnLine& pass, Cycle& out) {
     finish(ray.ray, pass.queue, out);
     return false;
   }
-  ray.left = route.events[++route.next].steps;
-  if (!event.turns) return true;
+  const TrailEvent& next = route.events[++route.next];
   PassRay& of_ray = (*shared_.rays)[ray.ray];
+  of_ray.begin_way(next.steps, next.contribution);
+  ray.left = next.steps;
+  if (!event.turns) return true;
   of_ray.follow(event.way, jitter_);
   ray.step = packed(field_step(of_ray.step));
   const Point corner = corner_of(pass.block);

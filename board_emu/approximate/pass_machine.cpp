@@ -215,7 +215,8 @@ bool PassMachine::scatter(std::uint32_t handle) {
   ray.follow(event.way, jitter_);
   ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
   for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
-  ray.left = ray.route->events[++ray.route->next].steps;
+  const TrailEvent& next = ray.route->events[++ray.route->next];
+  ray.begin_way(next.steps, next.contribution);
   dsp_works(store_.keep_ready(handle));
   return true;
 }

@@ -11,7 +11,7 @@ namespace gicube::emu {
 // As the sorter's queues count it, at least 1.
 std::uint64_t PassProcessor::contribution_of(const QueuedRay& ray) const {
   const PassRay& of_ray = (*shared_.rays)[ray.ray];
-  const auto last = std::max<float>(1, of_ray.last_contribution), first = std::max<float>(last, of_ray.contribution);
+  const auto last = std::max<float>(1, of_ray.next_contribution), first = std::max<float>(last, of_ray.contribution);
   const float to_go = static_cast<float>(ray.left) / static_cast<float>(std::max(1, of_ray.steps));
   return static_cast<std::uint64_t>(last * std::pow(first / last, to_go));
 }

@@ -31,12 +31,18 @@ struct PassRay {
   std::int32_t left = 0;  // steps to its end, or to its next event
   std::uint32_t block = 0;
   std::int32_t amount = 0;  // that each sample leaves in sums
-  // What a ray without events contributes where it begins, and so many steps later at its end; 12 bits.
-  std::uint16_t contribution = 0, last_contribution = 0;
+  // What the ray contributes where it begins or after its last event, and so many steps later at the next; 12 bits.
+  std::uint16_t contribution = 0, next_contribution = 0;
   std::int32_t steps = 0;
   Rest rest{}, step_rest{};
   std::unique_ptr<PassRoute> route{};  // null: it has no events but its end
 
+  // So many steps are to its next event, after which it contributes that.
+  void begin_way(std::int32_t steps_to_go, std::uint16_t contribution_then) {
+    left = steps = steps_to_go;
+    contribution = next_contribution;
+    next_contribution = contribution_then;
+  }
   // It goes on by `way`; its position is then the volume's.
   inline void follow(const RayWay& way, bool jitter);
 };

@@ -48,7 +48,7 @@ void TracedPasses::follow(std::span<wire::Ray> rays, std::span<PassRay* const> o
   ended = trace_recorded(rays, frame_, record_, tracer_, tracers(), counters_);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     std::vector<TrailEvent>& events = trails[k].events;
-    out[k]->left = events.front().steps;
+    out[k]->begin_way(events.front().steps, events.front().contribution);
     if (events.size() == 1 && !events.front().deposits && !events.front().trapped && !frame_.lamps) continue;
     out[k]->route = std::make_unique<PassRoute>();
     out[k]->route->events = std::move(events);
@@ -68,7 +68,7 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
     const RayState ray_state = unpack(*ray, frame_);
     way.follow(way_of(ray_state), frame_.jitter);
     if (frame_.sums != nullptr) way.amount = ray_state.amount();
-    way.contribution = contribution(ray->opacity);
+    way.next_contribution = contribution(ray_state);
     rays.push_back(*ray);
     ways.push_back(&way);
     index.push_back(which);
@@ -79,7 +79,7 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
   const bool sums = frame_.sums != nullptr;
   if (frame_.ends_at_borders) {
     trace_parts(rays, index, steps);
-    for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->left = steps[k];
+    for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->begin_way(steps[k], contribution(rays[k].opacity));
     return;
   }
   if (sums || frame_.plain() || (tracer_ != nullptr && frame_.gathers())) {
@@ -89,8 +89,7 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
       counters_ += trace(rays, frame_, tracer_, tracers(), steps);
     }
     for (std::size_t k = 0; k < rays.size(); ++k) {
-      ways[k]->left = ways[k]->steps = steps[k];
-      ways[k]->last_contribution = contribution(rays[k].opacity);
+      ways[k]->begin_way(steps[k], sums ? ways[k]->next_contribution : contribution(rays[k].opacity));
     }
   } else {
     follow(rays, ways, ended);

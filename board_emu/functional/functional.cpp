@@ -57,6 +57,7 @@ void note(const Interaction& interaction, const SampledAt& sampled, const RaySta
   event.deposits = interaction.deposits || writes;
   event.trapped = trapped;
   event.turns = turns;
+  event.contribution = contribution(ray);
   if (turns) event.way = way_of(ray);
   if (event.deposits) event.deposit = interaction.deposits ? interaction.deposit : nothing_at(sampled.place);
   if (event.deposits && record.writes_all_voxels()) event.deposit.shares.fill(1);
@@ -197,6 +198,7 @@ class Flights {
         event.routine_cycles = answers[i].cycles;
         event.turns = true;
         event.way = way_of(flights[i].ray_state);
+        event.contribution = contribution(flights[i].ray_state);
       }
       if (interaction.outcome == Outcome::kEnded) {
         end_with(flights[i], Termination::kAbsorbed);
@@ -211,7 +213,7 @@ class Flights {
     count_end(flight.ray_state, how, frame_, counters_);
     pack_ended(flight.ray_state, frame_, rays_[flight.ray]);
     ended_[flight.ray] = true;
-    if (record_ != nullptr) record_->trails[flight.ray].end();
+    if (record_ != nullptr) record_->trails[flight.ray].end(contribution(flight.ray_state));
   }
 
   std::span<wire::Ray> rays_;

@@ -30,6 +30,7 @@ struct TrailEvent {
   bool waits = false;      // there, for the host: this ray does not go on
   bool ends = false;       // the last
   std::uint32_t routine_cycles = 0;  // of the DSP, if it is trapped
+  std::uint16_t contribution = 0;    // of the ray after it, as the sorter counts it
   Deposit deposit{};
   RayWay way{};
 };
@@ -43,10 +44,11 @@ struct RayTrail {
     since = 0;
     return events.back();
   }
-  // It ends where it is.
-  void end() {
+  // It ends where it is, with what it still contributes.
+  void end(std::uint16_t contribution) {
     if (since > 0 || events.empty()) add();
     events.back().ends = true;
+    events.back().contribution = contribution;
   }
 };
 

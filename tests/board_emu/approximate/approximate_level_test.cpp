@@ -230,36 +230,6 @@ TEST(ApproximateBoard, SaysWhichLevelAnsweredEachCommand) {
   EXPECT_EQ(answered("functional"), 0u);
 }
 
-// Shares of all cycles can be formed whichever levels have answered: what has no cause is counted as such.
-TEST(ApproximateBoard, CyclesAddUpByCauseBeforeAndAfterACommandOfTheCycleLevel) {
-  constexpr std::uint64_t kProcessors = 3;
-  BareBoard board(config_with({"fidelity=approximate", "asic.processors=3", "asic.block_voxels=16",
-                               "asic.max_volume_voxels=128", "sorter.policy=most_contribution"}));
-  board.load_volume({32, 32, 32}, [](int x, int y, int) {
-    return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
-  });
-  board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 800}; });
-  const auto of_all_causes = [&board] {
-    std::uint64_t sum = 0;
-    for (const wire::Counter& counter : board.counters()) {
-      if (counter.name.starts_with("processor.cycles.")) sum += counter.value;
-    }
-    return sum;
-  };
-  board.render(corner_view({32, 32, 32}, 16));
-  const std::uint64_t unattributed = board.counter("processor.cycles.unattributed");
-  EXPECT_GT(unattributed, 0u);
-  EXPECT_EQ(of_all_causes(), kProcessors * board.counter("asic.cycles"));
-  wire::IlluminateCommand light;
-  light.energy = 1000;
-  light.position = {-20, 10, 10};
-  board.wait(board.command(wire::encoded(light)));  // what these rays contribute is the cycle level's to know
-  EXPECT_EQ(board.counter("fidelity_answered.cycle"), 1u);
-  EXPECT_GT(board.counter("processor.cycles.latency"), 0u);
-  EXPECT_EQ(board.counter("processor.cycles.unattributed"), unattributed) << "the cycle level knows all its causes";
-  EXPECT_EQ(of_all_causes(), kProcessors * board.counter("asic.cycles"));
-}
-
 TEST(PassMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   constexpr int kOneBlock = 15;  // which stays in its processor's cache
   Scene scene({kOneBlock, kOneBlock, kOneBlock}, kBlock);

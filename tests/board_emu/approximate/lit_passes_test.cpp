@@ -107,6 +107,10 @@ INSTANTIATE_TEST_SUITE_P(
         LitCase{.name = "write_through",
                 .machine = {"cache.write_policy=write_through", "cache.splat_rule=visible_samples"}},
         LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}},
+        LitCase{.name = "most_contribution", .machine = {"sorter.policy=most_contribution"}},
+        LitCase{.name = "photons_most_contribution",
+                .machine = {"sorter.policy=most_contribution", "asic.processors=1", "dsp.clock_khz=1000000"},
+                .albedo = wire::Albedo::kHigh},
         LitCase{.name = "irradiance_in_cells", .machine = {"cache.irradiance=in_cells"}},
         LitCase{.name = "in_cells_written_back",
                 .machine = {"cache.irradiance=in_cells", "cache.write_policy=write_back"}},
@@ -174,6 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
                     LitCase{.name = "long_write_queue", .machine = {"cache.write_packets=256"}},
                     LitCase{.name = "write_through", .machine = {"cache.write_policy=write_through"}},
                     LitCase{.name = "write_back", .machine = {"cache.write_policy=write_back"}},
+                    LitCase{.name = "most_contribution", .machine = {"sorter.policy=most_contribution"}},
                     LitCase{.name = "two_ports", .machine = {"cache.ports=2"}},
                     LitCase{.name = "shared_rdram", .machine = {"rdram.processors_per_rdram=2"}}),
     [](const auto& test) { return test.param.name; });

@@ -49,19 +49,30 @@ TEST(FidelityReport, StatesErrorsThatItsSourcesState) {
   }
 }
 
-TEST(FidelityReport, TellsWhichLevelAnsweredWhichCommand) {
-  const reference::BoxVolume volume(16, 4, 11);
-  // What lighting rays contribute is left to the cycle level.
-  Board board = reference::open_board(reference::kSmallBlocks +
-                                      std::string("&fidelity=approximate&set=sorter.policy=most_contribution"));
-  board.load_volume(volume.view());
-  board.set_transfer_function(reference::step_function(0.5));
-  EXPECT_TRUE(fidelity_report(board.counters()).empty());
-  board.render(reference::front_view(16));
-  board.render(reference::front_view(16));
-  const Counters before = board.counters();
-  board.illuminate(std::vector<Light>{PointLight{{8, 8, -9}, 1}}, {});
-  const std::vector<LevelReport> all = fidelity_report(board.counters());
+// A picture of a volume that is larger than the card is left to the cycle level.
+class TwoLevels : public testing::Test {
+ protected:
+  TwoLevels()
+      : board_(open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32&set=asic.processors=3&"
+                          "fidelity=approximate")) {
+    board_.set_transfer_function(reference::step_function(0.5));
+  }
+
+  void render(int edge) {
+    board_.load_volume(reference::BoxVolume(edge, edge / 4, 3 * edge / 4).view());
+    board_.render(reference::front_view(16));
+  }
+
+  Board board_;
+};
+
+TEST_F(TwoLevels, AreReportedWithTheCommandsThatEachAnswered) {
+  EXPECT_TRUE(fidelity_report(board_.counters()).empty());
+  render(16);
+  render(16);
+  const Counters before = board_.counters();
+  render(40);
+  const std::vector<LevelReport> all = fidelity_report(board_.counters());
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].level, Fidelity::kApproximate);
   ASSERT_EQ(all[0].answered.size(), 1u);
@@ -69,13 +80,34 @@ TEST(FidelityReport, TellsWhichLevelAnsweredWhichCommand) {
   EXPECT_EQ(all[0].answered[0].count, 2u);
   EXPECT_EQ(all[0].estimates.size(), kApproximateErrors.size());
   EXPECT_EQ(all[1].level, Fidelity::kCycle);
-  EXPECT_EQ(all[1].answered.at(0).command, "illuminate");
+  EXPECT_EQ(all[1].answered.at(0).command, "render");
   EXPECT_TRUE(all[1].estimates.empty());
   EXPECT_LT(all[1].not_modelled.size(), all[0].not_modelled.size());
 
-  const std::vector<LevelReport> later = fidelity_report(board.counters() - before);
+  const std::vector<LevelReport> later = fidelity_report(board_.counters() - before);
   ASSERT_EQ(later.size(), 1u);  // a window has what happened in it alone
   EXPECT_EQ(later[0].level, Fidelity::kCycle);
+}
+
+// Shares of all cycles can be formed whichever levels have answered: what has no cause is counted as such.
+TEST_F(TwoLevels, CountCyclesThatAddUpByCause) {
+  const auto of_all_causes = [this] {
+    std::uint64_t sum = 0;
+    const Counters counters = board_.counters();
+    for (const Counter& counter : counters.list()) {
+      if (counter.name.starts_with("processor.cycles.")) sum += counter.value;
+    }
+    return sum;
+  };
+  const auto value = [this](const char* name) { return board_.counters().value(name); };
+  render(16);
+  const std::uint64_t unattributed = value("processor.cycles.unattributed");
+  EXPECT_GT(unattributed, 0u);
+  EXPECT_EQ(of_all_causes(), 3 * value("asic.cycles"));
+  render(40);
+  EXPECT_GT(value("processor.cycles.latency"), 0u);
+  EXPECT_EQ(value("processor.cycles.unattributed"), unattributed) << "the cycle level knows all its causes";
+  EXPECT_EQ(of_all_causes(), 3 * value("asic.cycles"));
 }
 
 TEST(FidelityReport, TakesTheCountersOfABoardThatDoesNotTellCommands) {
