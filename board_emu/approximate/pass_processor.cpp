@@ -180,7 +180,8 @@ void PassProcessor::keep_slot(std::uint32_t queue, Cycle when) {
 // Into its queue, when it is ready.
 inline void PassProcessor::write(const QueuedRay& ray, std::uint32_t queue) {
   if (queue == active_) {
-    if (!stalled()) arrive(ray.ready, ray.ready);
+    if (by_events_ || !stalled())
+      arrive(ray.ready, ray.ready);  // else it is not known when those in the pipeline are back
     active_rays_.insert(arrived_++, ray);
     return;
   }

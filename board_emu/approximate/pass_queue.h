@@ -1,6 +1,7 @@
 // Rays on their way between parts, and the queue that holds them.
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -46,6 +47,7 @@ class LongQueue {
   }
   // Before the item of that number, which is now the next one, as are those behind it.
   void insert(std::size_t number, const Item& item) {
+    assert(number >= head_);
     push(item);
     for (std::size_t i = tail_ - 1; i > number; --i) ring_[i & mask_] = ring_[(i - 1) & mask_];
     ring_[number & mask_] = item;
