@@ -21,10 +21,10 @@ constexpr int kMinSlices = 12, kMaxSlices = 40;  // chosen: of a pilot; an eight
 constexpr int kFaces = 2;                        // slices at a pilot's faces that have no neighbours
 constexpr int kTries = 12;                       // chosen
 constexpr int kParts = 24;                       // of the progress
+constexpr double kAgain = 1.01;                  // as of pictures: what the same volume may take more the next time
 // chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle does
 // (docs/guide/plan.md has what was measured).
 constexpr double kMargin = 2;
-constexpr double kTimeMargin = 1.25;  // as of pictures
 
 struct SlabError {
   double all = 0, bound = 0;
@@ -203,16 +203,25 @@ struct Planner {
     return (point.every != finest.every) + (point.rays != finest.rays) + (point.step != finest.step);
   }
 
-  void choose_within_time(const std::vector<FdkPlanPoint>& all) {
-    const auto fits = [this](const FdkPlanPoint& point) {
-      return kTimeMargin * static_cast<double>(point.time) <= static_cast<double>(plan.target.time_budget);
-    };
-    const auto better = [&](const FdkPlanPoint& a, const FdkPlanPoint& b) {
-      if (fits(a) != fits(b)) return fits(a);
-      return fits(a) ? a.error_bound < b.error_bound : a.time < b.time;
-    };
-    plan.chosen = tried(*std::ranges::min_element(all, better));
-    plan.kept = plan.chosen.time <= plan.target.time_budget;
+  // The most accurate that is predicted to keep the budget and does, once it is made on the board whose time counts.
+  void choose_within_time(std::vector<FdkPlanPoint> all) {
+    const Picoseconds budget = plan.target.time_budget;
+    std::ranges::stable_sort(all, [&](const FdkPlanPoint& a, const FdkPlanPoint& b) {
+      const bool fits = a.time <= budget;
+      if (fits != (b.time <= budget)) return fits;
+      return fits ? a.error_bound < b.error_bound : a.time < b.time;
+    });
+    for (const FdkPlanPoint& point : all) {
+      const Reconstruction made = reconstruct_fdk(timed, some_views(geometry, point.every),
+                                                  some_views(projections, plan.views, point.every), with(point, asked));
+      plan.pilot_deposits += static_cast<double>(made.deposits);
+      plan.kept = kAgain * static_cast<double>(made.board_time) <= static_cast<double>(budget);
+      if (!plan.kept && point.time <= budget && &point != &all.back()) continue;
+      plan.chosen = tried(point);
+      plan.chosen.deposits = static_cast<double>(made.deposits);
+      plan.chosen.time = made.board_time;
+      return;
+    }
   }
 };
 

@@ -3,7 +3,8 @@
 //
 // A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray a pixel along
 // each axis more than asked for, half a voxel) is compared with others: first each coarser one alone, then
-// combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell what settings cost in the whole volume. "Error" is the
+// combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell what settings cost in the
+// whole volume; for a time budget the chosen one is reconstructed, and another one taken if it misses the budget. "Error" is the
 // root of the mean square difference over that of the finest setting's values, of the voxels that all views see.
 #pragma once
 
@@ -22,7 +23,7 @@ struct FdkPlanPoint {
   double step = 1;
   double error = 0, error_bound = 0;  // as found in the pilot; see plan.cpp
   double deposits = 0;                // predicted, of the whole volume
-  Picoseconds time = 0;               // predicted, of the board
+  Picoseconds time = 0;               // predicted, of the board; FdkPlan::chosen's for a budget was simulated
 };
 
 struct FdkPlan {

@@ -1,9 +1,11 @@
 // --max-error, --time-budget and --explain.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "render_program.h"
 #include "scene/program/plan_options.h"
@@ -86,6 +88,32 @@ TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
   }
   EXPECT_THAT(result.out, AllOf(HasSubstr("plan of light and picture for an error of at most 20%"),
                                 HasSubstr("plan of the light in green"), HasSubstr("plan of the picture")));
+}
+
+// What the plan says of the picture is what one took, and light and picture together keep the budget.
+TEST_F(RenderProgram, KeepsATimeBudgetOfLightAndPicture) {
+  constexpr std::pair<const char*, double> kScenes[] = {// ms
+                                                        {"fog_box", 60},
+                                                        {"glass", 150},
+                                                        {"golden_ring", 120}};
+  for (const auto& [scene, budget] : kScenes) {
+    const ProgramResult result =
+        run(fmt::format(GICUBE_SOURCE_DIR "/samples/scenes/{}.scene --volume-size 24 "
+                                          "--size 96x96 --time-budget {}ms --quiet -o {} --stats {}",
+                        scene, budget, path("lit.png"), path("lit.json")));
+    ASSERT_EQ(result.code, 0) << result.err;
+    const auto json = nlohmann::json::parse(text_of(path("lit.json")));
+    EXPECT_EQ(json.at("fidelity"), "approximate") << scene;
+    const auto& plan = json.at("plan");
+    EXPECT_TRUE(plan.at("kept").get<bool>()) << scene;
+    const double frame = json.at("frame_ms").get<double>();
+    double all = frame;
+    for (const auto& pass : json.at("lighting")) all += pass.at("pass_ms").get<double>();
+    EXPECT_LE(all, budget) << scene;
+    const double planned =
+        plan.at("chosen").at("frame_ms").get<double>() * static_cast<double>(json.at("lighting").size());
+    EXPECT_NEAR(planned, frame, 0.02 * frame) << scene;
+  }
 }
 
 // Rays begin at the part's faces, so that samples lie elsewhere: nearly the same picture, of fewer samples.

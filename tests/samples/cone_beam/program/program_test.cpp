@@ -70,6 +70,10 @@ TEST_F(ConeBeamProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
   EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
   EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
   EXPECT_LE(json.at("board_ms").get<double>(), 25);
+  // The plan has made this very volume to see what it takes.
+  const double taken = json.at("rays_ms").get<double>();
+  EXPECT_NEAR(json.at("plan").at("chosen").at("board_ms").get<double>(), taken, 0.01 * taken);
+  EXPECT_EQ(json.at("plan").at("chosen").at("deposits").get<double>(), json.at("deposits").get<double>());
   EXPECT_GT(json.at("plan").at("finest").at("board_ms").get<double>(), 25);
 }
 
