@@ -124,12 +124,12 @@ Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const s
               std::size_t passes, const Progress& progress) {
   PlanRequest request = request_of(wanted, view);
   if (!light.empty()) {
-    // Of several passes the other ones' light is not known yet.
+    // Of several passes the other ones' light is not known yet, but that it keeps its half.
     if (wanted.max_error > 0) {
       request.max_error =
           passes > 1 ? share_of_light(wanted.max_error) : left_for_picture(wanted.max_error, light.front());
     }
-    const Picoseconds budget = wanted.time_budget / passes, taken = light.front().chosen.time;
+    const Picoseconds budget = wanted.time_budget / passes, taken = passes > 1 ? budget / 2 : light.front().chosen.time;
     if (budget > 0) request.time_budget = budget > taken ? budget - taken : 1;
   }
   return make_plan(board, request, progress);

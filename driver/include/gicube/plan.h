@@ -30,7 +30,7 @@ struct PlanRequest {
   View view{};                                // its step and opacity_threshold don't count
   // One of both, or neither for the most accurate setting.
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
-  // > 0: of one picture; the most accurate setting whose predicted time and a quarter more keeps it
+  // > 0: of one picture; the most accurate setting whose whole picture, which the plan makes to see, keeps it
   Picoseconds time_budget = 0;
   // An edge of a square pilot, 16..512. Settings that are within the target by their estimate, not by their bound, get a larger
   // one, of twice that or a third of the picture's edge, where the picture has room for it.
@@ -45,7 +45,8 @@ struct PlanPoint {
   double error = 0;        // as found in the pilot
   double error_bound = 0;  // see Plan
   double samples = 0;      // predicted, of the whole picture
-  Picoseconds time = 0;    // predicted for it; 0 where the board's fidelity level keeps no time in its pipelines
+  // Predicted for it; that of Plan::chosen was simulated. 0 where the board's fidelity level keeps no time in its pipelines.
+  Picoseconds time = 0;
   int pilot_width = 0;
   int pilot_height = 0;
 };
