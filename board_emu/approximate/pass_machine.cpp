@@ -15,7 +15,7 @@ namespace {
 
 // Chosen: cycles by which a part may run ahead of the next; less where the order of deposits decides what is written,
 // or that of requests which rows of a shared memory are open.
-constexpr Cycle kSlack = 96, kSlackOfEvents = 16, kSlackOfShared = 4;
+constexpr Cycle kSlack = 32, kSlackOfEvents = 16, kSlackOfShared = 4;
 constexpr std::size_t kOnTheWay =
     kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time

@@ -45,9 +45,9 @@ struct MeasuredError {
 inline constexpr std::string_view kLevelPage = "docs/reference/hardware.md";
 
 inline constexpr std::array kApproximateErrors{
-    MeasuredError{"time", 0.024, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
-    MeasuredError{"packets", 0.031, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
-    MeasuredError{"hit ratio", 0.011, false, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"time", 0.022, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"packets", 0.063, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"hit ratio", 0.016, false, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
     MeasuredError{"time", 0.014, true, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},
     MeasuredError{"packets read", 0.033, true, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},
     MeasuredError{"packets written", 0.015, true, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},

@@ -21,12 +21,11 @@ namespace gicube::emu {
 namespace {
 
 enum class Treatment {
-  kTime,        // honoured: another value gives another simulated time
-  kNoTime,      // this level has no such part, or no result depends on it: neither times nor values change
-  kCycleLevel,  // the level hands the command to the cycle level, and says the time that it says
-  kValues,      // honoured: another value gives other pixels
-  kRefused,     // the configuration is refused, with the field's name
-  kLimit,       // honoured: what does not fit is refused when it comes
+  kTime,     // honoured: another value gives another simulated time
+  kNoTime,   // this level has no such part, or no result depends on it: neither times nor values change
+  kValues,   // honoured: another value gives other pixels
+  kRefused,  // the configuration is refused, with the field's name
+  kLimit,    // honoured: what does not fit is refused when it comes
 };
 using enum Treatment;
 
@@ -47,8 +46,6 @@ void PrintTo(const Field& field, std::ostream* out) { *out << field.name << '=' 
 Field asic(const char* name, const char* value, std::vector<std::string> with = {}) {
   return {name, value, kRays, kNoTime, kTime, kTime, std::move(with)};
 }
-// The approximate level answers only with the paper's sorter and with processors that have a channel each.
-Field handed_on(const char* name, const char* value) { return {name, value, kRays, kNoTime, kCycleLevel, kTime}; }
 Field light(const char* name, const char* value, std::vector<std::string> with = {}) {
   return {name, value, kLight, kNoTime, kTime, kTime, std::move(with)};
 }
@@ -83,7 +80,7 @@ const std::vector<Field> kFields{
     everywhere("bus.latency_timer_clocks", "8", kContention),
     everywhere("bus.read_latency_clocks", "60", kTransfer),
     {"sorter.queues", "single", kRays, kNoTime, kRefused, kTime},
-    {"sorter.policy", "most_contribution", kRays, kNoTime, kCycleLevel, kTime},
+    asic("sorter.policy", "most_contribution"),
     asic("pipeline.prefetch_stages", "3"),
     asic("pipeline.compute_stages", "3"),
     asic("cache.ways", "4"),
@@ -93,11 +90,11 @@ const std::vector<Field> kFields{
     light("cache.write_policy", "write_back"),
     light("cache.irradiance", "in_cells"),
     asic("cache.tags", "of_voxels"),
-    handed_on("cache.ports", "2"),
+    asic("cache.ports", "2"),
     asic("link.bits", "1"),
     asic("link.rays", "2", {"link.bits=1"}),
     asic("memory", "ddr"),
-    handed_on("rdram.processors_per_rdram", "2"),
+    asic("rdram.processors_per_rdram", "2"),
     {"rdram.device_mbit", "144", kRays, kNoTime, kTime, kTime},
     asic("rdram.clocks_per_core_cycle", "2"),
     asic("rdram.t_ras", "100"),
@@ -111,7 +108,7 @@ const std::vector<Field> kFields{
     asic("rdram.t_offp", "200"),
     asic("rdram.refresh_interval", "64"),
     asic("rdram.rac_latency", "100"),
-    {"ddr.processors_per_channel", "2", kRays, kNoTime, kCycleLevel, kTime, {kDdr}},
+    asic("ddr.processors_per_channel", "2", {kDdr}),
     asic("ddr.clocks_per_core_cycle", "4", {kDdr}),
     asic("ddr.t_ras", "100", {kDdr}),
     asic("ddr.t_rc", "100", {kDdr}),
@@ -267,12 +264,6 @@ void expect(Treatment treatment, const char* fidelity, const Field& field) {
       EXPECT_EQ(outcome(changed).image, outcome(usual).image);
       return;
     case kValues: EXPECT_NE(outcome(changed).image, outcome(usual).image); return;
-    case kCycleLevel: {
-      const std::vector<std::string> cycle = board("cycle", field.with);
-      EXPECT_NE(outcome(usual).time[kRays], outcome(cycle).time[kRays]) << "the level answers itself else";
-      EXPECT_EQ(outcome(changed).time, outcome(joined(cycle, {assignment})).time);
-      return;
-    }
     case kRefused: {
       v1::BoardConfig config;
       for (const std::string& each : changed) ASSERT_TRUE(apply_override(config, each).empty()) << each;
