@@ -18,7 +18,7 @@ inline constexpr std::array kLeftOut{
     LeftOut{kAtFunctional, "time of the ASIC: queues, volume cache, memory, links, ray bus"},
     LeftOut{kAtFunctional, "changes between the DSP's loops, and its waits for caches and SDRAM"},
     LeftOut{kAtFunctional | kAtApproximate, "causes of the pipelines' cycles, but busy and leap"},
-    LeftOut{kAtApproximate, "parts in step: they may be up to 96 cycles apart"},
+    LeftOut{kAtApproximate, "parts in step: they may be up to 32 cycles apart"},
     LeftOut{kAtApproximate, "places in the merge tree that processors share"},
     LeftOut{kAtEveryLevel, "electrical behaviour, power"},
     LeftOut{kAtEveryLevel, "interrupts as wires: completions stand for them"},
