@@ -30,12 +30,18 @@ Cycle PassProcessor::next_slot() const {
   return two_ports_ || arrivals_.empty() ? kNoCycle : std::max(slot, arrivals_.front());
 }
 
+// Which of those that prefetch waits for the next packet that arrives.
+std::size_t PassProcessor::owner_of_next_packet() const {
+  std::size_t owner = computing_from_;
+  while (line_[owner].packets == 0) ++owner;
+  return owner;
+}
+
 // The next cycle in which a port of its own writes a packet, unless an older sample of another block has yet to read: then it is not
 // known yet.
 Cycle PassProcessor::next_fill() const {
   if (!two_ports_ || arrivals_.empty()) return kNoCycle;
-  std::size_t owner = computing_from_;
-  while (line_[owner].packets == 0) ++owner;
+  const std::size_t owner = owner_of_next_packet();
   for (std::size_t i = computing_from_; i != owner; ++i) {
     if (line_[i].sampled && line_[i].block != line_[owner].block) return kNoCycle;
   }
@@ -46,8 +52,7 @@ Cycle PassProcessor::next_fill() const {
 void PassProcessor::fill(Cycle now) {
   arrivals_.drop();
   fill_free_ = now + 1;
-  std::size_t owner = computing_from_;
-  while (line_[owner].packets == 0) ++owner;
+  const std::size_t owner = owner_of_next_packet();
   --line_[owner].packets;
   line_[owner].due = std::max(line_[owner].due, now);
 }
@@ -209,18 +214,6 @@ void PassProcessor::send_request(Cycle now) {
   if (reads_.empty() || (!writes_.all_sent() && writes_.next().asked < reads_.front().asked)) return send_write(now);
   const PacketRead read = reads_.pop();
   arrivals_.push(arrival(shared_.memory->channel->read(in_memory(read.queue), read.tile, now * ratio_).data_end));
-}
-
-Cycle PassMemory::next() const {
-  Cycle first = kNoCycle;
-  for (const PassProcessor* client : clients) first = std::min(first, client->next_request());
-  return first == kNoCycle ? first : std::max(first, asked) + 1;
-}
-
-void PassMemory::send() {
-  asked = next();
-  while (clients[turn]->next_request() >= asked) turn = (turn + 1) % clients.size();
-  clients[std::exchange(turn, (turn + 1) % clients.size())]->send_request(asked);
 }
 
 // As rotate(), of these frames.

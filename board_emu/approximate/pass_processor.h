@@ -12,16 +12,14 @@
 // What a ray meets on its way (functional/trail.h) is an input too: splats, turns and traps.
 //
 // Simplified: the sorter knows a queue's new importance as soon as it takes it in, one a cycle. The merge tree's places are
-// counted by processor. What a ray can still contribute falls evenly over its steps (PassRay::contribution).
+// counted by processor. Between its events what a ray contributes falls by the same factor at each step.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -202,6 +200,7 @@ class PassProcessor {
   void come_out(Cycle out);
   void enter(const Issued& issued, Cycle now);
   void take_slot_of_line(Cycle slot);
+  std::size_t owner_of_next_packet() const;
   Cycle next_fill() const;
   void fill(Cycle now);
   Cycle next_entry() const;
@@ -281,9 +280,9 @@ class PassProcessor {
   // No ray can enter, and it is not known yet when one can.
   bool stalled() const {
     if (!by_events_) return line_stands();
-    return issued_.size() >= kFifoPlaces && ((line_stands() && line_is_full()) || waits_for_shared_memory());
+    const bool waits_for_shared_memory = !reads_.empty() && next_in_line() == kNoCycle;
+    return issued_.size() >= kFifoPlaces && ((line_stands() && line_is_full()) || waits_for_shared_memory);
   }
-  bool waits_for_shared_memory() const { return !reads_.empty() && next_in_line() == kNoCycle; }
   // More rays than there are places have come out of the pipeline.
   bool stalls_for_link(Cycle now) {
     link_stalled_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;

@@ -30,7 +30,7 @@ struct PlanRequest {
   View view{};                                // its step and opacity_threshold don't count
   // One of both, or neither for the most accurate setting.
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
-  // > 0: of one picture; the most accurate setting whose whole picture, which the plan makes to see, keeps it
+  // > 0: of one picture; the most accurate setting that keeps it. The plan makes the whole picture to find out.
   Picoseconds time_budget = 0;
   // An edge of a square pilot, 16..512. Settings that are within the target by their estimate, not by their bound, get a larger
   // one, of twice that or a third of the picture's edge, where the picture has room for it.

@@ -22,7 +22,7 @@ constexpr double kFinestStep = kSteps[0];
 // gain; the wide one does not drift (docs/guide/plan.md has the measurements).
 constexpr std::size_t kBestOnPaper = 2;
 constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
-// chosen: of a budget, what pilots may predict a picture to take that is then made to see what it takes (docs/guide/plan.md).
+// chosen: pictures are made whole that are predicted to take up to so many budgets, since predictions may be too long.
 constexpr double kTimeMargin = 1.25;
 // chosen: the same again takes a little more or less, by what memory was doing before; 0.4% were measured of a volume.
 constexpr double kAgain = 1.01;
