@@ -63,6 +63,7 @@ Cycle PassProcessor::finish_writes() {
 }
 
 Point PassProcessor::corner_of(std::uint32_t block) const {
+  if (block == block_) return corner_;
   Point corner = grid_.corner(block);
   for (std::int32_t& at : corner) at <<= wire::kPositionFractionBits;
   return corner;
@@ -79,11 +80,11 @@ Deposit PassProcessor::amount_at(Point place, std::uint32_t block, std::int32_t 
 
 // Mostly it is the ray's alone, as is seen at once.
 SharingBlocks PassProcessor::blocks_of(const Deposit& deposit, std::uint32_t block) const {
-  const std::array<std::int32_t, 3> corner = grid_.corner(block);
+  const Point corner = corner_of(block);
   const std::int32_t n = grid_.size() >> wire::kPositionFractionBits, first = leaves_sums_ ? 0 : 1;
   bool inside = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t local = deposit.voxel[axis] - corner[axis];
+    const std::int32_t local = deposit.voxel[axis] - (corner[axis] >> wire::kPositionFractionBits);
     inside = inside && local >= first && local + 1 < n;
   }
   if (inside) return {1, {block}};
@@ -106,11 +107,12 @@ Cycle PassProcessor::splat(const Deposit& deposit, const OnLine& from, bool carr
     }
   }
   counters_.carriers += carriers;
-  const SplatTiles tiles =
-      here
-          ? tiles_of(deposit,
-                     {grid_.corner(from.block), edge, edge - (leaves_sums_ ? 2 : 1), packs_irradiance() ? 2 : 1}, false)
-          : SplatTiles();
+  SplatTiles tiles;
+  if (here) {
+    Point corner = corner_of(from.block);
+    for (std::int32_t& at : corner) at >>= wire::kPositionFractionBits;
+    tiles = tiles_of(deposit, {corner, edge, edge - (leaves_sums_ ? 2 : 1), packs_irradiance() ? 2 : 1}, false);
+  }
   for (std::uint32_t i = 0; i < tiles.count; ++i) {
     change(from, tiles.tile[i]);
   }

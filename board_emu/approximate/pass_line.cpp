@@ -7,23 +7,14 @@
 
 namespace gicube::emu {
 
-// When the next of the line's events is; kNoCycle if none is known yet.
-Cycle PassProcessor::next_in_line() const {
-  Cycle next = std::min(next_entry(), next_fill());
-  if (line_stands()) return next;
-  if (computing_from_ != line_.begin()) next = std::min(next, line_.front().due + stood_);
-  if (computing_from_ != line_.end()) next = std::min(next, next_slot());
-  return next;
-}
-
 // When the first that the sorter has issued enters, if there is room for it and its packets.
-Cycle PassProcessor::next_entry() const {
+inline Cycle PassProcessor::next_entry() const {
   if (issued_.empty() || line_is_full()) return kNoCycle;
   return std::max({issued_.front().ray.ready, entered_ + 1, room_since_});
 }
 
 // The next cycle in which the first of those that prefetch takes a packet, or goes on to be resampled.
-Cycle PassProcessor::next_slot() const {
+inline Cycle PassProcessor::next_slot() const {
   const OnLine& first = line_[computing_from_];
   const Cycle slot = std::max({computing_ + 1, free_to_compute_, first.due});
   if (first.packets == 0) return slot;
@@ -39,7 +30,7 @@ std::size_t PassProcessor::owner_of_next_packet() const {
 
 // The next cycle in which a port of its own writes a packet, unless an older sample of another block has yet to read: then it is not
 // known yet.
-Cycle PassProcessor::next_fill() const {
+inline Cycle PassProcessor::next_fill() const {
   if (!two_ports_ || arrivals_.empty()) return kNoCycle;
   const std::size_t owner = owner_of_next_packet();
   for (std::size_t i = computing_from_; i != owner; ++i) {
@@ -49,6 +40,16 @@ Cycle PassProcessor::next_fill() const {
   return next == free_to_compute_ ? next + 1 : next;  // then the port writes a splat's words
 }
 
+inline PassProcessor::LineEvents PassProcessor::line_events() const {
+  const bool stands = line_stands();
+  return {.out = !stands && computing_from_ != line_.begin() ? line_.front().due + stood_ : kNoCycle,
+          .slot = !stands && computing_from_ != line_.end() ? next_slot() : kNoCycle,
+          .entry = next_entry(),
+          .write = next_fill()};
+}
+
+Cycle PassProcessor::next_in_line() const { return line_events().first(); }
+
 void PassProcessor::fill(Cycle now) {
   arrivals_.drop();
   fill_free_ = now + 1;
@@ -57,22 +58,28 @@ void PassProcessor::fill(Cycle now) {
   line_[owner].due = std::max(line_[owner].due, now);
 }
 
-// All that happens there up to cycle `until`; what comes out goes before what goes in.
-void PassProcessor::run_line(Cycle until) {
+// All that happens there up to cycle `until`, cycle by cycle: what comes out goes before what goes in. What a pass does in a cycle is
+// never again due in it. Returns when the next of its events is, kNoCycle if that is not known yet.
+Cycle PassProcessor::run_line(Cycle until) {
   while (true) {
-    const bool stands = line_stands();
-    const Cycle out = !stands && computing_from_ != line_.begin() ? line_.front().due + stood_ : kNoCycle;
-    const Cycle slot = !stands && computing_from_ != line_.end() ? next_slot() : kNoCycle;
-    const Cycle entry = next_entry(), write = next_fill();
-    if (std::min({out, slot, entry, write}) > until) return;
-    if (write <= std::min({out, slot, entry})) {
-      fill(write);
-    } else if (out <= std::min(slot, entry)) {
-      come_out(out);
-    } else if (slot <= entry) {
-      take_slot_of_line(slot);
-    } else {
-      enter(issued_.pop(), entry);
+    const auto [out, slot, entry, write] = line_events();
+    const Cycle now = std::min({out, slot, entry, write});
+    if (now > until) return now;
+    if (write == now) {
+      fill(now);
+      continue;
+    }
+    if (out == now) {
+      come_out(now);
+      if (two_ports_) continue;  // which may write a packet before
+    }
+    if (slot == now && !line_stands() && next_slot() == now) {
+      take_slot_of_line(now);
+      if (two_ports_) continue;
+    }
+    if (next_entry() == now) {
+      enter(issued_.front(), now);
+      issued_.drop();
     }
   }
 }
@@ -93,17 +100,17 @@ void PassProcessor::take_slot_of_line(Cycle slot) {
 
 // The line's first comes out in cycle `out`, unless there is no place for it: then the line stands until there is.
 void PassProcessor::come_out(Cycle out) {
-  const OnLine& first = line_.front();
+  OnLine& next = line_[line_.begin()];  // also when it has left, until another enters
   const Cycle due = out;
-  if (first.ray.left <= 0 && goes_to_dsp(first.ray.ray)) {
+  if (next.ray.left <= 0 && goes_to_dsp(next.ray.ray)) {
     stalled_ = in_tree_ >= tree_places_;
     if (in_tree_ + 1 > tree_places_ / 2) out = std::max(out, tree_free_);
-  } else if (first.leaves) {
+  } else if (next.leaves) {
     link_stalled_ = out_.size() >= kLeaving;
     out = std::max(out, link_free_);
   }
   if (line_stands()) return;
-  OnLine next = line_.pop();
+  line_.drop();
   if (leaves_sums_) {
     const std::int32_t amount = (*shared_.rays)[next.ray.ray].amount;
     if (amount != 0) out = splat(amount_at(unpacked(next.ray.at), next.block, amount), next, true, out);
@@ -132,6 +139,7 @@ void PassProcessor::come_out(Cycle out) {
 // words are not looked at.
 void PassProcessor::enter(const Issued& issued, Cycle now) {
   const QueuedRay& ray = issued.ray;
+  __builtin_prefetch(&(*shared_.rays)[ray.ray]);  // for when it comes out
   entered_ = now;
   if (line_.empty() && now > last_out_) writes_.ask(last_out_ + 1, true);
   ++passes_;
@@ -218,21 +226,23 @@ void PassProcessor::send_request(Cycle now) {
 
 // As rotate(), of these frames.
 void PassProcessor::rotate_line(Cycle& ends, Cycle until) {
+  Cycle next = 0;  // of the line's events
   while (ends <= until) {
-    run_line(ends);
+    if (next <= ends) next = run_line(ends);
     if (active_rays_.empty() || active_rays_.front().ready > ends) return;
     if (ends > std::min({until, others_ - 1, own_return() - 1})) return;
     before_ = ends;
     if (issued_.size() >= kFifoPlaces) {
-      const Cycle next = next_in_line();
       if (next == kNoCycle) return;
-      if (next <= until) run_line(next);
-      ends = std::max(ends, issued_.size() < kFifoPlaces ? entered_ + 2 : next);
+      const Cycle first = next;
+      if (next <= until) next = run_line(next);
+      ends = std::max(ends, issued_.size() < kFifoPlaces ? entered_ + 2 : first);
       now_ = ends - 1;
       continue;
     }
     issued_.push({active_rays_.pop(), active_, block_});
     issued_[issued_.end() - 1].ray.ready = now_ = ends++;
+    next = std::min(next, next_entry());
   }
 }
 

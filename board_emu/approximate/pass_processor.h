@@ -194,9 +194,16 @@ class PassProcessor {
     returned_.insert(place, next);
     ++returning_[next.queue];
   }
+  // Of the pipeline, when each kind is next; kNoCycle if that is not known yet.
+  struct LineEvents {
+    Cycle out, slot, entry, write;
+
+    Cycle first() const { return std::min({out, slot, entry, write}); }
+  };
+  LineEvents line_events() const;
   Cycle next_in_line() const;
   Cycle next_slot() const;
-  void run_line(Cycle until);
+  Cycle run_line(Cycle until);
   void come_out(Cycle out);
   void enter(const Issued& issued, Cycle now);
   void take_slot_of_line(Cycle slot);

@@ -1,8 +1,8 @@
 // The tiles of a block that a deposit writes.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -23,23 +23,30 @@ struct SplatBlock {
   std::int32_t tile_depth = 1;           // voxels of a tile along z
 };
 
-// Those of voxels with a share, or of `all` voxels.
+// Those of voxels with a share, or of `all` voxels, in the order of their first voxels.
 inline SplatTiles tiles_of(const Deposit& deposit, const SplatBlock& block, bool all) {
+  constexpr std::array<std::uint32_t, 3> kLower{0x55, 0x33,
+                                                0x0F};  // the voxels of least coordinate along an axis, a bit each
+  std::uint32_t voxels = 0;
+  for (std::uint32_t i = 0; i < 8; ++i) voxels |= (deposit.shares[i] != 0 || all ? 1u : 0u) << i;
+  std::array<std::int32_t, 3> local{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    local[axis] = deposit.voxel[axis] - block.corner[axis];
+    const auto held = [&](std::int32_t at) { return at >= 0 && at <= block.last ? 0xFFu : 0u; };
+    voxels &= (held(local[axis]) & kLower[axis]) | (held(local[axis] + 1) & ~kLower[axis]);
+  }
+  const std::int32_t tiles_x = block.edge / 2 + 1, flat = block.tile_depth == 1 ? 1 : 0;
+  const std::int32_t first = ((local[2] >> (1 - flat)) * tiles_x + (local[1] >> 1)) * tiles_x + (local[0] >> 1);
+  // Along which axes, a bit each, the upper voxels are in other tiles than the lower ones.
+  const std::uint32_t parted =
+      static_cast<std::uint32_t>((local[0] & 1) | (local[1] & 1) << 1 | ((local[2] & 1) | flat) << 2);
   SplatTiles out;
-  const std::int32_t tiles_x = block.edge / 2 + 1;
-  for (std::size_t i = 0; i < 8; ++i) {
-    if (deposit.shares[i] == 0 && !all) continue;
-    std::array<std::int32_t, 3> local{};
-    bool held = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      local[axis] = deposit.voxel[axis] + static_cast<std::int32_t>(i >> axis & 1) - block.corner[axis];
-      held = held && local[axis] >= 0 && local[axis] <= block.last;
-    }
-    if (!held) continue;
-    const auto tile =
-        static_cast<std::uint32_t>((local[2] / block.tile_depth * tiles_x + local[1] / 2) * tiles_x + local[0] / 2);
-    const auto end = out.tile.begin() + out.count;
-    if (std::find(out.tile.begin(), end, tile) == end) out.tile[out.count++] = tile;
+  for (std::uint32_t seen = 0; voxels != 0; voxels &= voxels - 1) {
+    const std::uint32_t tile = static_cast<std::uint32_t>(std::countr_zero(voxels)) & parted;
+    if ((seen >> tile & 1) != 0) continue;
+    seen |= 1u << tile;
+    const auto is = [tile](int axis) { return static_cast<std::int32_t>(tile >> axis & 1); };
+    out.tile[out.count++] = static_cast<std::uint32_t>(first + (is(2) * tiles_x + is(1)) * tiles_x + is(0));
   }
   return out;
 }

@@ -163,9 +163,8 @@ bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
   return true;
 }
 
-bool VolumeCache::holds(std::uint32_t block, std::uint32_t tile) const {
+bool VolumeCache::holds_in_set(std::uint32_t block, std::uint32_t tile) const {
   if (shape_.tags_of_voxels) return holds_voxels(block, tile);
-  if (plain_) return tags_[tile] == block;
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
   const std::uint32_t* const way =
       tags_.data() + set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);

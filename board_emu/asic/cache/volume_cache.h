@@ -79,7 +79,9 @@ class VolumeCache {
   bool latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
 
   // Whether a tile is there, or has been asked for.
-  bool holds(std::uint32_t block, std::uint32_t tile) const;
+  bool holds(std::uint32_t block, std::uint32_t tile) const {
+    return plain_ ? tags_[tile] == block : holds_in_set(block, tile);
+  }
 
   // Whether a tile is there; it is from now on. Not of a direct mapped cache of tiles that are one voxel deep.
   bool touch(std::uint32_t block, std::uint32_t tile);
@@ -124,6 +126,7 @@ class VolumeCache {
   const Misses& check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   bool has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
   bool holds_voxels(std::uint32_t block, std::uint32_t tile) const;
+  bool holds_in_set(std::uint32_t block, std::uint32_t tile) const;
   void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
     misses_.count = packets;
     ++counters_.checks;

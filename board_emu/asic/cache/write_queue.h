@@ -8,9 +8,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <vector>
 
 #include "gicube/archive.h"
 #include "words/clock.h"
@@ -40,9 +41,9 @@ class WriteQueue {
   // Tiles that may wait; asked for once half of the places are taken.
   explicit WriteQueue(std::size_t tiles) : places_(tiles) {}
 
-  std::size_t room() const { return places_ - std::min(places_, waiting_.size() + asked_.size()); }
-  bool empty() const { return waiting_.empty() && asked_.empty(); }
-  std::size_t size() const { return waiting_.size() + asked_.size(); }
+  std::size_t room() const { return places_ - std::min(places_, size()); }
+  bool empty() const { return size() == 0; }
+  std::size_t size() const { return end_ - first_; }
 
   // A tile has changed: it is written with an earlier change that still waits, if `combines`.
   void put(std::uint32_t block, std::uint32_t tile, bool in_cache, bool combines = true) {
@@ -61,7 +62,7 @@ class WriteQueue {
   // It is read before it is changed there.
   void fetch(std::uint32_t block, std::uint32_t tile) {
     ++counters_.fetches;
-    waiting_.push_back({block, tile, true, 0, kNoCycle});
+    push({block, tile, true, 0, kNoCycle});
   }
   // That is now.
   void write_back(std::uint32_t block, std::uint32_t tile) {
@@ -73,64 +74,78 @@ class WriteQueue {
   }
   // Asks for what waits, if it is time to.
   void ask(Cycle now, bool all) {
-    if (waiting_.empty() || (!all && 2 * waiting_.size() < places_)) return;
-    for (TileWrite& write : waiting_) {
-      write.asked = now;
-      asked_.push_back(write);
-    }
-    waiting_.clear();
+    if (waiting_ == end_ || (!all && 2 * (end_ - waiting_) < places_)) return;
+    for (; waiting_ != end_; ++waiting_) at(waiting_).asked = now;
+    maybe_waits_.reset();
   }
 
   // Gives the places of what was sent before `now` free: for the processor to call, so that it does not matter which side
   // ticks first.
   void settle(Cycle now) {
-    while (sent_ > 0 && asked_.front().sent < now) {
-      asked_.pop_front();
-      --sent_;
-    }
+    while (first_ != next_ && at(first_).sent < now) ++first_;
   }
 
-  bool all_sent() const { return sent_ == asked_.size(); }
-  const TileWrite& next() const { return asked_[sent_]; }
-  void send(Cycle now) { asked_[sent_++].sent = now; }
+  bool all_sent() const { return next_ == waiting_; }
+  const TileWrite& next() const { return at(next_); }
+  void send(Cycle now) { at(next_++).sent = now; }
   const WriteCounters& counters() const { return counters_; }
-  Cycle latest_asked() const {
-    Cycle latest = 0;
-    for (const TileWrite& write : asked_) latest = std::max(latest, write.asked);
-    return latest;
-  }
+  Cycle latest_asked() const { return first_ == waiting_ ? 0 : at(waiting_ - 1).asked; }
   // Of a processor with `blocks` of `tiles`.
   void state(Archive& archive, std::uint32_t blocks, std::size_t tiles) {
     archive.expect_idle(empty(), "the queue of writes");
     archive("counters", counters_);
     if (!archive.in_run()) return;
-    archive.list("waiting", waiting_);
-    archive.list("asked", asked_);
-    archive.at_most("sent", sent_, asked_.size());
-    for (const auto* const writes : {&waiting_, &asked_}) {
+    std::vector<TileWrite> asked, waiting;
+    for (std::size_t i = first_; i != end_; ++i) (i < waiting_ ? asked : waiting).push_back(at(i));
+    std::size_t sent = next_ - first_;
+    archive.list("waiting", waiting);
+    archive.list("asked", asked);
+    archive.at_most("sent", sent, asked.size());
+    first_ = end_ = 0;
+    for (const auto* const writes : {&asked, &waiting}) {
       for (const TileWrite& write : *writes) {
         archive.expect(write.block < blocks && write.tile < tiles, "asked", "tiles of its blocks", write.tile);
+        push(write);
       }
     }
+    next_ = sent;
+    waiting_ = asked.size();
   }
 
  private:
+  static constexpr std::size_t kFilter = 1024;  // bits: so many that two of the tiles that wait rarely have the same
+
+  TileWrite& at(std::size_t number) { return ring_[number & (ring_.size() - 1)]; }
+  const TileWrite& at(std::size_t number) const { return ring_[number & (ring_.size() - 1)]; }
+  static std::size_t bit_of(std::uint32_t block, std::uint32_t tile) { return (tile ^ block * 401) % kFilter; }
+
   bool waits(std::uint32_t block, std::uint32_t tile) const {
-    return std::any_of(waiting_.begin(), waiting_.end(),
-                       [=](const TileWrite& write) { return write.block == block && write.tile == tile; });
+    if (!maybe_waits_[bit_of(block, tile)]) return false;
+    for (std::size_t i = waiting_; i != end_; ++i) {
+      if (at(i).block == block && at(i).tile == tile) return true;
+    }
+    return false;
   }
   void add(std::uint32_t block, std::uint32_t tile, bool in_cache) {
-    if (!in_cache) {
-      ++counters_.fetches;
-      waiting_.push_back({block, tile, true, 0, kNoCycle});
+    if (!in_cache) fetch(block, tile);
+    push({block, tile, false, 0, kNoCycle});
+  }
+  void push(const TileWrite& write) {
+    if (size() == ring_.size()) {
+      std::vector<TileWrite> larger(2 * size());
+      for (std::size_t i = first_; i != end_; ++i) larger[i & (larger.size() - 1)] = at(i);
+      ring_.swap(larger);
     }
-    waiting_.push_back({block, tile, false, 0, kNoCycle});
+    at(end_++) = write;
+    maybe_waits_.set(bit_of(write.block, write.tile));
   }
 
   std::size_t places_;
-  std::deque<TileWrite> waiting_;
-  std::deque<TileWrite> asked_;
-  std::size_t sent_ = 0;  // of them
+  std::vector<TileWrite> ring_ = std::vector<TileWrite>(1);  // as large as a power of two
+  // Numbers of writes there: of the first whose place is taken, the first that is not sent, the first that is not asked for, and
+  // the next.
+  std::size_t first_ = 0, next_ = 0, waiting_ = 0, end_ = 0;
+  std::bitset<kFilter> maybe_waits_;
   WriteCounters counters_;
 };
 
