@@ -57,6 +57,7 @@ struct Loop {
     for (int iteration = 0; iteration < settings.iterations; ++iteration) {
       const double residual = iterate(iteration, progress);
       out.residuals.push_back(residual);
+      out.iteration_ends.push_back(board.now() - begin);
       if (subsets.size() == 1 && iteration > 0) judge(residual, out.residuals[out.residuals.size() - 2]);
       if (out.diverged) break;
       const bool is_least = residual < least;

@@ -111,7 +111,7 @@ Json plan_json(const FdkPlan& plan) {
 }
 
 // Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last
-// value read), deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of
+// value read), deposits, overflowed, clipped, iterations, residuals, iterations_ms (from the first ray to each one's end), diverged, warnings, those of
 // `cost` (cost_json()), and plan, null without one.
 Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
                    const std::optional<FdkPlan>& plan) {
@@ -128,8 +128,10 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
             {"clipped", result.clipped},
             {"iterations", result.iterations},
             {"residuals", result.residuals},
+            {"iterations_ms", Json::array()},
             {"diverged", result.diverged},
             {"warnings", scan.warnings}};
+  for (const Picoseconds end : result.iteration_ends) json["iterations_ms"].push_back(to_ms(end));
   json.update(cost);
   json["plan"] = plan ? plan_json(*plan) : nullptr;
   return json;

@@ -67,6 +67,9 @@ TEST_P(Methods, ResidualsFallAndErrorsToo) {
   const auto more = made(geometry, views, settings);
   ASSERT_EQ(more.residuals.size(), 6u);
   EXPECT_EQ(more.iterations, 6);
+  ASSERT_EQ(more.iteration_ends.size(), 6u);
+  EXPECT_EQ(more.iteration_ends[1], few.board_time) << "what goes before is the same";
+  EXPECT_EQ(more.iteration_ends.back(), more.board_time);
   EXPECT_TRUE(std::is_sorted(more.residuals.rbegin(), more.residuals.rend()));
   EXPECT_LT(error(geometry, more), error(geometry, few));
   EXPECT_FALSE(more.diverged);
