@@ -85,6 +85,7 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));
   across_ = static_cast<std::uint32_t>(frame.volume->blocks()[0]);
   slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
+  if (active_ != kNone) find_block();  // of the frame before
 }
 
 void PassProcessor::state(Archive& archive) {
@@ -101,7 +102,7 @@ void PassProcessor::state(Archive& archive) {
     record(slots_, overflowed_, opened_, openings_, listed_, modified_, contributions_);
   });
   archive.field("sorter", [this](Archive::Record& record) {
-    record(active_, resting_, block_, corner_, arrived_, sorted_);
+    record(active_, resting_, arrived_, sorted_);
     active_rays_.empty_state(record);
     record.at_most(next_input_, 2);
     record(others_, taken_from_, waits_, before_);
@@ -123,7 +124,8 @@ void PassProcessor::state(Archive& archive) {
   const auto is_queue = [&](const char* field, std::uint32_t queue, bool may_be_none) {
     archive.expect(queue < queues || (may_be_none && queue == kNone), field, "a queue of the processor", queue);
   };
-  is_queue("sorter", active_, true);
+  archive.expect(active_ == kNone || active_ < shared_.partition->blocks_of(number_), "sorter",
+                 "a block of the processor", active_);
   for (std::size_t i = modified_.begin(); i != modified_.end(); ++i) is_queue("slots", modified_[i], false);
   for (std::size_t i = released_.begin(); i != released_.end(); ++i) is_queue("released", released_[i].second, true);
 }
@@ -291,6 +293,13 @@ inline bool PassProcessor::choose(Cycle now) {
   return true;
 }
 
+// That of the active queue.
+void PassProcessor::find_block() {
+  block_ = static_cast<std::uint32_t>(shared_.partition->block(number_, active_));
+  corner_ = grid_.corner(block_);
+  for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
+}
+
 void PassProcessor::activate(std::uint32_t queue, Cycle now) {
   if (!active_rays_.empty()) put_back(now);
   active_ = queue;
@@ -298,9 +307,7 @@ void PassProcessor::activate(std::uint32_t queue, Cycle now) {
   LongQueue<QueuedRay>& from = queues_[queue];
   waiting_ -= from.size();
   contributions_[queue] = 0;
-  block_ = static_cast<std::uint32_t>(shared_.partition->block(number_, queue));
-  corner_ = grid_.corner(block_);  // also without jitter: the block may still be active when a frame with it begins
-  for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
+  find_block();
   while (!from.empty()) {
     active_rays_.push(from.pop());
     active_rays_[active_rays_.end() - 1].ready = now;

@@ -252,6 +252,7 @@ class PassProcessor {
   void write(const QueuedRay& ray, std::uint32_t queue);
   void take_in(Cycle now);
   bool choose(Cycle now);
+  void find_block();
   void activate(std::uint32_t queue, Cycle now);
   void put_back(Cycle now);
   Cycle arrive(Cycle now, Cycle before);
