@@ -77,7 +77,7 @@ class Case:
             run(folder, "gicube-cone-beam", f"reconstruct @scan.textproto --projections @views.nrrd {method} --fidelity {fidelity} "
                 f"{self.settings} -o @volume.nrrd --stats @made.json --quiet")
             made = statistics(folder / "made.json")
-            return {key: made[key] for key in "rays_ms bus_ms rays deposits clipped residuals iterations diverged".split()} | more(folder)
+            return {key: made[key] for key in "rays_ms bus_ms rays deposits clipped residuals iterations iterations_ms diverged".split()} | more(folder)
 
     def compare(self, folder):
         """How far the volume is from the phantom; leaves profiles.csv."""
@@ -86,48 +86,40 @@ class Case:
             "--stats @error.json --profiles @profiles.csv")
         return statistics(folder / "error.json")
 
-    def part(self, views, passes):
-        """A few views around the turn; of an iterative method, so many passes through them. The same for all cases whose views cost the
-        same: number of views, noise, window and how often words are read don't matter."""
-        fdk = self.method["method"] == "fdk"
-        method = {key: value for key, value in self.method.items() if key not in ("window", "read-every")}
-        return replace(self, scan=replace(self.scan, views=views, first=0.3),  # not along an axis, where rays meet voxels alike
-                       method=method if fdk else {"method": "sirt", "iterations": passes, "relaxation": 0.5}, photons=0)
+    def timed(self, kept, iterations=0):
+        """Whole at the approximate level, with the board's time. Iterations that are measured at several numbers are simulated once, at the
+        largest, `iterations`."""
+        if not iterations:
+            made = self.reconstruct("approximate", self.compare)
+            return made | {"board_ms": made["rays_ms"]}
+        longest = replace(self, method=self.method | {"iterations": iterations})
+        ends = kept.of(f"{longest!r}", lambda: longest.reconstruct("approximate"))["iterations_ms"]
+        made = self.untimed(kept)
+        return made | {"board_ms": ends[len(made["residuals"]) - 1]}
 
-    def over_bus_ms(self, kept):
-        """What the rays of a view take longer than DSP and bus, which the functional level has: the mean of two views, or of an
-        iterative method of a second pass through two."""
-        def ms(part, fidelity):
-            return kept.of(f"{part!r} {fidelity}", lambda: part.reconstruct(fidelity))["rays_ms"]
-        less, more = self.part(2, 1), self.part(4 if self.method["method"] == "fdk" else 2, 2)
-        return max(0.0, sum(sign * (ms(more, level) - ms(less, level)) / 2 for level, sign in (("cycle", 1), ("functional", -1))))
-
-    def measure(self, kept):
-        """What it costs, too, simulated: board_ms, and bus_ms in which the bus is busy."""
-        made = self.reconstruct(more=self.compare)
-        over = self.over_bus_ms(kept)
-        if self.method["method"] != "fdk":  # and once the splatted weights
-            over = over * len(made["residuals"]) + replace(self, method=PLAIN).over_bus_ms(kept)
-        return made | {"board_ms": made["rays_ms"] + self.scan.views * over}
+    def untimed(self, _):
+        """Of what is shown by no time: at the functional level, which has the same values, and the bus's time."""
+        return self.reconstruct(more=self.compare) | {"board_ms": None}
 
 
 def case_rows(series):
     def rows(found):
         for name, m in found:
             x = float(name.split("/")[2])
+            board_ms = "" if m["board_ms"] is None else f"{m['board_ms']:.1f}"
             yield name, [name, series[name], f"{x:g}", f"{m['rmse']:.5g}", f"{m['bias']:.4g}", f"{m['relative_l2']:.5g}", f"{m['psnr']:.4g}",
-                         f"{m['ssim']:.4g}", f"{m['board_ms']:.1f}", f"{m['bus_ms']:.1f}", m["rays"], m["deposits"], f"{m['clipped']:.4g}",
+                         f"{m['ssim']:.4g}", board_ms, f"{m['bus_ms']:.1f}", m["rays"], m["deposits"], f"{m['clipped']:.4g}",
                          f"{(m['residuals'] or [0])[-1]:.4g}", m["iterations"], int(m["diverged"])]
     return rows
 
 
-def case_table(name, *series):
-    """Series: title, name, values of x, and the case at one."""
+def case_table(name, *series, measure=Case.timed):
+    """Series: title, name, values of x, and the case at one, which `measure` takes."""
     points, titles = {}, {}
     for title, short, xs, case_at in series:
         for x in xs:
             point = f"{name}/{short}/{x:g}"
-            points[point], titles[point] = case_at(x).measure, title
+            points[point], titles[point] = functools.partial(measure, case_at(x)), title
     return Table(f"cone_beam_{name}", ["point", "series", *COLUMNS], points, case_rows(titles))
 
 
@@ -140,7 +132,7 @@ def cone(degrees, phantom=DISCS, method=PLAIN):
 def cone_angles():
     degrees = (5, 10, 15, 20, 25, 30, 35, 40)
     return case_table("cone_angle", ("discs by FDK", "fdk", degrees, cone), ("discs by SART", "sart", (5, 20, 40), lambda x: cone(x, method=SART)),
-                      ("head by FDK", "head", degrees, lambda x: cone(x, HEAD)))
+                      ("head by FDK", "head", degrees, lambda x: cone(x, HEAD)), measure=Case.untimed)
 
 
 def truncation():
@@ -153,7 +145,8 @@ def truncation():
             columns = math.floor(seen * width * 2 / scan.pitch + 0.5)
             return Case(HEAD, replace(scan, detector=(columns, 96)), method, (0.5 * width / 2 * 0.9, 20))
         return at
-    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)), ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)))
+    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)), ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)),
+                      measure=Case.untimed)
 
 
 def views():
@@ -176,6 +169,8 @@ ALGEBRAIC = (("sart", "SART", {"method": "sart"}, 0.3), ("os_sart", "OS-SART 10 
 
 
 def sart():
+    most = 16  # iterations
+
     def noisy(photons):
         def case(method):
             return Case(HEAD, chart_scan(64, 96, 60), method, photons=photons)
@@ -183,15 +178,16 @@ def sart():
         yield (f"FDK by Ram-Lak / Shepp-Logan / Hann{end}", f"fdk{noise}", (1, 2, 3),
                lambda x: case(PLAIN | {"window": ("ram-lak", "shepp-logan", "hann")[x - 1]}))
         for name, title, method, relaxation in ALGEBRAIC:
-            yield (f"{title} by {relaxation:.1f}{end}", name + noise, (1, 2, 4, 8, 16),
+            yield (f"{title} by {relaxation:.1f}{end}", name + noise, (1, 2, 4, 8, most),
                    lambda x, method=method | {"relaxation": relaxation}: case(method | {"iterations": x}))
-    return case_table("sart", *noisy(0), *noisy(3000))
+    return case_table("sart", *noisy(0), *noisy(3000),
+                      measure=lambda case, kept: case.untimed(kept) if case.photons else case.timed(kept, 0 if case.method["method"] == "fdk" else most))
 
 
 def relaxation():
     return case_table("relaxation", *((title, name, (0.1, 0.3, 1.0, 1.5, 1.9, 2.0, 2.2, 2.5, 3.0),
                                        lambda x, method=method: Case(HEAD, chart_scan(48, 64, 60), method | {"iterations": 6, "relaxation": x}))
-                                      for name, title, method, _ in ALGEBRAIC))
+                                      for name, title, method, _ in ALGEBRAIC), measure=Case.untimed)
 
 
 def spaced(spacing, views):
