@@ -1,4 +1,4 @@
-"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take the better part of an hour.
+"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take some hours, the cone beam's most.
 One that was interrupted goes on where it was: its runs are in build/charts.
 
 Names: """

@@ -222,7 +222,10 @@ def _write(axes, each, point, place, coordinates, moved):
 
 
 def _shortened(text):
-    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point."""
+    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point. Clip paths get numbers: matplotlib names
+    them by a hash of their corners, whose last bits differ from machine to machine."""
     text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"(\d\.\d\d)\d{3,}", r"\1", text).replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+    for number, name in enumerate(dict.fromkeys(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text))):
+        text = text.replace(name, f"clip{number}")
     return "".join(line.strip() + "\n" for line in text.splitlines() if line.strip())
