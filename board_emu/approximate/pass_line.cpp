@@ -58,8 +58,8 @@ void PassProcessor::fill(Cycle now) {
   line_[owner].due = std::max(line_[owner].due, now);
 }
 
-// All that happens there up to cycle `until`, cycle by cycle: what comes out goes before what goes in. What a pass does in a cycle is
-// never again due in it. Returns when the next of its events is, kNoCycle if that is not known yet.
+// All that happens there up to cycle `until`, cycle by cycle; in one cycle a packet is written first, and what comes out goes before
+// what goes in. Returns the cycle of the next event after that, kNoCycle if it is not known yet.
 Cycle PassProcessor::run_line(Cycle until) {
   while (true) {
     const auto [out, slot, entry, write] = line_events();
@@ -73,7 +73,7 @@ Cycle PassProcessor::run_line(Cycle until) {
       come_out(now);
       if (two_ports_) continue;  // which may write a packet before
     }
-    if (slot == now && !line_stands() && next_slot() == now) {
+    if (slot == now && !line_stands() && next_slot() == now) {  // what came out may have changed that
       take_slot_of_line(now);
       if (two_ports_) continue;
     }

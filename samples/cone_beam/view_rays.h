@@ -46,8 +46,8 @@ struct Reconstruction {
   // each view before it was corrected for.
   std::vector<double> residuals{};
   std::vector<Picoseconds> iteration_ends{};  // simulated, from the first ray: when each of these iterations was done
-  int iterations = 0;     // whole ones; `values` are those after the one with the least residual
-  bool diverged = false;  // the residual grew: the relaxation is too large
+  int iterations = 0;                         // whole ones; `values` are those after the one with the least residual
+  bool diverged = false;                      // the residual grew: the relaxation is too large
 };
 
 // What a view's rays leave in a unit of volume: (fine rows) x (fine columns) densities.

@@ -87,8 +87,8 @@ class Case:
         return statistics(folder / "error.json")
 
     def timed(self, kept, iterations=0):
-        """Whole at the approximate level, with the board's time. Iterations that are measured at several numbers are simulated once, at the
-        largest, `iterations`."""
+        """All views simulated at the approximate level, with the board's time. `iterations`: of the longest run of this method; the times of
+        shorter ones are those at which its iterations were done."""
         if not iterations:
             made = self.reconstruct("approximate", self.compare)
             return made | {"board_ms": made["rays_ms"]}
@@ -98,7 +98,7 @@ class Case:
         return made | {"board_ms": ends[len(made["residuals"]) - 1]}
 
     def untimed(self, _):
-        """Of what is shown by no time: at the functional level, which has the same values, and the bus's time."""
+        """At the functional level, which has the same values and the bus's time, but not the board's."""
         return self.reconstruct(more=self.compare) | {"board_ms": None}
 
 
@@ -180,8 +180,12 @@ def sart():
         for name, title, method, relaxation in ALGEBRAIC:
             yield (f"{title} by {relaxation:.1f}{end}", name + noise, (1, 2, 4, 8, most),
                    lambda x, method=method | {"relaxation": relaxation}: case(method | {"iterations": x}))
-    return case_table("sart", *noisy(0), *noisy(3000),
-                      measure=lambda case, kept: case.untimed(kept) if case.photons else case.timed(kept, 0 if case.method["method"] == "fdk" else most))
+
+    def measure(case, kept):
+        if case.photons:  # noise is not chosen for speed
+            return case.untimed(kept)
+        return case.timed(kept, most if "iterations" in case.method else 0)
+    return case_table("sart", *noisy(0), *noisy(3000), measure=measure)
 
 
 def relaxation():

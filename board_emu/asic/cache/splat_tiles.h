@@ -25,8 +25,8 @@ struct SplatBlock {
 
 // Those of voxels with a share, or of `all` voxels, in the order of their first voxels.
 inline SplatTiles tiles_of(const Deposit& deposit, const SplatBlock& block, bool all) {
-  constexpr std::array<std::uint32_t, 3> kLower{0x55, 0x33,
-                                                0x0F};  // the voxels of least coordinate along an axis, a bit each
+  // The voxels of least coordinate along each axis, a bit each.
+  constexpr std::array<std::uint32_t, 3> kLower{0x55, 0x33, 0x0F};
   std::uint32_t voxels = 0;
   for (std::uint32_t i = 0; i < 8; ++i) voxels |= (deposit.shares[i] != 0 || all ? 1u : 0u) << i;
   std::array<std::int32_t, 3> local{};

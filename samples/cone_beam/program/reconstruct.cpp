@@ -111,12 +111,15 @@ Json plan_json(const FdkPlan& plan) {
 }
 
 // Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last
-// value read), deposits, overflowed, clipped, iterations, residuals, iterations_ms (from the first ray to each one's end), diverged, warnings, those of
-// `cost` (cost_json()), and plan, null without one.
+// value read), deposits, overflowed, clipped, iterations, residuals, iterations_ms (simulated, from the
+// first ray to the end of each), diverged, warnings, those of `cost` (cost_json()), and plan, null without
+// one.
 Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
                    const std::optional<FdkPlan>& plan) {
   const Grid& volume = scan.geometry.volume;
   const Json grid{{"dims", volume.dims}, {"spacing", numbers(volume.spacing)}, {"centre", numbers(scan.centre)}};
+  std::vector<double> ends_ms;
+  for (const Picoseconds end : result.iteration_ends) ends_ms.push_back(to_ms(end));
   Json json{{"scan", scan_json(scan)},
             {"volume", grid},
             {"method", options.method},
@@ -128,10 +131,9 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
             {"clipped", result.clipped},
             {"iterations", result.iterations},
             {"residuals", result.residuals},
-            {"iterations_ms", Json::array()},
+            {"iterations_ms", ends_ms},
             {"diverged", result.diverged},
             {"warnings", scan.warnings}};
-  for (const Picoseconds end : result.iteration_ends) json["iterations_ms"].push_back(to_ms(end));
   json.update(cost);
   json["plan"] = plan ? plan_json(*plan) : nullptr;
   return json;

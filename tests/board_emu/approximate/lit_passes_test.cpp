@@ -7,6 +7,7 @@
 
 #include "approximate/pass_machine.h"
 #include "approximate/traced_passes.h"
+#include "bare_board.h"
 #include "lighting_rig.h"
 #include "memory/sum_memory.h"
 

@@ -377,38 +377,5 @@ TEST(Link, TakesNoProcessorTimeWhileItWaits) {
   EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10);
 }
 
-TEST(Link, WithoutAnAnswerTheWatchdogClosesTheLink) {
-  bool closed = false;
-  {
-    FakeBoard board([&closed](FakeBoard& self) {
-      self.shake_hands();
-      self.drain();
-      closed = true;
-    });
-    Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(50)});
-    EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), TimedOut);
-    EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), DeviceLost);
-  }
-  EXPECT_TRUE(closed);
-}
-
-TEST(Link, ProgressKeepsTheWatchdogQuiet) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
-    const Frame command = *self.receive();
-    const Frame wait = *self.receive();
-    for (std::uint32_t i = 0; i < 10; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      self.progress(command.header.id, i, 10);
-    }
-    self.complete(command.header.id, 5);
-    self.respond(wait, 5);
-    self.drain();
-  });
-  Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(800)});
-  const auto ticket = link.command(0, wire::share(bytes_of("draw")));
-  EXPECT_NO_THROW(link.wait(ticket, 0, kNoDeadline, {}));
-}
-
 }  // namespace
 }  // namespace gicube
