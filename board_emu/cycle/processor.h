@@ -246,6 +246,7 @@ inline void Processor::account(Cycle now, Cause upstream, std::size_t come) {
 
 // Prefetches what the ray's next pass will read into the host's cache.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
+  if (view.densities == nullptr) return;  // rays that backproject read no voxel
   const Cell at = cell(position, low);
   const std::int16_t* voxel = view.densities + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
   __builtin_prefetch(voxel);

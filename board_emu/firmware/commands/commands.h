@@ -184,7 +184,7 @@ class DspCommands {
   // Blocks whose words came to a card that does not store the whole volume; of those, that rays of a picture, a light or a series of
   // trace commands waited for, each once.
   std::uint64_t block_loads_ = 0, min_block_loads_ = 0;
-  std::uint64_t host_deposits_total_ = 0;          // voxels of other blocks that got energy, each once a command
+  std::uint64_t host_deposits_total_ = 0;                // voxels of other blocks that got energy, each once a command
   std::uint64_t forwarded_rays_ = 0, arrived_rays_ = 0;  // off the card, and to it
 };
 

@@ -18,7 +18,8 @@ void IrradianceCopy::follow(std::span<const IrradianceMemory> memories, std::siz
     first_[block] = static_cast<std::int32_t>(plane_);
     plane_ += block_words;
   }
-  const std::size_t words = memories.size() * plane_ + 1;  // a pair is read at the last too
+  // A pair is read at the last too; samples without irradiance read the first block's words, and drop them.
+  const std::size_t words = std::max(memories.size() * plane_, block_words) + 1;
   if (words >= std::size_t{1} << 30) return;
   words_.resize(words);
   std::ranges::fill(words_, std::int16_t{0});
