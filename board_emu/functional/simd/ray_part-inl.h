@@ -115,7 +115,7 @@ HWY_INLINE V scattering_opacity(V a, const MaterialLanes& material) {
   const V part = rounded(in_doubles([&](auto half) {
     const VD unit = hn::Set(DD(), 1), ks = half(material.scattering);
     const VD alpha = hn::Div(half(a), hn::Set(DD(), wire::kOpacityOne));
-    // Never 0, for 0 / 0 is no integer; what opaque lanes get here is dropped.
+    // 2^-24 at least, but 0 where an opaque sample scatters nothing. 0 / 0 has no integer, so that is lifted; the part is not used there.
     const VD under = hn::Max(hn::Sub(unit, hn::Mul(hn::Sub(unit, ks), alpha)), hn::Set(DD(), 0x1p-60));
     return hn::Mul(hn::Div(hn::Mul(ks, alpha), under), hn::Set(DD(), wire::kOpacityOne));
   }));
