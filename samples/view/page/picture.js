@@ -9,7 +9,7 @@ export class Picture extends EventTarget {
   #flying = 0; // id of the moving picture under way
   #since = 0;
   #wanted = false;
-  #rest = 0;
+  #rest = 0; // of the timer that asks for the whole picture after a move; 0: none waits
 
   /** @param {HTMLCanvasElement} canvas @param {import("./socket.js").Connection} connection @param {import("./view.js").ViewState} view */
   constructor(canvas, connection, view) {
@@ -18,13 +18,17 @@ export class Picture extends EventTarget {
     this.connection = connection;
     this.view = view;
     connection.on("picture", ({ header, bytes }) => this.#show(header, bytes));
-    connection.on("error", (/** @type {Failure} */ error) => this.#arrived(error.id ?? 0));
+    connection.on("error", (/** @type {Failure} */ error) => {
+      this.#arrived(error.id ?? 0);
+      if (error.id === this.#id) this.#settle();
+    });
   }
 
   /** Asks for the picture of the view as it is.
    * @param {boolean} moving */
   ask(moving) {
-    clearTimeout(this.#rest);
+    this.canvas.setAttribute("aria-busy", "true");
+    this.#stop();
     if (moving) {
       this.#rest = setTimeout(() => this.ask(false), kRest);
       if (this.#flying && performance.now() - this.#since < kForgotten) {
@@ -42,9 +46,20 @@ export class Picture extends EventTarget {
 
   /** Nothing is under way any more: the board was lost. */
   forget() {
-    clearTimeout(this.#rest);
+    this.#stop();
     this.#flying = 0;
     this.#wanted = false;
+    this.#settle();
+  }
+
+  #stop() {
+    clearTimeout(this.#rest);
+    this.#rest = 0;
+  }
+
+  /** The newest request is answered: the picture stays as it is, unless another follows a move. */
+  #settle() {
+    if (!this.#rest) this.canvas.setAttribute("aria-busy", "false");
   }
 
   /** @param {number} id */
@@ -68,6 +83,7 @@ export class Picture extends EventTarget {
     canvas.getContext("2d")?.putImageData(pixels, 0, 0);
     canvas.dataset.id = String(header.id);
     canvas.dataset.final = String(header.final && header.id === this.#id);
+    if (canvas.dataset.final === "true") this.#settle();
     this.dispatchEvent(new CustomEvent("shown", { detail: header }));
   }
 }

@@ -59,8 +59,15 @@ class Shown:
     def text(self, selector: str) -> str:
         return str(self.browser.execute_script("return document.querySelector(arguments[0])?.textContent ?? ''", selector))
 
+    def settled(self) -> str | None:
+        """Waits until no picture is under way; the number of the one that is shown."""
+        canvas = self.find("#picture")
+        wait("the answer to the last request", lambda: canvas.get_attribute("aria-busy") == "false")
+        return canvas.get_attribute("data-id")
+
     def picture(self) -> np.ndarray[Any, Any]:
         """The canvas's pixels, once it shows the whole picture of the view as it is."""
+        self.settled()
         wait("a whole picture", lambda: self.find("#picture").get_attribute("data-final") == "true")
         return self.pixels("#picture")
 
@@ -74,7 +81,7 @@ class Shown:
 
     def after(self, act: Callable[[], Any]) -> np.ndarray[Any, Any]:
         """The whole picture that follows an act."""
-        before = self.find("#picture").get_attribute("data-id")
+        before = self.settled()
         act()
         wait("another picture", lambda: self.find("#picture").get_attribute("data-id") != before)
         return self.picture()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import urllib.parse
@@ -80,6 +81,19 @@ def test_zooming_by_the_wheel_makes_it_larger(page: Shown) -> None:
     canvas = page.find("#picture")
     wheel = "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: 100, bubbles: true, cancelable: true}))"
     assert share(page.after(lambda: page.browser.execute_script(wheel, canvas))) < before
+
+
+def test_a_picture_is_busy_until_the_newest_request_is_answered(page: Shown) -> None:
+    first = page.picture()
+    busy = lambda: page.find("#picture").get_attribute("aria-busy")
+    assert busy() == "false"
+    page.program.process.send_signal(signal.SIGSTOP)
+    try:
+        page.find("#picture").send_keys(Keys.ARROW_LEFT)
+        assert busy() == "true"
+    finally:
+        page.program.process.send_signal(signal.SIGCONT)
+    assert (page.picture() != first).any() and busy() == "false"
 
 
 def test_the_final_picture_is_bit_for_bit_what_the_printed_command_writes(page: Shown, tmp_path: pathlib.Path) -> None:
