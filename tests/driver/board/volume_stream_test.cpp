@@ -13,7 +13,6 @@
 #include <limits>
 #include <new>
 #include <numeric>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>

@@ -147,8 +147,8 @@ void run_fdk(const Options& options) {
     if (!options.explain) continue;
     for (const std::string& line : plan.explain()) fmt::print("    {}\n", line);
     for (const auto& point : plan.points) {
-      fmt::print("    every {} rays {} step {:g}: error {:.2f}%, bound {:.2f}%\n", point.every, point.rays,
-                 point.step, 100 * point.error, 100 * point.error_bound);
+      fmt::print("    every {} rays {} step {:g}: error {:.2f}%, bound {:.2f}%\n", point.every, point.rays, point.step,
+                 100 * point.error, 100 * point.error_bound);
     }
   }
 }
