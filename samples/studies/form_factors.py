@@ -8,6 +8,7 @@ import gicube
 import numpy as np
 
 from studies.points import Table, run, statistics
+from studies.table import to_markdown
 
 EDGE = 40  # voxels of the volume of the closed forms
 SIDE = 20  # voxels, of their squares
@@ -200,3 +201,30 @@ def hierarchy_table(scene=ROOM, thresholds=THRESHOLDS):
 
 def tables():
     return [*error_tables(), trade_table(), hierarchy_table()]
+
+
+def error_summary(rows):
+    """The table of docs/guide/form_factors.md of the errors at most rays, of the rows of form_factors_slopes.csv."""
+    return to_markdown(["pair", "exact", "error"],
+                       ([row["form"], f"{float(row['exact']):.6f}", f"{100 * float(row['error at most rays']):.2g}%"] for row in rows))
+
+
+def trade_summary(rows):
+    """The one of rays by the host or by the DSP, of the rows of form_factors_trade.csv: shares of the simulated time, in percent."""
+    names = {"pci33": "PCI", "agp2x": "AGP 2x", "board": "DSP"}
+    def line(row):
+        shares = [float(row["bus_down"]) + float(row["bus_up"]), *(float(row[part]) for part in ("dsp", "pipelines", "sorter", "memory"))]
+        return [names[row["bus"]], names.get(row["made"], row["made"]), row["rays a pair"], f"{float(row['rays_per_second']) / 1e6:.2f}",
+                *(f"{100 * share:.0f}%" for share in shares), names.get(row["bound"], row["bound"])]
+    return to_markdown(["bus", "rays by", "rays per pair", "M rays/s", "bus", "DSP", "pipelines", "sorter", "memory", "bound by"],
+                       (line(row) for row in rows if row["rays a pair"] in ("1", "16", "64")))
+
+
+def hierarchy_summary(rows):
+    """The one of a hierarchy against a full matrix, of the rows of form_factors_hierarchy.csv."""
+    def line(row):
+        is_hierarchy = row["hierarchy"] == "1"
+        return ["hierarchy" if is_hierarchy else "full matrix", row["error"] if is_hierarchy else "", f"{int(row['links']):,}",
+                f"{int(row['all_pairs']) / int(row['links']):.0f}", f"{int(row['rays']):,}", f"{float(row['board_ms']):.0f}",
+                f"{100 * float(row['difference']):.1f}%"]
+    return to_markdown(["", "error setting", "links", "fewer than all pairs by", "rays", "board ms", "error of the light"], map(line, rows))

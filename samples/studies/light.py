@@ -10,7 +10,7 @@ import numpy as np
 
 from studies.pictures import read_picture
 from studies.points import ROOT, Table, run, statistics
-from studies.table import on_front
+from studies.table import on_front, to_markdown
 
 SCENES = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box", "golden_ring", "mirror_buckyball_area", "mirror_head")},
           "engine": ROOT / "samples/studies/light_scenes/engine.scene"}
@@ -218,6 +218,5 @@ def summary(rows):
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.0f}".format(100 * float(row["error"]), "**" * int(row["front"]), float(row["board_ms"]))
              for row in rows}
-    lines = [["method", *scenes], ["---"] * (1 + len(scenes))]
-    lines += [[method, *(cells.get((method, scene), "") for scene in scenes)] for method in dict.fromkeys(row["method"] for row in rows)]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return to_markdown(["method", *scenes], ([method, *(cells.get((method, scene), "") for scene in scenes)]
+                                            for method in dict.fromkeys(row["method"] for row in rows)))

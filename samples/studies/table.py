@@ -31,6 +31,10 @@ def csv_text(rows):
     return text.getvalue()
 
 
+def to_markdown(columns, rows):
+    return "".join(f"| {' | '.join(line)} |\n" for line in [columns, ["---"] * len(columns), *rows])
+
+
 def cell(value):
     """Six digits of a number; empty for not-a-number."""
     return ("" if math.isnan(value) else f"{value:.6g}") if isinstance(value, float) else value

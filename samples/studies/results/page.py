@@ -4,7 +4,7 @@ import re
 from typing import NamedTuple
 
 from studies import draw
-from studies.table import cell, csv_text
+from studies.table import cell, csv_text, to_markdown
 
 TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
@@ -34,10 +34,6 @@ def number(value, digits=1):
 def percent(share, digits=0):
     """"12%" of 0.12."""
     return f"{100 * share:.{digits}f}%"
-
-
-def to_markdown(columns, rows):
-    return "".join(f"| {' | '.join(line)} |\n" for line in [columns, ["---"] * len(columns), *rows])
 
 
 class Page:

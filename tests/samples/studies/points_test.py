@@ -179,6 +179,16 @@ def test_errors_fall_faster_than_those_of_random_points_and_are_small():
         assert form == "common edge" or form_factors.slope_of(rays, errors) < -0.5, form
 
 
+def rows_of_the_documents(name):
+    with open(charts.CHARTS / f"{name}.csv") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"), (form_factors.trade_summary, "trade"), (form_factors.hierarchy_summary, "hierarchy")])
+def test_the_documents_tables_of_form_factors_are_those_of_their_points(summary, name):
+    assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT / "docs/guide/form_factors.md").read_text()
+
+
 def test_slopes_are_of_straight_lines():
     table = form_factors.error_tables()[1]
     text = text_of(table, [(f"error/parallel_kappa_1/{rays}", 3 * rays ** -0.75) for rays in (8, 16, 32)])
@@ -330,5 +340,4 @@ def test_a_soft_floor_and_fog_show_the_light_that_is_in_them_and_an_opaque_floor
 
 
 def test_the_documents_table_of_light_is_that_of_its_points():
-    with open(charts.CHARTS / "light.csv") as file:
-        assert light.summary(list(csv.DictReader(file))) in (points.ROOT / "docs/studies/light.md").read_text()
+    assert light.summary(rows_of_the_documents("light")) in (points.ROOT / "docs/studies/light.md").read_text()
