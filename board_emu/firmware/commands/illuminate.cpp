@@ -31,6 +31,7 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
 void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
   aperture_.expect_deposits();
   frame.type = wire::RayType::kDeposit;
+  frame.lit_by_irradiance = false;              // of rendering rays, whatever PIPELINE has
   frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = rules;
   if (rules == wire::EnergyRules::kAsPrinted) return;

@@ -294,6 +294,25 @@ TEST(IlluminateCommand, CountsItsRaysInClearAirToo) {
   }
 }
 
+// A host may leave PIPELINE as pictures need it.
+TEST(IlluminateCommand, ChangesPicturesThatAreLitByIrradianceAlsoWhilePipelineAsksForThem) {
+  const auto lit_twice = [](bool stays) {
+    BareBoard board(blocks_of_eight());
+    load_fog(board, 3000);
+    std::vector<std::vector<wire::Pixel>> pictures;
+    for (int i = 0; i < 2; ++i) {
+      if (!stays) board.write_register(wire::reg::kPipeline, 0);
+      EXPECT_EQ(refusal(board, wire::encoded(sunlight(200))), "accepted");
+      board.write_register(wire::reg::kPipeline, wire::kPipelineIrradiance);
+      pictures.push_back(board.render(corner_view({17, 17, 17}, 8)));
+    }
+    return pictures;
+  };
+  const auto pictures = lit_twice(true);
+  EXPECT_EQ(pictures, lit_twice(false));
+  EXPECT_NE(pictures[0], pictures[1]);
+}
+
 TEST(IlluminateCommand, SaysWhetherItsLightStandsInASolid) {
   BareBoard board(blocks_of_eight());
   board.load_volume({17, 17, 17}, [](int x, int y, int) {

@@ -29,6 +29,8 @@ class BareBoard {
       : board_(config, 0x1234, observer, routines, max_memory_bytes),
         n_(static_cast<int>(config.asic().block_voxels())) {}
 
+  Board& board() { return board_; }
+
   TransactionResult send(wire::FrameType type, const std::vector<std::uint8_t>& payload) {
     return send(type, next_id_++, payload);
   }
