@@ -25,22 +25,17 @@ std::uint64_t rescale(std::uint64_t sum, std::uint64_t weight, std::uint64_t fro
 
 void Framebuffer::clear(int width, const ImageRows& rows, wire::Filter filter) {
   width_ = width;
-  height_ = rows.count();
   rows_ = rows;
   filter_ = filter;
-  sums_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Sum{});
+  sums_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height()), Sum{});
 }
 
 void Framebuffer::begin(const wire::RenderCommand& command, bool goes_on) {
-  if (goes_on) {
-    rows_ = ImageRows(command);
-  } else {
-    clear(command.width, ImageRows(command), command.filter);
-  }
+  if (!goes_on) clear(command.width, ImageRows(command), command.filter);
 }
 
 void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
-  const int row = place(y);
+  const int row = rows_.place(y);
   if (weight == 0 || x < 0 || x >= width_ || row < 0) return;
   Sum& sum = sums_[index(x, row)];
   for (std::size_t c = 0; c < 3; ++c) add_atomically(sum.colour[c], ray.colour[c] * weight);
@@ -66,12 +61,12 @@ DspTask Framebuffer::task(int u, int v, bool alone) const {
   if (alone && filter_ == wire::Filter::kBox) {
     constexpr std::uint64_t kFinishedBytes = 8;
     return DspTask{.loop = &kStorePixel}.with(
-        {sdram_map::kFramebuffer + index(u / kSubPixels, place(v / kSubPixels)) * kFinishedBytes, kFinishedBytes,
+        {sdram_map::kFramebuffer + index(u / kSubPixels, rows_.place(v / kSubPixels)) * kFinishedBytes, kFinishedBytes,
          SdramUse::Kind::kWrite});
   }
   DspTask task{.loop = &kAddToPixel};
   const auto change = [&](int x, int y) {
-    const int row = place(y);
+    const int row = rows_.place(y);
     if (x < 0 || x >= width_ || row < 0) return;
     task.with({sdram_map::kFramebuffer + index(x, row) * kBytesPerPixel, kBytesPerPixel, SdramUse::Kind::kChange});
   };
@@ -88,7 +83,7 @@ DspTask Framebuffer::task(int u, int v, bool alone) const {
 }
 
 void Framebuffer::add_alone(const wire::Ray& ray) {
-  const int x = ray.u / kSubPixels, row = place(ray.v / kSubPixels);
+  const int x = ray.u / kSubPixels, row = rows_.place(ray.v / kSubPixels);
   if (filter_ != wire::Filter::kBox || x >= width_ || row < 0) return add(ray);
   Sum& sum = sums_[index(x, row)];
   for (std::size_t c = 0; c < 3; ++c) sum.colour[c] += ray.colour[c];

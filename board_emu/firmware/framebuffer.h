@@ -30,12 +30,15 @@ class Framebuffer {
   void clear(int width, const ImageRows& rows, wire::Filter filter);
   // Clears it for the rows that a card makes, unless the image `goes_on` that was begun before.
   void begin(const wire::RenderCommand& command, bool goes_on);
+  bool is_of(const wire::RenderCommand& command) const {
+    return width_ == command.width && filter_ == command.filter && rows_ == ImageRows(command);
+  }
 
   std::uint64_t bytes() const { return std::uint64_t{kBytesPerPixel} * sums_.size(); }  // of the SDRAM
   std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }         // of the host's
 
   int width() const { return width_; }
-  int height() const { return height_; }  // rows that are here
+  int height() const { return rows_.count(); }  // rows that are here
 
   // Of an image whose rows are dealt to several cards, others' pixels are left out. Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
   void add(const wire::Ray& ray);
@@ -50,10 +53,10 @@ class Framebuffer {
   std::vector<std::uint8_t> packed(unsigned threads = 1) const;
   void state(Archive& archive) {
     archive.at_most("width", width_, 0xFFFF);
-    archive.at_most("height", height_, 0xFFFF);
+    rows_.state(archive);
     archive.at_most("filter", filter_, wire::Filter::kTent);
     archive.list("sums", sums_, ~std::uint64_t{0});
-    const auto pixels = static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
+    const auto pixels = static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height());
     archive.expect(sums_.size() == pixels, "sums", "those of " + std::to_string(pixels) + " pixels", sums_.size());
   }
   // How many of them a thread packs at a time: even, since two pixels share a byte.
@@ -71,16 +74,10 @@ class Framebuffer {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-  // Where a row of the image is here; -1 if it is not.
-  int place(int y) const {
-    const int row = rows_.place(y);
-    return row < height_ ? row : -1;
-  }
   void add(int x, int y, std::uint32_t weight, const wire::Ray& ray);
   static wire::Pixel resolve(const Sum& sum);
 
   int width_ = 0;
-  int height_ = 0;
   ImageRows rows_;
   wire::Filter filter_ = wire::Filter::kBox;
   std::vector<Sum> sums_;

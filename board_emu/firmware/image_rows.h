@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "gicube/archive.h"
 #include "gicube/wire/command.h"
 
 namespace gicube::emu {
@@ -25,7 +26,25 @@ class ImageRows {
     parts_ = command.parts;
   }
 
+  friend bool operator==(const ImageRows&, const ImageRows&) = default;
   int count() const { return count_; }
+  void state(Archive& archive) {
+    archive.field("rows", [this](Archive::Record& record) {
+      record.at_most(height_, 0xFFFF);
+      record.at_most(strip_, 0xFFFF);
+      record.at_most(part_, 0xFF);
+      record.at_most(parts_, 0xFF);
+      if (!record.loads()) return;
+      record.expect(strip_ >= 1, "a strip of rows", static_cast<std::uint64_t>(strip_));
+      record.expect(part_ < parts_, "a part of the image's", static_cast<std::uint64_t>(part_));
+      wire::RenderCommand command;
+      command.height = static_cast<std::uint16_t>(height_);
+      command.strip_rows = static_cast<std::uint16_t>(strip_);
+      command.part = static_cast<std::uint8_t>(part_);
+      command.parts = static_cast<std::uint8_t>(parts_);
+      count_ = wire::rows_of(command);
+    });
+  }
   // Where a row of the image stands among them; -1 if it does not.
   int place(int row) const {
     if (row < 0 || row >= height_) return -1;

@@ -77,7 +77,10 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   Frame frame = this->frame();
   check_materials(!frame.scatter || !aperture_.any_absent());
   frame.lamps = !lamps.empty();
-  if (!goes_on_) {
+  if (goes_on_) {
+    expect(aperture_.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
+           command.width);
+  } else {
     drop_rays();
     waiting_rays_.begin(WaitingKind::kPicture);
   }
