@@ -15,14 +15,6 @@ void SumMemory::resize(const std::array<int, 3>& size) {
   bounds_.assign(count, 0);
 }
 
-void SumMemory::clear() {
-  if (waiting_ != nullptr) waiting_->forget();
-  for (const Words& words : blocks_words_) {
-    if (words != nullptr) std::fill_n(words.get(), voxels_and_faces(), 0);
-  }
-  bounds_.assign(bounds_.size(), 0);
-}
-
 void SumMemory::finish() {
   if (waiting_ != nullptr) waiting_->add_to(*this);
 }

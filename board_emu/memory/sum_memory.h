@@ -47,7 +47,8 @@ class SumMemory : public Blocked {
   explicit SumMemory(int block_voxels) : Blocked(block_voxels) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
-  void clear();                                 // zeros everywhere; blocks keep their memory
+  // Blocks keep no memory: which had words would depend on what has waited, and a board's checkpoint may not.
+  void clear() { resize(size_); }
   std::size_t block_count() const { return blocks_words_.size(); }
 
   // The blocks that words of the deposit's shares belong to.
