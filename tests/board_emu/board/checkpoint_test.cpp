@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "commands_rig.h"
 #include "gicube/wire/checksum.h"
 #include "random_session.h"
 #include "temporary_directory.h"
@@ -45,12 +46,7 @@ v1::BoardConfig draw_board(Dice& dice, const char* fidelity) {
   } else if (dice.chance(50)) {
     add({"dsp.segments=1", "dsp.run_rays=0", "asic.partition=repeated_slab"});
   }
-  const bool by_passes = std::string_view(fidelity) == "approximate";
-  if (by_passes) add({"sorter.queues=per_block"});
-  if (by_passes && dice.chance(80)) {  // else the cycle level answers
-    add({"sorter.policy=most_rays", "ideal.sorter=0", "cache.irradiance=with_voxels", "cache.ports=1",
-         "rdram.processors_per_rdram=1", "ddr.processors_per_channel=1"});
-  }
+  if (std::string_view(fidelity) == "approximate") add({"sorter.queues=per_block"});  // a single one is refused
   return config_with(assignments);
 }
 
@@ -187,9 +183,9 @@ std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) 
 
 // As many machines as take a minute of the processor. At cycle level each has some ten moments between transactions and forty in commands.
 INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
-                         testing::Combine(testing::Values("functional"), testing::Range(1u, 41u)), name_of);
+                         testing::Combine(testing::Values("functional"), testing::Range(1u, 121u)), name_of);
 INSTANTIATE_TEST_SUITE_P(ByPasses, RandomBoard,
-                         testing::Combine(testing::Values("approximate"), testing::Range(1u, 15u)), name_of);
+                         testing::Combine(testing::Values("approximate"), testing::Range(1u, 31u)), name_of);
 INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), testing::Range(1u, 26u)),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Sampled, RandomBoard, testing::Combine(testing::Values("sampled"), testing::Range(1u, 11u)),
@@ -338,6 +334,33 @@ TEST(Checkpoint, OfOneLevelMakesABoardOfAnother) {
     return of.transact(header, payload, work).reply->payload;
   };
   EXPECT_EQ(image(*board), image(*warm.board));
+}
+
+// Whole, and a part of it as a card of several makes it.
+TEST(Checkpoint, HoldsAPictureWhoseRaysWaitForBlocks) {
+  for (const int parts : {0, 3}) {
+    BareBoard board(blocks_of_eight());
+    load_fog(board, 300);
+    board.write_register(wire::reg::kBricks, 1);
+    board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{0, 0x3E, 0, 0});  // a layer's second to sixth
+    wire::RenderCommand view = corner_view({17, 17, 17}, 12);
+    if (parts > 0) view.strip_rows = 2, view.part = 1, view.parts = static_cast<std::uint8_t>(parts);
+    const auto begun = board.render(view);
+    BareBoard other(blocks_of_eight());
+    Checkpoint(saved(board.board())).restore(other.board());
+    const auto ended = [&view](BareBoard& of) {
+      of.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>(4));
+      EXPECT_EQ(refusal(of, wire::encoded(wire::ContinueCommand{})), "accepted");
+      return of
+          .read_memory(wire::kFramebuffer.base, wire::packed36_bytes(12u * static_cast<unsigned>(wire::rows_of(view))))
+          .payload;
+    };
+    const auto picture = ended(board);
+    EXPECT_EQ(ended(other), picture);
+    BareBoard whole(blocks_of_eight());
+    load_fog(whole, 300);
+    EXPECT_NE(whole.render(view), begun);
+  }
 }
 
 TEST(Checkpoint, IsReadFromAFileAndNotFromAnythingElse) {
