@@ -43,7 +43,8 @@ TransactionResult RandomHost::send(Board& board, FrameType type, std::vector<std
     if (completion.error == wire::ErrorCode::kNone) take_trapped(completion.payload, light);
   }
   if (result.reply) {
-    heard_.push_back(text_of("reply", header.id, result.reply->error, result.reply->time_ps, result.reply->payload));
+    const char* const what = type == FrameType::kCounters ? "counters" : "reply";
+    heard_.push_back(text_of(what, header.id, result.reply->error, result.reply->time_ps, result.reply->payload));
     now_ps_ = std::max(now_ps_, result.reply->time_ps);
   }
   return result;
@@ -292,6 +293,17 @@ void RandomHost::end(Board& board) {
     send(board, FrameType::kWait, payload);
   }
   send(board, FrameType::kCounters, {});
+}
+
+void RandomHost::read_memories(Board& board) {
+  std::uint64_t voxels = 1;
+  for (const int edge : kSize) voxels *= static_cast<std::uint64_t>((edge + n_ - 1) / n_ * n_);
+  read_memory(board, wire::kVolume.base, voxels * 9 / 2);
+  read_memory(board, wire::kSums.base, voxels * 9 / 2);
+  for (std::size_t word = 0; word < 3; ++word) {
+    read_memory(board, wire::irradiance_region(word).base, voxels * wire::kIrradianceBytes);
+  }
+  read_memory(board, wire::kFramebuffer.base, 36);
 }
 
 void RandomHost::step(Board& board) {
