@@ -14,7 +14,7 @@ namespace {
 std::optional<std::array<std::uint64_t, 2>> two_numbers(std::string_view text) {
   std::array<std::uint64_t, 2> out{};
   const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, out[0]);
+  const auto first = std::from_chars(text.data(), text.data() + text.size(), out[0]);
   if (first.ec != std::errc() || first.ptr == end || *first.ptr != ':') return std::nullopt;
   const auto second = std::from_chars(first.ptr + 1, end, out[1]);
   if (second.ec != std::errc() || second.ptr != end) return std::nullopt;

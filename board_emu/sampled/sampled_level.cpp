@@ -37,7 +37,9 @@ void take_away(const std::vector<wire::Counter>& before, std::vector<wire::Count
 }
 
 // 0 for what a broken checkpoint says that is no number.
-std::uint64_t whole(double value) { return value > 0 ? static_cast<std::uint64_t>(std::min(value, 1e18) + 0.5) : 0; }
+std::uint64_t whole(double value) {
+  return value > 0 ? static_cast<std::uint64_t>(std::llround(std::min(value, 1e18))) : 0;
+}
 
 }  // namespace
 

@@ -45,7 +45,8 @@ CommandCost CommandCost::times(double factor) const {
   CommandCost scaled{.work = work * factor, .dsp_cycles = dsp_cycles * factor, .counters = counters};
   for (std::size_t q = 0; q < kSampledQuantities; ++q) scaled.took[q] = took[q] * factor;
   for (wire::Counter& counter : scaled.counters) {
-    counter.value = static_cast<std::uint64_t>(std::min(static_cast<double>(counter.value) * factor, 1e18) + 0.5);
+    counter.value =
+        static_cast<std::uint64_t>(std::llround(std::min(static_cast<double>(counter.value) * factor, 1e18)));
   }
   return scaled;
 }

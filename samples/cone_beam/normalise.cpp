@@ -121,7 +121,7 @@ void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSett
     for (std::size_t x = 0; x < columns; ++x) {
       const Vec3 at = to_space(grid, {static_cast<double>(x), static_cast<double>(y), 0});
       const double radius = std::hypot(at.x, at.y), seen = height_seen_by_all(geometry, radius);
-      const auto nearest = static_cast<std::size_t>(radius / step + 0.5);
+      const auto nearest = static_cast<std::size_t>(std::lround(radius / step));
       const std::vector<float> own = by_radius.empty() ? ripples.factors(at.x, at.y, arcs) : std::vector<float>();
       const std::vector<float>& factors = by_radius.empty() ? own : by_radius[nearest];
       for (std::size_t z = 0; z < heights; ++z) {

@@ -86,8 +86,7 @@ MeshCaster::MeshCaster(std::vector<Mesh> meshes) : scene_(std::make_unique<Scene
   scene_->device = rtcNewDevice(kDevice);
   if (scene_->device == nullptr) throw Error("Embree: no device, error " + std::to_string(rtcGetDeviceError(nullptr)));
   scene_->scene = rtcNewScene(scene_->device);
-  rtcSetSceneFlags(scene_->scene,
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   for (const Mesh& mesh : scene_->meshes) scene_->add(mesh);
   rtcCommitScene(scene_->scene);
   const RTCError error = rtcGetDeviceError(scene_->device);
@@ -142,8 +141,8 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
   std::size_t kept = 0;
   for (const Crossing& each : found) {
     bool again = false;
-    for (std::size_t i = kept; i-- > 0 && each.distance - found[i].distance <= kSamePlace * each.distance;) {
-      again = again || scene_->neighbours(found[i], each);
+    for (std::size_t i = kept; i > 0 && each.distance - found[i - 1].distance <= kSamePlace * each.distance; --i) {
+      again = again || scene_->neighbours(found[i - 1], each);
     }
     if (!again) found[kept++] = each;
   }

@@ -45,7 +45,7 @@ std::vector<Rgb> spread_beneath(const Mesh& mesh, const Irradiance& irradiance, 
       for (std::size_t c = 0; c < 3; ++c) out[own][c] += factor * share[c] * irradiance[other][c];
     };
     for (std::size_t k = at; k < order.size() && all[order[k]].middle.x - all[own].middle.x < reach; ++k) add(order[k]);
-    for (std::size_t k = at; k-- > 0 && all[own].middle.x - all[order[k]].middle.x < reach;) add(order[k]);
+    for (std::size_t k = at; k > 0 && all[own].middle.x - all[order[k - 1]].middle.x < reach; --k) add(order[k - 1]);
   });
   return out;
 }

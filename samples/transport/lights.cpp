@@ -75,7 +75,8 @@ Rgb Lights::power(std::size_t light, double factor) const {
 LightPoint Lights::point(PathRandom& random) const {
   LightPoint out;
   for (double chance = random.uniform(); out.light + 1 < lights_.size(); ++out.light) {
-    if ((chance -= chances_[out.light]) < 0) break;
+    chance -= chances_[out.light];
+    if (chance < 0) break;
   }
   out.density = chances_[out.light] / area(out.light);
   const Light& light = lights_[out.light];

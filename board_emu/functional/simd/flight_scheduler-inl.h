@@ -91,7 +91,8 @@ class FlightScheduler {
   // The pass of a ray that stands, if it has not come to its end.
   bool goes_on(Flight& flight) {
     RayState& ray = flight.ray_state;
-    if ((flight.how = end(ray, frame_)) != Termination::kNot) return false;
+    flight.how = end(ray, frame_);
+    if (flight.how != Termination::kNot) return false;
     flight.how = take_pass(ray, frame_, counters_, record_, trail_of(flight));
     if (flight.how == Termination::kNot) flight.how = end(ray, frame_);
     return flight.how == Termination::kNot;
@@ -102,9 +103,10 @@ class FlightScheduler {
       Flight& flight = flights_[next_++];
       if (kind_of(flight.ray_state, frame_) != kind_) {
         fly(flight, frame_, counters_, record_);
-      } else if ((flight.how = end(flight.ray_state, frame_)) == Termination::kNot) {
-        return &flight;
+        continue;
       }
+      flight.how = end(flight.ray_state, frame_);
+      if (flight.how == Termination::kNot) return &flight;
     }
     return nullptr;
   }

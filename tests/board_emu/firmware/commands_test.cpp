@@ -194,7 +194,7 @@ TEST(RenderCommand, MakesThePartsThatTogetherAreTheWholePicture) {
     view.strip_rows = static_cast<std::uint16_t>(strip);
     view.parts = static_cast<std::uint8_t>(parts);
     int rows = 0;
-    for (view.part = 0; view.part < parts; ++view.part) {
+    for (view.part = 0; view.part < view.parts; ++view.part) {
       const auto part = board.render(view);
       int here = 0;
       for (int y = 0; y < 10; ++y) {

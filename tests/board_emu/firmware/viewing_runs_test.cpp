@@ -59,7 +59,7 @@ double error(const wire::Ray& a, const wire::Ray& b, double way) {
   double most = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     most =
-        std::max(most, std::abs(double{static_cast<double>(a.position[axis])} - b.position[axis]) / kUnits +
+        std::max(most, std::abs(static_cast<double>(a.position[axis]) - b.position[axis]) / kUnits +
                            way * std::abs(a.direction[axis] - b.direction[axis]) / (1 << wire::kDirectionFractionBits));
   }
   return most;
