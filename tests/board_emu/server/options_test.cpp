@@ -213,7 +213,7 @@ TEST(CommandLine, TakesTheConfigurationOfACheckpointAndWhatDoesNotShapeItsState)
   v1::BoardConfig config = parse({"--listen", "fd:3", "--set", "asic.processors=2"}).options.config;
   Board board(config, config_hash(config));
   save_checkpoint(board, std::filesystem::path(file));
-  const auto with = [](std::string from, std::vector<const char*> more = {}) {
+  const auto with = [](const std::string& from, std::vector<const char*> more = {}) {
     more.insert(more.begin(), {"--listen", "fd:3", "--restore", from.c_str()});
     return parse(more);
   };

@@ -177,7 +177,7 @@ TEST(FaultPoint, RefusesCountsThatItsPlanCannotHave) {
   FaultPoint point;
   point.set_plan("random { seed: 4 kinds: [drop] mean_messages: 5 }");
   const SavedFaults good = point.saved();
-  const auto refusal = [&point](SavedFaults saved) -> std::string {
+  const auto refusal = [&point](const SavedFaults& saved) -> std::string {
     try {
       point.restore(saved);
     } catch (const CheckpointFault& fault) {
