@@ -195,7 +195,9 @@ class RandomProgram {
       const RayBatch batch = board.receive(ticket);
       hear(board, fmt::format("batch {}", ticket.id), sum_of(batch.rays) + (batch.cancelled ? 1 : 0));
       if (batch.lighting) heard_.push_back(fmt::format("deposited {}", batch.lighting->deposited));
-    } catch (const MemoryFault& error) {  // the batch is gone
+    } catch (const DeviceLost&) {
+      throw;
+    } catch (const Error& error) {  // the batch is gone, or a poll that failed has taken it
       hear(board, error.what(), 0);
     }
     std::erase(tickets_, ticket);

@@ -82,7 +82,7 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
 
 INSTANTIATE_TEST_SUITE_P(Levels, RandomSave,
                          testing::Combine(testing::Values("functional", "approximate", "cycle"),
-                                          testing::Range(1u, 13u)),
+                                          testing::Range(1u, 17u)),
                          [](const auto& each) {
                            return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
                          });
