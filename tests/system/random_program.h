@@ -19,7 +19,7 @@ namespace gicube::system_test {
 
 using emu::Dice;
 
-inline constexpr int kBlock = 8, kEdge = 20;
+inline constexpr int kBlock = 8;
 
 template <typename T>
 std::uint32_t sum_of(const std::vector<T>& values) {
@@ -47,7 +47,8 @@ inline std::uint32_t sum_of(const Image& image) {
 // A program that does anything at random; what it does depends on its seed and its step alone. Copied, it goes on on another board.
 class RandomProgram {
  public:
-  explicit RandomProgram(unsigned seed) : seed_(seed) {}
+  // `edge`: voxels of its volume's edges, at least 20.
+  explicit RandomProgram(unsigned seed, int edge = 20) : seed_(seed), edge_(edge) {}
 
   const std::vector<std::string>& heard() const { return heard_; }
 
@@ -55,9 +56,9 @@ class RandomProgram {
     std::vector<std::byte> samples;
     Dice dice(seed_);
     const Vec3 middle{dice.number(5, 14) * 1.0, 10, 9};
-    for (int z = 0; z < kEdge; ++z) {
-      for (int y = 0; y < kEdge; ++y) {
-        for (int x = 0; x < kEdge; ++x) {
+    for (int z = 0; z < edge_; ++z) {
+      for (int y = 0; y < edge_; ++y) {
+        for (int x = 0; x < edge_; ++x) {
           const double in = 8 - length(Vec3{x * 1.0, y * 1.0, z * 1.0} - middle);
           samples.push_back(static_cast<std::byte>(std::clamp(100 + 20 * in, 0.0, 255.0)));
         }
@@ -67,7 +68,7 @@ class RandomProgram {
       const std::vector<Vec3> codebook{{0, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 0.6, 0.8}, {-0.6, 0, 0.8}};
       board.set_gradient_codebook(codebook);
     }
-    board.load_volume({.samples = samples, .dims = {kEdge, kEdge, kEdge}});
+    board.load_volume({.samples = samples, .dims = {edge_, edge_, edge_}});
     board.set_transfer_function(reference::step_function(0.3));
     hear(board, "loaded", 0);
   }
@@ -203,7 +204,9 @@ class RandomProgram {
     std::erase(tickets_, ticket);
   }
 
-  unsigned seed_, steps_ = 0;
+  unsigned seed_;
+  int edge_;
+  unsigned steps_ = 0;
   std::vector<Ticket> tickets_;
   std::vector<std::string> heard_;
 };

@@ -55,15 +55,19 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
   const auto [fidelity, seed] = GetParam();
   const TemporaryDirectory folder;
   Dice dice(seed * 31 + 5);
-  const std::string uri = in_uri(draw_assignments(dice, fidelity));
+  const bool in_bricks = dice.chance(30);
+  const int edge = in_bricks ? 40 : 20;
+  std::vector<std::string> assignments = draw_assignments(dice, fidelity);
+  if (in_bricks) assignments.emplace_back("asic.max_volume_voxels=32");
+  const std::string uri = in_uri(assignments);
   SCOPED_TRACE(uri);
   const std::string plan = folder.file("plan"), saved = folder.file("saved");
   std::ofstream(plan) << "random { seed: " << seed
                       << " kinds: [duplicate, memory_silent, memory_detected] mean_messages: 30 first_message: 40 }\n";
   const std::string faulty = dice.chance(60) ? "&faults=" + plan : "";
-  const auto never_stopped = all_of(RandomProgram(seed), reference::open_board(uri + faulty));
+  const auto never_stopped = all_of(RandomProgram(seed, edge), reference::open_board(uri + faulty));
 
-  RandomProgram program(seed);
+  RandomProgram program(seed, edge);
   const int stop = dice.number(0, kSteps);
   const auto begin = [&] {
     Board board = reference::open_board(uri + faulty);
