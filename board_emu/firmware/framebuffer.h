@@ -40,7 +40,8 @@ class Framebuffer {
   int width() const { return width_; }
   int height() const { return rows_.count(); }  // rows that are here
 
-  // Of an image whose rows are dealt to several cards, others' pixels are left out. Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
+  // Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v). Of an image whose rows
+  // are dealt to several cards, others' pixels are left out.
   void add(const wire::Ray& ray);
   // The same, from a thread that alone adds to the pixel of (u, v). Atomic sums would cost as much as making the ray.
   void add_alone(const wire::Ray& ray);
