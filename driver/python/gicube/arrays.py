@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Sequence, Union
+from dataclasses import replace
+from typing import Any, Dict, Optional, Sequence, Type, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +32,18 @@ ELEMENT: np.dtype[Any] = _core.ELEMENT
 ELEMENT_PAIR: np.dtype[Any] = _core.ELEMENT_PAIR
 #: transported, geometric, standard_error, clear. gicube/pair.h, PairFactor.
 PAIR_FACTOR: np.dtype[Any] = _core.PAIR_FACTOR
+
+
+Request = TypeVar("Request")
+
+
+def as_request(kind: Type[Request], request: Optional[Request], fields: Dict[str, Any]) -> Request:
+    """`request` with these fields changed; one of them alone if it is None. Raises BadArgument if it is of another kind."""
+    if request is None:
+        return kind(**fields)
+    if not isinstance(request, kind):
+        raise BadArgument("request", f"a {kind.__name__}, or its fields by their names", repr(request))
+    return replace(request, **fields)
 
 
 def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[Optional[int]]] = None) -> Array:

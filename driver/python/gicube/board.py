@@ -11,14 +11,13 @@ import os
 import sys
 import weakref
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any, Callable, Generator, Iterator, List, Optional, Protocol, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gicube import _core
-from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array
+from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array, as_request
 from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
@@ -382,7 +381,7 @@ class Board:
         What is asked of them is a RayRequest, or its fields: submit(rays, type=RayType.FIRST_HIT, opacity=0.5).
         Raises BadArgument (a ray's index and field, the request's fields), Rejected, WouldBlock: nothing was sent.
         """
-        asked = RayRequest(**fields) if request is None else replace(request, **fields)
+        asked = as_request(RayRequest, request, fields)
         places = [as_array(each, "rays", RAY, (None,)) for each in (rays if isinstance(rays, (list, tuple)) else [rays])]
         none_return = RayType(asked.type) in (RayType.DEPOSIT, RayType.BACKPROJECT)
         return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
@@ -450,7 +449,7 @@ class Board:
         elements, pairs: by gicube.elements() and gicube.pairs(). The request is a PairRequest or its fields.
         Raises BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
         """
-        asked = PairRequest(**fields) if request is None else replace(request, **fields)
+        asked = as_request(PairRequest, request, fields)
         with shown(progress, "pairs") as told:
             all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
             return self._core.pair_factors(all_elements, all_pairs, asked, told)

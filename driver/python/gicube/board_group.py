@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import inspect
 import os
-from dataclasses import replace
 from typing import Any, Callable, Optional, Sequence, Tuple, Union
 
 from gicube import _core
-from gicube.arrays import RAY, as_array
+from gicube.arrays import RAY, as_array, as_request
 from gicube.board import Board, ProgressLike, _open_boards, shown
 from gicube.counters import Counters
 from gicube.image import Image
@@ -87,7 +86,7 @@ class BoardGroup:
         """Rays that come back are dealt to the boards and returned in their order; those that leave energy are traced by each board, so
         that all have the same irradiance and sums. The request is a RayRequest or its fields. Raises as Board.submit() and receive().
         """
-        asked = RayRequest(**fields) if request is None else replace(request, **fields)
+        asked = as_request(RayRequest, request, fields)
         return self._core.trace(as_array(rays, "rays", RAY, (None,)), asked)
 
     @property

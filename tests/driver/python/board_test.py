@@ -503,6 +503,16 @@ def test_boards_that_share_blocks_make_the_picture_of_one():
     assert (pictures[0] == expected).all() and (pictures[1] == expected).all()
 
 
+def test_a_request_of_another_kind_is_named(loaded):
+    rays = gicube.rays_between([(1, 1, 1)], [(9, 9, 9)])
+    with pytest.raises(gicube.BadArgument, match="request: expected a RayRequest, or its fields by their names, got <RayType.DEPOSIT"):
+        loaded.submit(rays, gicube.RayType.DEPOSIT)
+    request = gicube.RayRequest(gicube.RayType.OPACITY, step=1)
+    one, other = (loaded.receive(loaded.submit(rays, *given, **fields)).rays
+                  for given, fields in (((request,), {}), ((gicube.RayRequest(),), {"type": gicube.RayType.OPACITY, "step": 1})))
+    assert (one == other).all()
+
+
 def test_an_exchange_that_is_wrong_is_named(board):
     class Wrong(ThreadRank):
         def exchange(self, parts):
