@@ -43,6 +43,7 @@ void PassProcessor::state(Archive& archive) {
   const auto is_queue = [&](const char* field, std::uint32_t queue, bool may_be_none) {
     archive.expect(queue < queues || (may_be_none && queue == kNone), field, "a queue of the processor", queue);
   };
+  archive.expect(arrived_ <= active_rays_.end(), "sorter", "no ray behind the last that has come", arrived_);
   archive.expect(active_ == kNone || active_ < shared_.partition->blocks_of(number_), "sorter",
                  "a block of the processor", active_);
   for (std::size_t i = modified_.begin(); i != modified_.end(); ++i) is_queue("slots", modified_[i], false);
