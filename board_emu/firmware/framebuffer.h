@@ -30,6 +30,7 @@ class Framebuffer {
   void clear(int width, const ImageRows& rows, wire::Filter filter);
   // Clears it for the rows that a card makes, unless the image `goes_on` that was begun before.
   void begin(const wire::RenderCommand& command, bool goes_on);
+  // Whether it was begun for such a command.
   bool is_of(const wire::RenderCommand& command) const {
     return width_ == command.width && filter_ == command.filter && rows_ == ImageRows(command);
   }

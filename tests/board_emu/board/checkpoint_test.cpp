@@ -342,7 +342,8 @@ TEST(Checkpoint, HoldsAPictureWhoseRaysWaitForBlocks) {
     BareBoard board(blocks_of_eight());
     load_fog(board, 300);
     board.write_register(wire::reg::kBricks, 1);
-    board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{0, 0x3E, 0, 0});  // a layer's second to sixth
+    // Blocks 9 to 13, of the second layer.
+    board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{0, 0x3E, 0, 0});
     wire::RenderCommand view = corner_view({17, 17, 17}, 12);
     if (parts > 0) view.strip_rows = 2, view.part = 1, view.parts = static_cast<std::uint8_t>(parts);
     const auto begun = board.render(view);
