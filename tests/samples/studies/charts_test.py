@@ -44,7 +44,7 @@ def test_pairs_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
     assert held_out.queue_rays(ball[3]) == 64 and held_out.queue_rays("") == 256
 
 
-def test_a_pair_is_measured_on_every_level_with_its_light_and_goes_on_where_it_was(tmp_path):
+def test_a_pair_is_measured_on_every_level_with_its_light_and_goes_on_where_it_was(tmp_path, monkeypatch):
     """By a program of as many milliseconds, cycles, packets and missed voxels as it is told by its level, in a picture and a pass."""
     program = tmp_path / "gicube-render"
     program.write_text(f'''#!/usr/bin/python3
@@ -61,9 +61,10 @@ pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(
     program.chmod(0o755)
     pairs = tmp_path / "pairs.txt"
     pairs.write_text("ball  render @ball --set asic.queue_rays=64\n")
+    monkeypatch.setattr(held_out, "DATA", tmp_path)  # scans are beside the source's folder, or nowhere
     for _ in range(2):
         held_out.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
-        assert (tmp_path / "calls").read_text().splitlines() == [f"{held_out.DATA}/ball"] * 4
+        assert (tmp_path / "calls").read_text().splitlines() == [f"{tmp_path}/ball"] * 4
     (row,) = rows_of(tmp_path / "out.csv")
     assert list(row) == held_out.COLUMNS
     assert [row[name] for name in held_out.COLUMNS[:10]] == ["ball", "-0.02", "-0.02", "-0.02", "0.5", "0.01", "0.01", "0.01", "-0.1", "approximate"]
