@@ -86,7 +86,7 @@ def parser_of_options():
                "configuration; repeatable: all combinations are run")
     repeatable("--fix", "NAME=VALUE", "fixed", parse_setting, "the same for every run")
     option("--reference", metavar="NAME=VALUE ... Excludes: --reference-picture", action="append", default=[], type=parse_setting,
-           help="a run's reference is the same run with this in place; repeatable")
+           help="a run's reference is the same run with this in place; repeatable. Without it and --reference-picture, cost alone is measured")
     option("--reference-picture", metavar="TEXT:FILE Excludes: --reference", type=file_of, help="an EXR that all runs are compared with")
     option("--cost", metavar="TEXT=frame_ms", default="frame_ms", help="a number of gicube-render's --stats: a name, or a JSON pointer")
     option("--error", metavar="TEXT=picture", default="picture",
@@ -171,8 +171,9 @@ def options_of(arguments):
             parser.error(f"--sensitivity: expected one INPUT and none of {given[0] if given else '--vary'}")
     elif options.reference and options.reference_picture:
         parser.error("--reference: expected without --reference-picture, got both")
-    elif not options.reference and not options.reference_picture:
-        parser.error("--reference or --reference-picture: expected one of them, got none")
+    options.compares = bool(options.reference or options.reference_picture)
+    if not options.compares and (options.error != "picture" or options.also_errors):
+        parser.error(f"{'--also-error' if options.also_errors else '--error'}: expected with --reference, got none")
     if options.reference_picture and options.error != "picture":
         parser.error(f'--error: expected picture with --reference-picture, got "{options.error}"')
     if options.reference_picture and options.also_errors:
@@ -206,7 +207,8 @@ def relative(value, reference):
 
 def run_sweep(options, folder, render):
     """Runs what the folder does not have yet; of a shard that is all, and nothing is returned. Else returns a row a point: its settings, cost,
-    error, further figures, whether it is a reference, whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
+    error (not-a-number if it is a reference, or nothing is compared), further figures, whether it is a reference, whether it is on the Pareto
+    front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
     one = options.reference_picture
     pairs = [(point, Run(arguments_of(point | dict(options.fixed))),
               Run(arguments_of(point | dict(options.fixed) | dict(options.reference)))) for point in grid(options.parameters)]
@@ -223,11 +225,11 @@ def run_sweep(options, folder, render):
     for point, run, reference in pairs:
         statistics = folder.read(run)
         row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run, fidelity=statistics.get("fidelity"),
-                              is_reference=not one and run.key() == reference.key())
+                              is_reference=bool(options.reference) and run.key() == reference.key())
         row.also = [figure_or_nan(statistics, name) for name in options.also]
         compared = None if one else folder.read(reference)
         row.also += [relative(figure_or_nan(statistics, name), figure(compared, name)) for name in options.also_errors]
-        if row.is_reference:
+        if row.is_reference or not options.compares:
             row.error = math.nan
         elif options.error == "picture":
             row.error = rmse(read_picture(folder.picture(run)), exact(one or folder.picture(reference)))
@@ -259,7 +261,8 @@ def carry_out_sensitivity(options, folder, command):
 
 
 def mark_front(rows):
-    for row, on in zip(rows, on_front([(row.cost, row.error) for row in rows])):
+    """A reference has no error; without references the cheapest are the front."""
+    for row, on in zip(rows, on_front([(row.cost, 0 if math.isnan(row.error) else row.error) for row in rows])):
         row.on_front = on
 
 
@@ -292,17 +295,28 @@ def json_file(whole, command):
 
 
 def draw_chart(options, rows, path):
-    """All points, and the Pareto front as a line. Raises FileError."""
+    """All points, and the Pareto front as a line; cost alone by the rows of the table. Raises FileError."""
     try:
         from studies import draw
     except ImportError as error:
         raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
-    drawn = sorted((row for row in rows if row.cost > 0 and row.error > 0), key=lambda row: row.cost)
-    front = [row for row in drawn if row.on_front]
-    draw.chart(path, options.title or options.name, options.cost, f"error: {options.error}",
-               [draw.Series("runs", [row.cost for row in drawn], [row.error for row in drawn], look="points", colour=-1, mark=0),
-                draw.Series("Pareto front", [row.cost for row in front], [row.error for row in front], boxed=True)], log_x=True, log_y=True,
-               box_outside=True)
+    title = options.title or options.name
+    if not options.compares:
+        draw.chart(path, title, f"row of {options.name}.csv", options.cost,
+                   [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points", mark=0)])
+        return
+    least = min((row.error for row in rows if row.error > 0), default=0)
+    exact = least / 2  # where rows without error are on an axis that has no 0
+
+    def points(label, drawn, **look):
+        drawn = sorted(drawn, key=lambda row: row.cost)
+        return draw.Series(label, [row.cost for row in drawn], [row.error if row.error > 0 else exact for row in drawn], **look)
+    without = [row for row in rows if not row.error > 0]
+    series = [points("runs", [row for row in rows if row.error > 0], look="points", colour=-1, mark=0),
+              points("no error", without, look="points", colour=-1, mark=0, hollow=True),
+              points("Pareto front", [row for row in rows if row.on_front], boxed=True)]
+    draw.chart(path, title, options.cost, f"error: {options.error}", [each for each in series if len(each.x)],
+               log_x=all(row.cost > 0 for row in rows), log_y=least > 0, box_outside=True)
 
 
 def cost_change(rows, name):
@@ -327,9 +341,14 @@ def warn_of_constant_cost(options, rows):
 
 
 def print_front(options, rows):
-    print(f"{options.cost:>12}  {'error':>12}  of {len(rows)} runs, no other is cheaper and better:")
-    for row in sorted((row for row in rows if row.on_front), key=lambda row: row.cost):
-        print(f"{row.cost:12.6g}  {row.error:12.6g}  {row.run.command()}")
+    front = sorted((row for row in rows if row.on_front), key=lambda row: row.cost)
+    if options.compares:
+        print(f"{options.cost:>12}  {'error':>12}  of {len(rows)} runs, no other is cheaper and better:")
+    else:
+        print(f"{options.cost:>12}  of {len(rows)} runs, no other is cheaper:")
+    for row in front:
+        error = f"  {'reference' if row.is_reference else f'{row.error:.6g}':>12}" if options.compares else ""
+        print(f"{row.cost:12.6g}{error}  {row.run.command()}")
 
 
 def program(name):

@@ -1,6 +1,7 @@
 """gicube-sweep: its parts, and the program as its users run it, on pictures of a few pixels."""
 import argparse
 import contextlib
+import csv
 import json
 import math
 import os
@@ -78,9 +79,12 @@ def row(cost, error, is_reference=False, also=(), **point):
 
 
 def test_the_front_has_the_rows_that_no_other_is_cheaper_and_better_than():
-    rows = [row(1, 9), row(2, 5), row(2, 7), row(3, 5), row(4, 1), row(5, 2), row(0.5, 0, True)]
+    rows = [row(1, 9), row(2, 5), row(2, 7), row(3, 5), row(4, 1), row(5, 2), row(6, 0, True)]
     sweep.mark_front(rows)
-    assert [each.on_front for each in rows] == [True, True, False, False, True, False, False]
+    assert [each.on_front for each in rows] == [True, True, False, False, True, False, True]
+    rows.append(row(2.5, 0, True))  # has no error, and is cheaper
+    sweep.mark_front(rows)
+    assert [each.on_front for each in rows] == [True, True, False, False, False, False, False, True]
     equal = [row(1, 1), row(1, 1)]
     sweep.mark_front(equal)
     assert equal[0].on_front and equal[1].on_front
@@ -93,9 +97,9 @@ def test_a_table_is_one_line_a_row_with_its_command_and_the_same_in_json(monkeyp
     sweep.mark_front(rows)
     command = "gicube-render 'a b' --step 1 -o picture.exr --stats run.json"
     assert sweep.table_text(options, rows) == ("frame_ms,error picture,front,reference,bus_ms,step,command\n"
-                                               f"2,0.25,1,0,7,2.000000,{command}\n9,,0,1,,9.000000,{command}\n")
+                                               f"2,0.25,1,0,7,2.000000,{command}\n9,,1,1,,9.000000,{command}\n")
     read = json.loads(sweep.json_text(options, rows, "gicube-sweep x"))
-    assert len(read["points"]) == 2 and read["front"] == read["points"][:1]
+    assert len(read["points"]) == 2 and read["front"] == read["points"]  # the reference has no error
     assert read["front"][0] == {"settings": {"step": "2.000000"}, "frame_ms": 2, "error picture": 0.25, "bus_ms": 7, "reference": False,
                                 "front": True, "command": command}
     assert read["points"][1]["error picture"] is None and read["points"][1]["bus_ms"] is None
@@ -288,6 +292,34 @@ def test_one_warm_board_serves_a_grid_of_configurations(program):
     assert "asic.processors: expected 4, as in the checkpoint, got 2" in program.err
 
 
+def test_no_row_of_the_table_is_cheaper_and_better_than_what_is_printed(program):
+    """A run that is its own reference has no error: it beats all that cost more."""
+    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=approximate -o out --cost frame_ms"
+    assert program.run(f"{grid} --vary step=0.5,1 --vary asic.processors=1,4 --reference asic.processors=4 --error samples") == 0, program.err
+    table = [(float(row["frame_ms"]), float(row["error samples"] or 0)) for row in csv.DictReader(program.text("out/sweep.csv").splitlines())]
+    printed = [line.split() for line in program.out.splitlines()[1:]]
+    assert len(table) == 4 and printed
+    for cost, error, *_ in printed:
+        cost, error = float(cost), 0 if error == "reference" else float(error)
+        assert not [row for row in table if row[0] <= cost and row[1] <= error and row != (cost, error)]
+    assert min(cost for cost, error in table if error == 0) == float(printed[0][0])
+
+
+def test_cost_alone_needs_no_reference_and_its_chart_has_what_there_is(program):
+    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --vary dsp.clock_khz=100000,200000 -o out --chart"
+    assert program.run(grid) == 0, program.err
+    slow, fast = csv.DictReader(program.text("out/sweep.csv").splitlines())
+    assert float(slow["frame_ms"]) > float(fast["frame_ms"])
+    assert (slow["front"], fast["front"], slow["error picture"], slow["reference"]) == ("0", "1", "", "0")
+    assert program.out.splitlines()[0].split() == "frame_ms of 2 runs, no other is cheaper:".split()
+    assert program.out.splitlines()[1].split()[:2] == [fast["frame_ms"], "gicube-render"] and len(program.out.splitlines()) == 2
+    assert len(program.runs()) == 2 and "row of sweep.csv" in program.text("out/sweep.svg")
+    # Runs without error have a place too: beside others below them, or alone at 0.
+    for reference, names in (("dsp.clock_khz=200000", ["no error", "Pareto front"]), ("threads=1", ["no error", "Pareto front"])):
+        assert program.run(f"{grid} --reference {reference} --error frame_ms") == 0, program.err
+        assert all(name in program.text("out/sweep.svg") for name in names)
+
+
 def test_a_failed_run_is_named_with_its_command_and_reason(program):
     assert program.run("builtin:buckyball --fix volume-size=32 --vary asic.processors=2,99 --reference step=1 -o out") == 1
     assert "--set asic.processors=99" in program.err and "exit code 2: gicube-board: asic.processors" in program.err
@@ -379,7 +411,8 @@ def test_a_board_that_runs_already_has_no_sensitivity(program):
 
 
 @pytest.mark.parametrize("arguments, why", [
-    ("b -o out --vary step=1", "--reference or --reference-picture: expected one of them, got none"),
+    ("b -o out --vary step=1 --error frame_ms", "--error: expected with --reference, got none"),
+    ("b -o out --vary step=1 --also-error frame_ms", "--also-error: expected with --reference, got none"),
     ("b -o out --vary step=1 --fix step=2 --reference step=1", "step: expected once among INPUT, --vary and --fix, got it twice"),
     ("b -o out --vary output=a,b --reference step=1", "output: expected another parameter, it is the sweep's own"),
     ("-o out", "INPUT is required"),
