@@ -39,7 +39,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       overflowed_(queues_.size()),
       importance_(static_cast<std::uint32_t>(queues_.size())),
       importance_of_(emu::importance_of(shared_.config->sorter().policy())),
-      by_contribution_(shared_.config->sorter().policy() == v1::most_contribution),
+      by_contribution_(reads_contribution(shared_.config->sorter().policy())),
       contributions_(queues_.size()),
       ideal_sorter_(shared_.config->ideal().sorter() != 0),
       opened_(queues_.size()),

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "asic/sorter/policies.h"
 #include "cycle/machine.h"
 #include "cycle/values_ahead.h"
 #include "datapath/opacity_correction.h"
@@ -50,7 +51,7 @@ class CycleLevel : public Level {
   Machine& machine_to_go_on(RaySource& source, const Frame& frame);
 
   // Whether the policy and an observer leave the words of rays alone.
-  bool may_compute_ahead() const { return observer_ == nullptr && config_.sorter().policy() != v1::most_contribution; }
+  bool may_compute_ahead() const { return observer_ == nullptr && !reads_contribution(config_.sorter().policy()); }
 
   const v1::BoardConfig& config_;
   Observer* observer_;

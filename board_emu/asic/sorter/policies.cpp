@@ -36,4 +36,6 @@ ImportanceOf importance_of(v1::QueuePolicy policy) {
                               std::to_string(static_cast<int>(policy)));
 }
 
+bool reads_contribution(v1::QueuePolicy policy) { return policy == v1::most_contribution; }
+
 }  // namespace gicube::emu

@@ -22,4 +22,8 @@ using ImportanceOf = std::uint32_t (*)(const QueueFacts&);
 // Throws std::invalid_argument for a policy that has no row.
 ImportanceOf importance_of(v1::QueuePolicy policy);
 
+// Whether it reads QueueFacts::contribution. A waiting ray must then have the words of its place: no level may compute its
+// end ahead.
+bool reads_contribution(v1::QueuePolicy policy);
+
 }  // namespace gicube::emu

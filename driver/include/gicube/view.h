@@ -54,7 +54,7 @@ struct View {
   bool jitter = false;
   bool leap = true;          // over blocks whose empty flag is set
   bool irradiance = false;   // lit by the irradiance that illuminate() left, instead of by the reflectance map
-  bool incident = false;     // the irradiance is what falls on a sample, not what it absorbed (see below)
+  bool incident = false;     // the irradiance is what falls on a sample, not what it absorbed
   double exposure = 0;       // irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()
   bool scatter = false;      // rays go on where a material scatters them (Material::seen_through_scattering)
   bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays per pixel

@@ -11,6 +11,7 @@
 
 #include "approximate/pass_machine.h"
 #include "approximate/traced_passes.h"
+#include "asic/sorter/policies.h"
 #include "datapath/scattering.h"
 #include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
@@ -279,7 +280,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   expect_equal(ray_counters(machine) - before, functional.rays);
 
   // Values of lit rays that are known before their time change no cycle.
-  if (!frame.gathers() || frame.lamps || config.sorter().policy() == v1::most_contribution) return;
+  if (!frame.gathers() || frame.lamps || reads_contribution(config.sorter().policy())) return;
   Machine each(config, scene.volume.blocks()), ahead(config, scene.volume.blocks());
   const Picture one_by_one = cycle_picture(scene, view, each, runs),
                 known = ahead_picture(scene, view, ahead, runs, false);
