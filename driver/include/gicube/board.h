@@ -268,6 +268,10 @@ class GICUBE_API Board {
   Image read_framebuffer();
   // Both.
   Image render(const View& view, const Progress& progress = {});
+  // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a sentence for people, which
+  // ends with the likely reason: no transfer function, values that it does not show, empty flags, a camera that looks elsewhere, cut
+  // planes. The last view rendered is taken into account. It costs no simulated time.
+  std::string why_invisible(const Image& image) const;
 
   // Sends rays, in as many DSP commands as they need. The application's routine does not scatter them. Returns at once unless
   // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of

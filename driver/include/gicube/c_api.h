@@ -128,6 +128,8 @@ GICUBE_API gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pix
 /* Both. */
 GICUBE_API gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube_pixel* pixels, size_t count,
                                        gicube_progress progress, void* user);
+/* The likely reason why nothing is visible in the last picture read, as a sentence; NULL if something is. Until the next one is read. */
+GICUBE_API const char* gicube_why_invisible(gicube_board* board);
 
 /* The ray from one point to another, for types of rays that have a length. */
 GICUBE_API gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3],

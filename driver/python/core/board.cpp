@@ -99,6 +99,11 @@ class PythonExchange : public RayExchange {
 
 }  // namespace
 
+Image image_of(const py::array& pixels) {
+  const auto from = items_of<Pixel>(pixels, "pixels");
+  return {static_cast<int>(pixels.shape(1)), static_cast<int>(pixels.shape(0)), {from.begin(), from.end()}};
+}
+
 py::object given_back(Image&& image) {
   const py::array pixels = to_array(std::move(image.pixels));
   return py::module_::import("gicube.image").attr("Image")(pixels.attr("reshape")(image.height, image.width));
@@ -237,6 +242,8 @@ void add_board(py::module_& module) {
 
   type.def("render_to_framebuffer", call(&Board::render_to_framebuffer, "", "progress"));
   type.def("read_framebuffer", call(&Board::read_framebuffer));
+  type.def("why_invisible",
+           [](const Handle& self, const py::array& pixels) { return self.board()->why_invisible(image_of(pixels)); });
 
   type.def("submit", submit);
   type.def("submit_lines", submit_lines);

@@ -88,6 +88,7 @@ py::object given_back(std::vector<T>&& values) {
   return to_array(std::move(values));
 }
 inline py::object given_back(Ticket ticket) { return py::int_(ticket.id); }
+Image image_of(const py::array& pixels);
 py::object given_back(Image&& image);
 py::object given_back(RayBatch&& batch);
 py::object given_back(std::vector<RayBatch>&& batches);

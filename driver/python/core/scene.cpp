@@ -76,8 +76,7 @@ void add_files(py::module_& module) {
     return out;
   });
   module.def("write_image", [](const fs::path& path, const py::array& pixels, const py::object& background) {
-    const auto from = items_of<Pixel>(pixels, "pixels");
-    Image image{static_cast<int>(pixels.shape(1)), static_cast<int>(pixels.shape(0)), {from.begin(), from.end()}};
+    const Image image = image_of(pixels);
     std::optional<scene::Background> under;
     if (!background.is_none()) under.emplace(read_as<Colour>(background, "background"));
     without_interpreter([&] { scene::write_image(image, path, under); });

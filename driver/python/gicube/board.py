@@ -9,6 +9,7 @@ import asyncio
 import atexit
 import os
 import sys
+import warnings
 import weakref
 from contextlib import contextmanager
 from typing import Any, Callable, Generator, Iterator, List, Optional, Protocol, Sequence, Union
@@ -356,12 +357,13 @@ class Board:
     # Pictures.
 
     def render(self, view: View, *, progress: ProgressLike = None) -> Image:
-        """Renders and reads the picture. The simulated host waits.
+        """Renders and reads the picture. The simulated host waits. A picture in which nothing is visible is warned of, with the likely
+        reason (UserWarning).
 
         Raises BadArgument (the view's field), Rejected (no volume, light or routine): the framebuffer is unchanged; DeadlinePassed.
         """
         self.render_to_framebuffer(view, progress=progress)
-        return self.read_framebuffer()
+        return self._warned(self._core.read_framebuffer())
 
     def render_to_framebuffer(self, view: View, *, progress: ProgressLike = None) -> None:
         """The same without reading it."""
@@ -370,7 +372,12 @@ class Board:
 
     def read_framebuffer(self) -> Image:
         """The last picture, at 36 bits per pixel over the bus. Raises Rejected before the first."""
-        return self._core.read_framebuffer()
+        return self._warned(self._core.read_framebuffer())
+
+    def _warned(self, image: Image) -> Image:
+        if reason := self._core.why_invisible(image.pixels):
+            warnings.warn(reason, stacklevel=3)
+        return image
 
     # Rays.
 

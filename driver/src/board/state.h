@@ -229,6 +229,8 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     of.flags = find_empty_blocks(of.statistics, tables.segmentation());
     tables.send_flags(of.flags);
   }
+  // The likely reason if a picture shows nothing.
+  std::string why_invisible() const;
   // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step` voxels.
   void check_drift(const char* field, double step) const;
   void set_sampling(const View& view);

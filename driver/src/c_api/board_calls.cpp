@@ -102,6 +102,15 @@ gicube_status gicube_set_time_limit(gicube_board* board, uint64_t limit_ps) {
   return on_board(board, [&](gicube_board& handle) { handle.board.set_time_limit(limit_ps); });
 }
 
+const char* gicube_why_invisible(gicube_board* board) {
+  const char* text = nullptr;
+  (void)on_board(board, [&](gicube_board& handle) {
+    const std::scoped_lock lock(handle.mutex);
+    if (!handle.why_invisible.empty()) text = handle.why_invisible.c_str();
+  });
+  return text;
+}
+
 gicube_status gicube_get_counters(gicube_board* board, gicube_counter_list** list) {
   return call([&] {
     checked("list", list) = nullptr;

@@ -28,6 +28,7 @@ struct GICUBE_HIDDEN gicube_board {
   std::vector<std::uint32_t> announce;  // of those, in their order, the ones to tell gicube_poll()'s caller
   std::vector<std::string> warnings;    // of the last illumination
   std::pair<int, int> framebuffer{};    // width and height
+  std::string why_invisible;            // of the last picture read; empty: something is visible
 };
 
 namespace gicube::c_api {

@@ -138,6 +138,9 @@ void render(gicube_board& handle, const View& view, const Progress& progress) {
 void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
   const Image image = handle.board.read_framebuffer();
   check_count("count", count, image.pixels.size());
+  std::string why = handle.board.why_invisible(image);
+  const std::scoped_lock lock(handle.mutex);
+  handle.why_invisible = std::move(why);
   for (const Pixel& pixel : image.pixels) *pixels++ = {pixel.red, pixel.green, pixel.blue, 0, pixel.alpha};
 }
 

@@ -42,6 +42,7 @@ static int render(gicube_board* board) {
   view.width = kWidth;
   view.height = kHeight;
   if (gicube_render(board, &view, pixels, kWidth * kHeight, NULL, NULL) != GICUBE_OK) return failed("render");
+  if (gicube_why_invisible(board) != NULL) fprintf(stderr, "%s\n", gicube_why_invisible(board));
   int opaque = 0;
   for (int i = 0; i < kWidth * kHeight; ++i) opaque += pixels[i].alpha > 4000;
   printf("picture: %d of %d pixels opaque\n", opaque, kWidth * kHeight);

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "turntable.h"
 
@@ -15,6 +16,8 @@ int main(int argc, char** argv) {
     gicube::Board board = gicube::Board::open(argc == 5 ? argv[4] : "emu:");
     const double seconds = argc > 3 ? std::atof(argv[3]) : 0;
     const gicube::Image image = example::picture(board, example::turntable(argv[1]), seconds);
+    if (const std::string why = board.why_invisible(image); !why.empty())
+      std::fprintf(stderr, "turntable: warning: %s\n", why.c_str());
     gicube::scene::write_png(image, argv[2], gicube::Colour{0.1, 0.1, 0.12});
     std::printf("%s: %.3f simulated ms\n", argv[2], gicube::to_ms(board.now()));
   } catch (const gicube::scene::InputError& error) {

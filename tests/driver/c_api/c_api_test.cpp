@@ -227,6 +227,19 @@ TEST_F(CApi, IlluminatesAndScattersByTheCallersRoutine) {
   EXPECT_STREQ(gicube_last_error_field(), "lights[0].kind");
 }
 
+TEST_F(CApi, SaysWhyNothingIsVisibleUntilSomethingIs) {
+  const gicube_volume record = volume();
+  ASSERT_EQ(gicube_load_volume(board_, &record, nullptr, nullptr), GICUBE_OK) << gicube_last_error();
+  const gicube_view camera = view();
+  std::vector<gicube_pixel> pixels(40 * 30);
+  EXPECT_EQ(gicube_why_invisible(board_), nullptr);  // there is no picture
+  ASSERT_EQ(gicube_render(board_, &camera, pixels.data(), pixels.size(), nullptr, nullptr), GICUBE_OK);
+  EXPECT_STREQ(gicube_why_invisible(board_), "nothing is visible in the picture: no transfer function is set");
+  ASSERT_EQ(make_visible(), GICUBE_OK);
+  ASSERT_EQ(gicube_render(board_, &camera, pixels.data(), pixels.size(), nullptr, nullptr), GICUBE_OK);
+  EXPECT_EQ(gicube_why_invisible(board_), nullptr);
+}
+
 TEST_F(CApi, LightHasThreeColoursOnABoardOfThreeIrradianceWords) {
   gicube_close(board_);
   ASSERT_EQ(gicube_open("emu:?set=asic.irradiance_words=3", nullptr, &board_), GICUBE_OK) << gicube_last_error();

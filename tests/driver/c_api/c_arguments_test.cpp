@@ -72,6 +72,7 @@ TEST(CArgumentsWithoutABoard, AreRefusedAndWriteNothing) {
   EXPECT_REFUSED(gicube_counters_value(nullptr, "x", &value), "list");
   EXPECT_REFUSED(gicube_counters_at(nullptr, 0, nullptr, nullptr, nullptr), "list");
   EXPECT_EQ(gicube_lighting_warning(nullptr, 0), nullptr);
+  EXPECT_EQ(gicube_why_invisible(nullptr), nullptr);
   gicube_close(nullptr);
 }
 

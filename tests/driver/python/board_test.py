@@ -5,6 +5,7 @@ import math
 import re
 import sys
 import threading
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -221,6 +222,24 @@ def test_empty_flags_hide_blocks(loaded):
     loaded.empty_flags = np.ones_like(flags)
     assert loaded.render(view_of_ball()).alpha.max() == 0
     assert loaded.verify_volume() == []
+
+
+def test_a_picture_in_which_nothing_is_visible_is_warned_of_with_the_reason():
+    mask = np.zeros((16, 16, 16), "u1")
+    mask[4:12, 4:12, 4:12] = 1
+    view = gicube.View(eye=(7.5, 7.5, -60), look_at=(7.5, 7.5, 7.5), width=16, height=16)
+    with gicube.open() as board:
+        board.load_volume(mask)
+        with pytest.warns(UserWarning, match="nothing is visible in the picture: no transfer function is set") as told:
+            board.render(view)
+        assert told[0].filename == __file__
+        board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(100, 0), (255, 0.5)]))
+        with pytest.warns(UserWarning, match="voxels have values of 0 to 1, .* a mask"):
+            board.render(view)
+        board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(0, 0), (1, 0.5)]))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            board.render(view)
 
 
 def test_a_saved_board_goes_on_from_its_file_and_from_its_bytes(loaded, tmp_path):

@@ -23,6 +23,8 @@ class BlockOrder {
   // The blocks that rays may come to which wait for `waiting`, front to back, those themselves included. A ray whose steps are longer
   // than a block may come to others too.
   std::vector<std::size_t> reached_from(std::span<const wire::WaitingBlock> waiting) const;
+  // Whether straight rays may come to it.
+  bool sees(std::size_t block) const { return is_seen(place(block)); }
 
  private:
   // Where rays go on an axis through blocks of each index.

@@ -19,7 +19,7 @@ constexpr std::size_t kDensities = std::size_t{wire::kDensityMax} + 1;
 std::vector<std::uint16_t> count_visible(std::span<const wire::SegmentationEntry> entries) {
   std::vector<std::uint16_t> visible(entries.size() + 1);
   for (std::size_t d = 0; d < entries.size(); ++d) {
-    visible[d + 1] = static_cast<std::uint16_t>(visible[d] + (entries[d].opacity > 0 || entries[d].opacity_fine > 0));
+    visible[d + 1] = static_cast<std::uint16_t>(visible[d] + is_visible(entries[d]));
   }
   return visible;
 }

@@ -71,6 +71,9 @@ class VoxelBlocks {
   std::vector<bool> stored_;
 };
 
+// Whether a sample of such a density has any opacity.
+constexpr bool is_visible(const wire::SegmentationEntry& entry) { return entry.opacity > 0 || entry.opacity_fine > 0; }
+
 // One value a block, 1 = no sample in it can be visible, whatever the interpolation: for every tag that it holds, all entries
 // between its least and its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 | density. A block that
 // is not stored has density 0 and tag 0. Throws BadArgument if the LUT has another size.
