@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "asic/memory_standards.h"
+#include "gicube/fidelity_levels.h"
 #include "words/sdram_map.h"
 
 namespace gicube::emu {
@@ -184,6 +185,8 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
 
 std::string explained(const v1::BoardConfig& config) {
   std::string text;
+  const unsigned level = 1U << (config.fidelity() - v1::functional);
+  const auto is_set = [&](std::string_view name) { return name == "dsp.segments" && config.dsp().segments() != 0; };
   const auto explain = [&](const auto& self, const Message& message, const std::string& path) -> void {
     const auto& type = *message.GetDescriptor();
     for (int i = 0; i < type.field_count(); ++i) {
@@ -199,7 +202,8 @@ std::string explained(const v1::BoardConfig& config) {
                                         : std::to_string(message.GetReflection()->GetUInt32(message, &field));
       const std::string usual =
           is_enum ? field.default_value_enum()->name() : std::to_string(field.default_value_uint32());
-      text += fmt::format("{:<32} {:<14} {:<28}  {}{}\n", name, value, field.options().GetExtension(v1::range),
+      text += fmt::format("{:<32} {:<14} {:<28}  {}{}{}\n", name, value, field.options().GetExtension(v1::range),
+                          is_modelled(level, name, is_set) ? "" : "not modelled at this level; ",
                           value == usual ? "" : "default " + usual + ": ", field.options().GetExtension(v1::source));
     }
   };

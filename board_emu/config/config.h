@@ -33,8 +33,8 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
 std::uint64_t config_hash(const v1::BoardConfig& config);
 std::string config_hash_text(const v1::BoardConfig& config);
 
-// Every field that results or times depend on, a line each: name, value, what a number may be, its default if it has another, and where
-// the default comes from.
+// Every field that results or times depend on, a line each: name, value, what a number may be, whether the level does not model it, its
+// default if it has another, and where the default comes from.
 std::string explained(const v1::BoardConfig& config);
 
 // The resolved configuration as protobuf text, which parse_config() reads back.

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "gicube/unknown_options.h"
 #include "server/faults/fault_plan.h"
 
 namespace gicube::emu {
@@ -349,7 +350,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.text = std::string(version.what()) + "\n";
     return result;
   } catch (const CLI::ParseError& error) {
-    result.errors.push_back(error.what());
+    result.errors.push_back(usage_fault(app, error.what()));
     return result;
   }
   result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);

@@ -33,6 +33,49 @@ inline constexpr std::array kLeftOut{
     LeftOut{kAtEveryLevel, "the timing of the eDRAM's cells"},
 };
 
+// Fields of gicube.v1.BoardConfig that a level has no model of; with a dot or an underscore at the end, all that begin so. They change no
+// value, count or time of rays there.
+struct UnmodelledField {
+  unsigned levels;
+  std::string_view field;
+  std::string_view unless = {};  // another field, with which this one is modelled
+};
+
+inline constexpr std::array kUnmodelledFields{
+    // Segments end at the borders of the processors' slabs.
+    UnmodelledField{kAtFunctional, "asic.processors", "dsp.segments"},
+    UnmodelledField{kAtFunctional, "asic.partition", "dsp.segments"},
+    UnmodelledField{kAtFunctional, "asic.skew_"},
+    UnmodelledField{kAtFunctional, "asic.queue_rays"},
+    UnmodelledField{kAtFunctional, "asic.core_khz"},
+    UnmodelledField{kAtFunctional, "sorter."},
+    UnmodelledField{kAtFunctional, "pipeline."},
+    UnmodelledField{kAtFunctional, "cache."},
+    UnmodelledField{kAtFunctional, "link."},
+    UnmodelledField{kAtFunctional, "memory"},
+    UnmodelledField{kAtFunctional, "rdram."},
+    UnmodelledField{kAtFunctional, "ddr."},
+    UnmodelledField{kAtFunctional, "sdram.t_"},
+    UnmodelledField{kAtFunctional, "sdram.dsp_cycles_per_clock"},
+    UnmodelledField{kAtFunctional, "sdram.refresh_interval"},
+    UnmodelledField{kAtFunctional, "sdram.controller_latency"},
+    UnmodelledField{kAtFunctional, "ideal.memory"},
+    UnmodelledField{kAtFunctional, "ideal.queues"},
+    UnmodelledField{kAtFunctional, "ideal.sorter"},
+    UnmodelledField{kAtFunctional, "dsp.overflow_rays"},
+};
+
+// `is_set`: tells of another field whether it is set.
+template <typename IsSet>
+constexpr bool is_modelled(unsigned level, std::string_view field, const IsSet& is_set) {
+  for (const UnmodelledField& each : kUnmodelledFields) {
+    const bool is_prefix = each.field.ends_with('.') || each.field.ends_with('_');
+    const bool is_it = is_prefix ? field.starts_with(each.field) : field == each.field;
+    if (is_it && (each.levels & level) != 0) return !each.unless.empty() && is_set(each.unless);
+  }
+  return true;
+}
+
 // The largest error against the cycle level that was measured for what the approximate level estimates.
 struct MeasuredError {
   std::string_view quantity;

@@ -32,7 +32,7 @@ void print_lighting(const LightingStatistics& lighting) {
       lighting.channel, report.rays, gicube::to_ms(lighting.duration), percent(report.deposited),
       percent(report.escaped), percent(report.scattered_away), percent(report.clipped),
       lighting.reused ? " (made before)" : "");
-  for (const std::string& warning : report.warnings) fmt::print(stderr, "gicube-render: warning: {}\n", warning);
+  for (const std::string& warning : report.warnings) warn(warning);
 }
 
 // Where the time of several boards went, on average.
@@ -102,6 +102,12 @@ void explain_once(const RenderOptions& options, const FrameStatistics& statistic
   last = lines;
 }
 
+// Unless the picture before was as empty for the same reason.
+void warn_once(const std::string& text, std::string& last) {
+  if (!text.empty() && text != last) warn(text);
+  last = text;
+}
+
 void explain_pixel(const RenderOptions& options, const FrameStatistics& statistics) {
   if (statistics.pixel.is_null()) return;
   if (!options.board.quiet) fmt::print("{}", pixel_table(statistics.pixel));
@@ -131,6 +137,7 @@ int run(int argc, char** argv, gicube::MpiExchange* ranks) {
   if (!options) return 0;
   std::vector<FrameStatistics> statistics;
   std::vector<std::string> plan;
+  std::string invisible;
   {
     ProgressLine progress(!options->board.quiet);
     const auto done = [&](const Frame& frame) {
@@ -142,6 +149,7 @@ int run(int argc, char** argv, gicube::MpiExchange* ranks) {
       progress.clear();
       if (options->plan.explain) explain_once(*options, frame.statistics, plan);
       if (!options->board.quiet) print_summary(file, frame.statistics);
+      if (!options->board.quiet) warn_once(frame.statistics.invisible, invisible);
       explain_pixel(*options, frame.statistics);
     };
     render_frames(*options, progress, done, ranks);

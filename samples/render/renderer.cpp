@@ -143,6 +143,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
     frames[i].statistics.time = times[first + i];
     frames[i].statistics.load = i == 0 ? load : 0;
     frames[i].statistics.host = host_usage();
+    frames[i].statistics.invisible = board_.why_invisible(frames[i].image);
     if (ranks_ != nullptr) share_statistics(*ranks_, frames[i].statistics);
     done(frames[i]);
   }

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 from studies.runs import InputError, Run, figure
 
-READ = {"functional": ("asic", "dsp", "bus")}  # messages of the configuration that a level reads, if not all
 MEMORIES = ("rdram", "ddr")  # only the one in use is read
 SMALL = 100  # a step is this part of the number, or 1: single clocks of a fast clock would drown in roundings
 
@@ -21,16 +20,16 @@ def stepped(value, legal):
     return sorted(number for number in numbers if number > value)[:1] + sorted(number for number in numbers if number < value)[-1:]
 
 
-def chosen_numbers(explained, fidelity):
-    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that the level reads."""
+def chosen_numbers(explained):
+    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that the level models."""
     rows = [re.split(r"\s{2,}", line.strip()) for line in explained.splitlines()]
     memory = next((row[1] for row in rows if row[0] == "memory"), "")
     found = []
     for row in rows:
         part = row[0].split(".")[0]
-        if len(row) < 4 or not row[1].isdigit() or not re.search(r"(^|: )chosen:", row[3]):
+        if len(row) < 4 or not row[1].isdigit() or not re.search("(^|: )chosen:", row[3]) or row[3].startswith("not modelled"):
             continue
-        if part in READ.get(fidelity, (part,)) and (part not in MEMORIES or part == memory):
+        if part not in MEMORIES or part == memory:
             found.append((row[0], int(row[1]), row[2]))
     return found
 
@@ -54,11 +53,11 @@ def explain(board, words):
     return done.stdout if done.returncode == 0 else None
 
 
-def steps_of(board, settings, fidelity):
+def steps_of(board, settings):
     """A row for each number: its name, its value, and the values below and above it to which it is set: those that the board takes."""
     words = board_arguments(settings)
     rows = []
-    for name, value, legal in chosen_numbers(explain(board, words) or "", fidelity):
+    for name, value, legal in chosen_numbers(explain(board, words) or ""):
         to = [each for each in sorted(stepped(value, legal)) if explain(board, [*words, "--set", f"{name}={each}"]) is not None]
         if to:
             rows.append(SimpleNamespace(name=name, value=value, to=to))
@@ -83,7 +82,7 @@ def sensitivity(arguments, settings, cost, board, carry_out, read):
     base = Run(arguments)
     carry_out([base])
     statistics = read(base)
-    rows = steps_of(board, settings, statistics["fidelity"])
+    rows = steps_of(board, settings)
     for row in rows:
         row.runs = [Run([*arguments, "--set", f"{row.name}={to}"]) for to in row.to]
     carry_out([run for row in rows for run in row.runs])

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """gicube-sweep: gicube-render over a grid of parameters, cost against error."""
 import argparse
+import difflib
 import functools
 import itertools
 import json
@@ -19,6 +20,7 @@ sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the pack
 from studies.pictures import read_picture, rmse  # noqa: E402
 from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, progress, quoted  # noqa: E402
 from studies.sensitivity import sensitivity, table  # noqa: E402
+from studies.sweep_chart import draw_chart  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
 
 PROGRAM = "gicube-sweep"
@@ -54,6 +56,12 @@ class Parser(argparse.ArgumentParser):
         return text + NOTES
 
     def error(self, message):
+        words = message.removeprefix("unrecognized arguments: ").split()
+        unknown = [word.split("=")[0] for word in words if word.startswith("--")] if message.startswith("unrecognized") else []
+        names = [name.lstrip("-") for name in self._option_string_actions]
+        near = [difflib.get_close_matches(option.lstrip("-"), names, 1) for option in unknown]
+        if unknown:
+            message = "; ".join(f"{option}: no such option" + "".join(f", the nearest is --{name}" for name in found) for option, found in zip(unknown, near))
         self.exit(2, f"{self.prog}: {message}\n")
 
 
@@ -225,6 +233,7 @@ def run_sweep(options, folder, render):
     for point, run, reference in pairs:
         statistics = folder.read(run)
         row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run, fidelity=statistics.get("fidelity"),
+                              invisible=statistics.get("invisible"),
                               is_reference=bool(options.reference) and run.key() == reference.key())
         row.also = [figure_or_nan(statistics, name) for name in options.also]
         compared = None if one else folder.read(reference)
@@ -294,31 +303,6 @@ def json_file(whole, command):
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
 
-def draw_chart(options, rows, path):
-    """All points, and the Pareto front as a line; cost alone by the rows of the table. Raises FileError."""
-    try:
-        from studies import draw
-    except ImportError as error:
-        raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
-    title = options.title or options.name
-    if not options.compares:
-        draw.chart(path, title, f"row of {options.name}.csv", options.cost,
-                   [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points", mark=0)])
-        return
-    least = min((row.error for row in rows if row.error > 0), default=0)
-    exact = least / 2  # where rows without error are on an axis that has no 0
-
-    def points(label, drawn, **look):
-        drawn = sorted(drawn, key=lambda row: row.cost)
-        return draw.Series(label, [row.cost for row in drawn], [row.error if row.error > 0 else exact for row in drawn], **look)
-    without = [row for row in rows if not row.error > 0]
-    series = [points("runs", [row for row in rows if row.error > 0], look="points", colour=-1, mark=0),
-              points("no error", without, look="points", colour=-1, mark=0, hollow=True),
-              points("Pareto front", [row for row in rows if row.on_front], boxed=True)]
-    draw.chart(path, title, options.cost, f"error: {options.error}", [each for each in series if len(each.x)],
-               log_x=all(row.cost > 0 for row in rows), log_y=least > 0, box_outside=True)
-
-
 def cost_change(rows, name):
     """The largest relative difference of the cost between rows that have all settings but this in common."""
     ranges = {}
@@ -338,6 +322,11 @@ def warn_of_constant_cost(options, rows):
         if len(values) > 1 and change < HARDLY:
             print(f"{PROGRAM}: note: {name} changes frame_ms by at most {100 * change:.2g}%: at the functional level the ASIC takes no time. "
                   "--fix fidelity=approximate counts it", file=sys.stderr)
+
+
+def warn_of_invisible(rows):
+    for text in dict.fromkeys(row.invisible for row in rows if row.invisible):
+        print(f"{PROGRAM}: note: {text}: {sum(row.invisible == text for row in rows)} of {len(rows)} runs", file=sys.stderr)
 
 
 def print_front(options, rows):
@@ -381,6 +370,7 @@ def sweep(arguments):
         draw_chart(options, rows, f"{base}.svg")
     if not options.quiet:
         warn_of_constant_cost(options, rows)
+        warn_of_invisible(rows)
         print_front(options, rows)
 
 

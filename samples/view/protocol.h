@@ -47,8 +47,9 @@
 //   {"type":"board","state":"lost"|"ready","text"}            lost: {"do":"board"} starts another, and the picture should be asked for again
 //   {"type":"error","id"?,"field"?,"text"}                    field: the setting at fault, without dashes, where there is one
 // Binary: the header's length, 4 bytes little endian; the header, JSON; the bytes.
-//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","number","command","python"} + RGBA, 8 bits, as
-//                                   gicube-render -o picture.png has it. frame_ms is null where the level keeps no time. A coarse picture has
+//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","invisible"?,"number","command","python"} + RGBA, 8 bits, as
+//                                   gicube-render -o picture.png has it. frame_ms is null where the level keeps no time. invisible: why
+//                                   nothing is visible, where that is so. A coarse picture has
 //                                   fewer pixels than asked for, and no number, command and python. There is no python where its package
 //                                   has no call for what was set.
 //   {"type":"slice","id","axis","at","width","height"} + grey, 8 bits, over the volume's range; rows from the lowest y (of z: y down, x

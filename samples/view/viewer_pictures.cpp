@@ -150,6 +150,7 @@ void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& optio
               {"frame_ms", timed ? Json(to_ms(statistics.frame)) : Json(nullptr)},
               {"level", gicube::name_of(statistics.board.fidelity)},
               {"host_ms", 1e3 * statistics.host_seconds}};
+  if (!statistics.invisible.empty()) header["invisible"] = statistics.invisible;
   if (whole) {
     const std::string command = command_of(settings, shelf_, options_.board);
     header["command"] = command;

@@ -36,7 +36,9 @@ Rule program(std::string_view folder, const std::vector<std::string_view>& besid
                                      "driver/scene/common",
                                      "driver/scene/include",
                                      "driver/include",
-                                     "proto/gicube/parallel_for.h"};
+                                     "proto/gicube/fidelity_levels.h",
+                                     "proto/gicube/parallel_for.h",
+                                     "proto/gicube/unknown_options.h"};
   ours.insert(ours.end(), besides.begin(), besides.end());
   return {folder, ours, outside};
 }
@@ -180,7 +182,7 @@ const std::vector<Rule>& rules() {
       // The Python package: an application of the public headers.
       {"driver/python/core",  {"driver/python/core", "driver/include", "driver/hosts/include", "driver/scene/include"}, {"pybind11", "unistd.h"}},
 
-      program("samples/scene", {}, {kAnything}),
+      program("samples/scene", {"proto/gicube/v1/board_config.pb.h"}, {kAnything}),
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
@@ -188,10 +190,10 @@ const std::vector<Rule>& rules() {
       // Like applications; besides in the management plane's messages, and looks for boards as the driver does.
       {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "driver/src/transport", "proto/gicube/v1/management.pb.h",
                               "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/access.h", "proto/gicube/registry.h",
-                              "proto/gicube/whole_file.h"},
+                              "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"},
                              {kAnything}},
       // Speaks the bus below the driver's public headers.
-      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
       program("samples/studies", {}, {kAnything}),
       // Outside applications, which know the installed headers only; C too.
       {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},

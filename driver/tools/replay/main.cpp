@@ -11,6 +11,7 @@
 
 #include "capture_reader.h"
 #include "gicube/error.h"
+#include "gicube/unknown_options.h"
 #include "gicube/whole_file.h"
 #include "player.h"
 #include "transport/connect.h"
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "gicube-replay: {}\n", error.what());
+    fmt::print(stderr, "gicube-replay: {}\n", usage_fault(app, error.what()));
     return 2;
   }
   try {

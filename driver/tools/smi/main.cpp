@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "gicube/unknown_options.h"
 #include "gicube/whole_file.h"
 #include "options.h"
 
@@ -175,7 +176,7 @@ int run(int argc, const char* const* argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + " (--help says more)");
+    throw UsageError(usage_fault(app, error.what()) + " (--help says more)");
   }
   return options.run(options);
 }

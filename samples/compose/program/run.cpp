@@ -92,7 +92,10 @@ void run(const ComposeOptions& options, ProgressLine& progress) {
   std::vector<MediumCost> costs;
   const Picture picture = compose(stage, boards, costs, progress.parts("tracing"));
   progress.clear();
-  if (!options.board.quiet) print(stage, costs);
+  if (!options.board.quiet) {
+    print(stage, costs);
+    warn_if_invisible(boards.front(), picture.image());
+  }
   const Provenance provenance = provenance_of(boards.front().info(), stage_hash(stage));
   if (!options.picture.empty()) {
     const bool own_alpha = options.picture.extension() == ".exr";

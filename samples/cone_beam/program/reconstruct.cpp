@@ -246,7 +246,7 @@ void run_reconstruct(ReconstructOptions& options) {
   progress.clear();
   if (plan && options.plan.explain) print_plan(plan->explain());
   if (!options.board.quiet) print_summary(options, scan, result, cost);
-  for (const std::string& text : scan.warnings) fmt::print(stderr, "gicube-cone-beam: warning: {}\n", text);
+  for (const std::string& text : scan.warnings) warn(text);
 }
 
 void add_fdk(CLI::App& app, FdkSettings& fdk) {

@@ -50,7 +50,9 @@ void draw(const SolveOptions& options, const Scene& scene, const SceneSetup& set
   const Image image = picture_of(board, field, setup.view, exposure, background, progress.parts("picture"));
   write_image(image, options.picture, background, provenance_of(board.info(), scene_hash(setup)));
   progress.clear();
-  if (!options.board.quiet) fmt::print("{}: exposure {:.4g}\n", options.picture.string(), exposure);
+  if (options.board.quiet) return;
+  fmt::print("{}: exposure {:.4g}\n", options.picture.string(), exposure);
+  warn_if_invisible(board, image);
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #include "scene/program/board_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <iterator>
 #include <ranges>
 
+#include "gicube/unknown_options.h"
 #include "scene/common/checks.h"
 #include "scene/program/option_group.h"
 #include "scene/program/plan_options.h"
@@ -78,7 +81,7 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
   } catch (const CLI::CallForVersion& version) {
     out << app.get_name() << ' ' << version.what() << '\n';
   } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
+    throw UsageError(usage_fault(app, error.what()));
   }
   return false;
 }
@@ -193,7 +196,13 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
   const std::vector<double> numbers = split_numbers<double>(text, ',');
   bool good = numbers.size() == count;
   for (const double number : numbers) good = good && std::isfinite(number);
-  if (!good) throw bad_value(option, std::to_string(count) + " numbers with commas between", text);
+  constexpr std::array kExamples{"1", "2,1", "1,0,0.5", "1,0,0.5,-3"};
+  if (!good) {
+    throw bad_value(
+        option,
+        fmt::format("{} numbers with commas between and no blanks, as {} {}", count, option, kExamples.at(count - 1)),
+        text);
+  }
   return numbers;
 }
 

@@ -53,10 +53,12 @@ struct BoardOptions {
   std::string events_of;          // and of which (docs/guide/observation.md)
   std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
 
+  bool has_own_level = false;  // it is the program's choice what the level models
   // Another level than was asked for, which samples nothing.
   void set_level(const char* level) {
     fidelity = level;
     sample = 0;
+    has_own_level = true;
   }
 };
 
@@ -70,7 +72,8 @@ std::string board_uri(const BoardOptions& options);
 // The same of all boards.
 std::vector<std::string> board_uris(const BoardOptions& options);
 
-// Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option`, unless there are `count` finite ones.
+// Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option` and says how they are written, unless
+// there are `count` finite ones, of which four are possible.
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count);
 Vec3 parse_vector(const std::string& option, const std::string& text);
 // Whole numbers from 1: "WxH" with separator 'x' and count 2, or "X,Y,Z" with ',' and 3.

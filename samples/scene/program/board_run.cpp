@@ -1,11 +1,19 @@
 #include "scene/program/board_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <google/protobuf/io/zero_copy_stream_impl.h>
+#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <bit>
+#include <fstream>
+#include <vector>
 
+#include "gicube/fidelity_levels.h"
 #include "gicube/scene/error.h"
+#include "gicube/v1/board_config.pb.h"
+#include "scene/program/program.h"
 
 namespace gicube::samples {
 
@@ -16,6 +24,48 @@ OpenOptions open_options(const BoardOptions& options, const std::function<void()
   how.watchdog = options.watchdog;
   how.while_waiting = while_waiting;
   return how;
+}
+
+void add_fields(const google::protobuf::Message& message, const std::string& path, std::vector<std::string>& fields) {
+  std::vector<const google::protobuf::FieldDescriptor*> set;
+  message.GetReflection()->ListFields(message, &set);
+  for (const auto* field : set) {
+    const std::string name = path + std::string(field->name());
+    if (field->message_type() == nullptr) {
+      fields.push_back(name);
+    } else {
+      add_fields(message.GetReflection()->GetMessage(message, field), name + '.', fields);
+    }
+  }
+}
+
+// Of the board's configuration, which the board has understood.
+std::vector<std::string> fields_set(const BoardOptions& options) {
+  std::vector<std::string> fields;
+  for (const std::string& setting : options.settings) fields.push_back(setting.substr(0, setting.find('=')));
+  if (options.config.empty()) return fields;
+  std::ifstream file(options.config);
+  google::protobuf::io::IstreamInputStream text(&file);
+  v1::BoardConfig config;
+  if (google::protobuf::TextFormat::Parse(&text, &config)) add_fields(config, "", fields);
+  return fields;
+}
+
+void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
+  if (options.quiet || options.has_own_level) return;
+  constexpr std::size_t kNamed = 3;  // chosen: enough to know which
+  const std::vector<std::string> fields = fields_set(options);
+  const auto is_set = [&](std::string_view name) { return std::ranges::count(fields, name) > 0; };
+  std::vector<std::string> idle;
+  for (const std::string& field : fields) {
+    if (!is_modelled(1U << static_cast<unsigned>(level), field, is_set)) idle.push_back(field);
+  }
+  if (idle.empty()) return;
+  const std::size_t named = std::min(idle.size(), kNamed);
+  const std::string more = idle.size() > named ? fmt::format(" and {} more", idle.size() - named) : "";
+  warn(fmt::format("{}{}: not modelled at the level {}; --fidelity approximate and cycle model what is set",
+                   fmt::join(idle.begin(), idle.begin() + static_cast<std::ptrdiff_t>(named), ", "), more,
+                   name_of(level)));
 }
 
 // Of a running board; an emulated one begins with it.
@@ -30,6 +80,7 @@ Board open_board(const BoardOptions& options, const std::function<void()>& while
   try {
     Board board = Board::open(uri, open_options(options, while_waiting));
     restore_running(options, board);
+    warn_of_unmodelled(options, board.info().fidelity);
     return board;
   } catch (const BadArgument& error) {
     throw UsageError(error.what());
@@ -43,10 +94,15 @@ BoardGroup open_boards(const BoardOptions& options, const std::function<void()>&
   try {
     BoardGroup boards = uris.size() == 1 ? BoardGroup::open(uris[0], how) : BoardGroup::open(uris, how);
     restore_running(options, boards.board(0));
+    warn_of_unmodelled(options, boards.board(0).info().fidelity);
     return boards;
   } catch (const BadArgument& error) {
     throw UsageError(error.what());
   }
+}
+
+void warn_if_invisible(const Board& board, const Image& image) {
+  if (const std::string why = board.why_invisible(image); !why.empty()) warn(why);
 }
 
 void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source) {

@@ -32,6 +32,8 @@ int run_program(const char* name, const std::function<int()>& body) {
   }
 }
 
+void warn(const std::string& text) { std::cerr << this_run().program << ": warning: " << text << '\n'; }
+
 void check_outputs(const std::vector<Output>& outputs) {
   std::map<std::filesystem::path, std::string> options;
   for (const auto& [option, file] : outputs) {

@@ -12,6 +12,9 @@ namespace gicube::samples {
 // UsageError, 1 for anything else, also where what was printed did not get to standard output.
 int run_program(const char* name, const std::function<int()>& body);
 
+// A line on standard error that begins with the program's name (this_run()).
+void warn(const std::string& text);
+
 // A file that an option names; empty: none.
 struct Output {
   std::string option;

@@ -74,6 +74,7 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
         "sides\n",
         100 * profile.reflected[0], 100 * profile.within(profile.rings.back().outer)[0], 100 * profile.transmitted[0],
         100 * profile.sideways[0]);
+    warn_if_black(noise_of(picture));
   }
   const Provenance provenance = provenance_of(board.info(), scene_hash(setup));
   write_pictures(picture, options.light, provenance);

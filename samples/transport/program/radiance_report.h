@@ -13,7 +13,8 @@ struct Noise {
   double relative = 0;  // root mean square of the pixels' standard errors over the mean radiance of all channels
 };
 Noise noise_of(const RadiancePicture& picture);
-void print(const Noise& noise);
+void print(const Noise& noise);  // and what warn_if_black() says
+void warn_if_black(const Noise& noise);
 nlohmann::ordered_json noise_json(const Noise& noise);  // the relative error; null for one pass
 
 // To LightInput::output and pixels, where these are given. Throws FileError.

@@ -112,7 +112,7 @@ picture.addEventListener("asked", () => {
 picture.addEventListener("shown", (event) => {
   const header = /** @type {PictureHeader} */ (/** @type {CustomEvent} */ (event).detail);
   fields.blame();
-  notice("error", "");
+  notice("error", header.invisible ?? "");
   by("progress").hidden = true;
   const time = header.frame_ms === null ? ""
     : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;

@@ -12,7 +12,7 @@
 /** @typedef {{blocks_a_side: number, cells: Vector, waiting: number[], processors: number[], banks: number, memories: number[][]}} Look */
 /** @typedef {{frame_ms: number | null, settings: Settings, counters: Counters}} ComparedFrame */
 /** @typedef {{type: "picture", id: number, width: number, height: number, final: boolean, frame_ms: number | null, level: string,
- *   host_ms: number, number?: number, command?: string, python?: string}} PictureHeader */
+ *   host_ms: number, invisible?: string, number?: number, command?: string, python?: string}} PictureHeader */
 /** @typedef {{type: "slice", id: number, axis: "x" | "y" | "z", at: number, width: number, height: number}} SliceHeader */
 /** @typedef {{type: "error", id?: number, field?: string, text: string}} Failure */
 /** @typedef {{type: "histogram", low: number, high: number, counts: number[]}} Histogram */

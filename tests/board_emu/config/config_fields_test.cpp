@@ -15,6 +15,7 @@
 
 #include "bare_board.h"
 #include "config/config.h"
+#include "gicube/fidelity_levels.h"
 #include "machine_rig.h"
 
 namespace gicube::emu {
@@ -244,6 +245,28 @@ TEST(ConfigFields, OfFidelityGiveEachLevelItsOwnTimeAndTheSameValues) {
   EXPECT_NE(approximate.time[kRays], cycle.time[kRays]);
   EXPECT_EQ(functional.image, cycle.image);
   EXPECT_EQ(approximate.image, cycle.image);
+}
+
+// The list by which programs warn is what this table was tried for. Left out: fields of the host, and one that matters to coloured volumes.
+TEST(ConfigFields, AreNotModelledWhereTheyChangeNothing) {
+  const auto none_is_set = [](std::string_view) { return false; };
+  const std::set<std::string> others{"pace", "threads", "sample_error", "asic.voxel_format"};
+  for (const Field& field : kFields) {
+    if (others.contains(field.name)) continue;
+    EXPECT_EQ(is_modelled(kAtFunctional, field.name, none_is_set), field.functional != kNoTime) << field.name;
+    EXPECT_EQ(is_modelled(kAtApproximate, field.name, none_is_set), field.approximate != kNoTime) << field.name;
+    EXPECT_EQ(is_modelled(kAtCycle, field.name, none_is_set), field.cycle != kNoTime) << field.name;
+  }
+}
+
+TEST(ConfigFields, OfSlabsAreModelledAtTheFunctionalLevelWithSegments) {
+  const auto segments_are_set = [](std::string_view name) { return name == "dsp.segments"; };
+  const std::vector<std::string> usual = board("functional", {"dsp.segments=1"});
+  for (const std::string field : {"asic.processors=3", "asic.partition=repeated_slab"}) {
+    EXPECT_TRUE(is_modelled(kAtFunctional, field.substr(0, field.find('=')), segments_are_set));
+    EXPECT_NE(outcome(joined(usual, {field})).time[kRays], outcome(usual).time[kRays]) << field;
+  }
+  EXPECT_FALSE(is_modelled(kAtFunctional, "asic.queue_rays", segments_are_set));
 }
 
 class ConfigField : public testing::TestWithParam<Field> {};

@@ -284,7 +284,11 @@ TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
   };
   look(look, *v1::BoardConfig::descriptor(), "");
   EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "sample_error", "threads"));
-  const std::string text = explained(with({"asic.processors=8"}));
+  EXPECT_THAT(explained(with({"asic.processors=8"})),
+              AllOf(HasSubstr("not modelled at this level; default 4: paper §4.1"),
+                    HasSubstr("modelled at this level; chosen")));
+  const std::string text = explained(with({"asic.processors=8", "fidelity=cycle"}));
+  EXPECT_THAT(text, testing::Not(HasSubstr("not modelled")));
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(text, '\n')), sourced);
   EXPECT_THAT(
       text,

@@ -73,7 +73,7 @@ def test_ranks_make_an_animation(tmp_path):
 
 
 @pytest.mark.parametrize("arguments, code, text", [
-    ("--bogus", 2, "gicube-render: The following argument was not expected: --bogus"),
+    ("--bogus", 2, "gicube-render: --bogus: no such option"),
     ("--jitter", 2, "gicube-render: --mpi=pictures: expected a picture without --jitter"),
     ("--board emu: --board emu: --board emu:", 2, "gicube-render: --board: expected one for each of 2 ranks, or one emu: for all, got 3"),
     ("--set asic.processors=-3", 2, "gicube-render: URI options: expected values that gicube-board takes"),

@@ -169,7 +169,7 @@ TEST_F(PixelLife, IsPrintedDrawnAndWritten) {
 TEST_F(PixelLife, RefusesWhatItCannotExplain) {
   const std::map<std::string, std::string> faults{
       {"--explain-pixel 24,0", "pixel: expected one of the picture's 24 x 24, got 24,0"},
-      {"--explain-pixel 1", "expected 2 numbers with commas between"},
+      {"--explain-pixel 1", "expected 2 numbers with commas between and no blanks, as --explain-pixel 2,1"},
       {"--explain-pixel=-1,2", "expected two whole numbers from 0 to 4094"},
       {"--explain-svg a.svg", "expected --explain-pixel X,Y beside it"},
       {"--explain-pixel 1,2 --frames 2 --fps 5", "expected without more than one of --frames"},

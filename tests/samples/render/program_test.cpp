@@ -242,6 +242,48 @@ TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
               HasSubstr("--irradiance: expected a field of the volume's 20 x 20 x 20 voxels, got 16 x 16 x 16"));
 }
 
+TEST_F(RenderProgram, SaysOnceOfEachReasonWhyNothingIsVisible) {
+  std::ofstream(path("mask.raw"), std::ios::binary)
+      << std::string(8 * 8 * 8 / 2, '\0') + std::string(8 * 8 * 8 / 2, '\1');
+  const std::string mask =
+      path("mask.raw") + " --dims 8,8,8 --size 8x8 -o " + path("a.png") + " --stats " + path("a.json");
+  const ProgramResult empty = run(mask);
+  ASSERT_EQ(empty.code, 0) << empty.err;
+  // The ramp begins at a tenth of 255.
+  const std::string why =
+      "nothing is visible in the picture: voxels have values of 0 to 1, the transfer function has "
+      "opacity at 25.5 to 255 alone (a mask? load it with its own range of values)";
+  EXPECT_EQ(empty.err, "gicube-render: warning: " + why + "\n");
+  EXPECT_EQ(nlohmann::json::parse(text_of(path("a.json"))).at("invisible"), why);
+  EXPECT_EQ(run(mask + " --quiet").err, "");
+
+  const std::string ball = "builtin:buckyball --volume-size 16 --size 8x8 -o " + path("a.png");
+  const ProgramResult cut = run(ball + " --cut 1,0,0,900 --frames 3 --fps 1");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_EQ(cut.err, "gicube-render: warning: nothing is visible in the picture: all that is visible is cut away\n");
+  EXPECT_EQ(run(ball + " --cut 1,0,0,8").err, "");
+}
+
+TEST_F(RenderProgram, SaysOnceWhichFieldsOfTheHardwareItsLevelDoesNotModel) {
+  std::ofstream(path("board.textproto"))
+      << "asic { processors: 2 core_khz: 50000 } dsp { clock_khz: 100000 } link { bits: 8 }";
+  const std::string ball = "builtin:buckyball --volume-size 16 --size 8x8 -o " + path("a.png");
+  const auto said = [&](const std::string& options) {
+    const ProgramResult result = run(ball + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(said(" --set asic.queue_rays=512 --set bus.model=agp2x --frames 2 --fps 1"),
+            "gicube-render: warning: asic.queue_rays: not modelled at the level functional; --fidelity approximate and "
+            "cycle model what is set\n");
+  EXPECT_THAT(said(" --set sorter.policy=longest_wait --config " + path("board.textproto")),
+              HasSubstr("warning: sorter.policy, asic.processors, asic.core_khz and 1 more: not modelled"));
+  for (const char* options : {" --fidelity approximate --set asic.queue_rays=512", " --set dsp.clock_khz=100000",
+                              " --set asic.queue_rays=512 --quiet", " --set asic.processors=2 --set dsp.segments=1"}) {
+    EXPECT_EQ(said(options), "") << options;
+  }
+}
+
 TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {
   for (const char* arguments :
        {"", "builtin:buckyball --size huge", "builtin:buckyball --board pci:0", "builtin:buckyball --fidelity exact",

@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+#include <vector>
+
+#include "scene/program/option_group.h"
+
 namespace gicube::samples {
 namespace {
 
@@ -84,6 +89,43 @@ TEST(BoardOptions, TakeSeedsAndTimesThatAreNumbersFromZero) {
     EXPECT_EQ(refusal("--watchdog", time),
               "--watchdog: expected whole seconds from 0 to 604800, got \"" + std::string(time) + "\"");
   }
+}
+
+TEST(Options, ThatAreUnknownAreNamedInTheirOrderWithTheNearestThatThereAre) {
+  const auto fault = [](std::vector<const char*> words) -> std::string {
+    CLI::App app("Renders.", "gicube-render");
+    std::string input, function;
+    double step = 0;
+    std::optional<Vec3> eye;
+    app.add_option("INPUT", input)->required();
+    app.add_option("--step", step);
+    app.add_option("--transfer-function", function);
+    OptionGroup(app, "Camera").vector("--eye", eye, "");
+    words.insert(words.begin(), "gicube-render");
+    try {
+      std::ostringstream out;
+      parsed(app, static_cast<int>(words.size()), words.data(), out);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault({"a", "--step", "1", "--eye", "1,-2,3"}), "");
+  EXPECT_EQ(fault({"a", "--stpe", "1"}), "--stpe: no such option, the nearest is --step");  // a transposition
+  EXPECT_EQ(fault({"--steps=1"}), "--steps: no such option, the nearest is --step");        // though INPUT is missing
+  EXPECT_EQ(fault({"a", "--transfer", "x"}), "--transfer: no such option, the nearest is --transfer-function");
+  EXPECT_EQ(fault({"a", "--zzz", "--setp", "3", "--eey", "1,2,3"}),
+            "--zzz: no such option; --setp: no such option, the nearest is --step; --eey: no such option, the nearest "
+            "is --eye");
+  EXPECT_EQ(fault({"a", "b", "c"}), "not expected: b c");
+  EXPECT_THAT(fault({"a", "--step", "x"}), testing::HasSubstr("--step"));
+  // A vector is one word.
+  EXPECT_EQ(fault({"a", "--eye", "0", "-300", "100"}),
+            "--eye: expected X,Y,Z without blanks, as --eye 0,-300,100, got 0 -300 100");
+  EXPECT_EQ(fault({"--eye", "-300", "0", "100", "a"}),
+            "--eye: expected X,Y,Z without blanks, as --eye -300,0,100, got -300 0 100");
+  EXPECT_EQ(fault({"a", "--eye", "0,1"}),
+            "--eye: expected 3 numbers with commas between and no blanks, as --eye 1,0,0.5, got \"0,1\"");
 }
 
 TEST(ParseNumbers, TakesExactlyTheNumbersAskedFor) {

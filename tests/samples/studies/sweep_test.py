@@ -231,6 +231,12 @@ def test_a_functional_boards_frame_time_hardly_knows_the_step_and_it_says_so(pro
     assert "note:" not in program.err
 
 
+def test_a_sweep_says_in_how_many_pictures_nothing_is_visible(program):
+    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --vary 'cut=1,0,0,900;1,0,0,8;0,1,0,900' -o out"
+    assert program.run(grid) == 0, program.err
+    assert program.err.endswith("note: nothing is visible in the picture: all that is visible is cut away: 2 of 3 runs\n")
+
+
 def test_a_sweep_goes_on_where_a_killed_one_was(program):
     assert program.run(SMALL) == 0, program.err
     table, before = program.text("out/sweep.csv"), program.runs()
@@ -346,15 +352,16 @@ dsp.clock_khz                    200000         1000..2000000 kHz             ch
 bus.model                        pci33                                        chosen: a name is no number
 pipeline.prefetch_stages         16             1..256 core cycles            chosen: half
 memory                           ddr                                          default rdram: paper
+link.bits                        32             1..256 bits                   not modelled at this level; default 16: chosen: wide
 rdram.rac_latency                4              0..255 tCYCLE                 chosen: one
 ddr.controller_latency           2              0..255 clocks                 default 1: chosen: one
 """
 
 
-def test_of_a_level_those_numbers_are_taken_that_are_chosen_and_that_it_reads():
-    names = [name for name, *_ in sensitivity.chosen_numbers(EXPLAINED, "cycle")]
-    assert names == ["dsp.clock_khz", "pipeline.prefetch_stages", "ddr.controller_latency"]
-    assert sensitivity.chosen_numbers(EXPLAINED, "functional") == [("dsp.clock_khz", 200000, "1000..2000000 kHz")]
+def test_of_a_level_those_numbers_are_taken_that_are_chosen_and_that_it_models():
+    found = sensitivity.chosen_numbers(EXPLAINED)
+    assert [name for name, *_ in found] == ["dsp.clock_khz", "pipeline.prefetch_stages", "ddr.controller_latency"]
+    assert found[0] == ("dsp.clock_khz", 200000, "1000..2000000 kHz")
 
 
 def test_the_sensitivity_of_a_run_is_what_its_steps_do_to_the_frame(program):
@@ -424,7 +431,8 @@ def test_a_board_that_runs_already_has_no_sensitivity(program):
     ("b -o out --jobs 1025", 'argument --jobs: expected a number from 0 to 1024, got "1025"'),
     ("b -o out --shard 3/2", 'argument --shard: expected I/N with 1 <= I <= N, as 2/8, got "3/2"'),
     ("b -o out --sensitivity --shard 1/2", "--sensitivity: expected one INPUT and none of --shard"),
-    ("b -o out --foo", "unrecognized arguments: --foo"),
+    ("b -o out --xyz 3 --varry=step=1 --fixx a=b", "--xyz: no such option; --varry: no such option, the nearest is --vary; "
+     "--fixx: no such option, the nearest is --fix"),
     ("b -o out --reference-picture none.exr", 'argument --reference-picture: expected a file, got "none.exr"'),
     ("b -o out --reference-picture /", 'argument --reference-picture: expected a file, got "/"'),
     ("b -o out --reference-picture /etc/passwd --reference step=1", "--reference: expected without --reference-picture, got both"),

@@ -71,6 +71,16 @@ def test_a_hundred_pages_that_leave_in_mid_frame_leave_nothing_behind(ball: path
             page.wait_for("picture", final=True)
 
 
+def test_a_picture_in_which_nothing_is_visible_says_why(ball: pathlib.Path) -> None:
+    with Program(ball) as program, Page(program) as page:
+        page.wait_for("hello")
+        page.send({**MOVING, "moving": False, "settings": {"cut": "1,0,0,900"}})
+        seen, _ = page.wait_for("picture", id=1, final=True)
+        assert seen["invisible"] == "nothing is visible in the picture: all that is visible is cut away"
+        page.send({**MOVING, "id": 2, "moving": False})
+        assert "invisible" not in page.wait_for("picture", id=2, final=True)[0]
+
+
 def test_a_moving_camera_never_waits_for_an_old_picture(ball: pathlib.Path) -> None:
     slow = {"size": "512x512", "samples": "4", "step": "0.0625"}
     with Program(ball) as program, Page(program) as page:
