@@ -47,8 +47,8 @@ cmake --build "$scratch/small"
 
 # What gicube_add_test() does not understand it says, instead of making a test of something else.
 refuses() {
-  printf 'cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES NONE)\nfind_package(gicube REQUIRED)\n%s\n' \
-    "gicube_add_test($1)" >"$scratch/CMakeLists.txt"
+  printf 'cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES NONE)\nfind_package(gicube REQUIRED %s)\n%s\n' \
+    "${3:-}" "gicube_add_test($1)" >"$scratch/CMakeLists.txt"
   if cmake -S "$scratch" -B "$scratch/refused" -DCMAKE_PREFIX_PATH="$prefix" >"$scratch/refused.log" 2>&1; then
     echo "gicube_add_test($1) was taken" >&2
     return 1
@@ -60,6 +60,26 @@ refuses "NAME x" "either SOURCES or COMMAND"
 refuses "NAME x COMMAND y BUS isa" "BUS: expected pci33, agp1x, agp2x or agp4x, got isa"
 refuses "NAME x COMMAND y BOARD unix:/z BUS pci33" "BOARD is a board that there is"
 refuses "SPEED 3 NAME x COMMAND y" "not understood: SPEED"
+refuses "NAME x COMMAND y FIDELITY cycles" "FIDELITY: expected functional, approximate or cycle, got cycles"
+refuses "NAME x COMMAND y FAULTS no/plan" "FAULTS: expected a file, got $scratch/no/plan"
+refuses "NAME x COMMAND y CONFIG no.textproto" "CONFIG: expected a file, got $scratch/no.textproto"
+refuses "NAME x COMMAND y" "COMPONENTS: expected scene or mpi, got scenes" "COMPONENTS scenes"
+
+# Under an older standard each C++ header says first what it needs, and no more is said of it; the C interface needs none.
+while read -r header; do
+  printf '#include <%s>\nint main() {}\n' "$header" >"$scratch/old.cpp"
+  case $header in
+    *c_api.h | *c_types.h | *export.h | *bsdf.h | *observer.h) c++ -std=c++17 -fsyntax-only -I"$prefix/include" "$scratch/old.cpp" ;;
+    *)
+      if c++ -std=c++17 -fsyntax-only -I"$prefix/include" "$scratch/old.cpp" 2>"$scratch/old.log"; then
+        echo "$header was compiled as C++17" >&2 && exit 1
+      fi
+      if [[ $(grep -c 'error:' "$scratch/old.log") != 2 ]] || ! grep -q '#error "gicube needs C++20' "$scratch/old.log"; then
+        head -20 "$scratch/old.log" && exit 1
+      fi
+      ;;
+  esac
+done < <(cd "$prefix/include" && find gicube -name '*.h')
 
 # emu: finds the installed program without any help.
 "$scratch/build/depth_map" "$scratch/depth.pgm"

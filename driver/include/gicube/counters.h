@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "gicube/cxx20.h"
+
 namespace gicube {
 
 struct Counter {

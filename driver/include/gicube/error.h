@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "gicube/cxx20.h"
+
 namespace gicube {
 
 // Colour is premultiplied by alpha; 255 and 4095 are one. Display-referred (sRGB), as transfer functions are.

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "gicube/cxx20.h"
+
 namespace gicube {
 
 // Picoseconds since the board was opened.

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "gicube/cxx20.h"
+
 namespace gicube {
 
 struct Vec3 {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube::scene {

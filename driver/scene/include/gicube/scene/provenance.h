@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube::scene {
