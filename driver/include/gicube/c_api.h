@@ -14,7 +14,9 @@
 #define GICUBE_C_API_H
 
 #include "gicube/c_types.h"
+#define GICUBE_C_INTERFACE
 #include "gicube/export.h"
+#undef GICUBE_C_INTERFACE
 
 /* NOLINTBEGIN(modernize-use-using, readability-identifier-naming): C, and its names */
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gicube/cxx20.h"
+#include "gicube/export.h"
 
 namespace gicube {
 

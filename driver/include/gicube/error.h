@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube {

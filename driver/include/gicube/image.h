@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gicube/cxx20.h"
+#include "gicube/export.h"
 
 namespace gicube {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "gicube/cxx20.h"
+#include "gicube/export.h"
 
 namespace gicube {
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube {

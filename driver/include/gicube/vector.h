@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "gicube/cxx20.h"
+#include "gicube/export.h"
 
 namespace gicube {
 

@@ -398,7 +398,7 @@ def test_a_quicker_dsp_takes_off_its_own_share_of_a_functional_frame(program):
     assert program.run("builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=functional -o out --sensitivity") == 0, program.err
     by_name = {row["number"]: row for row in program.json()["sensitivity"]}
     assert -1 < by_name["dsp.clock_khz"]["elasticity"] < 0 and not by_name["dsp.clock_khz"]["scatter"]
-    assert {name.split(".")[0] for name in by_name} == {"dsp", "bus"}
+    assert {name.split(".")[0] for name in by_name if name != "sdram.ranks"} == {"dsp", "bus"}  # that one is a limit, as at all levels
 
 
 def test_the_functional_level_reads_none_of_the_messages_that_are_left_out(program):

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube::scene {

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "gicube/cxx20.h"
 #include "gicube/export.h"
 
 namespace gicube::scene {
