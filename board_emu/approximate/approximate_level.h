@@ -27,6 +27,7 @@ class ApproximateLevel : public Level {
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
+  std::uint64_t cycles_ahead() const override { return cycle_level_.cycles_ahead(); }
   MachineLook look() const override { return cycle_level_.look(); }
   bool in_run() const override { return cycle_level_.in_run(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;

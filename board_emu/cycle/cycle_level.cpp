@@ -43,14 +43,15 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
     RunResult& all = run_->all;
     all.answered = v1::cycle;
     const std::uint64_t count = source.count(), at_once = source.max_at_once();
-    const bool vectors =
-        may_compute_ahead() && !frame.in_bricks() && tracer_.prepare(count, frame, frame.segmentation_writes, threads_);
+    const bool vectors = may_compute_ahead(machine) && !frame.in_bricks() &&
+                         tracer_.prepare(count, frame, frame.segmentation_writes, threads_);
     const SimdTracer* const tracer = vectors ? &tracer_ : nullptr;
-    const bool ahead = may_compute_ahead() && ValuesAhead::covers(frame, tracer);
+    const bool can_be_ahead = ValuesAhead::covers(frame, tracer);
     do {
       const RayRange which{run_->begin, std::min(count, run_->begin + at_once)};
       std::optional<ValuesAhead> values;
-      if (ahead && !goes_on) values.emplace(source, which, frame, tracer, threads_);
+      if (can_be_ahead && !goes_on && may_compute_ahead(machine))
+        values.emplace(source, which, frame, tracer, threads_);
       const RunResult ran = goes_on ? machine.go_on(source, frame, progress, which)
                                     : machine.run(source, frame, progress, which, values ? &*values : nullptr);
       goes_on = false;
@@ -84,6 +85,7 @@ void CycleLevel::reset() {
   std::vector<wire::Counter> list;
   emu::count(*machine_, list);
   add_counters(list, past_);
+  past_cycles_ahead_ += machine_->cycles_ahead();
   machine_.reset();
 }
 

@@ -30,6 +30,9 @@ class CycleLevel : public Level {
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
+  std::uint64_t cycles_ahead() const override {
+    return past_cycles_ahead_ + (machine_ ? machine_->cycles_ahead() : 0);
+  }
   MachineLook look() const override;
   bool in_run() const override { return run_.has_value(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;
@@ -51,7 +54,9 @@ class CycleLevel : public Level {
   Machine& machine_to_go_on(RaySource& source, const Frame& frame);
 
   // Whether the policy and an observer leave the words of rays alone.
-  bool may_compute_ahead() const { return observer_ == nullptr && !reads_contribution(config_.sorter().policy()); }
+  bool may_compute_ahead(const Machine& machine) const {
+    return !machine.has_interested_observer() && !reads_contribution(config_.sorter().policy());
+  }
 
   const v1::BoardConfig& config_;
   Observer* observer_;
@@ -64,6 +69,7 @@ class CycleLevel : public Level {
   std::vector<std::uint64_t> of_source_;  // of a checkpoint's run
   RayCounters past_rays_;                 // of machines that were dropped, and of what sources did
   std::vector<wire::Counter> past_;       // counters of machines that were dropped
+  std::uint64_t past_cycles_ahead_ = 0;   // of these
 };
 
 }  // namespace gicube::emu

@@ -34,6 +34,7 @@ class LoneProcessors {
     Part& part = parts_[i];
     if (part.next < to) {
       part.moved = std::max(part.moved, part.processor->go_alone(part.next, to, *part.memory));
+      cycles_ahead_ += to - part.next;
       part.next = to;
     }
     return part.moved;
@@ -51,6 +52,9 @@ class LoneProcessors {
     for (Part& part : parts_) part.next = now;
   }
 
+  // Of all processors, in all runs.
+  std::uint64_t cycles_ahead() const { return cycles_ahead_; }
+
  private:
   struct Part {
     Processor* processor = nullptr;
@@ -62,6 +66,7 @@ class LoneProcessors {
   };
 
   std::vector<Part> parts_;
+  std::uint64_t cycles_ahead_ = 0;
 };
 
 }  // namespace gicube::emu

@@ -259,11 +259,7 @@ void Machine::state(Archive& archive) {
   archive.list("milliseconds", milliseconds_);
   archive("booked", booked_);
   TokenLimits limits;
-  if (archive.in_run() && !archive.loads()) {
-    dsp_->stop_ahead();
-    for (const auto& processor : processors_) processor->take_samples();
-    collect_values();
-  }
+  if (archive.in_run() && !archive.loads()) take_samples();
   if (archive.in_run()) archive.within("run", [&] { run_state(archive, limits); });
   archive.parts("processor", processors_);
   archive.parts("memory", memories_);
@@ -284,14 +280,29 @@ void Machine::state(Archive& archive) {
 
 void Machine::set_out(const Frame& frame, bool values_are_known) {
   for (const auto& processor : processors_) processor->begin(frame, values_are_known);
+  is_observed_ = !values_are_known && has_interested_observer();
+  watch_.set_observer(is_observed_ ? observer_ : nullptr);
   watch_.begin(frame);
-  go_alone_ = observer_ == nullptr && shuffle_ == 0 && standard_.sharing == 1;
+  go_alone_ = !is_observed_ && shuffle_ == 0 && standard_.sharing == 1;
   asleep_since_.assign(processors_.size(), kAwake);
   asleep_ = 0;
   upstream_.clear();
   if (go_alone_) lone_.begin(now_, processors_, memories_);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
+}
+
+void Machine::take_samples() {
+  dsp_->stop_ahead();
+  for (const auto& processor : processors_) processor->take_samples();
+  collect_values();
+}
+
+void Machine::be_observed() {
+  is_observed_ = true;
+  go_alone_ = false;
+  take_samples();
+  watch_.set_observer(observer_);
 }
 
 RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead) {
@@ -328,6 +339,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
       if (progress.may_count) progress.may_count();
+      if (!is_observed_ && has_interested_observer()) be_observed();
       ask_observer(now_);
       if (progress.cancel) return result(true);
     }

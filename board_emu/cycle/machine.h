@@ -36,7 +36,7 @@ class Machine {
 
   // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. The result has the counters of making
   // rays; all others are in machine_counters.h. Throws Stall, and RoutineFault.
-  // `ahead`: values of those rays, for which the policy must not ask, or null. An observer sees none of it: there must be none then.
+  // `ahead`: values of those rays, for which the policy must not ask, or null.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead = nullptr);
   // Goes on with the run of a checkpoint, from the same source. Throws CheckpointFault if it was another one.
   RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
@@ -47,12 +47,10 @@ class Machine {
   // The volume's words have changed.
   void invalidate_caches();
 
-  // It must outlive the machine, or be taken from it. Null: none.
-  void set_observer(Observer* observer) {
-    observer_ = observer;
-    watch_.set_observer(observer);
-    ask_observer(now_);
-  }
+  // Between runs. It must outlive the machine, or be taken from it. Null: none.
+  void set_observer(Observer* observer) { observer_ = observer; }
+  // Whether the next run would be observed from its begin on.
+  bool has_interested_observer() const { return observer_ != nullptr && observer_->is_interested(); }
   // For tests: parts tick in an order that is drawn anew each cycle. No result may change by it.
   void shuffle_ticks(std::uint64_t seed) { shuffle_ = seed; }
 
@@ -74,6 +72,8 @@ class Machine {
 
     void state(Archive::Record& record) { record(activations, samples); }
   };
+  // Cycles of processors that were computed many at a time, since nobody observed them.
+  std::uint64_t cycles_ahead() const { return lone_.cycles_ahead(); }
   // What was done in each simulated millisecond, the last entry for all that come later.
   const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
   const dram::Standard& memory_standard() const { return standard_; }
@@ -104,6 +104,10 @@ class Machine {
   };
 
   void set_out(const Frame& frame, bool values_are_known);
+  // The rest of the run is ticked part by part, and rays have their words in each cycle.
+  void be_observed();
+  // Rays under way get their words.
+  void take_samples();
   RunResult to_the_end(Progress& progress, RayRange which);
   void run_state(Archive& archive, TokenLimits& limits);
   bool tick();
@@ -121,7 +125,7 @@ class Machine {
     is_seen_ = false;
     ask_observer(now_ + 1);
   }
-  void ask_observer(Cycle from) { see_at_ = observer_ == nullptr ? kNoCycle : std::max(from, observer_->next(from)); }
+  void ask_observer(Cycle from) { see_at_ = is_observed_ ? std::max(from, observer_->next(from)) : kNoCycle; }
   bool is_seen_soon() const { return see_at_ - now_ <= kSeenSoon; }
   // No ray is on it, and no changed irradiance waits for the memory.
   bool asic_idle() const;
@@ -157,11 +161,12 @@ class Machine {
   // Before a cycle that is seen requests are no longer sent ahead of their cycles. Chosen: far above a memory's waiting requests.
   static constexpr Cycle kSeenSoon = 4096;
   Observer* observer_ = nullptr;
+  bool is_observed_ = false;   // the run, from now on
   std::uint64_t shuffle_ = 0;  // 0 = the usual order
   Cycle now_ = 0;
   bool is_seen_ = false;  // the cycle is over
   Run run_;
-  // Not where somebody sees cycles, or two processors share a memory.
+  // Not where the run is observed, or two processors share a memory.
   LoneProcessors lone_;
   bool go_alone_ = false;
   std::vector<std::size_t> ticked_;  // processors, in this cycle

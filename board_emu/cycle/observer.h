@@ -36,6 +36,9 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
+  // Whether anything below is to be called. Asked at a run's begin and, until it is true, every 4096 cycles of the run. The machine
+  // computes ahead while it is false. After it became true the rest of the run is observed.
+  virtual bool is_interested() const { return true; }
   // A run of the machine begins with cycle `now`.
   virtual void begins(Cycle /*now*/, Machine& /*machine*/) {}
   // The first cycle from `from` on after which see() is to be called; kNoCycle: none. Asked at a run's begin, after each call,

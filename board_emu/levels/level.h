@@ -82,6 +82,9 @@ class Level {
   virtual RayCounters rays() const = 0;
   // Adds the counters of the level's hardware, if it has any.
   virtual void count(std::vector<wire::Counter>& list) const = 0;
+  // Cycles of processors that were computed many at a time, since nobody observed them. It depends on observers and checkpoints, so it
+  // is part of no checkpoint.
+  virtual std::uint64_t cycles_ahead() const { return 0; }
   // To be called where all counters hold.
   virtual MachineLook look() const { return {}; }
 

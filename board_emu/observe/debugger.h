@@ -57,6 +57,7 @@ class Debugger : public Observer {
   void begin_command(Picoseconds begin, std::uint32_t ticket);
   void counted(const std::vector<wire::Counter>& counters);
 
+  bool is_interested() const override { return is_attached(); }
   void begins(Cycle now, Machine& machine) override;
   Cycle next(Cycle from) override;
   void see(Cycle now, const Machine& machine) override;

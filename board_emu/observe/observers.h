@@ -16,6 +16,9 @@ class Observers final : public Observer {
   void add(Observer& observer) { seats_.push_back({&observer}); }
   bool empty() const { return seats_.empty(); }
 
+  bool is_interested() const override {
+    return std::ranges::any_of(seats_, [](const Seat& seat) { return seat.observer->is_interested(); });
+  }
   void begins(Cycle now, Machine& machine) override {
     watched_by_.clear();
     for (Seat& seat : seats_) seat.observer->begins(now, machine);

@@ -29,6 +29,7 @@ class SampledLevel : public Level {
   RayCounters rays() const override;
   // Those of the cycle level have what was estimated in them.
   void count(std::vector<wire::Counter>& list) const override;
+  std::uint64_t cycles_ahead() const override { return cycle_.cycles_ahead(); }
   MachineLook look() const override { return cycle_.look(); }
   bool in_run() const override { return cycle_.in_run(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;

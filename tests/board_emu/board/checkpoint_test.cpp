@@ -26,7 +26,7 @@ constexpr int kBlock = 8;
 std::vector<std::string> texts(const Board::Snapshot& snapshot) {
   std::vector<std::string> out{std::to_string(snapshot.simulated_ps), std::to_string(snapshot.machine.cycle)};
   for (const wire::Counter& counter : snapshot.counters)
-    out.push_back(counter.name + ' ' + std::to_string(counter.value));
+    if (counter.name != "emulator.cycles_ahead") out.push_back(counter.name + ' ' + std::to_string(counter.value));
   for (const auto& channel : snapshot.machine.packets) {
     for (const std::uint64_t packets : channel) out.push_back("packets " + std::to_string(packets));
   }

@@ -148,6 +148,64 @@ TEST(BoardObservation, ChangesNoBitNoCycleAndNoCounter) {
   EXPECT_EQ(plain.counters(), observed.counters());
 }
 
+// Becomes interested when it has been asked so often, and sees every cycle from then on.
+class LateObserver final : public BoardObserver, public Observer {
+ public:
+  explicit LateObserver(int asked) : left_(asked) {}
+
+  Observer* observer() override { return this; }
+  void transferred(const BusDelivery& /*delivery*/) override {}
+  void served(const BusTransaction& /*transaction*/, Picoseconds /*begin*/, Picoseconds /*end*/) override {}
+  bool is_interested() const override { return left_ == 0 || --left_ == 0; }
+  void see(Cycle now, const Machine& /*machine*/) override {
+    EXPECT_TRUE(seen_ == 0 || now >= latest_) << now;
+    latest_ = now;
+    ++seen_;
+  }
+  bool watches(std::uint64_t /*ray*/, const wire::Ray& /*made*/) override { return true; }
+  void happened(const RayEvent& /*event*/, const Machine& /*machine*/) override { ++events_; }
+
+  std::uint64_t seen() const { return seen_; }
+  std::uint64_t events() const { return events_; }
+
+ private:
+  mutable int left_;
+  std::uint64_t seen_ = 0, events_ = 0;
+  Cycle latest_ = 0;
+};
+
+// The machine that ticks every part is the reference; the others compute ahead until the observer wants to see.
+TEST(BoardObservation, AnObserverWhoComesLateChangesNoBitNoCycleAndNoCounter) {
+  const auto big_session = [](BareBoard& board) {
+    session(board);
+    return board.render(corner_view(kObservedSize, 96));
+  };
+  for (const char* policy : {"sorter.policy=most_rays", "sorter.policy=most_contribution"}) {
+    LateObserver from_begin(1);
+    BareBoard ticked(observed_config({policy}), &from_begin);
+    const std::vector<wire::Pixel> image = big_session(ticked);
+    EXPECT_EQ(ticked.cycles_ahead(), 0u);
+    BareBoard fast(observed_config({policy}));
+    EXPECT_EQ(big_session(fast), image);
+    EXPECT_EQ(fast.counters(), ticked.counters());
+    EXPECT_GT(fast.cycles_ahead(), 0u);
+    std::uint64_t before = 0;
+    for (const int asked : {3, 8, 14, 20}) {
+      LateObserver late(asked);
+      BareBoard board(observed_config({policy}), &late);
+      EXPECT_EQ(big_session(board), image) << asked;
+      EXPECT_EQ(board.now_ps, ticked.now_ps) << asked;
+      EXPECT_EQ(board.counters(), ticked.counters()) << asked;
+      EXPECT_GT(late.seen(), 0u) << asked;
+      EXPECT_LT(late.seen(), from_begin.seen()) << asked;
+      EXPECT_LT(late.events(), from_begin.events()) << asked;
+      EXPECT_GE(board.cycles_ahead(), before) << asked;
+      EXPECT_LT(board.cycles_ahead(), fast.cycles_ahead()) << asked;
+      before = board.cycles_ahead();
+    }
+  }
+}
+
 TEST(BoardObservation, AFunctionalBoardShowsBusAndDsp) {
   std::vector<wire::Counter> counters;
   const ReadTrace trace = trace_of(functional_config(), counters);

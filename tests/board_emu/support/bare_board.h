@@ -165,7 +165,18 @@ class BareBoard {
   void add_memory_error(const MemoryError& error) { board_.add_memory_error(error); }
 
   Board::Snapshot snapshot() const { return board_.snapshot(); }
-  std::vector<wire::Counter> counters() const { return board_.counters(); }
+  std::uint64_t cycles_ahead() const {
+    for (const wire::Counter& counter : board_.counters()) {
+      if (counter.name == "emulator.cycles_ahead") return counter.value;
+    }
+    return 0;
+  }
+  // Those of the card.
+  std::vector<wire::Counter> counters() const {
+    std::vector<wire::Counter> list = board_.counters();
+    std::erase_if(list, [](const wire::Counter& counter) { return counter.name == "emulator.cycles_ahead"; });
+    return list;
+  }
   std::uint64_t counter(const std::string& name) const {
     for (const wire::Counter& counter : board_.counters()) {
       if (counter.name == name) return counter.value;
