@@ -100,6 +100,7 @@ void set_lights(const Scene& scene, SceneSetup& setup) {
 }
 
 void set_optics(const Scene& scene, SceneSetup& setup) {
+  setup.looks.clear();
   setup.optics.clear();
   setup.scattering_colours.clear();
   setup.emissions.clear();
@@ -107,10 +108,13 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
     check(material);
     const auto tag = static_cast<std::size_t>(material.tag);
     if (setup.optics.size() <= tag) {
+      setup.looks.resize(tag + 1, TransferFunctionFile{});
       setup.optics.resize(tag + 1);
       setup.scattering_colours.resize(tag + 1, {1, 1, 1});
       setup.emissions.resize(tag + 1, {0, 0, 0});
     }
+    const MaterialLook unset = scene.world ? MaterialLook{SolidLook{}} : TransferFunctionFile{};
+    setup.looks[tag] = material.look.value_or(unset);
     setup.optics[tag] = material.optics;
     setup.scattering_colours[tag] = material.scattering_colour;
     for (std::size_t c = 0; c < 3; ++c) setup.emissions[tag][c] = material.emission * material.emission_colour[c];

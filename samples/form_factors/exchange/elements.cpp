@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace gicube::samples {
 namespace {
@@ -33,10 +34,78 @@ Element box_element(const std::array<double, 3>& low, const std::array<double, 3
   return {ElementKind::kPatch, vec3_of(low), side(positive ? next : third), side(positive ? third : next), {}};
 }
 
+// Which part of a face's area is area of the surface that its staircase follows. By Gauss's theorem that is the cosine of the surface's
+// normal with the face's axis, as long as the faces lie on the surface. They are up to half a voxel off, and an edge or a small ball
+// has more area further out. So a factor for each solid brings the sum to the mean over the levels of density within half a voxel to
+// both sides of its surface, which is right to second order in the voxel.
+class SurfaceShares {
+ public:
+  SurfaceShares(const Medium& medium, const SceneSetup& setup) : medium_(medium), setup_(setup) {
+    if (setup.gradients.empty()) return;
+    const std::vector<float> densities = values_of(setup.volume);
+    const auto level = [&](std::size_t at) { return std::clamp(2 * densities[at] / kMaxDensity - 0.5, 0.0, 1.0); };
+    for_each_voxel({}, medium.dims, [&](const GridCell& cell) {
+      const std::size_t here = medium.at(cell);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        GridCell next = cell;
+        if (++next[axis] == medium.dims[axis]) continue;
+        const std::size_t there = medium.at(next);
+        const double rise = level(there) - level(here);
+        const bool solid_here = medium.solid[here] != 0, is_face = solid_here != (medium.solid[there] != 0);
+        if (rise == 0 && !is_face) continue;
+        double area = 1;
+        for (std::size_t other = 0; other < 3; ++other) {
+          const bool at_end = cell[other] == 0 || cell[other] == medium.dims[other] - 1;
+          if (other != axis) area *= (at_end ? 0.5 : 1) * medium.edges[other];
+        }
+        if (rise != 0)
+          levels_[tag(rise > 0 ? there : here)] += std::abs(rise) * area * cosine(here, there, axis, rise > 0);
+        if (is_face) faces_[tag(solid_here ? here : there)] += area * cosine(here, there, axis, !solid_here);
+      }
+    });
+  }
+
+  // 1 where nothing says how the surface lies.
+  double of(const GridCell& open, const GridCell& solid, std::size_t axis) const {
+    const std::size_t outside = medium_.at(open), inside = medium_.at(solid), solid_tag = tag(inside);
+    if (setup_.gradients.empty() || gradient(outside) + gradient(inside) == Vec3{}) return 1;
+    const double cosine_there = cosine(outside, inside, axis, solid[axis] > open[axis]);
+    return solid_tag != kNoSolid && faces_[solid_tag] > 0 ? cosine_there * levels_[solid_tag] / faces_[solid_tag]
+                                                          : cosine_there;
+  }
+
+ private:
+  static constexpr std::size_t kNoSolid = 4;  // tags are 0..3
+  std::size_t tag(std::size_t at) const {
+    const std::size_t tag = medium_.tags[at];
+    return tag < setup_.looks.size() && std::holds_alternative<SolidLook>(setup_.looks[tag]) ? tag : kNoSolid;
+  }
+  Vec3 gradient(std::size_t at) const {
+    const float* g = &setup_.gradients[3 * at];
+    return {g[0], g[1], g[2]};
+  }
+  // Of the gradient between two neighbours with the axis along which the density rises, or else falls; 0 if it does not. At an edge
+  // one of them has the gradient of the other side.
+  double cosine(std::size_t a, std::size_t b, std::size_t axis, bool rises) const {
+    constexpr double kEdge = 0.72;  // chosen: of the angle between both; a little above that of 45 degrees
+    const auto along = [&](Vec3 g) {
+      const double size = length(g);
+      return size > 0 ? std::max(0.0, (rises ? 1 : -1) * array_of(g)[axis] / size) : 0;
+    };
+    const Vec3 at_a = gradient(a), at_b = gradient(b);
+    return dot(at_a, at_b) < kEdge ? std::max(along(at_a), along(at_b)) : along(at_a + at_b);
+  }
+
+  const Medium& medium_;
+  const SceneSetup& setup_;
+  std::array<double, kNoSolid + 1> levels_{}, faces_{};  // areas by tag
+};
+
 }  // namespace
 
 std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, const Emissions& emissions) {
   std::array<std::vector<Leaf>, 7> trees;  // by facing
+  const SurfaceShares shares(medium, setup);
   // With its area or volume for a weight.
   const auto add = [&](const GridCell& voxel, std::uint8_t facing, std::uint8_t tag) -> Leaf& {
     std::array<double, 3> low, high;
@@ -49,7 +118,7 @@ std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, con
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (facing == kMedium || axis != facing / 2u) leaf.weight *= (high[axis] - low[axis]) * medium.edges[axis];
     }
-    if (tag < emissions.size()) leaf.emission = emissions[tag].power;
+    if (tag < emissions.size()) leaf.emission = facing == kMedium ? emissions[tag].volume : emissions[tag].surface;
     if (tag < setup.optics.size()) {
       const Colour& factors = setup.scattering_colours[tag];
       for (std::size_t c = 0; c < 3; ++c) leaf.albedo[c] = setup.optics[tag].scattering * factors[c];
@@ -64,7 +133,9 @@ std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, con
       if (place < 0 || place >= medium.dims[facing / 2u]) {
         add(voxel, facing, kOutside);
       } else if (medium.solid[medium.at(behind)] != 0) {
-        add(voxel, facing, medium.tags[medium.at(behind)]);
+        Leaf& leaf = add(voxel, facing, medium.tags[medium.at(behind)]);
+        leaf.share = shares.of(voxel, behind, facing / 2u);
+        for (double& channel : leaf.emission) channel *= leaf.share;
       }
     }
     const double kappa = mean_kappa(medium, voxel);
@@ -72,7 +143,9 @@ std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, con
     Leaf& leaf = add(voxel, kMedium, medium.tags[medium.at(voxel)]);
     leaf.kappa = kappa;
     leaf.weight *= 4 * kappa;
-    for (double& channel : leaf.emission) channel /= 4 * kappa;  // was power of a unit of volume
+    const auto* fog = leaf.tag < setup.looks.size() ? std::get_if<FogLook>(&setup.looks[leaf.tag]) : nullptr;
+    const double full = fog != nullptr ? fog->extinction * setup.grid.voxel : kappa;  // a fog's ramp is partly fog
+    for (double& channel : leaf.emission) channel /= 4 * full;                        // was power of a unit of volume
   });
   std::vector<Leaf> all;
   for (const auto& tree : trees) {

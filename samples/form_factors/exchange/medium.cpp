@@ -76,7 +76,9 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
     const double value = std::clamp(double{values[i]}, range.low, range.high);
     const double opacity = tag < materials.size() ? materials[tag].function.opacity_at(value) : 0;
     medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
-    if (medium.solid[i] == 0) medium.kappa[i] = -std::log1p(-opacity);
+    // At the edge of a scene's solid the opacity belongs to the surface, which its faces stand for.
+    const bool edge = tag < setup.looks.size() && std::holds_alternative<SolidLook>(setup.looks[tag]);
+    if (medium.solid[i] == 0 && !edge) medium.kappa[i] = -std::log1p(-opacity);
     medium.max_kappa = std::max(medium.max_kappa, medium.kappa[i]);
   }
   if (medium.max_kappa > 0) {

@@ -57,12 +57,13 @@ void draw(const SolveOptions& options, const Scene& scene, const SceneSetup& set
 
 }  // namespace
 
-Emissions emissions_of(const Scene& scene, const SceneSetup& setup) {
+Emissions emissions_of(const SceneSetup& setup) {
   Emissions emissions(setup.emissions.size());
-  for (std::size_t tag = 0; tag < emissions.size(); ++tag) emissions[tag].power = setup.emissions[tag];
-  for (const SceneMaterial& material : scene.materials) {
-    if (look_as<FogLook>(material) == nullptr) continue;
-    for (double& part : emissions[static_cast<std::size_t>(material.tag)].power) part *= setup.grid.voxel;
+  for (std::size_t tag = 0; tag < emissions.size(); ++tag) {
+    const MaterialLook& look = setup.looks[tag];
+    if (!std::holds_alternative<FogLook>(look)) emissions[tag].surface = setup.emissions[tag];
+    if (std::holds_alternative<SolidLook>(look)) continue;
+    add(emissions[tag].volume, setup.grid.voxel, setup.emissions[tag]);  // of a cubic voxel, over its faces' area
   }
   return emissions;
 }
@@ -84,7 +85,7 @@ void run(const SolveOptions& options, ProgressLine& progress) {
   check_renders(setup.volume.dims, board.info(), setup.volume.source);
 
   RunWindow window(board);
-  const Emissions emissions = emissions_of(scene, setup);
+  const Emissions emissions = emissions_of(setup);
   const auto told = [&progress](std::string_view what, double share) {
     progress.show(fmt::format("{} {:.0f}%", what, 100 * share));
   };

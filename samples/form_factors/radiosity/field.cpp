@@ -101,7 +101,7 @@ class Writer {
   Power surface(const GridCell& cell) const {
     const Vec3 n = normal(cell);
     Power flux{}, own{};
-    double area = 0, own_area = 0;
+    double area = 0, own_area = 0, emitting = 0;
     around(cell, kWindow, [&](std::size_t other, double weight) {
       for (std::uint32_t i = faces_[other]; i != kNone; i = next_[i]) {
         const double facing = dot(n, axis_of(result_.leaves[i].facing));
@@ -116,8 +116,11 @@ class Writer {
       add(own, of_face, result_.leaves[i].emission);
       if (area == 0) add(flux, of_face, incident_[i]);  // a sheet whose sides cancel
       own_area += of_face;
+      emitting += of_face * result_.leaves[i].share;
     }
-    for (std::size_t c = 0; c < 3; ++c) flux[c] = flux[c] / (area > 0 ? area : own_area) + own[c] / own_area;
+    for (std::size_t c = 0; c < 3; ++c) {
+      flux[c] = flux[c] / (area > 0 ? area : own_area) + (emitting > 0 ? own[c] / emitting : 0);
+    }
     return flux;
   }
 

@@ -31,9 +31,12 @@ void check(const RadiositySettings& settings) {
 
 void check(const Emissions& emissions) {
   for (std::size_t tag = 0; tag < emissions.size(); ++tag) {
-    for (const double power : emissions[tag].power) {
-      if (power >= 0 && std::isfinite(power)) continue;
-      throw InputError(fmt::format("emissions[{}].power", tag), "numbers from 0", fmt::format("{}", power));
+    for (const auto& [name, powers] :
+         {std::pair{"surface", emissions[tag].surface}, {"volume", emissions[tag].volume}}) {
+      for (const double power : powers) {
+        if (power >= 0 && std::isfinite(power)) continue;
+        throw InputError(fmt::format("emissions[{}].{}", tag, name), "numbers from 0", fmt::format("{}", power));
+      }
     }
   }
 }

@@ -50,9 +50,10 @@ enum class Solver {
   kShooting,   // the clusters with the most power that they have not sent yet send it (Southwell)
 };
 
-// What a material sends out by itself, in all directions alike.
+// What a material sends out by itself, in all directions alike: where it is solid from its surface, where it is a medium from its
+// volume. Power per unit of either.
 struct Emission {
-  Power power{};  // of a unit of a solid's surface, or of a unit of a medium's volume
+  Power surface{}, volume{};
 };
 using Emissions = std::vector<Emission>;  // by tag; missing ones are dark
 
@@ -82,6 +83,7 @@ struct Leaf {
   Element element;            // voxels
   std::uint8_t facing = 0;    // the normal of a face, into the open voxel: 0..5 = -x +x -y +y -z +z; or kMedium
   std::uint8_t tag = 0;       // material: of a face the solid's, of medium its own; kOutside
+  double share = 1;           // of a face: the area of the surface that it stands for, over its own
   std::array<int, 3> cell{};  // the open voxel; a face's solid voxel is one back along its normal
   double weight = 0;          // w: area, or 4 kappa V
   double kappa = 0;           // of medium: mean extinction

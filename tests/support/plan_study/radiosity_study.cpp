@@ -38,7 +38,7 @@ std::vector<RadiosityScene> radiosity_scenes(const std::filesystem::path& source
 
 RadiosityOutcome carry_out_radiosity(const RadiosityScene& wanted, const std::string& uri) {
   const samples::SceneSetup setup = samples::set_up(wanted.scene);
-  const samples::Emissions emissions = samples::emissions_of(wanted.scene, setup);
+  const samples::Emissions emissions = samples::emissions_of(setup);
   Board board = Board::open(uri);
   RadiosityOutcome outcome;
   outcome.plan = plan_radiosity(board, setup, emissions, {}, {wanted.max_error, 0});

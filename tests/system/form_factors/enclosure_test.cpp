@@ -180,7 +180,7 @@ TEST(Enclosure, AGlowingVoxelLightsAnAbsorberAsAPointDoes) {
   for (auto& value : setup.volume.samples) value = std::byte{0};
   setup.materials[kWall].function.opacities = {{0, 1}};
   setup.materials[kLamp] = setup.materials[kAir];
-  const auto result = solve(setup, kCeilingLamp, {.error = 1e-6});
+  const auto result = solve(setup, {{}, {}, {{}, {3, 2, 1}}}, {.error = 1e-6});
   double off = 0, all = 0;
   for (std::size_t i = 0; i < result.leaves.size(); ++i) {
     const Leaf& leaf = result.leaves[i];
@@ -265,7 +265,7 @@ TEST(Radiosity, WhatIsWrongIsNamed) {
                 ThrowsMessage<InputError>(HasSubstr(text)));
   };
   expect({}, {}, "emissions: expected some power from an open face or medium, got none");
-  expect({{{0, -1, 0}}}, {}, "emissions[0].power: expected numbers from 0, got -1");
+  expect({{{0, -1, 0}}}, {}, "emissions[0].surface: expected numbers from 0, got -1");
   expect(kWalls, {.error = 0}, "settings.error: expected a number above 0, got 0");
   expect(kWalls, {.rays = 4}, "settings.rays: expected 8 to 65536, got 4");
   expect(kWalls, {.leaf_voxels = 3}, "settings.leaf_voxels: expected a power of two, got 3");

@@ -87,7 +87,7 @@ TEST(Elements, AreMeasuredInSpace) {
 }
 
 TEST(Elements, EmissionIsOfAreaAndOfVolume) {
-  for (const Leaf& leaf : leaves_of({.size = 2, .kappa = 0.2}, {{{6, 0, 0}}, {{0, 3, 0}}})) {
+  for (const Leaf& leaf : leaves_of({.size = 2, .kappa = 0.2}, {{{8, 8, 8}, {6, 0, 0}}, {{0, 3, 0}, {8, 8, 8}}})) {
     const double power = leaf.weight * (leaf.emission[0] + leaf.emission[1]);
     EXPECT_NEAR(power, leaf.facing == kMedium ? 6 : 3, 1e-9);
   }

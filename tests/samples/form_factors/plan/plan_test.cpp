@@ -25,7 +25,7 @@ struct Room {
     scene.world->size = 8;
     scene.lighting.on = false;
     setup = set_up(scene);
-    emissions = emissions_of(scene, setup);
+    emissions = emissions_of(setup);
   }
 };
 

@@ -98,6 +98,7 @@ struct SceneSetup : VoxelWorld {
   std::optional<Colour> background;
 
   std::uint64_t voxel_hash = 0;  // of volume, tags and gradients, as set_up() made them
+  std::vector<MaterialLook> looks;  // by tag: of the scene's materials; a world's without a look are white solids
 
   GICUBE_API VolumeView volume_view() const;  // with tags and gradients; points into this SceneSetup
   // The driver has its own copy after load_volume(): keeps the dimensions, gives the memory back.
