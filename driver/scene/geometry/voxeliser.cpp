@@ -6,14 +6,16 @@
 #include <numbers>
 
 #include "scene/common/cells.h"
+#include "scene/geometry/fog_balance.h"
 #include "scene/geometry/placed_field.h"
 
 namespace gicube::scene {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// Inside fog a solid's tag ends here: visible samples of the solid, within half a ramp of the surface, have no nearer voxel.
-constexpr double kTagInFogVoxels = 1.3;
+// Inside fog a solid's tag goes to the voxels that are nearest to a sample within so many voxels of the surface: those show the solid.
+constexpr double kSeenVoxels = 0.4;
+constexpr double kBesideScansVoxels = 1.3;  // scans leave so many voxels around a solid to it
 constexpr int kParts = 4;  // chosen: of a voxel's edge, for its share; errors of volumes fall with the square
 
 double ramp(double distance, double width = kRampVoxels) { return std::clamp(0.5 - distance / width, 0.0, 1.0); }
@@ -43,6 +45,7 @@ struct Voxeliser {
   const std::vector<PlacedScan>& scans;
   VoxelWorld& target;
   Densities densities;
+  std::vector<std::uint16_t> fog_due = {};  // if solids may stand in fog; FogBalance
 
   void fill_cell(const Dims& first) {
     const double reach = kNearVoxels + (kCell - 1) * std::numbers::sqrt3 / 2;
@@ -63,16 +66,21 @@ struct Voxeliser {
     }
     const double of_solid = densities == Densities::kRamp ? ramp(solid.distance) : share_of(p, solid.distance, near);
     const double of_fog = kFogDensity * ramp(fog.distance);
-    double density = std::max(of_solid, of_fog);
-    const bool free = solid.distance >= (of_fog > 0 ? kTagInFogVoxels : kNearVoxels);
+    const Vec3& n = solid.away;
+    const double nearest = (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) / 2;  // of a voxel's samples to the surface
+    const bool free = solid.distance >= (of_fog > 0 ? kSeenVoxels + nearest : kNearVoxels);
+    double density = free ? std::max(of_solid, of_fog) : of_solid;
     if (!free) {
       target.tags[index] = solid.tag;
     } else if (fog.distance < kNearVoxels) {
       target.tags[index] = fog.tag;
     }
     if (std::abs(solid.distance) < kNearVoxels) set_gradient(index, -1 * solid.away);
-    if (solid.distance >= kTagInFogVoxels) take_scans(p, index, density);
+    const bool scanned = solid.distance >= kBesideScansVoxels && take_scans(p, index, density);
     target.set_density(index, density);
+    if (fog_due.empty() || of_fog == 0 || scanned || !(solid.distance < kNearVoxels)) return;
+    const double open = 1 - share_of(p, solid.distance, near);
+    fog_due[index] = static_cast<std::uint16_t>(std::lround(kMaxDensity * of_fog * open));
   }
 
   // The part of a voxel that is within solids; `distance`: of their union from its centre.
@@ -94,7 +102,9 @@ struct Voxeliser {
     return sum / (kParts * kParts * kParts);
   }
 
-  void take_scans(Vec3 p, std::size_t index, double& density) {
+  // Whether there is one.
+  bool take_scans(Vec3 p, std::size_t index, double& density) {
+    bool any = false;
     for (const PlacedScan& scan : scans) {
       if (p.x < scan.low.x || p.y < scan.low.y || p.z < scan.low.z || p.x > scan.high.x || p.y > scan.high.y ||
           p.z > scan.high.z) {
@@ -105,7 +115,9 @@ struct Voxeliser {
       density = std::min(value, 1.0);
       target.tags[index] = scan.tag;
       set_gradient(index, sobel(scan, p));
+      any = true;
     }
+    return any;
   }
 
   // As the driver would find it, but of this scan alone.
@@ -139,7 +151,15 @@ VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solid
   VoxelWorld world(grid.dims, "world", true);
   world.volume.range = ValueRange{0, kMaxDensity};
   Voxeliser voxeliser{grid.dims, {solids.begin(), solids.end()}, scans, world, densities};
+  std::array<bool, 4> fogs{};
+  bool any_fog = false, any_solid = false;
+  for (const PlacedSolid& solid : solids) {
+    (solid.fog ? any_fog : any_solid) = true;
+    if (solid.fog) fogs[solid.tag] = true;
+  }
+  if (any_fog && any_solid) voxeliser.fog_due.assign(world.tags.size(), kNoFogDue);
   each_cell(grid.dims, threads, [&](const Dims& first) { voxeliser.fill_cell(first); });
+  if (!voxeliser.fog_due.empty()) balance_fog(world, fogs, voxeliser.fog_due);
   return world;
 }
 

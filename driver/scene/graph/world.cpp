@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <ranges>
 
@@ -141,6 +142,18 @@ class Walk {
   std::vector<bool> used_by_solid_;
 };
 
+// Fog beside solids: its extinction is in proportion to its density up to the densest that balance_fog() makes.
+TransferFunctionFile beside_solids(const FogLook& fog, double voxel) {
+  TransferFunctionFile look{{{{0, fog.colour}}, {{0, 0}}}, false};
+  const double full = std::round(kFogBesideSolids * kMaxDensity);
+  constexpr int kPoints = 20;  // chosen: of ten times its own density
+  for (int i = 1; i <= kPoints; ++i) {
+    const double density = std::min(i * full / 2, kMaxDensity);
+    look.function.opacities.push_back({density, 1 - std::exp(-fog.extinction * voxel * density / full)});
+  }
+  return look;
+}
+
 // From a scan's values to the densities that they became.
 TransferFunctionFile in_densities(const TransferFunctionFile& file, const ValueRange& range) {
   TransferFunctionFile result{in_values_of(range, file), false};
@@ -195,6 +208,7 @@ BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials
   check_materials(materials);
   Walk walk(built.grid, materials, threads);
   walk.visit(world.root, {}, "world", "", 0);
+  built.voxels = voxelise(built.grid, walk.solids, walk.scans, threads, world.densities);
   built.looks.assign(4, {{{{0, {1, 1, 1}}}, {{0, 0}}}, false});
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TransferFunctionFile& look = built.looks[static_cast<std::size_t>(materials[i].tag)];
@@ -205,8 +219,10 @@ BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials
     } else if (look.normalised) {
       look = {in_values_of({0, kMaxDensity}, look), false};
     }
+    if (const auto* fog = std::get_if<FogLook>(&own); fog != nullptr && built.voxels.fog_density != kFogDensity) {
+      look = beside_solids(*fog, built.grid.voxel);
+    }
   }
-  built.voxels = voxelise(built.grid, walk.solids, walk.scans, threads, world.densities);
   return built;
 }
 

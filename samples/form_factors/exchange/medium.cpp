@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
@@ -25,6 +26,52 @@ std::vector<double> table(double max_kappa) {
   return kappas;
 }
 
+// The opacity at the edge of a scene's solid belongs to the surface, which faces stand for.
+bool is_edge(const SceneSetup& setup, std::size_t tag) {
+  return tag < setup.looks.size() && std::holds_alternative<SolidLook>(setup.looks[tag]);
+}
+
+// A fog's extinction, where the voxels' may be greater for what they lack beside solids (gicube/scene/voxeliser.h): here a solid ends
+// with its voxels.
+double thickest(const SceneSetup& setup, std::size_t tag) {
+  const auto* fog = tag < setup.looks.size() ? std::get_if<FogLook>(&setup.looks[tag]) : nullptr;
+  return fog != nullptr ? fog->extinction * setup.grid.voxel : std::numeric_limits<double>::infinity();
+}
+
+// Calls visit(index) for the voxels around one, and for itself.
+template <typename Visit>
+void around(const Medium& medium, const GridCell& cell, const Visit& visit) {
+  GridCell first, end;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = std::max(cell[axis] - 1, 0);
+    end[axis] = std::min(cell[axis] + 2, medium.dims[axis]);
+  }
+  for_each_voxel(first, end, [&](const GridCell& beside) { visit(medium.at(beside)); });
+}
+
+// Open voxels with a solid's tag, and those beside them, become the thickest fog around.
+void bring_fog_to_solids(Medium& medium, const SceneSetup& setup) {
+  const auto fog = [](const MaterialLook& look) { return std::holds_alternative<FogLook>(look); };
+  if (std::ranges::none_of(setup.looks, fog)) return;
+  constexpr int kVoxels = 2;  // of an edge's open part
+  const std::vector<std::uint8_t> own_tags = medium.tags;
+  for (int round = 0; round < kVoxels; ++round) {
+    const std::vector<std::uint8_t> tags = medium.tags;
+    const std::vector<double> kappa = medium.kappa;
+    for_each_voxel({}, medium.dims, [&](const GridCell& cell) {
+      const std::size_t at = medium.at(cell);
+      bool edge = false;
+      around(medium, cell, [&](std::size_t near) { edge = edge || is_edge(setup, own_tags[near]); });
+      if (medium.solid[at] != 0 || !edge) return;
+      around(medium, cell, [&](std::size_t near) {
+        if (!std::isfinite(thickest(setup, tags[near])) || kappa[near] <= medium.kappa[at]) return;
+        medium.kappa[at] = kappa[near];
+        medium.tags[at] = tags[near];
+      });
+    });
+  }
+}
+
 // A solid voxel beside open ones gets the mean of theirs, so that what lies between is as in the open.
 void continue_into_solids(Medium& medium) {
   const std::vector<std::uint16_t> open = medium.densities;
@@ -32,14 +79,8 @@ void continue_into_solids(Medium& medium) {
   for_each_voxel({}, dims, [&](const GridCell& cell) {
     const std::size_t at = medium.at(cell);
     if (medium.solid[at] == 0) return;
-    GridCell first, end;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      first[axis] = std::max(cell[axis] - 1, 0);
-      end[axis] = std::min(cell[axis] + 2, dims[axis]);
-    }
     unsigned sum = 0, count = 0;
-    for_each_voxel(first, end, [&](const GridCell& beside) {
-      const std::size_t near = medium.at(beside);
+    around(medium, cell, [&](std::size_t near) {
       if (medium.solid[near] == 0) sum += open[near], ++count;
     });
     medium.densities[at] = static_cast<std::uint16_t>(count > 0 ? (sum + count / 2) / count : 0);
@@ -76,11 +117,11 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
     const double value = std::clamp(double{values[i]}, range.low, range.high);
     const double opacity = tag < materials.size() ? materials[tag].function.opacity_at(value) : 0;
     medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
-    // At the edge of a scene's solid the opacity belongs to the surface, which its faces stand for.
-    const bool edge = tag < setup.looks.size() && std::holds_alternative<SolidLook>(setup.looks[tag]);
-    if (medium.solid[i] == 0 && !edge) medium.kappa[i] = -std::log1p(-opacity);
-    medium.max_kappa = std::max(medium.max_kappa, medium.kappa[i]);
+    if (medium.solid[i] != 0 || is_edge(setup, tag)) continue;
+    medium.kappa[i] = std::min(-std::log1p(-opacity), thickest(setup, tag));
   }
+  bring_fog_to_solids(medium, setup);
+  medium.max_kappa = std::ranges::max(medium.kappa);
   if (medium.max_kappa > 0) {
     const double scale = kDensityMax / medium.max_kappa;
     for (std::size_t i = 0; i < voxels; ++i) {

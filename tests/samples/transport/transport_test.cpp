@@ -8,6 +8,7 @@
 #include "gicube/scene/scene.h"
 #include "transport/flights.h"
 #include "transport/lights.h"
+#include "transport/paths.h"
 
 namespace gicube::samples {
 namespace {
@@ -40,6 +41,51 @@ std::string ball(const std::string& material) {
          "radius: 6 } } }"
          "material { name: \"a\" solid { opacity: 0.6 } " +
          material + " }";
+}
+
+// A closed room in a world of 18 edges an axis, with walls between its voxels or on them, full of fog that only absorbs.
+std::string room(Vec3 low, Vec3 high, double extinction) {
+  const auto wall = [](Vec3 from, Vec3 to) {
+    const auto at = [](Vec3 v) {
+      return "x: " + std::to_string(v.x) + " y: " + std::to_string(v.y) + " z: " + std::to_string(v.z);
+    };
+    return "node { material: \"wall\" box { low { " + at(from) + " } high { " + at(to) + " } } } ";
+  };
+  return "world { low { } high { x: 18 y: 18 z: 18 } size: 19 " + wall({-9, -9, -9}, {low.x, 99, 99}) +
+         wall({high.x, -9, -9}, {99, 99, 99}) + wall({-9, -9, -9}, {99, low.y, 99}) +
+         wall({-9, high.y, -9}, {99, 99, 99}) + wall({-9, -9, -9}, {99, 99, low.z}) +
+         wall({-9, -9, high.z}, {99, 99, 99}) +
+         "node { material: \"fog\" box { low { x: -9 y: -9 z: -9 } high { x: 99 y: 99 z: 99 } } } }"
+         "material { name: \"wall\" solid { } scattering: 1 bsdf: \"diffuse\" }"
+         "material { name: \"fog\" fog { extinction: " +
+         std::to_string(extinction) + " } } light { point { position { x: 10.3 y: 9.9 z: 10.7 } } power: 1 }";
+}
+
+TEST(Flights, PassAllTheFogBetweenTwoWalls) {
+  for (const double shift : {0.0, 0.3, 0.45, 0.8}) {
+    const Vec3 low{2 + shift, 3, 4}, high{15.6, 15, 14};
+    Loaded loaded(room(low, high, 0.07));
+    Flights flights(loaded.board, loaded.medium, 0.25, 1);
+    constexpr double kOff = 0.05;  // the board takes samples on both ends
+    const Segment segments[] = {{{low.x + kOff, 9.2, 9.1}, {high.x - kOff, 9.2, 9.1}}};
+    EXPECT_NEAR(-std::log(flights.transmittances(segments)[0]) / (0.07 * (high.x - low.x)), 1, 0.015) << shift;
+  }
+}
+
+// Walls send all light back, so each path ends in the fog, after a way of one over the extinction on average, whatever the room's shape.
+TEST(Paths, InARoomOfWhiteWallsAreAsLongAsItsFogLetsThem) {
+  for (const double shift : {0.0, 0.4}) {
+    Loaded loaded(room({2 + shift, 3, 4}, {16, 15 - shift, 14}, 0.07));
+    Flights flights(loaded.board, loaded.medium, 0.5, 1);
+    const Lights lights(loaded.setup, loaded.medium);
+    const Paths paths(loaded.medium, lights, flights);
+    std::vector<Path> walks;
+    constexpr std::size_t kPaths = 8192;
+    for (std::size_t i = 0; i < kPaths; ++i) walks.push_back(paths.from_light(PathRandom(7, i)));
+    double length = 0;
+    paths.walk(walks, 100, [&](const Path&, double distance) { length += distance / kPaths; });
+    EXPECT_NEAR(length * 0.07, 1, 0.03) << shift;
+  }
 }
 
 TEST(Flights, EndInFogAsBeerAndLambertSayWhateverTheStep) {

@@ -155,20 +155,30 @@ TEST(Voxeliser, LetsFogFillWhatSolidsLeaveWhateverTheOrder) {
   EXPECT_EQ(density(world, index(32, 32, 32)), 1);
   const std::size_t beside = index(52, 32, 32);  // 5 voxels from the ball
   EXPECT_EQ(int(world.tags[beside]), 2);
-  EXPECT_NEAR(density(world, beside), kFogDensity, 1e-3);
+  EXPECT_EQ(world.fog_density, kFogBesideSolids);
+  EXPECT_NEAR(density(world, beside), kFogBesideSolids, 1e-3);
   EXPECT_EQ(density(world, index(62, 32, 32)), 0);
 }
 
-TEST(Voxeliser, NeverFallsBelowTheFogsDensityFromFogIntoASolid) {
-  const VoxelWorld world = voxelise(grid(), {slab(-9, 80, 2, true), slab(30.2, 80, 1)});
-  double last = 0;
-  for (int x = 0; x < kSize; ++x) {
-    const double here = density(world, index(x, 32, 32));
-    EXPECT_GE(here, last);
-    last = here;
+// Samples that show the solid, from density 0.3 on, have its tag and its densities; those of the fog never come that far.
+TEST(Voxeliser, LeavesASolidInFogItsSurfaceWhereverItLies) {
+  for (const double face : {30.0, 30.2, 30.45, 30.7, 30.95}) {
+    const VoxelWorld world = voxelise(grid(), {slab(-9, 80, 2, true), slab(face, 80, 1)});
+    double before_wall = 0;
+    for (int x = 0; x < kSize; ++x) {
+      const std::size_t here = index(x, 32, 32);
+      const double ramp = std::clamp(0.5 - (face - x) / 2, 0.0, 1.0);
+      if (world.tags[here] == 1) {
+        EXPECT_NEAR(density(world, here), ramp, 1e-3) << face << " " << x;
+      } else {
+        EXPECT_LT(x + 0.5, face - 0.4 + 1e-9) << face;
+        EXPECT_LE(density(world, here), kFogDensity + 1e-3);
+        before_wall = density(world, here);
+      }
+    }
+    EXPECT_GT(before_wall, 0.7 * kFogBesideSolids);
+    EXPECT_NEAR(density(world, index(5, 32, 32)), kFogBesideSolids, 1e-3);
   }
-  EXPECT_EQ(last, 1);
-  EXPECT_NEAR(density(world, index(5, 32, 32)), kFogDensity, 1e-3);
 }
 
 TEST(Voxeliser, IsTheSameForAnyNumberOfThreads) {
