@@ -19,17 +19,17 @@ constexpr int kMaxCutPlanes = 6;  // as View
 // Turns the parsed message into a Scene; a fault leaves that part of the Scene at its default.
 struct Translator {
   Faults& faults;
-  std::filesystem::path folder;
+  NamedFiles files;
 
   Scene translate(const v1::Scene& source) {
     Scene scene;
-    if (source.has_volume()) scene.volume = read_volume_source(faults, "volume", source.volume(), folder);
+    if (source.has_volume()) scene.volume = read_volume_source(faults, "volume", source.volume(), files);
     if (source.has_volume() == source.has_world()) {
       faults.fault("volume", "a volume or a world", source.has_world() ? "both" : "none");
     }
     if (source.has_transfer_function()) {
       scene.transfer_function =
-          read_transfer_function_of(faults, "transfer_function", source.transfer_function(), folder);
+          read_transfer_function_of(faults, "transfer_function", source.transfer_function(), files);
     }
     if (source.has_phong()) scene.phong = read_phong(faults, source.phong());
     if (source.camera_size() > 0) scene.camera = read_camera(faults, "camera", source.camera(0));
@@ -46,7 +46,7 @@ struct Translator {
     scene.view.opacity_threshold = faults.check_range("opacity_threshold", source.opacity_threshold(), 0, 1);
     scene.view.shade = source.shade();
     scene.view.jitter = source.jitter();
-    read_graph(source, folder, faults, scene);
+    read_graph(source, files, faults, scene);
     return scene;
   }
 
@@ -59,16 +59,24 @@ struct Translator {
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                  bool allow_outside) {
   Faults faults(name);
-  Scene scene = Translator{faults, folder}.translate(parsed_message<v1::Scene>(text, kMaxNesting, faults));
+  const NamedFiles files{folder, allow_outside};
+  Scene scene = Translator{faults, files}.translate(parsed_message<v1::Scene>(text, kMaxNesting, faults));
   faults.throw_if_any();
   return scene;
 }
 
-Scene read_scene(const std::filesystem::path& path) {
-  return parse_scene(read_text(path, "a scene file"), path.string(), path.parent_path());
+Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  return parse_scene(text, name, folder, false);
 }
+
+Scene read_scene(const std::filesystem::path& path, bool allow_outside) {
+  return parse_scene(read_text(path, "a scene file"), path.string(), path.parent_path(), allow_outside);
+}
+
+Scene read_scene(const std::filesystem::path& path) { return read_scene(path, false); }
 
 bool is_scene_path(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();

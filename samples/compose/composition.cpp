@@ -17,7 +17,7 @@ constexpr int kMaxNesting = 20;  // chosen: of braces; bounds the parser's stack
 // Turns the parsed message into a composition; a fault leaves that part of it at its default.
 struct Translator {
   Faults& faults;
-  std::filesystem::path folder;
+  NamedFiles files;
 
   Composition translate(const v1::Composition& source) {
     Composition out;
@@ -72,9 +72,10 @@ struct Translator {
     if (input.starts_with(kBuiltin)) {
       scene.volume.builtin = input.substr(kBuiltin.size());
     } else if (is_scene_path(input)) {
-      scene = at_time(read_scene(folder / input), 0);
+      scene = at_time(read_scene(files.file("input", input), files.allow_outside), 0);
     } else {
-      scene.volume.file = folder / input;
+      scene.volume.file = files.file("input", input);
+      scene.volume.allow_outside = files.allow_outside;
     }
     if (source.has_volume_size()) {
       if (!scene.world && scene.volume.builtin.empty()) {
@@ -88,7 +89,8 @@ struct Translator {
     }
     if (const std::string& name = source.transfer_function(); !name.empty()) {
       const bool preset = std::ranges::any_of(presets(), [&](const Preset& each) { return each.name == name; });
-      scene.transfer_function = preset ? find_preset(name) : read_transfer_function(folder / name);
+      scene.transfer_function =
+          preset ? find_preset(name) : read_transfer_function(files.file("transfer_function", name));
     }
     // Light is the composition's.
     scene.lighting.on = false;
@@ -124,7 +126,7 @@ struct Translator {
     const Affine map = placement(field, source);
     faults.gather_part(field, [&] {
       if (source.file().empty()) throw InputError("file", "a mesh, .obj or .ply", "none");
-      mesh = read_mesh(folder / source.file());
+      mesh = read_mesh(files.file("file", source.file()));
     });
     for (Vec3& point : mesh.points) point = map.point(point);
     return mesh;
@@ -133,15 +135,17 @@ struct Translator {
 
 }  // namespace
 
-Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                              bool allow_outside) {
   Faults faults(name);
-  Composition out = Translator{faults, folder}.translate(parsed_message<v1::Composition>(text, kMaxNesting, faults));
+  const NamedFiles files{folder, allow_outside};
+  Composition out = Translator{faults, files}.translate(parsed_message<v1::Composition>(text, kMaxNesting, faults));
   faults.throw_if_any();
   return out;
 }
 
-Composition read_composition(const std::filesystem::path& path) {
-  return parse_composition(read_text(path, "a composition"), path.string(), path.parent_path());
+Composition read_composition(const std::filesystem::path& path, bool allow_outside) {
+  return parse_composition(read_text(path, "a composition"), path.string(), path.parent_path(), allow_outside);
 }
 
 }  // namespace gicube::samples

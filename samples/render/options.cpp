@@ -45,7 +45,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
                  }
                });
-  group.flag("--allow-outside", options.allow_outside, "let headers name data files outside of their folders");
+  group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
 }
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
@@ -275,7 +275,7 @@ Scene input_scene(const RenderOptions& options) {
     if (scene.volume.builtin != "buckyball")
       throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
   } else if (is_scene_path(options.input)) {
-    scene = read_scene(options.input);
+    scene = read_scene(options.input, options.allow_outside);
   } else {
     scene.volume.file = options.input;
   }

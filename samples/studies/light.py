@@ -117,7 +117,7 @@ def reference(scene, file, size=SIZE, voxels=None, paths=None):
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file))
         run(folder, "../tests/gicube-light-reference",
-            f"@x.scene --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --paths {paths or PATHS[scene]} --pixels @x.csv")
+            f"@x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --paths {paths or PATHS[scene]} --pixels @x.csv")
         said = json.loads((folder / "log").read_text())
         width, height = map(int, size.split("x"))
         mean, noise = radiances(folder / "x.csv", (height, width, 3))
@@ -137,7 +137,7 @@ def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fide
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file, **{"rays_per_face_voxel": 16, "step": 0.5, **fields}))
         settings = " ".join(f"--set {each}" for each in dict.fromkeys(["asic.datapath=wide", board]) if each)
-        run(folder, program, f"@x.scene --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
+        run(folder, program, f"@x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
             + " --pixels @x.csv" * by_host)
         picture = truth["factor"] * radiances(folder / "x.csv", shown.shape)[0] if by_host else read_picture(folder / "x.exr")[..., :3].astype(float)
         stats = statistics(folder / "x.json")
@@ -164,7 +164,7 @@ def law(material, degrees):
         file = folder / "a.scene"
         file.write_text(LAW.format(top=1.3 if is_fog else -0.3, look=look, x=4 * np.cos(height), z=-0.3 + 4 * np.sin(height)))
         (folder / "x.scene").write_text(judged(file))
-        run(folder, "gicube-render", "@x.scene --size 32x32 --fidelity functional --quiet --set asic.datapath=wide -o @x.exr")
+        run(folder, "gicube-render", "@x.scene --allow-outside --size 32x32 --fidelity functional --quiet --set asic.datapath=wide -o @x.exr")
         shown = float(read_picture(folder / "x.exr")[..., 0].mean())
         return shown, float(np.mean(reference("law", file, "32x32", 48, 200 if is_fog else 30)["shown"]))
 

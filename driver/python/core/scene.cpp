@@ -125,8 +125,10 @@ void add_scenes(py::module_& module) {
       "view", [](const scene::Scene& self) { return write(self.view); },
       [](scene::Scene& self, const py::object& view) { read(view, "", self.view); });
   scene.def("set_up", &scene::set_up, py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>());
-  module.def("read_scene", &scene::read_scene);
-  module.def("parse_scene", &scene::parse_scene);
+  using Path = std::filesystem::path;
+  module.def("read_scene", py::overload_cast<const Path&, bool>(&scene::read_scene));
+  module.def("parse_scene",
+             py::overload_cast<const std::string&, const std::string&, const Path&, bool>(&scene::parse_scene));
 
   using Setup = scene::SceneSetup;
   py::class_<Setup> setup(module, "SceneSetup");

@@ -121,14 +121,17 @@ def placed_look(placement: Placement, look: TransferFunction, span: ValueRange) 
     return _core.placed_look(placement, look, span)
 
 
-def read_scene(path: Path) -> _core.Scene:
-    """A scene file (docs/guide/scenes.md). Raises InputError with all its faults."""
-    return _core.read_scene(os.fspath(path))
+def read_scene(path: Path, allow_outside: bool = False) -> _core.Scene:
+    """A scene file (docs/guide/scenes.md). Raises InputError with all its faults.
+
+    It and its volumes' headers name files in their own folders and below only; `allow_outside`: you trust it.
+    """
+    return _core.read_scene(os.fspath(path), allow_outside)
 
 
-def parse_scene(text: str, name: str = "scene", folder: Path = ".") -> _core.Scene:
-    """The same from a text; relative paths are taken from `folder`."""
-    return _core.parse_scene(text, name, os.fspath(folder))
+def parse_scene(text: str, name: str = "scene", folder: Path = ".", allow_outside: bool = False) -> _core.Scene:
+    """The same from a text, which stands for a file in `folder`."""
+    return _core.parse_scene(text, name, os.fspath(folder), allow_outside)
 
 
 def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, progress: ProgressLike = None) -> View:

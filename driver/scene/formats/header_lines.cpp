@@ -1,10 +1,10 @@
 #include "scene/formats/header_lines.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "scene/common/named_files.h"
 #include "scene/formats/data_stream.h"
 
 namespace gicube::scene {
@@ -33,18 +33,11 @@ HeaderLines read_header_lines(const std::filesystem::path& file, const std::func
 
 std::filesystem::path beside(const std::filesystem::path& header, const std::string& field, std::string_view name,
                              bool allow_outside) {
-  namespace fs = std::filesystem;
-  const fs::path file = header.parent_path() / fs::path(name);
-  if (allow_outside) return file;
-  std::error_code no_folder, no_file;
-  const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : ".", no_folder);
-  const fs::path meant = fs::weakly_canonical(file, no_file);
-  const bool inside = std::mismatch(folder.begin(), folder.end(), meant.begin(), meant.end()).first == folder.end();
-  if (no_folder || no_file || !inside) {
-    throw FileError(header, field, "a file in the header's folder or below (or --allow-outside)",
-                    '"' + std::string(name) + '"');
+  try {
+    return NamedFiles{header.parent_path(), allow_outside}.file(field, name);
+  } catch (const InputError& error) {
+    throw FileError(header, field, error.expected(), error.got());
   }
-  return file;
 }
 
 }  // namespace gicube::scene

@@ -20,8 +20,7 @@ struct HeaderLines {
 // mebibyte has no such line.
 HeaderLines read_header_lines(const std::filesystem::path& file, const std::function<bool(std::string_view)>& is_last);
 
-// The data file that a header's field names: relative names are relative to the header's folder. Throws FileError if it lies neither
-// there nor below, links followed, unless `allow_outside`: the text does not tell whether it is there.
+// The data file that a header's field names, as NamedFiles has it. Throws FileError.
 std::filesystem::path beside(const std::filesystem::path& header, const std::string& field, std::string_view name,
                              bool allow_outside);
 

@@ -13,7 +13,7 @@ constexpr std::size_t kMaxEngines = 1000;  // chosen
 constexpr int kMaxMaterials = 4;           // tags
 
 SceneMaterial read_material(const v1::Material& source, int index, const std::string& field, bool in_world,
-                            const std::filesystem::path& folder, Faults& faults) {
+                            const NamedFiles& files, Faults& faults) {
   SceneMaterial result;
   result.name = source.name();
   result.tag = source.has_tag() ? static_cast<int>(std::min(source.tag(), 1000u)) : index;
@@ -31,7 +31,7 @@ SceneMaterial read_material(const v1::Material& source, int index, const std::st
   }
   if (source.has_transfer_function()) {
     const std::string place = field + ".transfer_function";
-    if (const auto function = read_transfer_function_of(faults, place, source.transfer_function(), folder)) {
+    if (const auto function = read_transfer_function_of(faults, place, source.transfer_function(), files)) {
       result.look = *function;
     }
   }
@@ -49,7 +49,7 @@ SceneMaterial read_material(const v1::Material& source, int index, const std::st
   return result;
 }
 
-void read_materials(const v1::Scene& source, const std::filesystem::path& folder, Faults& faults, Scene& scene) {
+void read_materials(const v1::Scene& source, const NamedFiles& files, Faults& faults, Scene& scene) {
   faults.check(source.material_size() <= kMaxMaterials, "material", "at most 4, one a tag",
                std::to_string(source.material_size()));
   std::set<int> tags;
@@ -58,7 +58,7 @@ void read_materials(const v1::Scene& source, const std::filesystem::path& folder
     const std::string& name = source.material(i).name();
     const std::string field = fmt::format("material[{}]", name.empty() ? std::to_string(i) : name);
     faults.check(!source.has_world() || !name.empty(), field + ".name", "a name", "none");
-    scene.materials.push_back(read_material(source.material(i), i, field, source.has_world(), folder, faults));
+    scene.materials.push_back(read_material(source.material(i), i, field, source.has_world(), files, faults));
     faults.check(tags.insert(scene.materials.back().tag).second, field + ".tag", "a tag of its own",
                  std::to_string(scene.materials.back().tag));
     faults.check(name.empty() || names.insert(name).second, field + ".name", "a name of its own", in_quotes(name));
@@ -158,9 +158,9 @@ void check_names(const Scene& scene, Faults& faults) {
 
 }  // namespace
 
-void read_graph(const v1::Scene& source, const std::filesystem::path& folder, Faults& faults, Scene& scene) {
-  if (source.has_world()) scene.world = read_world(source.world(), folder, faults);
-  read_materials(source, folder, faults, scene);
+void read_graph(const v1::Scene& source, const NamedFiles& files, Faults& faults, Scene& scene) {
+  if (source.has_world()) scene.world = read_world(source.world(), files, faults);
+  read_materials(source, files, faults, scene);
   if (source.has_illumination()) scene.lighting = read_illumination(source.illumination(), faults);
   read_lights(source, faults, scene);
   read_engines(source, faults, scene);

@@ -1,25 +1,27 @@
 // From a parsed scene file to the structs of the scenegraph. A fault leaves that part of the scene at its default.
 #pragma once
 
-#include <filesystem>
-
 #include "gicube/scene/scene.h"
 #include "gicube/v1/scene.pb.h"
 #include "scene/common/faults.h"
+#include "scene/common/named_files.h"
 
 namespace gicube::scene {
 
-// World, materials, lights, illumination, engines. Paths of files are relative to `folder`.
-void read_graph(const v1::Scene& source, const std::filesystem::path& folder, Faults& faults, Scene& scene);
+// World, materials, lights, illumination, engines. `files`: those that the text names.
+void read_graph(const v1::Scene& source, const NamedFiles& files, Faults& faults, Scene& scene);
 
-World read_world(const v1::World& source, const std::filesystem::path& folder, Faults& faults);
+World read_world(const v1::World& source, const NamedFiles& files, Faults& faults);
 
 // Parts that stand in several places; what is wrong with one is a fault of `field`.
 Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v);
+// A file that the text names as `field`'s. Empty: there is a fault.
+std::filesystem::path named_file(Faults& faults, const std::string& field, const std::string& name,
+                                 const NamedFiles& files);
 // 0..1 each.
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour);
 VolumeSource read_volume_source(Faults& faults, const std::string& field, const v1::VolumeSource& source,
-                                const std::filesystem::path& folder);
+                                const NamedFiles& files);
 // Any length but 0.
 Vec3 read_direction(Faults& faults, const std::string& field, const v1::Vector& source);
 Transform read_transform(Faults& faults, const std::string& field, const v1::Transform& source);
@@ -29,6 +31,6 @@ void read_image(Faults& faults, const v1::ImageSettings& source, View& view);
 // Nothing if there is a fault.
 std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, const std::string& field,
                                                               const v1::TransferFunction& source,
-                                                              const std::filesystem::path& folder);
+                                                              const NamedFiles& files);
 
 }  // namespace gicube::scene

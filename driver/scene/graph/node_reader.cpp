@@ -9,7 +9,7 @@ namespace {
 constexpr int kMaxReadDepth = 60;  // of nodes within nodes; below the limits of the text parser and of build()
 
 struct Reader {
-  const std::filesystem::path& folder;
+  const NamedFiles& files;
   Faults& faults;
 
   Node node(const v1::Node& source, const std::string& place, int depth) const {
@@ -42,7 +42,7 @@ struct Reader {
     if (source.has_volume()) {
       const std::string place = field + ".volume";
       faults.check(!source.volume().has_builtin(), place, "a file", "a builtin");
-      return ScanContent{read_volume_source(faults, place, source.volume(), folder)};
+      return ScanContent{read_volume_source(faults, place, source.volume(), files)};
     }
     if (source.has_hypertexture()) return hypertexture(source.hypertexture(), field + ".hypertexture");
     std::optional<Shape> shape = shape_of(source, field);
@@ -90,7 +90,9 @@ struct Reader {
       shape = CylinderShape{cylinder.radius(), cylinder.height(), cylinder.inner_radius(), cylinder.rounding()};
     }
     if (source.has_mesh()) {
-      kind = ".mesh", shape = MeshShape{source.mesh().file().empty() ? "" : folder / source.mesh().file(), nullptr};
+      const std::string& name = source.mesh().file();
+      kind = ".mesh", shape = MeshShape{name.empty() ? "" : named_file(faults, field + kind, name, files), nullptr};
+      if (!name.empty() && std::get<MeshShape>(*shape).file.empty()) return std::nullopt;
     }
     if (source.has_builtin()) kind = "", shape = BuiltinShape{source.builtin()};
     if (shape) faults.gather_part(field + kind, [&] { check(*shape); });
@@ -122,14 +124,14 @@ Transform read_transform(Faults& faults, const std::string& field, const v1::Tra
   return result;
 }
 
-World read_world(const v1::World& source, const std::filesystem::path& folder, Faults& faults) {
+World read_world(const v1::World& source, const NamedFiles& files, Faults& faults) {
   World world;
   if (source.has_low()) world.low = finite_vector(faults, "world.low", source.low());
   if (source.has_high()) world.high = finite_vector(faults, "world.high", source.high());
   world.size = static_cast<int>(std::min(source.size(), 1'000'000u));
   world.densities = source.partial_volumes() ? Densities::kPartialVolumes : Densities::kRamp;
   faults.check(source.node_size() > 0, "world.node", "at least one", "none");
-  const Reader reader{folder, faults};
+  const Reader reader{files, faults};
   for (int i = 0; i < source.node_size(); ++i) {
     world.root.children.push_back(reader.node(source.node(i), fmt::format("world.node[{}]", i), 1));
   }

@@ -45,6 +45,13 @@ Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v
   return vector;
 }
 
+std::filesystem::path named_file(Faults& faults, const std::string& field, const std::string& name,
+                                 const NamedFiles& files) {
+  std::filesystem::path file;
+  faults.gather_part(field, [&] { file = files.file("file", name); });
+  return file;
+}
+
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour) {
   return {faults.check_range(field + ".red", colour.red(), 0, 1),
           faults.check_range(field + ".green", colour.green(), 0, 1),
@@ -52,7 +59,7 @@ Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& c
 }
 
 VolumeSource read_volume_source(Faults& faults, const std::string& field, const v1::VolumeSource& source,
-                                const std::filesystem::path& folder) {
+                                const NamedFiles& files) {
   VolumeSource result;
   if (source.has_builtin() == source.has_file()) {
     faults.fault(field, "either builtin or file", source.has_file() ? "both" : "neither");
@@ -61,7 +68,8 @@ VolumeSource read_volume_source(Faults& faults, const std::string& field, const 
     faults.check(source.builtin() == "buckyball", field + ".builtin", "\"buckyball\"", in_quotes(source.builtin()));
     result.builtin = source.builtin();
   }
-  if (source.has_file()) result.file = folder / source.file();
+  if (source.has_file()) result.file = named_file(faults, field, source.file(), files);
+  result.allow_outside = files.allow_outside;
   if (source.has_size()) {
     faults.check(source.has_builtin(), field + ".size", "only with builtin", "it with a file");
     faults.check_range(field + ".size", source.size(), kMinBuckyballSize, kMaxBuckyballSize);
@@ -85,7 +93,7 @@ VolumeSource read_volume_source(Faults& faults, const std::string& field, const 
 
 std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, const std::string& field,
                                                               const v1::TransferFunction& source,
-                                                              const std::filesystem::path& folder) {
+                                                              const NamedFiles& files) {
   std::optional<TransferFunctionFile> result;
   const bool points = source.colour_size() != 0 || source.opacity_size() != 0;
   if (!faults.check_one(field, "one of file, preset, and points of colour and opacity",
@@ -93,7 +101,8 @@ std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, co
     return result;
   }
   if (source.has_file()) {
-    faults.gather(field + ".file", [&] { result = read_transfer_function(folder / source.file()); });
+    const std::filesystem::path file = named_file(faults, field, source.file(), files);
+    if (!file.empty()) faults.gather(field + ".file", [&] { result = read_transfer_function(file); });
   } else if (source.has_preset()) {
     faults.gather(field, [&] { result = find_preset(source.preset()); });
   } else {

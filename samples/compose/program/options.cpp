@@ -15,6 +15,8 @@ std::optional<ComposeOptions> parse_compose_options(int argc, const char* const*
   app.add_option("COMPOSITION", options.composition,
                  "a text file of volumes and surfaces (gicube/v1/composition.proto)")
       ->required();
+  OptionGroup(app, "Options")
+      .flag("--allow-outside", options.allow_outside, "let it and its scenes name files outside of their folders");
   OptionGroup picture(app, "Picture");
   picture.file("-o,--output", options.picture, "PNG or EXR");
   picture.parsed("--size", "WxH", "pixels (the composition's)",

@@ -15,6 +15,7 @@ namespace gicube::samples {
 
 struct ComposeOptions {
   std::filesystem::path composition;
+  bool allow_outside = false;
   std::filesystem::path picture;           // PNG or EXR; empty: none
   std::optional<std::array<int, 2>> size;  // in place of the composition's
   std::optional<int> samples_per_axis;

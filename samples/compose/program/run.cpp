@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Stage stage_of(const ComposeOptions& options, std::optional<Colour>& background) {
-  Composition composition = read_composition(options.composition);
+  Composition composition = read_composition(options.composition, options.allow_outside);
   View& view = composition.view;
   if (options.size) view.width = (*options.size)[0], view.height = (*options.size)[1];
   view.samples_per_axis = options.samples_per_axis.value_or(view.samples_per_axis);

@@ -30,7 +30,7 @@ void add_input(CLI::App& app, InputOptions& options) {
       .value("--transfer-function", options.transfer_function,
              "of all materials: a file, or a preset: " + preset_names())
       ->type_name("FILE|NAME");
-  group.flag("--allow-outside", options.allow_outside, "let headers name data files outside of their folders");
+  group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
 }
 
 // "2=5" or "2=5,4,3".
@@ -174,7 +174,7 @@ Scene scene_of(const InputOptions& options) {
   if (constexpr std::string_view kBuiltin = "builtin:"; options.input.starts_with(kBuiltin)) {
     scene.volume.builtin = options.input.substr(kBuiltin.size());
   } else if (is_scene_path(options.input)) {
-    scene = at_time(read_scene(options.input), 0);
+    scene = at_time(read_scene(options.input, options.allow_outside), 0);
   } else {
     scene.volume.file = options.input;
   }

@@ -164,7 +164,7 @@ def make_scene(name, dims, edge):
         text = f'volume {{ builtin: "{name}" size: {edge} }}'
     else:
         text = re.sub(r"(?m)^  size: \d+", f"  size: {edge}", (folder / f"{name.replace('-', '_')}.scene").read_text(), count=1)
-    setup = gicube.parse_scene(text, name, folder).set_up()
+    setup = gicube.parse_scene(text, name, folder, allow_outside=True).set_up()
     return SceneData(setup.volume, setup.looks, setup)
 
 

@@ -42,7 +42,8 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
   Scene scene = light_scene(options.light);
   std::vector<PolygonSurface> surfaces = take_polygons(scene);
   const std::size_t of_material = surface_of(surfaces, options.node);
-  const SceneSetup slab = set_up(at_time(read_scene(options.material), 0), options.board.threads);
+  const SceneSetup slab =
+      set_up(at_time(read_scene(options.material, options.light.allow_outside), 0), options.board.threads);
   const SceneSetup setup = set_up_light(scene, options.light, options.board.threads);
   Board board = open_board(options.board);
   check_renders(slab.volume.dims, board.info(), slab.volume.source);

@@ -22,7 +22,7 @@ void add_light_input(CLI::App& app, LightInput& input) {
   scene.choice("--bsdf", input.bsdf, {{"diffuse", Bsdf::kDiffuse}, {"isotropic", Bsdf::kIsotropic}},
                "of a volume without a scene's materials: a diffuse surface or an isotropic medium (diffuse)");
   scene.number("--albedo", input.albedo, CLI::Range(0.0, 1.0), "the share that such a volume scatters");
-  scene.flag("--allow-outside", input.allow_outside, "let headers name data files outside of their folders");
+  scene.flag("--allow-outside", input.allow_outside, "let headers and scenes name files outside of their folders");
   OptionGroup picture(app, "Picture");
   picture.file("-o,--output", input.output, "the picture, PNG or EXR");
   picture.file("--pixels", input.pixels, "radiance of each pixel and its standard error, CSV");
@@ -49,7 +49,7 @@ Scene light_scene(const LightInput& input) {
   if (constexpr std::string_view kBuiltin = "builtin:"; input.input.starts_with(kBuiltin)) {
     scene.volume.builtin = input.input.substr(kBuiltin.size());
   } else if (is_scene_path(input.input)) {
-    scene = at_time(read_scene(input.input), 0);
+    scene = at_time(read_scene(input.input, input.allow_outside), 0);
   } else {
     scene.volume.file = input.input;
   }

@@ -369,6 +369,17 @@ def test_a_scene_is_rendered(tmp_path):
     assert fault.value.faults[0].line == 1
 
 
+def test_a_scene_names_files_of_its_own_folder_unless_it_is_trusted(tmp_path):
+    (tmp_path / "own").mkdir()
+    text = 'volume { builtin: "buckyball" size: 16 } transfer_function { file: "../a.tf" }'
+    (tmp_path / "own" / "a.scene").write_text(text)
+    (tmp_path / "a.tf").write_text("values absolute\ncolour 0 1 0 0\nopacity 0 0\nopacity 9 1\n")
+    for read in (gicube.read_scene, lambda _, **how: gicube.parse_scene(text, folder=tmp_path / "own", **how)):
+        with pytest.raises(gicube.InputError, match="transfer_function.file: expected a file in this file's folder"):
+            read(tmp_path / "own" / "a.scene")
+        read(tmp_path / "own" / "a.scene", allow_outside=True)
+
+
 def test_a_lit_scene_keeps_its_exposure_and_may_be_loaded_without_light():
     path = Path(__file__).parents[3] / "samples/scenes/golden_ring.scene"
     scene = gicube.parse_scene(path.read_text().replace("size: 128", "size: 32").replace("rays_per_face_voxel: 32", "")).set_up()

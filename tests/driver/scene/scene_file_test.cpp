@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include "gicube/scene/error.h"
 #include "scene_faults.h"
+#include "temporary_directory.h"
 
 namespace gicube::scene {
 namespace {
@@ -131,6 +136,43 @@ TEST(SceneFile, ReportsFaultsInsideItsTransferFunction) {
   EXPECT_THAT(faults_of(volume + "transfer_function { file: \"not-there.tf\" }"), HasSubstr("/data/not-there.tf"));
   EXPECT_THAT(faults_of(volume + "transfer_function { colour { value: 1 } opacity { opacity: 1 } }"),
               HasSubstr("missing"));
+}
+
+// Names that lead out of the folder, whether there is anything or not; nothing of what is there comes back.
+TEST(SceneFile, NamesFilesInItsFolderAndBelowOnly) {
+  const reference::TemporaryDirectory folder;
+  const std::filesystem::path all = folder.path(), own = all / "own";
+  std::filesystem::create_directories(own / "below");
+  const std::string look = "values absolute\ncolour 0 1 0 0\nopacity 0 0\nopacity 9 1\n";
+  for (const auto& file : {own / "a.tf", own / "below" / "b.tf", all / "out.tf"}) std::ofstream(file) << look;
+  std::ofstream(all / "secret") << "root:x:0\n";
+  std::filesystem::create_symlink(all / "secret", own / "link");
+  const auto scene = [](const std::string& part, const std::string& name) {
+    const std::string file = " { file: \"" + name + "\" }";
+    if (part == "volume") return "volume" + file;
+    if (part == "mesh")
+      return "world { node { name: \"n\" material: \"m\" mesh" + file + " } } material { name: \"m\" }";
+    return "volume { builtin: \"buckyball\" } transfer_function" + file;
+  };
+  for (const std::string part : {"volume", "mesh", "transfer_function"}) {
+    for (const std::string& name : {(all / "secret").string(), std::string("../secret"), std::string("../none"),
+                                    std::string("none/../../secret"), std::string("link"), std::string("/dev/zero")}) {
+      try {
+        parse_scene(scene(part, name), "a.scene", own);
+        ADD_FAILURE() << part << " " << name;
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr(part + ".file: expected a file in this file's folder or below")) << name;
+        EXPECT_THAT(error.what(), Not(HasSubstr("root"))) << name;
+        EXPECT_EQ(error.faults().size(), 1u) << error.what();
+      }
+    }
+  }
+  for (const std::string name : {"a.tf", "below/b.tf", "./below/../a.tf", "../own/a.tf"}) {
+    EXPECT_NO_THROW(parse_scene(scene("transfer_function", name), "a.scene", own)) << name;
+  }
+  EXPECT_NO_THROW(parse_scene(scene("transfer_function", "../out.tf"), "a.scene", own, true));
+  EXPECT_FALSE(parse_scene(scene("volume", "a.nhdr"), "a.scene", own).volume.allow_outside);
+  EXPECT_TRUE(parse_scene(scene("volume", "../a.nhdr"), "a.scene", own, true).volume.allow_outside);
 }
 
 TEST(SceneFile, IsNamedInTheErrorIfItIsNotThere) { EXPECT_THROW(read_scene("/nowhere/a.scene"), InputError); }

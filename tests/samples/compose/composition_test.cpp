@@ -111,6 +111,12 @@ TEST(Composition, NamesAllItsFaultsByField) {
         "light: expected a direction, got 0 0 0", "opacity_threshold: expected 1e-06 to 1, got 0"}) {
     EXPECT_THAT(fault, HasSubstr(part));
   }
+  const std::string outside = "expected a file in this file's folder or below";
+  for (const std::string part : {"volume { input: \"../view/x.scene\" }", "volume { input: \"/a.nrrd\" }",
+                                 "volume { input: \"builtin:buckyball\" transfer_function: \"/etc/passwd\" }",
+                                 "surface { file: \"../a.obj\" }", "shell { file: \"../a.obj\" input: \"a.nrrd\" }"}) {
+    EXPECT_THAT(fault_of(part), HasSubstr(outside)) << part;
+  }
   EXPECT_THAT(fault_of(""), HasSubstr("volume: expected at least one volume, surface or shell, got none"));
   EXPECT_THAT(fault_of("surfaces { }"), HasSubstr("x:1:10: "));
 }

@@ -186,7 +186,7 @@ TEST(MetaImageFile, NamesNoDataOutsideOfItsFolderUnlessItMay) {
   }
   for (const std::string& name : {std::string("../v.raw"), outside.string(), std::string("link.raw")}) {
     naming(name);
-    EXPECT_THAT(read_error(source.file), HasSubstr("ElementDataFile: expected a file in the header's folder or below"));
+    EXPECT_THAT(read_error(source.file), HasSubstr("ElementDataFile: expected a file in this file's folder or below"));
     source.allow_outside = true;
     EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>()) << name;
     source.allow_outside = false;

@@ -165,7 +165,7 @@ TEST(NrrdFile, NamesNoDataOutsideOfItsFolderUnlessItMay) {
   std::filesystem::create_directory(folder.path() / "below");
   VolumeSource source;
   source.file = folder.write("below/v.nhdr", header("uchar", "encoding: raw\ndata file: ../v.raw\n"));
-  EXPECT_THAT(read_error(source.file), HasSubstr("data file: expected a file in the header's folder or below"));
+  EXPECT_THAT(read_error(source.file), HasSubstr("data file: expected a file in this file's folder or below"));
   source.allow_outside = true;
   EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>());
 }

@@ -26,7 +26,7 @@ class ComposeProgram : public ProgramTest {
 
 TEST_F(ComposeProgram, WritesAPictureAndWhatItCost) {
   const ProgramResult result =
-      run(path("a.composition") + " --boards 2 -o " + path("a.png") + " --stats " + path("a.json"));
+      run(path("a.composition") + " --allow-outside --boards 2 -o " + path("a.png") + " --stats " + path("a.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, testing::AllOf(HasSubstr("ball: "), HasSubstr("other: "), HasSubstr("picture: ")));
   EXPECT_THAT(text_of(path("a.png")), HasSubstr("PNG"));

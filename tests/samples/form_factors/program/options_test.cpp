@@ -144,7 +144,7 @@ TEST(FormFactorOptions, AnOptionsNameOfTheReleaseBeforeWorksAndSaysWhatReplacesI
 TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/radiosity")) {
-    const Scene scene = scene_of(InputOptions{.input = entry.path(), .volume_size = 32, .transfer_function = {}});
+    const Scene scene = scene_of(InputOptions{entry.path(), 32, {}, true});
     EXPECT_TRUE(std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
       return m.emission > 0;
     })) << entry.path();

@@ -148,10 +148,15 @@ GICUBE_API void set_own_codebook(Board& board, const SceneSetup& setup);
 
 // Strict: an unknown field, a value of the wrong type, out of range or missing is an error. Throws InputError with all
 // faults, one a line: "NAME:LINE:COLUMN: ..." for the text, "NAME: field.path: expected ..., got ..." for its meaning.
-// Relative paths in `text` are taken from `folder`. Reads transfer functions, but not the volume.
+// Relative paths in `text` are taken from `folder`. A file that lies neither there nor below, links followed, is refused
+// unless the text is trusted (`allow_outside`, which holds for the headers of its volumes too). Reads transfer functions,
+// but not the volume.
 GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
+GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                             bool allow_outside);
 // The same for a file. Throws InputError also if it can't be read.
 GICUBE_API Scene read_scene(const std::filesystem::path& path);
+GICUBE_API Scene read_scene(const std::filesystem::path& path, bool allow_outside);
 
 // Whether a path's extension is that of a scene: .scene, .textproto, .pbtxt or .txt.
 GICUBE_API bool is_scene_path(const std::filesystem::path& path);
