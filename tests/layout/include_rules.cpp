@@ -232,7 +232,7 @@ const std::vector<Rule>& rules() {
       program("samples/subsurface", {"samples/meshes", "samples/transport"}, {}),
       program("samples/subsurface/program", {"samples/subsurface", "samples/meshes", "samples/transport"}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
-      program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),
+      program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/guests.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),
   };
   // clang-format on
   return table;

@@ -11,7 +11,7 @@
 #include "board_slot.h"
 #include "connection.h"
 #include "endpoint.h"
-#include "guests.h"
+#include "gicube/guests.h"
 #include "server/quota.h"
 #include "session.h"
 
@@ -74,7 +74,7 @@ class BusServer {
   const BusOptions options_;
   bool stopped_ = false;
   std::vector<std::weak_ptr<Connection>> connections_;  // all of them
-  Guests guests_{options_.max_unowned, options_.max_unowned_of_peer};
+  Guests<Connection> guests_{options_.max_unowned, options_.max_unowned_of_peer};
   BackOff wrong_tokens_{options_.token_pause, options_.longest_token_pause};
   std::unordered_map<const BoardSlot*, BackOff> forces_;                  // of boards that were taken by force
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
