@@ -44,6 +44,7 @@ Target target_of(std::string_view text) {
   Target target;
   const std::size_t query = text.find('?');
   target.path = percent_decoded(text.substr(0, query));
+  if (!target.path.starts_with('/')) throw Refusal{status::bad_request, "a target: expected one that begins with /"};
   while (query != std::string_view::npos && !text.empty()) {
     text.remove_prefix(std::min(text.find_first_of("?&"), text.size() - 1) + 1);
     const std::string_view part = text.substr(0, text.find('&'));

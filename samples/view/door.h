@@ -29,7 +29,7 @@ struct Target {
   }
 };
 
-// Throws Refusal: a % without two digits.
+// Throws Refusal: a % without two digits, or no / at its beginning.
 Target target_of(std::string_view text);
 
 struct Door {

@@ -17,7 +17,9 @@ PrivateFolder::PrivateFolder() {
   path_ = name;
 }
 
-PrivateFolder::~PrivateFolder() {
+PrivateFolder::~PrivateFolder() { remove(); }
+
+void PrivateFolder::remove() const {
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }

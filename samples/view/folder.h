@@ -17,6 +17,7 @@ class PrivateFolder {
   PrivateFolder& operator=(const PrivateFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+  void remove() const;
 
  private:
   std::filesystem::path path_;

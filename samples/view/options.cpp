@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scene/common/checks.h"
+#include "scene/program/option_group.h"
 
 #include <boost/asio/ip/address.hpp>
 
@@ -65,7 +66,8 @@ std::optional<ProgramOptions> parse_options(int argc, const char* const* argv, s
                  "TLS certificate, PEM, for the names by which the page is opened")
       ->type_name("FILE");
   app.add_option("--tls-key", listen.key_file, "its private key, PEM")->type_name("FILE");
-  app.add_flag("--open,!--no-open", options.open, "show the page in the default browser (where there is a desktop)");
+  OptionGroup(app, "Options")
+      .flag("--open,!--no-open", options.open, "show the page in the default browser (where there is a desktop)");
   add_board_options(app, options.view.board);
   app.remove_option(app.get_option("--stats"));  // the page has them
   if (!parsed(app, argc, argv, out)) return std::nullopt;

@@ -4,11 +4,14 @@
 // token on all but the page's own modules. The page's address may carry the state of a view after a #, which the program never sees.
 //   GET  /?token=T                          index.html
 //   GET  /NAME                              the other files of samples/view/page
-//   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}; NAME has no slash and no leading dot. 204; 413 too large
+//   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}, and what is open by that name
+//                                   stays until then; NAME has no slash and no leading dot. 204; 413 too large; 507 a
+//                                   full disk
 //   GET  /download?token=T&number=N&what=png|exr|stats|tf   a whole picture, its statistics (JSON), the points of its transfer function;
 //                                   404: it is not among the last few
 //   GET  /socket?token=T                    WebSocket
-// Other answers are 400 (no such method or form), 403 (token, Host, Origin), 404, 413, 503 (too many connections), with one line of text.
+// Other answers are 400 (no such method or form), 403 (token, Host, Origin), 404, 413, 503 (too many connections), 507,
+// with one line of text.
 //
 // Settings are options of gicube-render without their dashes, text to text, as gicube-sweep names them: {"eye":"1,2,3", "step":"0.5"}.
 // A flag is "on" or "off". `cut` may have several planes, with ; between. A name with a dot is a field of the board's configuration
@@ -22,7 +25,8 @@
 //                                   the whole one will take longer than that, then the whole one ("final").
 //   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}          voxel K of the axis, of hello's dims
 //   {"do":"histogram"}              of the input
-//   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input
+//   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input.
+//                                   An "error" if it can't be read, or if another "open" comes meanwhile: the input stays
 //   {"do":"machine","on":BOOL}      ten "machine" messages a second while on
 //   {"do":"compare","id":N,"settings":{...},"other":{...}}   the same frame on two new boards of these settings; the page's next picture
 //                                   stops it
@@ -63,11 +67,13 @@
 namespace gicube::samples::view {
 
 constexpr std::size_t kMaxConnections = 32;  // chosen: a few pages, each with a socket and its modules
-constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2} << 30;  // chosen: of all posted files together
-constexpr std::size_t kMaxMessageBytes = 256 * 1024;             // chosen: 4096 points of a transfer function fit
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2}
+                                        << 30;        // chosen: of all posted files together, those that come included
+constexpr std::size_t kMaxMessageBytes = 256 * 1024;  // chosen: 4096 points of a transfer function fit
 constexpr std::size_t kMaxMade = 8;      // chosen: whole pictures that can be downloaded: a few pages' last ones
 constexpr std::size_t kMaxWaiting = 64;  // chosen: messages of one page that wait to be carried out
-constexpr std::chrono::seconds kRequestTime{10};  // chosen: for a request's header, and each part of a body
+constexpr std::chrono::seconds kRequestTime{
+    10};  // chosen: for a request of one without the token, any header, and each part of a body
 constexpr std::chrono::milliseconds kFrameBudget{
     50};  // chosen: of a picture while something moves; 15 a second with room
 

@@ -5,29 +5,25 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <deque>
-#include <fstream>
 #include <map>
 #include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 
+#include "gicube/guests.h"
 #include "gicube/scene/error.h"
 #include "scene/common/checks.h"
 #include "view/door.h"
+#include "view/outbox.h"
 #include "view/page_files.h"
 #include "view/protocol.h"
+#include "view/upload.h"
 
-#include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
@@ -35,48 +31,45 @@
 namespace gicube::samples::view {
 namespace {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
 namespace websocket = beast::websocket;
-using asio::awaitable;
 using asio::ip::tcp;
-using boost::system::error_code;
 using Tls = beast::ssl_stream<beast::tcp_stream>;
 using HttpRequest = http::request<http::empty_body>;
-using Parser = http::request_parser<http::empty_body>;
 
-constexpr std::size_t kHeaderBytes = 8192;  // chosen: browsers' are below 2 KiB
-constexpr std::size_t kMaxOut = 256;  // chosen: packets that wait for a page, beyond which it is too slow and left
+constexpr std::size_t kHeaderBytes = 8192;              // chosen: browsers' are below 2 KiB
 constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
-constexpr std::chrono::seconds kIdle{60};               // chosen: between requests of one connection
+constexpr std::chrono::seconds kIdle{60};               // chosen: between requests of one who has the token
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-auto into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
-std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
-
 }  // namespace
 
 struct Server::State {
+  struct Visitor {
+    std::string address;
+    beast::tcp_stream* stream = nullptr;  // null: it is a page's
+    bool knows = false;                   // the token, and has a place in line
+    const std::string& host() const { return address; }
+  };
+  using Visiting = std::shared_ptr<Visitor>;
   struct Client {
-    std::deque<Packet> out;
+    Outbox out;
     asio::steady_timer wake;
     bool is_gone = false;
+    std::function<void()> close;  // ends what waits for the page itself
     explicit Client(asio::io_context& io) : wake(io, asio::steady_timer::time_point::max()) {}
   };
 
   Pages pages;
   Door door;
-  std::size_t connections = 0;  // outlives io, whose end is theirs
+  Guests<Visitor> guests{kMaxConnections, kMaxConnections};  // outlives io, whose end is theirs
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
   asio::signal_set signals{io};
   std::map<Page, std::shared_ptr<Client>> clients;
   Page last_page = kAllPages;
-  std::map<std::string, std::uint64_t> posted;  // bytes
 
   awaitable<void> accept();
   void serve(tcp::socket socket);
@@ -84,9 +77,7 @@ struct Server::State {
   template <typename S>
   awaitable<void> connection(S stream);
   template <typename S>
-  awaitable<bool> answer(S& stream, beast::flat_buffer& buffer, Parser& parser);
-  template <typename S>
-  awaitable<void> take_file(S& stream, beast::flat_buffer& buffer, Parser& parser, const std::string& name);
+  awaitable<bool> answer(S& stream, beast::flat_buffer& buffer, Parser& parser, Visiting visitor);
   template <typename S>
   awaitable<bool> reply(S& stream, const HttpRequest& request, http::status status, std::string_view type,
                         std::string body, const std::string& attachment = {});
@@ -99,13 +90,12 @@ struct Server::State {
 
 // Whether the connection may have another request.
 template <typename S>
-awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Parser& parser) {
+awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Parser& parser, Visiting visitor) {
   const HttpRequest& request = parser.get();
   std::optional<Refusal> refusal;
   std::optional<Viewer::Download> found;
   bool is_page = false, is_file = false;
   try {
-    if (connections > kMaxConnections) throw Refusal{http::status::service_unavailable, "too many connections"};
     const bool is_get = request.method() == http::verb::get;
     const Target target = target_of(view_of(request.target()));
     is_page = is_get && target.path == "/socket";
@@ -114,12 +104,17 @@ awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Par
     if (is_get && parser.content_length_remaining().value_or(0) > 0)
       throw Refusal{http::status::bad_request, "a body: expected none"};
     if (parser.chunked() && is_get) throw Refusal{http::status::bad_request, "a body: expected none"};
-    if (is_page || is_file || target.path == "/" || target.path == "/download") door.check_token(target);
+    if (is_page || is_file || target.path == "/" || target.path == "/download") {
+      door.check_token(target);
+      if (!guests.stand_in_line(visitor).empty())
+        throw Refusal{http::status::service_unavailable, "too many connections"};
+      visitor->knows = true;
+    }
     if (is_file) {
       const std::string name = target.value("name");
       if (!is_file_name(name))
         throw Refusal{http::status::bad_request, "name: expected a file's name, without folders"};
-      co_await take_file(stream, buffer, parser, name);
+      co_await take_file(stream, buffer, parser, *pages.files, name);
       co_return co_await reply(stream, request, http::status::no_content, "text/plain", "");
     }
     if (!is_get) throw Refusal{http::status::bad_request, "expected GET, or POST /file"};
@@ -142,55 +137,16 @@ awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Par
   }
   if (refusal) {
     co_await reply(stream, request, refusal->status, "text/plain", refusal->text + '\n');
+    if (is_file && visitor->knows) co_await linger(stream);
     co_return false;
   }
   if (is_page) {
     HttpRequest upgrade = request;
+    visitor->stream = nullptr;
     co_await page(std::move(stream), std::move(upgrade));
     co_return false;
   }
   co_return co_await reply(stream, request, http::status::ok, found->type, std::move(found->bytes), found->name);
-}
-
-template <typename S>
-awaitable<void> Server::State::take_file(S& stream, beast::flat_buffer& buffer, Parser& head, const std::string& name) {
-  http::request_parser<http::buffer_body> parser(std::move(head));
-  std::uint64_t others = 0;
-  for (const auto& [other, bytes] : posted) others += other == name ? 0 : bytes;
-  const std::uint64_t left = kMaxFileBytes - std::min(kMaxFileBytes, others);
-  const Refusal too_large{http::status::payload_too_large,
-                          fmt::format("a file: expected at most {} bytes with all that were posted", kMaxFileBytes)};
-  if (parser.content_length().value_or(0) > left) throw too_large;
-  if (view_of(parser.get()[http::field::expect]) == "100-continue") {
-    http::response<http::empty_body> go_on(http::status::continue_, 11);
-    co_await http::async_write(stream, go_on, asio::use_awaitable);
-  }
-  // Whole, or not at all: what had this name stays until then.
-  const std::filesystem::path part = pages.folder / fmt::format(".part-{}", reinterpret_cast<std::uintptr_t>(&stream));
-  const auto remove = [](const std::filesystem::path* path) {
-    std::error_code ignored;
-    std::filesystem::remove(*path, ignored);
-  };
-  const std::shared_ptr<const std::filesystem::path> removed(&part, remove);
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
-  std::vector<char> bytes(std::size_t{1} << 18);
-  std::uint64_t taken = 0;
-  while (!parser.is_done()) {
-    parser.get().body().data = bytes.data();
-    parser.get().body().size = bytes.size();
-    beast::get_lowest_layer(stream).expires_after(kRequestTime);
-    error_code error;
-    co_await http::async_read(stream, buffer, parser, into(error));
-    if (error && error != http::error::need_buffer) throw boost::system::system_error(error);
-    const std::size_t count = bytes.size() - parser.get().body().size;
-    taken += count;
-    if (taken > left) throw too_large;
-    file.write(bytes.data(), static_cast<std::streamsize>(count));
-  }
-  file.close();
-  if (!file) throw Refusal{http::status::insufficient_storage, "a file: expected a disk with room for it"};
-  std::filesystem::rename(part, pages.folder / name);
-  posted[name] = taken;
 }
 
 template <typename S>
@@ -226,7 +182,7 @@ awaitable<void> Server::State::accept() {
       co_await pause.async_wait(into(error));
       continue;
     }
-    if (connections < 2 * kMaxConnections) serve(std::move(socket));  // those beyond the limit are told, more are left
+    serve(std::move(socket));
   }
 }
 
@@ -242,8 +198,11 @@ void Server::State::serve(tcp::socket socket) {
 
 template <typename S>
 awaitable<void> Server::State::connection(S stream) {
-  const std::shared_ptr<std::size_t> counted(&++connections, [](std::size_t* count) { --*count; });
   beast::tcp_stream& plain = beast::get_lowest_layer(stream);
+  error_code none;
+  const Visiting visitor(new Visitor{plain.socket().remote_endpoint(none).address().to_string(), &plain});
+  const std::shared_ptr<void> left(nullptr, [this, visitor](void*) { guests.leave(visitor); });
+  if (const Visiting out = guests.enter(visitor); out && out->stream != nullptr) out->stream->close();
   try {
     if constexpr (std::is_same_v<S, Tls>) {
       plain.expires_after(kRequestTime);
@@ -254,14 +213,14 @@ awaitable<void> Server::State::connection(S stream) {
       error_code error;
       Parser parser;
       parser.header_limit(kHeaderBytes);
-      parser.body_limit(kMaxFileBytes);
-      plain.expires_after(buffer.size() > 0 ? std::chrono::seconds(kRequestTime) : kIdle);
+      parser.body_limit(boost::none);  // a file's is that of all files
+      plain.expires_after(visitor->knows && buffer.size() == 0 ? kIdle : std::chrono::seconds(kRequestTime));
       co_await http::async_read_header(stream, buffer, parser, into(error));
       if (error == http::error::header_limit) {
         co_await reply(stream, {}, http::status::request_header_fields_too_large, "text/plain", "too long a header\n");
       }
       if (error) break;
-      goes_on = co_await answer(stream, buffer, parser);
+      goes_on = co_await answer(stream, buffer, parser, visitor);
     }
   } catch (const std::exception&) {
     // The other side has gone, or took too long.
@@ -283,6 +242,7 @@ awaitable<void> Server::State::page(S stream, HttpRequest request) {
   if (error) co_return;
   const Page number = ++last_page;
   auto client = std::make_shared<Client>(io);
+  client->close = [&socket] { beast::get_lowest_layer(socket).close(); };
   clients[number] = client;
   auto ended = std::make_shared<bool>(false);
   asio::co_spawn(io, write_out(socket, client, ended), asio::detached);
@@ -306,6 +266,7 @@ awaitable<void> Server::State::page(S stream, HttpRequest request) {
   clients.erase(number);
   pages.leave(number);
   client->is_gone = true;
+  client->out.clear();
   client->wake.cancel();
   if (!is_fault) beast::get_lowest_layer(socket).close();
   asio::steady_timer pause(io);
@@ -326,8 +287,7 @@ awaitable<void> Server::State::write_out(S& socket, std::shared_ptr<Client> clie
       co_await client->wake.async_wait(into(error));
       continue;
     }
-    const Packet packet = std::move(client->out.front());
-    client->out.pop_front();
+    const Packet packet = client->out.take();
     socket.binary(packet.binary);
     co_await socket.async_write(asio::buffer(*packet.bytes), into(error));
     if (error) break;
@@ -335,12 +295,11 @@ awaitable<void> Server::State::write_out(S& socket, std::shared_ptr<Client> clie
   *ended = true;
 }
 
+// A page that is too slow is left, with all that waits for it.
 void Server::State::put(Client& client, const Packet& packet) {
-  if (packet.droppable) {
-    std::erase_if(client.out, [&](const Packet& other) { return other.droppable && other.binary == packet.binary; });
-  }
-  client.out.push_back(packet);
-  if (client.out.size() > kMaxOut) client.is_gone = true;
+  if (client.is_gone) return;
+  client.is_gone = !client.out.put(packet);
+  if (client.is_gone) client.close();
   client.wake.cancel();
 }
 
@@ -360,22 +319,21 @@ Server::Server(Pages pages, const Listen& listen, std::string token) : Server(st
   state_->door.port = state_->acceptor.local_endpoint().port();
   state_->door.host = address.is_unspecified() ? asio::ip::host_name() : address.to_string();
   asio::co_spawn(state_->io, state_->accept(), asio::detached);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    ::sigaction(signal, nullptr, &before);
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) state_->signals.add(signal);  // nohup's stays ignored
+  }
+  state_->signals.async_wait([this](const error_code& error, int) {
+    if (!error) state_->io.stop();
+  });
 }
 
 Server::~Server() = default;
 
 std::string Server::address() const { return state_->door.address(); }
 
-void Server::run() {
-  if (state_->door.port != 0) {
-    state_->signals.add(SIGINT);
-    state_->signals.add(SIGTERM);
-    state_->signals.async_wait([this](const error_code& error, int) {
-      if (!error) state_->io.stop();
-    });
-  }
-  state_->io.run();
-}
+void Server::run() { state_->io.run(); }
 
 void Server::send(Page page, const Packet& packet) {
   asio::post(state_->io, [this, page, packet] {
@@ -391,6 +349,6 @@ void Server::serve(int descriptor) {
   state_->serve(std::move(socket));
 }
 
-std::size_t Server::connections() const { return state_->connections; }
+std::size_t Server::connections() const { return state_->guests.size(); }
 
 }  // namespace gicube::samples::view

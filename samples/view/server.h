@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include <string_view>
 
 #include "scene/names.h"
+#include "view/posted.h"
 #include "view/viewer.h"
 
 namespace gicube::samples::view {
@@ -26,12 +26,13 @@ struct Pages {
   std::function<void(Page)> come, leave;
   std::function<void(Page, Request)> ask;
   std::function<std::optional<Viewer::Download>(const std::string& what, std::uint64_t number)> download;
-  std::filesystem::path folder;  // for posted files
+  PostedFiles* files = nullptr;
 };
 
 class Server {
  public:
-  // Throws boost::system::system_error, and FileError for a certificate.
+  // From here on signals that end programs end run(): SIGINT, SIGTERM, and SIGHUP unless it is ignored. Throws
+  // boost::system::system_error, and FileError for a certificate.
   Server(Pages pages, const Listen& listen, std::string token);
   // For connections that serve() is given; listens nowhere.
   Server(Pages pages, std::string token);
@@ -41,7 +42,7 @@ class Server {
 
   std::string address() const;  // with the token
 
-  // Until a signal that ends programs (SIGINT, SIGTERM).
+  // Until such a signal, or until what serve() was given has ended.
   void run();
   // From any thread.
   void send(Page page, const Packet& packet);

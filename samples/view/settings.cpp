@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ranges>
 #include <span>
@@ -16,6 +15,7 @@
 #include "gicube/scene/provenance.h"
 #include "gicube/scene/transfer_function_file.h"
 #include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
 
 namespace gicube::samples::view {
 namespace {
@@ -50,8 +50,12 @@ std::string path_of(const std::string& name, const Shelf& shelf) {
 // As people would type it: files that came from a page have their own names.
 std::string shown_path(const std::string& name, const Shelf& shelf) {
   std::string path = path_of(name, shelf);
-  return path.starts_with(shelf.folder.string()) ? name : path;
+  if (!path.starts_with(shelf.folder.string())) return path;
+  return name.starts_with("builtin:") ? "./" + name : name;
 }
+
+// A name that begins as an option is none.
+std::string as_word(const std::string& path) { return path.starts_with('-') ? "./" + path : path; }
 
 bool is_written(const std::string& function) { return function.find('\n') != std::string::npos; }
 
@@ -68,7 +72,7 @@ std::vector<std::string> arguments_of(const Settings& settings, const Shelf& she
                                       bool shown) {
   const auto input = settings.find("input");
   if (input == settings.end()) throw UsageError("--input: expected one of " + names_of(shelf.inputs) + ", got none");
-  std::vector<std::string> words{shown ? shown_path(input->second, shelf) : path_of(input->second, shelf)};
+  std::vector<std::string> words{as_word(shown ? shown_path(input->second, shelf) : path_of(input->second, shelf))};
   if (shown) {
     if (board.board != "emu:") words.push_back("--board=" + board.board);
     if (!board.fidelity.empty() && !settings.contains("fidelity")) words.push_back("--fidelity=" + board.fidelity);
@@ -110,7 +114,7 @@ std::filesystem::path file_of(const std::string& function, const Shelf& shelf) {
   parse_transfer_function(function, "transfer-function");
   const auto bytes = std::as_bytes(std::span(function.data(), function.size()));
   std::filesystem::path file = shelf.folder / (".tf-" + hex(hash_of(bytes)) + ".tf");
-  if (!std::filesystem::exists(file)) std::ofstream(file, std::ios::binary) << function;
+  if (!std::filesystem::exists(file)) scene::write_whole(file, function);
   return file;
 }
 
@@ -150,11 +154,18 @@ std::string python_of(const Settings& settings, const Shelf& shelf, const Render
   std::string scene = "gicube.read_scene(" + input + ")";
   if (!is_scene_path(options.input)) {
     const std::string builtin = "builtin:";
-    std::string volume = "file: " + input;
-    if (options.input.starts_with(builtin)) volume = "builtin: \"" + options.input.substr(builtin.size()) + '"';
+    // Named in its own folder: a scene names no other.
+    std::filesystem::path file = shown_path(settings.at("input"), shelf);
+    if (!file.has_filename()) file = file.parent_path();
+    std::string volume = "file: " + nlohmann::json(file.filename().string()).dump(), folder;
+    if (options.input.starts_with(builtin)) {
+      volume = "builtin: \"" + options.input.substr(builtin.size()) + '"';
+    } else if (file.has_parent_path()) {
+      folder = ", folder=" + nlohmann::json(file.parent_path().string()).dump();
+    }
     if (options.volume_size) volume += fmt::format(" size: {}", *options.volume_size);
     if (options.spacing) volume += fmt::format(" spacing: [{}]", text_of(*options.spacing));
-    scene = "gicube.parse_scene(" + nlohmann::json("volume { " + volume + " }").dump() + ")";
+    scene = "gicube.parse_scene(" + nlohmann::json("volume { " + volume + " }").dump() + folder + ")";
   } else if (options.volume_size) {
     return "";
   }

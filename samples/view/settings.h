@@ -20,7 +20,8 @@ struct Shelf {
   std::filesystem::path folder;                            // for those that a page writes itself
 };
 
-// A file with a transfer function's text, by its content. Throws InputError: it is none.
+// A file with a transfer function's text, by its content. Throws InputError: it is none; FileError: it can't be
+// written.
 std::filesystem::path file_of(const std::string& function, const Shelf& shelf);
 
 // `board`: of the program's command line; a page may change its level and fields. Throws UsageError ("--NAME: expected ..., got ...")

@@ -8,6 +8,7 @@
 #include "gicube/scene/error.h"
 #include "gicube/scene/transfer_function_file.h"
 #include "scene/common/checks.h"
+#include "scene/common/while_reading.h"
 #include "view/folder.h"
 #include "view/protocol.h"
 
@@ -21,12 +22,14 @@ using Kind = Request::Kind;
 struct Stopped {};
 
 constexpr const char* kGaveWay = "the comparison gave way to another picture";
+constexpr const char* kOpensAnother = "another file is opened in its place";
 constexpr const char* kNothingOpen = "nothing is open: name an input on the command line, or drop a file on the page";
 
 // What is stopped when something newer comes.
 bool is_picture(const std::optional<Request>& request) {
   return request && (request->kind == Kind::kPicture || request->kind == Kind::kCompare);
 }
+bool is_open(const std::optional<Request>& request) { return request && request->kind == Kind::kOpen; }
 
 std::string name_of_input(const std::string& path) {
   const std::filesystem::path p(path);
@@ -35,9 +38,9 @@ std::string name_of_input(const std::string& path) {
                                       : p.parent_path().filename().string();
 }
 
-Packet packet(const Json& message, bool droppable) {
+Packet packet(const Json& message, const std::string& kind = {}) {
   auto text = message.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return {std::make_shared<const std::string>(std::move(text)), false, droppable};
+  return {std::make_shared<const std::string>(std::move(text)), false, kind};
 }
 
 Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -54,7 +57,7 @@ Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet
           if (with_units) message["units"][counter.name] = counter.unit;
         }
         if (!look.machine.is_null()) message["look"] = look.machine;
-        tell(page, message, true);
+        tell(page, message, with_units ? "" : "machine");  // units come once
       }) {
   shelf_.folder = options_.folder;
   for (const std::string& input : options_.inputs) shelf_.inputs.emplace(name_of_input(input), input);
@@ -67,12 +70,15 @@ Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet
 }
 
 Viewer::~Viewer() {
-  {
-    const std::lock_guard lock(mutex_);
-    ends_ = stop_ = true;
-  }
-  wake_.notify_all();
+  end({});
   thread_.join();
+}
+
+bool Viewer::end(std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  ends_ = stop_ = true;
+  wake_.notify_all();
+  return wake_.wait_for(lock, patience, [this] { return ended_; });
 }
 
 void Viewer::come(Page page) {
@@ -87,7 +93,7 @@ void Viewer::leave(Page page) {
   live_.listen(page, false);
   const std::lock_guard lock(mutex_);
   std::erase_if(jobs_, [page](const Job& job) { return job.page == page; });
-  if (now_ && now_->page == page && is_picture(now_->request)) stop_ = true;
+  if (now_ && now_->page == page && (is_picture(now_->request) || is_open(now_->request))) stop_ = true;
 }
 
 void Viewer::ask(Page page, Request request) {
@@ -109,6 +115,7 @@ void Viewer::ask(Page page, Request request) {
         (now_->page == page || (request.kind == Kind::kPicture && request.on && !now_->request->on))) {
       stop_ = true;
     }
+    if (is_open(request) && now_ && is_open(now_->request)) stop_ = true;
     full = std::ranges::count(jobs_, page, &Job::page) >= static_cast<std::ptrdiff_t>(kMaxWaiting);
     if (!full) jobs_.push_back({page, std::move(request)});
   }
@@ -128,7 +135,7 @@ void Viewer::work() {
   for (;;) {
     now_.reset();
     wake_.wait(lock, [this] { return ends_ || !jobs_.empty(); });
-    if (ends_) return;
+    if (ends_) break;
     now_ = std::move(jobs_.front());
     jobs_.pop_front();
     stop_ = false;
@@ -139,6 +146,8 @@ void Viewer::work() {
     live_.set_running(false);
     lock.lock();
   }
+  ended_ = true;
+  wake_.notify_all();
 }
 
 void Viewer::carry_out(const Job& job) try {
@@ -160,6 +169,7 @@ void Viewer::carry_out(const Job& job) try {
 } catch (const Stopped&) {
   if (main_.renderer && !main_.renderer->loaded()) main_ = {};
   if (quick_.renderer && !quick_.renderer->loaded()) quick_ = {};
+  if (is_open(job.request)) return failed(job, kOpensAnother, "");
   const bool has_newer = make_way(job);
   if (has_newer && job.request->kind == Kind::kCompare) failed(job, kGaveWay, "");
 } catch (const DeviceLost& error) {
@@ -210,42 +220,34 @@ void Viewer::open_files(const std::vector<std::string>& names) {
   const auto ends = [](const std::string& name, std::initializer_list<const char*> all) {
     return std::ranges::any_of(all, [&name](const char* end) { return name.ends_with(end); });
   };
-  for (const std::string& name : names) {
-    if (!std::filesystem::exists(options_.folder / name)) throw InputError(name, "a posted file", "none of that name");
-  }
+  PostedFiles::Opening opening(*options_.files, names);
+  const std::filesystem::path& folder = options_.files->folder();
   if (names.size() == 1 && ends(names.front(), {".tf"})) {
     // By its content, since another one may come by this name.
-    shelf_.functions[names.front()] = file_of(bytes_of(options_.folder / names.front()), shelf_);
+    shelf_.functions[names.front()] = file_of(bytes_of(folder / names.front()), shelf_);
+    opening.keep();
     return send_(kAllPages, hello());
   }
   // A header or a scene with its files, or else slices, which are a folder of their own.
   const auto head = std::ranges::find_if(names, [&](const std::string& name) {
     return names.size() == 1 || is_scene_path(name) || ends(name, {".nhdr", ".mhd"});
   });
-  std::string name;
-  const Shelf before = shelf_;
-  if (head != names.end()) {
-    name = *head;
-    shelf_.inputs[name] = (options_.folder / name).string();
-  } else {
-    for (std::size_t number = 1; name.empty() || std::filesystem::exists(options_.folder / name); ++number) {
-      name = fmt::format("slices-{}", number);
-    }
-    std::filesystem::create_directory(options_.folder / name);
-    for (const std::string& slice : names) {
-      std::filesystem::rename(options_.folder / slice, options_.folder / name / slice);
-    }
-    shelf_.inputs[name] = (options_.folder / name).string();
-  }
+  const std::string name = head != names.end() ? *head : opening.into_folder();
   const std::string open = input_;
+  const Shelf before = shelf_;
+  shelf_.inputs[name] = (folder / name).string();
   try {
+    const scene::WhileReading looks([this] { stop_if_told(); });
     open_input(name);
-  } catch (const Error&) {
+  } catch (...) {
+    opening.undo();
+    if (!goes_on()) throw;
     shelf_ = before;
     close_boards();
     if (!open.empty()) open_input(open);  // what was there stays
     throw;
   }
+  opening.keep();
 }
 
 void Viewer::open_input(const std::string& name) {
@@ -293,7 +295,7 @@ Packet Viewer::hello() {
     const BoardInfo& info = shown.renderer->board().info();
     message["board"] = {{"uri", shown.uri}, {"level", gicube::name_of(info.fidelity)}, {"processors", info.processors}};
   }
-  return packet(message, false);
+  return packet(message);
 }
 
 Settings Viewer::completed(const Settings& settings) const {
@@ -309,16 +311,22 @@ void Viewer::stop_if_told() {
   if (stop_) throw Stopped();
 }
 
-void Viewer::tell(Page page, const Json& message, bool droppable) { send_(page, packet(message, droppable)); }
+bool Viewer::goes_on() {
+  const std::lock_guard lock(mutex_);
+  if (!ends_) stop_ = false;
+  return !ends_;
+}
 
-void Viewer::tell(Page page, const Json& header, const std::vector<std::uint8_t>& bytes, bool droppable) {
+void Viewer::tell(Page page, const Json& message, const std::string& kind) { send_(page, packet(message, kind)); }
+
+void Viewer::tell(Page page, const Json& header, const std::vector<std::uint8_t>& bytes, const std::string& kind) {
   const std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
   auto all = std::make_shared<std::string>();
   all->reserve(4 + text.size() + bytes.size());
   for (int shift = 0; shift < 32; shift += 8) all->push_back(static_cast<char>(text.size() >> shift & 0xff));
   *all += text;
   all->append(bytes.begin(), bytes.end());
-  send_(page, {std::move(all), true, droppable});
+  send_(page, {std::move(all), true, kind});
 }
 
 Progress Viewer::step(const std::string& what) {
@@ -328,7 +336,7 @@ Progress Viewer::step(const std::string& what) {
     const auto now = std::chrono::steady_clock::now();
     if (now - *told < kEvery) return;
     *told = now;
-    tell(kAllPages, {{"type", "progress"}, {"text", what}, {"done", done}, {"all", all}}, true);
+    tell(kAllPages, {{"type", "progress"}, {"text", what}, {"done", done}, {"all", all}}, "progress");
   };
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -18,6 +19,7 @@
 
 #include "render/renderer.h"
 #include "view/live_counters.h"
+#include "view/posted.h"
 #include "view/request.h"
 #include "view/settings.h"
 
@@ -27,7 +29,7 @@ namespace gicube::samples::view {
 struct Packet {
   std::shared_ptr<const std::string> bytes;
   bool binary = false;
-  bool droppable = false;  // pointless once a newer one of its kind follows
+  std::string kind{};  // pointless once a newer one of its kind follows; empty: never
 };
 
 using Page = std::uint64_t;
@@ -36,7 +38,8 @@ constexpr Page kAllPages = 0;
 struct ViewOptions {
   std::vector<std::string> inputs;
   Settings settings;             // --fix
-  std::filesystem::path folder;  // for posted files, and what the viewer writes
+  std::filesystem::path folder;  // for what the viewer writes
+  PostedFiles* files = nullptr;
   BoardOptions board;
 };
 
@@ -48,6 +51,10 @@ class Viewer {
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
+
+  // Stops what is under way, and takes no more. Whether that has ended in time: some steps, as making a world's voxels,
+  // do not stop.
+  bool end(std::chrono::milliseconds patience);
 
   // From any thread.
   void come(Page page);  // it gets hello
@@ -106,10 +113,14 @@ class Viewer {
   void send_picture(const Job& job, Desk& desk, const RenderOptions& options, const Settings& settings, bool whole);
   Packet hello();
   Settings completed(const Settings& settings) const;
-  void tell(Page page, const nlohmann::ordered_json& message, bool droppable = false);
-  void tell(Page page, const nlohmann::ordered_json& header, const std::vector<std::uint8_t>& bytes, bool droppable);
+  // `kind`: as Packet's.
+  void tell(Page page, const nlohmann::ordered_json& message, const std::string& kind = {});
+  void tell(Page page, const nlohmann::ordered_json& header, const std::vector<std::uint8_t>& bytes,
+            const std::string& kind);
   Progress step(const std::string& what);
   void stop_if_told();
+  // After a stop of what was under way: whether there is something to go on for.
+  bool goes_on();
 
   ViewOptions options_;
   std::function<void(Page, const Packet&)> send_;
@@ -127,7 +138,7 @@ class Viewer {
   std::optional<Job> now_;
   std::map<std::uint64_t, Made> made_;  // the last ones, by number
   std::uint64_t last_number_ = 0;
-  bool ends_ = false;
+  bool ends_ = false, ended_ = false;
   std::atomic<bool> stop_ = false;  // the call under way
   LiveCounters live_;
   std::thread thread_;

@@ -164,7 +164,7 @@ void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& optio
     made_.emplace(last_number_, std::move(made));
     if (made_.size() > kMaxMade) made_.erase(made_.begin());
   }
-  tell(job.page, header, pixels, true);
+  tell(job.page, header, pixels, "picture");
 }
 
 void Viewer::compare(const Job& job) {
@@ -208,7 +208,7 @@ void Viewer::slice(const Job& job) {
                     {"at", at},
                     {"width", axis == 0 ? dims[1] : dims[0]},
                     {"height", axis == 2 ? dims[1] : dims[2]}};
-  tell(job.page, header, grey, false);
+  tell(job.page, header, grey, std::string("slice ") + "xyz"[axis]);
 }
 
 void Viewer::histogram(Page page) {

@@ -31,7 +31,8 @@ void view_http(Bytes input) {
   pages.leave = [](view::Page) {};
   pages.ask = [](view::Page, const view::Request&) {};
   pages.download = [](const std::string&, std::uint64_t) { return std::optional<view::Viewer::Download>(); };
-  pages.folder = folder.path();
+  view::PostedFiles files(folder.path());
+  pages.files = &files;
   view::Server server(pages, kToken);
   int ends[2] = {-1, -1};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
@@ -60,7 +61,7 @@ void view_http(Bytes input) {
   const bool has_token = text_of(input).find('%') != std::string_view::npos ||
                          text_of(input).find(kToken) != std::string_view::npos;  // % may stand for any of its letters
   expect(!came || has_token, "no page comes without the token");
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file(".new"))) {
     expect(view::is_file_name(entry.path().filename().string()), "a posted file has a plain name");
     std::filesystem::remove_all(entry.path());
   }

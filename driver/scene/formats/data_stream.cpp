@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/common/while_reading.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -57,13 +59,13 @@ void DataStream::end_member() {
   if (!ended_) inflateReset(&inflater_);
 }
 
-// One call of inflate() with at most 2^32 - 1 bytes of output.
+// One call of inflate().
 void DataStream::inflate_some(std::span<std::byte> out) {
   if (inflater_.avail_in == 0 && !refill()) {
     throw FileError(file_, "compressed data", "a whole gzip or zlib stream", "its beginning (truncated)");
   }
   inflater_.next_out = reinterpret_cast<Bytef*>(out.data());
-  inflater_.avail_out = static_cast<uInt>(std::min<std::size_t>(out.size(), std::numeric_limits<uInt>::max()));
+  inflater_.avail_out = static_cast<uInt>(std::min(out.size(), kChunkBytes));
   const int status = inflate(&inflater_, Z_NO_FLUSH);
   if (status == Z_STREAM_END) {
     end_member();
@@ -74,9 +76,11 @@ void DataStream::inflate_some(std::span<std::byte> out) {
 }
 
 std::size_t DataStream::read(std::span<std::byte> bytes) {
+  WhileReading::look();
   if (!compressed_) return read_file(bytes.data(), bytes.size());
   std::size_t done = 0;
   while (done < bytes.size() && !ended_) {
+    WhileReading::look();
     inflate_some(bytes.subspan(done));
     done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater_.next_out) - bytes.data());
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -26,6 +27,13 @@ class OptionGroup {
   }
   CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
     return app_.add_flag(option, target, help)->group(name_);
+  }
+  // Not set unless the flag is given: add_flag() itself would count how often it is, from 0.
+  CLI::Option* flag(const std::string& option, std::optional<bool>& target, const std::string& help) {
+    return app_
+        .add_flag_function(
+            option, [&target](std::int64_t count) { target = count > 0; }, help)
+        ->group(name_);
   }
   // A number that the help shows the default of.
   template <typename Value>

@@ -116,6 +116,12 @@ TEST_F(ViewSettings, AreACommandLineForTheShell) {
             "gicube-render '/data/a b.nrrd' --transfer-function=view.tf -o picture.png");
   // What came from a page has no path that anyone else knows.
   EXPECT_EQ(command({{"input", "own.nrrd"}}), "gicube-render own.nrrd -o picture.png");
+  // Names that would be something else.
+  shelf.inputs.insert(
+      {{"-h.nrrd", folder.path() + "/-h.nrrd"}, {"builtin:x", folder.path() + "/builtin:x"}, {"-a", "-a"}});
+  EXPECT_EQ(command({{"input", "-h.nrrd"}}), "gicube-render ./-h.nrrd -o picture.png");
+  EXPECT_EQ(command({{"input", "builtin:x"}}), "gicube-render ./builtin:x -o picture.png");
+  EXPECT_EQ(options({{"input", "-a"}}).input, "./-a");
 }
 
 TEST_F(ViewSettings, SayInTheCommandWhatTheProgramWasStartedWith) {
@@ -135,6 +141,9 @@ TEST_F(ViewSettings, HavePythonLinesUnlessThePackageHasNoCallForOne) {
   EXPECT_NE(text.find(R"(gicube.open("emu:?set=asic.processors=8"))"), std::string::npos) << text;
   EXPECT_NE(text.find(R"(transfer_function("view.tf")"), std::string::npos) << text;
   EXPECT_EQ(lines({{"illumination", "low"}}), "");
+  EXPECT_NE(lines({{"input", "a b.nrrd"}}).find(R"(parse_scene("volume { file: \"a b.nrrd\" }", folder="/data"))"),
+            std::string::npos);
+  EXPECT_NE(lines({{"input", "own.nrrd"}}).find(R"(parse_scene("volume { file: \"own.nrrd\" }"))"), std::string::npos);
 }
 
 }  // namespace

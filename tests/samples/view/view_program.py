@@ -51,11 +51,11 @@ class Running:
 
 
 class Program(Running):
-    """One of our own, which ends with the block."""
+    """One of our own, which ends with the block; `how`: of subprocess.Popen."""
 
-    def __init__(self, *arguments: object, trust: Optional[pathlib.Path] = None) -> None:
-        words = [BIN / "gicube-view", "--no-open", *arguments]
-        self.process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def __init__(self, *arguments: object, trust: Optional[pathlib.Path] = None, **how: Any) -> None:
+        words = [str(word) for word in (BIN / "gicube-view", "--no-open", *arguments)]
+        self.process = subprocess.Popen(words, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **how})
         assert self.process.stdout is not None
         address = self.process.stdout.readline().strip()
         assert address, self.process.communicate()[1]
@@ -67,6 +67,10 @@ class Program(Running):
     def __exit__(self, *_: object) -> None:
         self.process.send_signal(signal.SIGTERM)
         self.process.communicate(timeout=60)
+
+    def post(self, name: str, content: bytes) -> tuple[int, bytes]:
+        origin = f"{self.scheme}://127.0.0.1:{self.port}"
+        return self.get(f"/file?token={self.token}&name={urllib.parse.quote(name)}", "POST", content, Origin=origin)
 
     def boards(self) -> list[int]:
         """Processes of the boards that it has started."""

@@ -1,0 +1,29 @@
+// Lets whoever waits for a file end its reading.
+#pragma once
+
+#include <functional>
+#include <utility>
+
+namespace gicube::scene {
+
+// While it is there, this thread's reading of volumes calls `look` for about each mebibyte, and ends by what that
+// throws.
+class WhileReading {
+ public:
+  explicit WhileReading(std::function<void()> look) : look_(std::move(look)), before_(std::exchange(current_, this)) {}
+  ~WhileReading() { current_ = before_; }
+  WhileReading(const WhileReading&) = delete;
+  WhileReading& operator=(const WhileReading&) = delete;
+
+  // Of the reader.
+  static void look() {
+    if (current_ != nullptr) current_->look_();
+  }
+
+ private:
+  std::function<void()> look_;
+  WhileReading* before_;
+  static inline thread_local WhileReading* current_ = nullptr;
+};
+
+}  // namespace gicube::scene
