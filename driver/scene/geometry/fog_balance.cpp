@@ -110,13 +110,8 @@ class FogBalance {
     return sum / weights;
   }
 
-  // To the fogs around, the more the nearer, that have room. What a voxel has too much, since a solid's density beside it is seen as fog,
-  // it loses itself.
+  // To the fogs around, the more the nearer, that have room. It is less than 0 where a solid's density is seen as fog.
   void hand_on(const Dims& voxel, double missing, std::vector<float>& more) const {
-    if (missing < 0) {
-      more[index_of(voxel)] += static_cast<float>(missing);
-      return;
-    }
     const auto each = [&](const auto& give) {
       around(voxel, kFogReach, [&](std::size_t index, const Dims& offset) {
         if (!is_fog(index) || density(index) >= kFull) return;

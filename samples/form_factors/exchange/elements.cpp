@@ -77,7 +77,7 @@ class SurfaceShares {
  private:
   static constexpr std::size_t kNoSolid = 4;  // tags are 0..3
   std::size_t tag(std::size_t at) const {
-    const std::size_t tag = medium_.tags[at];
+    const std::size_t tag = setup_.tags.empty() ? 0 : setup_.tags[at];  // an edge in fog is fog in the medium
     return tag < setup_.looks.size() && std::holds_alternative<SolidLook>(setup_.looks[tag]) ? tag : kNoSolid;
   }
   Vec3 gradient(std::size_t at) const {

@@ -130,7 +130,7 @@ TEST(FogBesideSolids, OfAClosedRoomTakesWhatItTakesOfALampsLight) {
         expected += std::exp(-extinction * length) / kRays;
         through += std::exp(-sampled.depth(kLamp, d, length)) / kRays;
       }
-      constexpr int kPlaces = 40;
+      constexpr int kPlaces = 60;
       for (int i = 0; i < kPlaces * kPlaces * kPlaces; ++i) {
         const auto at = [&](int k) { return ((k % kPlaces + even(random)) / kPlaces - 0.5) * 1.8; };
         volume += sampled.extinction({at(i), at(i / kPlaces), at(i / kPlaces / kPlaces)});
