@@ -161,6 +161,36 @@ TEST(CHeader, EveryRecordHasACppOne) {
   EXPECT_EQ(count, static_cast<int>(matches().size()) + 1);
 }
 
+// "double eye[3]" and so on, in their order. A reserved field may get a name, but no other type.
+std::vector<std::string> declarations(const std::string& header_name, const std::string& record) {
+  std::stringstream statements(body(header(header_name), "struct " + record + R"(\b)"));
+  std::vector<std::string> out;
+  for (std::string each; std::getline(statements, each, ';');) {
+    each = std::regex_replace(each, std::regex(R"(\s+)"), " ");
+    if (each != " ") out.push_back(each);
+  }
+  return out;
+}
+
+TEST(CHeader, RecordsBeginWithTheFieldsOfPastReleases) {
+  const std::string past = "../../../tests/driver/c_api/released/0.2.0/gicube/c_types.h";
+  const std::string text = header(past);
+  const std::regex begin(R"(struct (gicube_\w+) \{)");
+  int count = 0;
+  for (std::sregex_iterator each(text.begin(), text.end(), begin), end; each != end; ++each, ++count) {
+    const std::string name = (*each)[1];
+    const auto before = declarations(past, name), now = declarations("c_types.h", name);
+    ASSERT_GE(now.size(), before.size()) << name;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const bool has_a_name_now = before[i].ends_with(" reserved") && now[i].starts_with(before[i].substr(0, 8));
+      EXPECT_TRUE(has_a_name_now || now[i] == before[i]) << name << ": " << now[i] << " for " << before[i];
+    }
+    const bool may_grow = before[0] == " uint32_t size" && name != "gicube_batch_lighting";
+    EXPECT_TRUE(may_grow || now.size() == before.size()) << name << " stands in arrays";
+  }
+  EXPECT_EQ(count, 29);
+}
+
 // kByBoard -> BY_BOARD
 std::string in_capitals(const std::string& enumerator) {
   std::string out;

@@ -10,6 +10,12 @@
 
 #include "c_api/call.h"
 
+// The records as callers have them that were compiled for 0.2.0.
+#undef GICUBE_C_TYPES_H
+namespace released_0_2_0 {
+#include "released/0.2.0/gicube/c_types.h"
+}
+
 namespace gicube::c_api {
 namespace {
 
@@ -94,6 +100,22 @@ TYPED_TEST(CSettings, CrossWithAllTheirFields) {
       [&](auto&... one) { return std::apply([&](auto&... other) { return std::vector{(one == other)...}; }, after); },
       before);
   EXPECT_THAT(equal, testing::Each(true));  // by the order in fields()
+}
+
+// All that a caller hands over with a size.
+TEST(CRecord, OfAPastReleaseIsTaken) {
+#define EXPECT_TAKEN(record) EXPECT_LE(kFirstSize<gicube_##record>, sizeof(released_0_2_0::gicube_##record)) << #record
+  EXPECT_TAKEN(open_options);
+  EXPECT_TAKEN(board_info);
+  EXPECT_TAKEN(volume);
+  EXPECT_TAKEN(shading);
+  EXPECT_TAKEN(material);
+  EXPECT_TAKEN(illumination);
+  EXPECT_TAKEN(lighting_report);
+  EXPECT_TAKEN(view);
+  EXPECT_TAKEN(ray_request);
+  EXPECT_TAKEN(pair_request);
+  EXPECT_TAKEN(batch_report);
 }
 
 // As a program that was compiled before find_gradients hands it over: what follows is its own memory.
