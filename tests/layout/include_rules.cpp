@@ -180,7 +180,7 @@ const std::vector<Rule>& rules() {
                              {"fmt", "google/protobuf"}},
 
       // The Python package: an application of the public headers.
-      {"driver/python/core",  {"driver/python/core", "driver/include", "driver/hosts/include", "driver/scene/include"}, {"pybind11", "unistd.h"}},
+      {"driver/python/core",  {"driver/python/core", "driver/include", "driver/hosts/include", "driver/scene/include"}, {"cxxabi.h", "pybind11", "unistd.h"}},
 
       program("samples/scene", {"proto/gicube/v1/board_config.pb.h"}, {kAnything}),
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},

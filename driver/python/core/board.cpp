@@ -10,8 +10,9 @@
 namespace gicube::python {
 
 void take_signals() {
-  const py::gil_scoped_acquire held;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  with_interpreter([] {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  });
 }
 
 namespace {
@@ -20,10 +21,8 @@ using namespace pybind11::literals;
 
 // A Python object that the driver may copy and destroy without the interpreter's lock.
 std::shared_ptr<py::object> shared(py::handle object) {
-  return {new py::object(py::reinterpret_borrow<py::object>(object)), [](py::object* pointer) {
-            const py::gil_scoped_acquire held;
-            delete pointer;
-          }};
+  return {new py::object(py::reinterpret_borrow<py::object>(object)),
+          [](py::object* pointer) { with_interpreter([pointer] { delete pointer; }); }};
 }
 
 py::object report_of(const BatchReport& report, const py::object& rays) {
@@ -72,24 +71,24 @@ class PythonExchange : public RayExchange {
   int rank() const override { return rank_; }
   int ranks() const override { return ranks_; }
   std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::vector<std::uint8_t>> to) override {
-    const py::gil_scoped_acquire lock;
-    py::list parts;
-    for (const auto& part : to) parts.append(py::bytes(reinterpret_cast<const char*>(part.data()), part.size()));
-    const py::list came(object_->attr("exchange")(parts));
-    std::vector<std::vector<std::uint8_t>> out;
-    for (const py::handle each : came) {
-      if (!py::isinstance<py::bytes>(each)) refuse("exchange()", "a list of bytes", each);
-      const auto bytes = static_cast<std::string_view>(py::reinterpret_borrow<py::bytes>(each));
-      out.emplace_back(bytes.begin(), bytes.end());
-    }
-    if (out.size() != static_cast<std::size_t>(ranks_)) {
-      refuse("exchange()", "one bytes of each of " + std::to_string(ranks_) + " ranks", py::int_(out.size()));
-    }
-    return out;
+    return with_interpreter([&] {
+      py::list parts;
+      for (const auto& part : to) parts.append(py::bytes(reinterpret_cast<const char*>(part.data()), part.size()));
+      const py::list came(object_->attr("exchange")(parts));
+      std::vector<std::vector<std::uint8_t>> out;
+      for (const py::handle each : came) {
+        if (!py::isinstance<py::bytes>(each)) refuse("exchange()", "a list of bytes", each);
+        const auto bytes = static_cast<std::string_view>(py::reinterpret_borrow<py::bytes>(each));
+        out.emplace_back(bytes.begin(), bytes.end());
+      }
+      if (out.size() != static_cast<std::size_t>(ranks_)) {
+        refuse("exchange()", "one bytes of each of " + std::to_string(ranks_) + " ranks", py::int_(out.size()));
+      }
+      return out;
+    });
   }
   std::uint64_t sum(std::uint64_t value) override {
-    const py::gil_scoped_acquire lock;
-    return read_as<std::uint64_t>(object_->attr("sum")(value), "sum()");
+    return with_interpreter([&] { return read_as<std::uint64_t>(object_->attr("sum")(value), "sum()"); });
   }
 
  private:
@@ -126,11 +125,12 @@ py::object given_back(const Counters& counters) {
 ScatteringRoutine routine_of(py::handle callable) {
   if (callable.is_none()) return {};
   return [held = shared(callable)](const ScatterEvent& event) {
-    const py::gil_scoped_acquire lock;
-    py::object told = write(event);
-    told.attr("parameters") =
-        py::array_t<float>(static_cast<py::ssize_t>(event.parameters.size()), event.parameters.data());
-    return read_as<ScatterAnswer>((*held)(told), "answer");
+    return with_interpreter([&] {
+      py::object told = write(event);
+      told.attr("parameters") =
+          py::array_t<float>(static_cast<py::ssize_t>(event.parameters.size()), event.parameters.data());
+      return read_as<ScatterAnswer>((*held)(told), "answer");
+    });
   };
 }
 
@@ -142,9 +142,7 @@ Progress progress_of(py::handle callable) {
       take_signals();
       next = Clock::now() + kPause;
     }
-    if (callable.is_none()) return;
-    const py::gil_scoped_acquire held;
-    callable(done, all);
+    if (!callable.is_none()) with_interpreter([&] { callable(done, all); });
   };
 }
 
@@ -181,11 +179,12 @@ VolumeStream stream_of(py::handle volume) {
   read(volume.attr("find_gradients"), "find_gradients", stream.find_gradients);
   const auto reader = [volume](const char* method) {
     return [volume, method](int first, int planes, std::span<std::byte> out) {
-      const py::gil_scoped_acquire held;
-      const py::array made = volume.attr(method)(first, planes);
-      if (static_cast<std::size_t>(made.nbytes()) != out.size())
-        refuse("sample_type", "that of the planes", made.dtype());
-      std::memcpy(out.data(), made.data(), out.size());
+      with_interpreter([&] {
+        const py::array made = volume.attr(method)(first, planes);
+        if (static_cast<std::size_t>(made.nbytes()) != out.size())
+          refuse("sample_type", "that of the planes", made.dtype());
+        std::memcpy(out.data(), made.data(), out.size());
+      });
     };
   };
   stream.read = reader("_planes");
@@ -202,6 +201,7 @@ void add_board(py::module_& module) {
         [&] { return std::make_unique<Handle>(std::make_shared<Board>(Board::open(uri, options))); });
   }));
   type.def("close", &Handle::close);
+  type.def("close_if_idle", &Handle::close_if_idle);
   type.def_property_readonly("info", call(&Board::info));
   type.def_property_readonly("now", call(&Board::now));
   type.def("reopen", call(&Board::reopen));

@@ -25,6 +25,7 @@
 
 #include "gicube/error.h"
 #include "gicube/vector.h"
+#include "interpreter.h"
 
 namespace gicube::python {
 
@@ -208,12 +209,6 @@ void add_properties(py::class_<T>& to, const std::tuple<Fields...>& fields) {
     to.def_property_readonly(field.first, [member = field.second](const T& self) { return write(self.*member); });
   };
   std::apply([&](const auto&... one) { (add(one), ...); }, fields);
-}
-
-// Lets other threads of Python run while `call` works.
-auto without_interpreter(const auto& call) {
-  const py::gil_scoped_release free;
-  return call();
 }
 
 }  // namespace gicube::python

@@ -38,12 +38,8 @@ void add_group(py::module_& module) {
   type.def_property_readonly("buses", [](const Group& self) { return write(self.board()->buses()); });
   type.def("on_all", [](const Group& self, const py::function& work) {
     const auto group = self.board();
-    without_interpreter([&] {
-      group->on_all([&](Board&, std::size_t index) {
-        const py::gil_scoped_acquire held;
-        work(index);
-      });
-    });
+    without_interpreter(
+        [&] { group->on_all([&](Board&, std::size_t index) { with_interpreter([&] { work(index); }); }); });
   });
   type.def("render", [](const Group& self, const py::object& view, const py::object& progress) {
     const auto group = self.board();

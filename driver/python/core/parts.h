@@ -13,6 +13,7 @@
 #include "gicube/board.h"
 #include "gicube/error.h"
 #include "gicube/level_of_detail.h"
+#include "interpreter.h"
 
 namespace gicube::python {
 
@@ -51,8 +52,11 @@ class Owned {
     if (is_forked()) return;
     std::shared_ptr<T> last;
     last.swap(what_);
-    const pybind11::gil_scoped_release free;
-    last.reset();
+    without_interpreter([&last] { last.reset(); });
+  }
+  // As the interpreter ends. A call that still goes on is a daemon thread's, which does not end: it keeps its board.
+  void close_if_idle() {
+    if (what_.use_count() == 1) close();
   }
 
  private:

@@ -124,7 +124,7 @@ void add_scenes(py::module_& module) {
   scene.def_property(
       "view", [](const scene::Scene& self) { return write(self.view); },
       [](scene::Scene& self, const py::object& view) { read(view, "", self.view); });
-  scene.def("set_up", &scene::set_up, py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>());
+  scene.def("set_up", &scene::set_up, py::arg("threads") = 0, py::call_guard<Released>());
   using Path = std::filesystem::path;
   module.def("read_scene", py::overload_cast<const Path&, bool>(&scene::read_scene));
   module.def("parse_scene",

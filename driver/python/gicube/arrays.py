@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from typing import Any, Dict, Optional, Sequence, Type, TypeVar, Union
 
 import numpy as np
@@ -46,12 +47,36 @@ def as_request(kind: Type[Request], request: Optional[Request], fields: Dict[str
     return replace(request, **fields)
 
 
+Choice = TypeVar("Choice", bound=Enum)
+
+
+def as_choice(kind: Type[Choice], value: Any, field: str) -> Choice:
+    """A member of an enumeration, which its value stands for. Raises BadArgument."""
+    try:
+        return kind(value)
+    except ValueError as error:
+        raise BadArgument(field, f"a {kind.__name__}: {', '.join(each.value for each in kind)}", repr(value)) from error
+
+
+def unmasked(value: ArrayLike, field: str) -> ArrayLike:
+    """Raises BadArgument for an array with masked elements, or a sequence of such arrays: the board has none."""
+    parts = value if isinstance(value, (list, tuple)) else [value]
+    masks = [np.ascontiguousarray(each.mask) for each in parts if isinstance(each, np.ma.MaskedArray)]
+    hidden = sum(np.count_nonzero(mask.view(bool)) for mask in masks)
+    if hidden:
+        expected = "an array without masked elements (filled() gives them a value)"
+        raise BadArgument(field, expected, f"one with {hidden} masked")
+    return value
+
+
 def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[Optional[int]]] = None) -> Array:
     """`value` contiguous, in the machine's byte order, without a copy if it is that already.
 
-    `shape`: None is any length. Raises BadArgument: another dtype (integers that fit become floats), another shape.
+    `shape`: None is any length. Raises BadArgument: another dtype (integers that fit become floats), another shape,
+    masked elements.
     """
     wanted = np.dtype(dtype)
+    unmasked(value, field)
     array = np.asarray(value) if isinstance(value, np.ndarray) else np.asarray(value, dtype=wanted)
     native = array.dtype.newbyteorder("=")
     if native != wanted and not (wanted.names is None and np.can_cast(native, wanted, "same_kind") and wanted.kind == "f"):
@@ -91,6 +116,7 @@ def rays(
         "id": np.arange(count, dtype="u4") if id is None else id,
     }
     for field, value in values.items():
+        unmasked(value, field)
         try:
             out[field] = value
         except (ValueError, OverflowError) as error:
@@ -116,15 +142,20 @@ def clip_to_volume(rays: Array, dims: Sequence[int]) -> Array:
 
 
 def elements(
-    kind: Union[ElementKind, Sequence[ElementKind]], origin: ArrayLike, u: ArrayLike, v: ArrayLike, w: ArrayLike = (0.0, 0.0, 0.0)
+    kind: Union[ElementKind, str, Sequence[Union[ElementKind, str]]],
+    origin: ArrayLike,
+    u: ArrayLike,
+    v: ArrayLike,
+    w: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Array:
-    """Elements for Board.pair_factors(): arrays (n, 3) in voxels, or single vectors for all. Returns an array of ELEMENT."""
+    """Elements for Board.pair_factors(): arrays (n, 3) in voxels, or single vectors for all. A kind is an ElementKind
+    or its value, as "patch". Returns an array of ELEMENT."""
     vectors = {name: as_array(value, name, "float64") for name, value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
-    kinds = [kind] if isinstance(kind, ElementKind) else list(kind)
+    kinds = [kind] if isinstance(kind, (ElementKind, str)) else list(kind)
     count = max([len(kinds), *(len(value) for value in vectors.values() if value.ndim == 2)])
     out = np.empty(count, ELEMENT)
     order = list(ElementKind)
-    out["kind"] = [order.index(ElementKind(each)) for each in kinds]
+    out["kind"] = [order.index(as_choice(ElementKind, each, "kind")) for each in kinds]
     for name, value in vectors.items():
         if value.shape not in ((3,), (count, 3)):
             raise BadArgument(name, f"the shape (3,) or ({count}, 3)", str(value.shape))
@@ -134,8 +165,8 @@ def elements(
 
 def pairs(a: ArrayLike, b: ArrayLike, id: Optional[ArrayLike] = None) -> Array:
     """Pairs of elements by their indices, for Board.pair_factors(). Ids are 0..n-1 if none are given."""
-    firsts, seconds = np.broadcast_arrays(np.atleast_1d(a), np.atleast_1d(b))
+    firsts, seconds = np.broadcast_arrays(np.atleast_1d(unmasked(a, "a")), np.atleast_1d(unmasked(b, "b")))
     out = np.empty(firsts.size, ELEMENT_PAIR)
     out["a"], out["b"] = firsts.ravel(), seconds.ravel()
-    out["id"] = np.arange(firsts.size) if id is None else id
+    out["id"] = np.arange(firsts.size) if id is None else unmasked(id, "id")
     return out

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gicube import _core
-from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array, as_request
+from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array, as_choice, as_request, unmasked
 from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
@@ -73,13 +73,13 @@ class Future:
         return self._open_board().receive_async(self._ticket).__await__()
 
 
-_open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()  # what close() ends
+_open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()
 
 
 @atexit.register
 def _close_boards() -> None:
     for board in list(_open_boards):
-        board.close()
+        board._end()
 
 
 class RayExchange(Protocol):
@@ -165,6 +165,10 @@ class Board:
         """Ends the session; calls of other threads end first. May be called again."""
         self._core.close()
 
+    def _end(self) -> None:
+        """At the end of the interpreter. The calls of daemon threads go on, and keep their board."""
+        self._core.close_if_idle()
+
     def __enter__(self) -> "Board":
         return self
 
@@ -236,7 +240,8 @@ class Board:
             if isinstance(volume, VolumeStream):
                 self._core.load_stream(volume, told)
             else:
-                self._core.load_volume(volume if isinstance(volume, Volume) else Volume(np.asarray(volume)), told)
+                array = volume if isinstance(volume, Volume) else Volume(np.asarray(unmasked(volume, "samples")))
+                self._core.load_volume(array, told)
 
     def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox], words: int = 1) -> Array:
         """The values of a box, or of all; `words` a voxel."""
@@ -289,7 +294,7 @@ class Board:
 
     @empty_flags.setter
     def empty_flags(self, flags: ArrayLike) -> None:
-        array = np.asarray(flags)
+        array = np.asarray(unmasked(flags, "flags"))
         self._core.set_empty_flags(as_array(array.astype("u1") if array.dtype == bool else array, "flags", "uint8"))
 
     def set_gradient_codebook(self, directions: ArrayLike) -> None:
@@ -390,7 +395,7 @@ class Board:
         """
         asked = as_request(RayRequest, request, fields)
         places = [as_array(each, "rays", RAY, (None,)) for each in (rays if isinstance(rays, (list, tuple)) else [rays])]
-        none_return = RayType(asked.type) in (RayType.DEPOSIT, RayType.BACKPROJECT)
+        none_return = as_choice(RayType, asked.type, "type") in (RayType.DEPOSIT, RayType.BACKPROJECT)
         return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
 
     def submit_lines(self, lines: Sequence[ArrayLike], ids: Optional[Sequence[int]] = None) -> Ticket:

@@ -55,6 +55,8 @@ class BoardGroup:
             board.close()
         self._core.close()
 
+    _end = close
+
     def __enter__(self) -> "BoardGroup":
         return self
 

@@ -8,7 +8,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gicube.arrays import as_array
+from gicube.arrays import as_array, as_choice, unmasked
 from gicube.errors import BadArgument
 from gicube.records import Array, Placement, SampleType, ValueRange, Vec3
 
@@ -43,12 +43,12 @@ class Volume:
     colours: Optional[Array] = None
 
     def __post_init__(self) -> None:
-        array = np.asarray(self.samples)
+        array = np.asarray(unmasked(self.samples, "samples"))
         native = array.dtype.newbyteorder("=")
         if native.name not in ("uint8", "uint16", "int16", "float32"):
             raise BadArgument("samples", "an array of uint8, uint16, int16 or float32", str(array.dtype))
         found = SampleType(native.name)
-        given = found if self.sample_type is None else SampleType(self.sample_type)
+        given = found if self.sample_type is None else as_choice(SampleType, self.sample_type, "sample_type")
         if given is not found and (given, found) != (SampleType.UINT12, SampleType.UINT16):
             raise BadArgument("sample_type", f"{found.value}, as the array's", given.value)
         if array.ndim != 3:

@@ -56,6 +56,37 @@ def test_a_wrong_array_names_its_field(board, samples, words):
     assert words in str(fault.value)
 
 
+def stream(read):
+    return gicube.VolumeStream(read, (32, 32, 32))
+
+
+@pytest.mark.parametrize(
+    "field, given",
+    [
+        ("samples", lambda board, hide: gicube.Volume(hide(ball()))),
+        ("samples", lambda board, hide: board.load_volume(hide(ball()))),
+        ("samples", lambda board, hide: board.load_volume([hide(plane) for plane in ball()])),
+        ("tags", lambda board, hide: gicube.Volume(ball(), tags=hide(ball() // 100))),
+        ("read", lambda board, hide: board.load_volume(stream(lambda z, n: hide(ball()[z : z + n])))),
+        ("values", lambda board, hide: board.write_volume(hide(np.zeros((4, 4, 4), "f4")))),
+        ("flags", lambda board, hide: setattr(board, "empty_flags", hide(board.empty_flags))),
+        ("position", lambda board, hide: gicube.rays(hide(np.zeros((4, 3))), (0, 0, 1))),
+        ("energy", lambda board, hide: gicube.rays(np.zeros((4, 3)), (0, 0, 1), energy=hide(np.zeros(4)))),
+        ("rays", lambda board, hide: board.submit(hide(gicube.rays(np.zeros((4, 3)), (0, 0, 1))))),
+        ("u", lambda board, hide: gicube.elements("patch", (0, 0, 0), hide(np.ones(3)), (0, 1, 0))),
+        ("a", lambda board, hide: gicube.pairs(hide(np.arange(4)), 5)),
+    ],
+)
+def test_masked_elements_are_refused_and_a_mask_of_none_is_no_matter(loaded, field, given):
+    def hide_one(array):
+        return np.ma.array(array, mask=np.arange(array.size).reshape(array.shape) == array.size - 1)
+
+    words = f"^{field}: expected an array without masked elements .*, got one with [0-9]+ masked$"
+    with pytest.raises(gicube.BadArgument, match=words):
+        given(loaded, hide_one)
+    given(loaded, np.ma.array)
+
+
 def test_axes_are_z_y_x(board):
     samples = np.zeros((8, 16, 32), "u1")
     samples[1, 2, 3] = 255
@@ -125,10 +156,11 @@ def test_views_of_a_scene_stay_valid_while_they_live():
     assert samples.max() > 0
 
 
-def test_factors_between_patches_are_the_analytic_ones(board):
+@pytest.mark.parametrize("kind", [gicube.ElementKind.PATCH, "patch", ["patch", gicube.ElementKind.PATCH]])
+def test_factors_between_patches_are_the_analytic_ones(board, kind):
     board.load_volume(np.zeros((32, 32, 32), "u1"))
     board.set_transfer_function(LOOK)
-    squares = gicube.elements(gicube.ElementKind.PATCH, [[8, 8, 8], [8, 8, 18]], (10, 0, 0), [[0, 10, 0], [0, -10, 0]])
+    squares = gicube.elements(kind, [[8, 8, 8], [8, 8, 18]], (10, 0, 0), [[0, 10, 0], [0, -10, 0]])
     squares["origin"][1] = (8, 18, 18)
     factor = board.pair_factors(squares, gicube.pairs(0, 1), rays=4096)[0]
     assert factor["transported"] * 100 == pytest.approx(0.1998, abs=3 * factor["standard_error"] * 100 + 1e-3)  # unit cubes' faces

@@ -6,6 +6,7 @@ import pickle
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import gicube
@@ -88,6 +89,9 @@ def test_enumerations_have_the_values_of_the_headers():
         (lambda board: board.illuminate(["lamp"]), "lights[0]: expected one of PointLight, DirectionalLight"),
         (lambda board: board.set_shading(gicube.Shading(gicube.Phong(ambient=None))), "shading.phong.ambient: expected a number"),
         (lambda board: board.set_material(gicube.Material(scattering=2)), "scattering: expected"),
+        (lambda board: gicube.elements("b", (0, 0, 0), (1, 0, 0), (0, 1, 0)), "kind: expected a ElementKind: patch"),
+        (lambda board: board.submit(gicube.rays((0, 0, 0), (0, 0, 1)), type="last_hit"), "type: expected a RayType"),
+        (lambda board: gicube.Volume(np.zeros((4, 4, 4), "u1"), sample_type="u4"), "sample_type: expected"),
     ],
 )
 def test_a_wrong_value_names_its_field_what_was_expected_and_what_came(loaded, made, words):

@@ -123,6 +123,38 @@ def test_a_board_that_is_still_open_at_the_end_does_not_hang_or_complain():
     assert run("board = gicube.open()\nscene(board)\nboard.submit(gicube.rays([[3, 3, 3]], (1, 1, 1)))\nsaid('end')") == "end\n"
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        "board.render(view)",
+        "board.render(long, progress=lambda done, all: None)",
+        "board.receive(board.submit(rays))",
+        "gicube.make_plan(board, None, [look], view, max_error=0.1)",
+        "board.load_volume(many)",
+    ],
+)
+def test_a_daemon_thread_in_a_call_does_not_end_the_interpreter_by_force(call):
+    for wait in (0.3, 0.31, 0.33):
+        process = start(
+            f"""
+import dataclasses
+board = gicube.open()
+view = scene(board)
+long = dataclasses.replace(view, width=1000, height=1000, step=1/16)
+rays, many = np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 1000), np.ones((96, 96, 96), "u1")
+look = gicube.TransferFunction([(0, (1, 1, 1))], [(0, 0.0001)])
+def work():
+    said("begin")
+    while True:
+        {call}
+threading.Thread(target=work, daemon=True).start()
+time.sleep({wait})
+"""
+        )
+        out, error = process.communicate(timeout=60)
+        assert (process.returncode, out, error) == (0, "begin\n", "")
+
+
 def test_a_forked_process_leaves_its_parents_board_alone_and_opens_its_own():
     run(
         """
