@@ -41,7 +41,7 @@ namespace {
 
 // Scripts wait for these lines.
 void say_ready(const std::string& what, const Endpoint& endpoint) {
-  fmt::print("gicube-board: {} ready on {}\n", what, to_string(endpoint));
+  std::fputs(fmt::format("gicube-board: {} ready on {}\n", what, to_string(endpoint)).c_str(), stdout);
   std::fflush(stdout);
 }
 
@@ -93,6 +93,7 @@ void enter(const Box& box) {
 }
 
 void serve(const Options& options, const RoutineTable& routines) {
+  std::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads ends no board
   EndOnSignals ending(signals_to_end_on());
   Audit::Options log;
   log.file = options.audit_log_file;

@@ -6,8 +6,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <climits>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -39,15 +41,27 @@ bool listens(const std::string& path) {
   return !refused;
 }
 
+// The folder that a variable of the environment names; empty if it is no folder of this user: a root that has kept a
+// user's environment leaves that user's folder alone.
+std::string own_folder(const char* variable) {
+  const char* const path = std::getenv(variable);
+  struct stat status {};
+  const bool is_mine = path != nullptr && *path == '/' && ::stat(path, &status) == 0 && S_ISDIR(status.st_mode) &&
+                       status.st_uid == ::geteuid();
+  return is_mine ? path : "";
+}
+
 }  // namespace
 
 std::string registry_folder() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (const std::string runtime = own_folder("XDG_RUNTIME_DIR"); !runtime.empty()) return runtime + "/gicube";
+  const std::string shared = "/tmp/gicube-" + std::to_string(::geteuid());
   struct stat status {};
-  // A root that has kept a user's environment leaves that user's folder alone.
-  const bool is_mine = runtime != nullptr && *runtime == '/' && ::stat(runtime, &status) == 0 &&
-                       S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
-  return is_mine ? std::string(runtime) + "/gicube" : "/tmp/gicube-" + std::to_string(::geteuid());
+  const bool is_taken = ::lstat(shared.c_str(), &status) == 0 && status.st_uid != ::geteuid();
+  const std::string home = is_taken ? own_folder("HOME") : "";
+  std::array<char, HOST_NAME_MAX + 1> host{};
+  if (home.empty() || ::gethostname(host.data(), host.size()) != 0) return shared;
+  return home + "/.gicube-" + host.data();
 }
 
 std::string registry_fault(const std::string& folder) {

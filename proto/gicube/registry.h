@@ -7,7 +7,8 @@
 
 namespace gicube {
 
-// The folder "gicube" in $XDG_RUNTIME_DIR, if that is a folder of this process's user; otherwise /tmp/gicube-UID.
+// The folder "gicube" in $XDG_RUNTIME_DIR, if that is a folder of this process's user; otherwise /tmp/gicube-UID; if
+// another user has taken that name, .gicube-HOST in $HOME. HOST is this machine, since others may have the same home.
 std::string registry_folder();
 
 // Why this folder can't be trusted, as "expected ..., got ...": it must be this user's, and closed to all others. Empty: it can be.

@@ -155,7 +155,7 @@ const std::vector<Rule>& rules() {
            {"fmt", "poll.h", "signal.h", "spawn.h", "sys/socket.h", "sys/wait.h", "unistd.h"}),
       room("board_emu/observe/observer_process.h", {}, {"sys/types.h"}),
       {"board_emu/observe/host", {"board_emu/observe/host", "board_emu/box/box.h", "proto/gicube/observer.h"},
-       {"dlfcn.h", "signal.h", "sys/prctl.h", "unistd.h"}},
+       {"dlfcn.h", "poll.h", "signal.h", "sys/prctl.h", "unistd.h"}},
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/board/checkpoint.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 extern char** environ;
 
@@ -61,8 +62,13 @@ BoardProcess::~BoardProcess() {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
   }
-  ::close(output_);
-  ::close(errors_);
+  stop_reading();
+}
+
+void BoardProcess::stop_reading() {
+  for (int* const end : {&output_, &errors_}) {
+    if (*end >= 0) ::close(std::exchange(*end, -1));
+  }
 }
 
 std::string BoardProcess::read_line() {

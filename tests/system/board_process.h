@@ -24,6 +24,8 @@ class BoardProcess {
   // The rest of its stdout and of its stderr.
   std::string read_output();
   std::string read_errors();
+  // Closes both.
+  void stop_reading();
 
   pid_t id() const { return pid_; }
   void send_signal(int signal) const;

@@ -131,6 +131,21 @@ TEST(BoardProcess, EachTokenThatIsGuessedLeavesALine) {
   }
 }
 
+TEST(BoardProcess, GoesOnIfNobodyReadsItsLogAnyMore) {
+  BoardProcess board({"--listen", "tcp:127.0.0.1:0"});
+  const std::string line = board.read_line();
+  const auto port = static_cast<std::uint16_t>(std::stoi(line.substr(line.rfind(':') + 1)));
+  board.stop_reading();
+  for (const char* guess : {"a_guess_of_a_token_1", "a_guess_of_a_token_2"}) {
+    const auto answer = RawClient::connect_tcp(port).handshake({}, guess);  // which it has to log
+    ASSERT_TRUE(answer.has_value()) << "it has ended";
+    EXPECT_EQ(answer->header.error, wire::ErrorCode::kForbidden);
+  }
+  EXPECT_TRUE(RawClient::connect_tcp(port).handshake({}, local_token("127.0.0.1", port)).has_value());
+  board.send_signal(SIGTERM);
+  EXPECT_EQ(board.exit_code(), 0);
+}
+
 TEST(BoardProcess, APrivateOneEndsWithItsSession) {
   int pair[2];
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);

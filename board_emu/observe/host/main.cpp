@@ -1,6 +1,7 @@
 // gicube-observer-host: the process in which the code of an observer runs (observe/observer_process.h starts it). Standard input is the
 // socket: one line goes out, what is wrong with the object or nothing, then events come in until the board ends.
 #include <dlfcn.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "box/box.h"
@@ -54,6 +56,21 @@ void serve(const gicube_observer& observer) {
   if (observer.end != nullptr) observer.end();
 }
 
+// The board closes its end once it has ended, or waits for this process no longer. An observer whose code does not
+// return then is ended.
+[[noreturn]] void end_with_board() {
+  constexpr int kPatienceMs = 30'000;  // as the board's
+  constexpr int kLeftMs = 2'000;       // chosen: without a board, what is in the socket takes milliseconds
+  const auto wait_for = [](short event, int limit_ms) {
+    pollfd board{STDIN_FILENO, event, 0};
+    while (::poll(&board, 1, limit_ms) < 0 && errno == EINTR) continue;
+  };
+  wait_for(POLLRDHUP, -1);
+  wait_for(0, kPatienceMs);
+  ::poll(nullptr, 0, kLeftMs);
+  ::_exit(1);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,6 +81,7 @@ int main(int argc, char** argv) {
   }
   for (const int each : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) ::signal(each, SIG_IGN);
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  std::thread(end_with_board).detach();
   const gicube_observer* observer = nullptr;
   std::string fault = load(argv[1], observer);
   for (char& each : fault) each = each < ' ' || each > '~' ? '?' : each;

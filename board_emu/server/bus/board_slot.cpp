@@ -130,6 +130,7 @@ Claim BoardSlot::claim(const Claimant& who) {
   owner_ = Owner::kSession;
   owner_name_ = who.name;
   owner_since_ = std::chrono::system_clock::now();
+  owner_began_ = std::chrono::steady_clock::now();
   ++sessions_;
   end_session_ = who.end_session;
   return Claim::kGranted;
@@ -169,7 +170,7 @@ std::string BoardSlot::owner() const {
   if (owner_ == Owner::kNone) return {};
   if (owner_ == Owner::kManagement) return "the management plane";
   const auto seconds =
-      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now() - owner_since_);
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - owner_began_);
   return fmt::format("{} since {:%F %T} UTC, {} s ago", owner_name_,
                      fmt::gmtime(std::chrono::system_clock::to_time_t(owner_since_)), seconds.count());
 }

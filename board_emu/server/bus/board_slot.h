@@ -227,7 +227,8 @@ class BoardSlot {
   bool releasing_ = false;
   bool away_ = false;
   std::string owner_name_;
-  std::chrono::system_clock::time_point owner_since_;
+  std::chrono::system_clock::time_point owner_since_;  // as people read it
+  std::chrono::steady_clock::time_point owner_began_;  // for how long: the other clock may be set
   std::deque<std::uint64_t> line_;
   std::uint64_t last_place_ = 0;
   std::uint64_t sessions_ = 0;  // so far

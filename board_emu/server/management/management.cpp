@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -82,6 +83,9 @@ std::string trace_path(const std::string& folder, const std::string& file) {
   const std::filesystem::path path(file);
   const std::string name = path.filename().string();
   const bool is_there = !path.has_parent_path() || path.parent_path() == folder;
+  // With a zero byte the file that is written would have another name than the one that is noted.
+  const bool is_text = std::ranges::none_of(file, [](unsigned char c) { return c < ' ' || c == 0x7f; });
+  if (!is_text) throw std::invalid_argument("file: expected a name without control characters, got one with them");
   if (!is_there || name.empty() || name.starts_with('.')) {
     throw std::invalid_argument(fmt::format("file: expected the name of a new file in {}, got {}", folder, file));
   }

@@ -2,10 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "read_trace.h"
 #include "temporary_directory.h"
@@ -41,6 +47,29 @@ TEST(ObserverProcess, HasAllEventsInTheirOrderAndMayWriteToFilesThatItOpenedBefo
 TEST(ObserverProcess, ThatEndsByItselfGetsNoMoreAndHoldsNothingUp) {
   const reference::TemporaryDirectory folder;
   EXPECT_THAT(send(100'000, folder.file("seen"), "leaves"), HasSubstr("it has ended, or took no events for 30 s"));
+}
+
+// A board in a process of its own, which is killed; its observer is then this process's.
+TEST(ObserverProcess, ThatNeverReturnsEndsSoonAfterItsBoard) {
+  const reference::TemporaryDirectory folder;
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
+  const pid_t board = ::fork();
+  if (board == 0) {
+    ::setenv("GICUBE_TEST_OBSERVED", folder.file("seen").c_str(), 1);
+    ::setenv("GICUBE_TEST_OBSERVER", "loops", 1);
+    ObserverProcess process(kObserver, true);
+    process.add({});
+    process.flush();
+    ::kill(::getpid(), SIGKILL);
+  }
+  ASSERT_EQ(::waitpid(board, nullptr, 0), board);
+  const auto begin = std::chrono::steady_clock::now();
+  pid_t observer = 0;
+  while (observer == 0 && std::chrono::steady_clock::now() < begin + std::chrono::seconds(10)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    observer = ::waitpid(-1, nullptr, WNOHANG);
+  }
+  EXPECT_GT(observer, 0) << "it runs on without a board";
 }
 
 TEST(ObserverProcess, SaysWhatIsWrongWithAnObject) {

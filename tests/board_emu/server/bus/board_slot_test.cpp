@@ -3,15 +3,29 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <new>
 #include <thread>
 #include <vector>
 
 #include "served_boards.h"
+
+namespace {
+std::atomic<std::time_t> clock_was_set_by = 0;  // seconds
+}
+
+// In place of the C library's: somebody sets the machine's clock.
+extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
+  const auto result = static_cast<int>(::syscall(SYS_clock_gettime, clock, time));
+  if (clock == CLOCK_REALTIME) time->tv_sec += clock_was_set_by;
+  return result;
+}
 
 namespace gicube::emu {
 namespace {
@@ -58,6 +72,23 @@ TEST(BoardSlot, HasOneOwnerAtATime) {
   slot.release();
   EXPECT_FALSE(slot.info().in_use);
   EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
+  slot.release();
+}
+
+TEST(BoardSlot, SaysHowLongItHasHadItsOwnerWhateverTheClockIsSetTo) {
+  BoardSlot slot(0, {});
+  Claimant who = nobody();
+  who.name = "process 7";
+  ASSERT_EQ(slot.claim(who), Claim::kGranted);
+  for (const std::time_t jump : {-945'993'598, 945'993'598}) {
+    const auto before = std::chrono::system_clock::now();
+    clock_was_set_by = jump;
+    EXPECT_NEAR(std::chrono::duration<double>(std::chrono::system_clock::now() - before).count(),
+                static_cast<double>(jump), 60);
+    EXPECT_THAT(slot.owner(), testing::MatchesRegex("process 7 since .* UTC, [0-9]+ s ago"));
+    EXPECT_LT(slot.owner().size(), sizeof "process 7 since 2026-01-01 00:00:00 UTC, 100 s ago");
+    clock_was_set_by = 0;
+  }
   slot.release();
 }
 

@@ -101,6 +101,21 @@ TEST(ManagementFiles, WritesCheckpointsInTheFolderForTracesAndOverNothing) {
   EXPECT_EQ(files, 1u);
 }
 
+// "trace\0.txt" would have been noted as "trace?.txt", and written as "trace".
+TEST(ManagementFiles, RefusesNamesThatItCouldNotNote) {
+  ManagedBoards managed;
+  v1::CheckpointInfo info;
+  for (const std::string& file : {std::string("trace\0.txt", 10), std::string("\0", 1), std::string("a\nb"),
+                                  managed.traces() + std::string("/warm\0", 6), std::string("a\x7f")}) {
+    for (const grpc::Status& status : {set_trace(managed, file), save(managed, file, info)}) {
+      EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+      EXPECT_EQ(status.error_message(), "file: expected a name without control characters, got one with them");
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(managed.traces()));
+  EXPECT_TRUE(set_trace(managed, "r\xc3\xb6ntgen").ok());
+}
+
 TEST(ManagementFiles, WithoutAFolderForThemItWritesNoTraces) {
   EXPECT_THROW(trace_path("", "trace"), std::invalid_argument);
 }
