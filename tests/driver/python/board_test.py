@@ -234,7 +234,7 @@ def test_a_picture_in_which_nothing_is_visible_is_warned_of_with_the_reason():
             board.render(view)
         assert told[0].filename == __file__
         board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(100, 0), (255, 0.5)]))
-        with pytest.warns(UserWarning, match="voxels have values of 0 to 1, .* a mask"):
+        with pytest.warns(UserWarning, match="voxels have values of 0 to 1, .*a mask"):
             board.render(view)
         board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(0, 0), (1, 0.5)]))
         with warnings.catch_warnings():
