@@ -46,8 +46,8 @@ def opened(page: Page, *names: str) -> dict[str, Any]:
     [
         ("volume.file", 'volume { file: "NAME" raw { dims: [2, 2, 2] type: "uint8" } }'),
         ("transfer_function.file", 'volume { builtin: "buckyball" size: 16 } transfer_function { file: "NAME" }'),
-        ("mesh.file", 'world { size: 16 node { name: "n" mesh { file: "NAME" } } }'),
-        ("volume.file", 'world { size: 16 node { name: "n" volume { file: "NAME" } } }'),
+        ("mesh.file", 'world { size: 16 node { name: "n" material: "m" mesh { file: "NAME" } } } material { name: "m" }'),
+        ("volume.file", 'world { node { name: "n" material: "m" volume { file: "NAME" } } } material { name: "m" }'),
     ],
     ids=["volume", "transfer_function", "mesh", "scan"],
 )
@@ -146,28 +146,35 @@ def memory(process: int) -> int:
 
 
 def test_a_page_that_reads_nothing_is_left(ball: pathlib.Path) -> None:
-    with Program(ball, *SMALL) as program, Page(program) as page, Page(program) as other:
-        page.wait_for("hello")
-        before = memory(program.process.pid)
-        with pytest.raises(OSError):
-            for _ in range(300_000):  # each has an answer
-                page.send(b'{"do":"histogram"}')
+    look = "values absolute\ncolour 0 1 0 0\nopacity 0 0\nopacity 200 1\n"
+    long = f"transfer-function={look}#{'x' * 100_000}"  # each hello has it
+    with Program(ball, *SMALL, "--fix", long) as program, Page(program) as page, Page(program) as other:
         picture(other, 1)
-        assert memory(program.process.pid) - before < 48
+        assert program.post("look.tf", look.encode())[0] == 204
+        for _ in range(360):  # of 100 KB each, to both
+            other.send({"do": "open", "names": ["look.tf"]})
+            other.wait_for("hello")
+        page.socket.settimeout(10)
+        with pytest.raises(ConnectionError):
+            for _ in page.all():
+                pass
+        picture(other, 2)
 
 
 def test_slices_that_are_not_read_take_the_memory_of_the_last_ones(tmp_path: pathlib.Path) -> None:
     head = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 2\nencoding: raw\n\n"
     (tmp_path / "flat.nrrd").write_bytes(head + bytes(2 << 20))
-    with Program(tmp_path / "flat.nrrd", *SMALL) as program, Page(program) as page:
-        page.wait_for("hello")
+    with Program(tmp_path / "flat.nrrd", *SMALL) as program, Page(program) as page, Page(program) as other:
+        other.wait_for("hello")
         before = memory(program.process.pid)
-        for number in range(150):  # of a mebibyte each
+        for number in range(100):  # of a mebibyte each
             page.send({"do": "slice", "id": number, "axis": "z", "at": number % 2})
-            time.sleep(0.015)
+            time.sleep(0.002)  # so that it comes first
+            other.send({"do": "slice", "id": number, "axis": "x", "at": 0})
+            other.wait_for("slice", id=number)
         assert memory(program.process.pid) - before < 48
         for header, _ in page.all():  # the newest comes
-            if header["type"] == "slice" and header["id"] == 149:
+            if header["type"] == "slice" and header["id"] == 99:
                 break
 
 
@@ -317,9 +324,8 @@ def test_a_hang_up_that_is_ignored_and_a_log_that_nobody_reads_do_not(ball: path
 
 
 OPENER = """#!/bin/sh
-[ -e "$1" ] && { stat -c %a "$(dirname "$1")"; cat "$1"; } > OUT.part
-echo "$@" > OUT.words
-mv OUT.part OUT
+echo "$@" > OUT.part && mv OUT.part OUT.words
+[ -e "$1" ] && { stat -c %a "$(dirname "$1")"; cat "$1"; } > OUT.part && mv OUT.part OUT
 """
 
 
@@ -360,8 +366,9 @@ def test_the_browser_is_opened_and_no_command_line_shows_the_token(
 ) -> None:
     out, environment = opener
     with InATerminal(environment, *words, ball) as shown:
-        wait("the browser", out.exists, 20)
+        wait("the browser", out.with_suffix(".words").exists, 20)
         assert shown.address.split("token=")[1] not in out.with_suffix(".words").read_text()
+        wait("its page", out.exists, 20)
         mode, page = out.read_text().split("\n", 1)
         assert mode == "700" and f'content="0; url={shown.address}"' in page
 
