@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -25,8 +27,12 @@ constexpr std::string_view kPrefix = "gicube.";
 constexpr std::size_t kMaxHeader = std::size_t{1} << 20;  // chosen: bytes; headers of our files take a few hundred
 constexpr std::size_t kMaxJson = std::size_t{64} << 20;   // chosen
 
-// The first bytes of the file, unpacked if it is gzipped. Throws UsageError.
+// The first bytes of the file, unpacked if it is gzipped. Throws UsageError; also for a pipe, which may never have any.
 std::string start_of(const std::string& path, std::size_t max_bytes) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    throw UsageError("show: expected a file, got a folder, a pipe or a device, " + path);
+  }
   const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(path.c_str(), "rb"), &gzclose);
   if (!file) throw UsageError("show: expected a file that can be read, got " + path);
   std::string bytes, chunk(65536, '\0');

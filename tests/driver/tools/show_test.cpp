@@ -1,6 +1,7 @@
 // gicube-smi show: where a file came from, of files that the programs wrote.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -60,6 +61,12 @@ TEST(Show, SaysWhenAFileDoesNotTell) {
   EXPECT_EQ(silent.code, 1);
   EXPECT_THAT(silent.err, HasSubstr("does not say where it came from"));
   std::ofstream(folder.file("text")) << "nothing";
+  ASSERT_EQ(::mkfifo(folder.file("pipe").c_str(), 0600), 0);
+  for (const std::string& name : {folder.file("pipe"), std::string("/dev/zero"), std::string("/tmp")}) {
+    const Finished pipe = run_program("gicube-smi", {"show", name}, {});
+    EXPECT_EQ(pipe.code, 2);
+    EXPECT_THAT(pipe.err, HasSubstr("show: expected a file, got a folder, a pipe or a device, " + name));
+  }
   const Finished unknown = run_program("gicube-smi", {"show", folder.file("text")}, {});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("expected a PNG, EXR, NRRD, NIfTI or JSON file"));
