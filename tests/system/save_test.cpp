@@ -9,10 +9,12 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "board_process.h"
+#include "cut_link.h"
 #include "gicube/board.h"
 #include "gicube/wire/checksum.h"
 #include "random_program.h"
@@ -142,6 +144,34 @@ TEST_P(RandomLink, ThatLosesAndDamagesFramesChangesNothingForABoardThatGoesOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Faulty, RandomLink, testing::Range(1u, 11u));
+
+// A connection carries a megabyte, and a checkpoint has several. One attempt in a row is enough as long as each carries
+// something.
+TEST(CutLink, OfAMegabyteEachTimeSavesAndRestores) {
+  const TemporaryDirectory folder;
+  BoardProcess process({"--listen", "unix:" + folder.file("board"), "--quiet"});
+  process.read_line();
+  CutLink link(folder.file("link"), folder.file("board"));
+  Board board = Board::open("unix:" + folder.file("link"), {.reopen_attempts = 1});
+  Dice dice(7);
+  std::vector<std::uint8_t> voxels(128 * 128 * 128);
+  for (std::uint8_t& voxel : voxels) voxel = static_cast<std::uint8_t>(dice.number(0, 255));
+  board.load_volume({.samples = std::as_bytes(std::span(voxels)), .dims = {128, 128, 128}});
+  board.set_transfer_function(reference::step_function(0.4));
+  const Image image = board.render(reference::front_view(20));
+  const std::vector<std::byte> whole = board.save();
+  ASSERT_GT(whole.size(), 4'000'000u);
+  link.cut_after(1'000'000);
+  const std::vector<std::byte> cut = board.save();
+  EXPECT_GE(link.cuts(), 4);
+  EXPECT_EQ(cut.size(), whole.size());
+  board.clear_irradiance(1);
+  board.restore(cut);
+  EXPECT_GE(link.cuts(), 8);
+  link.cut_after(0);
+  EXPECT_EQ(board.read_framebuffer(), image);
+  EXPECT_EQ(board.render(reference::front_view(20)), image);
+}
 
 // ---- one board
 

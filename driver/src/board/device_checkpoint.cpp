@@ -11,6 +11,14 @@ namespace gicube {
 
 using wire::CheckpointStep;
 
+namespace {
+
+// chosen: a frame in which a connection breaks is sent again from its beginning, so a connection of a megabyte has to
+// carry some whole ones.
+constexpr std::uint32_t kPieceBytes = 256u << 10;
+
+}  // namespace
+
 std::vector<std::uint8_t> Device::checkpoint_step(CheckpointStep step, std::span<const std::uint8_t> what) {
   if (agreed().minor < wire::kCheckpointMinor) {
     throw Unsupported(fmt::format("checkpoints need a board of protocol 2.{}, this one has 2.{}",
@@ -23,7 +31,7 @@ std::vector<std::uint8_t> Device::checkpoint_step(CheckpointStep step, std::span
 }
 
 void Device::write_checkpoint(std::span<const std::uint8_t> bytes) {
-  const std::size_t piece = agreed().max_payload_bytes - 4;
+  const std::size_t piece = std::min(agreed().max_payload_bytes, kPieceBytes) - 4;
   for (std::size_t at = 0; at < bytes.size(); at += piece) {
     checkpoint_step(CheckpointStep::kWrite, bytes.subspan(at, std::min(piece, bytes.size() - at)));
   }
@@ -32,7 +40,7 @@ void Device::write_checkpoint(std::span<const std::uint8_t> bytes) {
 void Device::read_checkpoint(std::uint64_t bytes, const std::function<void(std::span<const std::uint8_t>)>& sink) {
   std::vector<std::uint8_t> place(16);
   for (std::uint64_t at = 0; at < bytes;) {
-    const std::uint64_t piece = std::min<std::uint64_t>(agreed().max_payload_bytes, bytes - at);
+    const std::uint64_t piece = std::min<std::uint64_t>({agreed().max_payload_bytes, kPieceBytes, bytes - at});
     wire::store(std::span(place), 0, at);
     wire::store(std::span(place), 8, piece);
     const auto got = checkpoint_step(CheckpointStep::kRead, place);
