@@ -7,10 +7,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kCommands = 64,
-                      kRaysOfOne = 32;  // chosen: strata of the opacities at which flights end, and their least rays
-constexpr double kOff = 0.02;           // chosen: edges off a surface; the board's positions have 1/16384 voxel
-constexpr double kFine = 0.05;          // chosen: edges between the host's own samples in the skin of glass
+constexpr std::size_t kCommands = 64, kRaysOfOne = 32;  // chosen: of a batch, and the least of a command
+constexpr double kOff = 0.02;   // chosen: edges off a surface; the board's positions have 1/16384 voxel
+constexpr double kFine = 0.05;  // chosen: edges between the host's own samples in the skin of glass
 
 }  // namespace
 
@@ -55,39 +54,43 @@ std::optional<Hit> Flights::surface_between(const Line& line, double before, dou
   return Hit{place, after, medium_.solid(place).value_or(*tag), normal == Vec3{} ? -1.0 * line.direction : normal};
 }
 
+// The board's ray ends at or before the line's own end, since `opacity` is at most the line's. The host walks the rest.
 std::optional<Hit> Flights::hit_of(const Line& line, const TracedRay& ray, double opacity) const {
   const double first = line.begin + line.length / 2, steps = (line.end - line.begin) / line.length;
-  double middle = 0, length = line.length, before = ray.opacity;
+  double begin = line.begin + std::floor(steps + 0.5) * line.length, clear = begin;
+  double before =
+      begin == line.begin ? 0 : ray.opacity;  // up to `begin`; the one sample of less than half a step is not
   if (ray.opacity >= opacity) {
-    const double index = std::round(dot(medium_.place_of(ray.position) - line.at(first), line.direction) / length);
-    middle = first + std::clamp(index, 0.0, std::floor(steps)) * length;
+    const double index = std::round(dot(medium_.place_of(ray.position) - line.at(first), line.direction) / line.length);
+    clear = first + std::clamp(index, 0.0, std::floor(steps)) * line.length;
     // The board's sample is a little off the line: a solid that it met may begin behind ours.
-    for (double after = middle; after <= middle + length; after += length / 8) {
-      if (const auto hit = surface_between(line, std::max(line.begin, middle - length), after)) return hit;
+    for (double after = clear; after <= clear + line.length; after += line.length / 8) {
+      if (const auto hit = surface_between(line, std::max(line.begin, clear - line.length), after)) return hit;
       if (ray.opacity < 1) break;
     }
-    before = 1 - (1 - ray.opacity) * std::exp(medium_.extinction(line.at(middle)) * length);
-  } else {  // not in the whole steps, but perhaps in the rest
-    const double done = line.begin + std::floor(steps + 0.5) * length;
-    if (done == line.begin) before = 0;  // not even half a step: the one sample that was taken stands for the rest
-    length = line.end - done;
-    if (length <= 0) return std::nullopt;
-    middle = done + length / 2;
-    if (const auto hit = surface_between(line, done, line.end)) return hit;
+    begin = clear - line.length / 2;
+    before = 1 - (1 - ray.opacity) * std::exp(medium_.extinction(line.at(clear)) * line.length);
   }
-  const double kappa = medium_.extinction(line.at(middle));
-  if (!(kappa > 0)) return std::nullopt;
-  const double depth = std::log((1 - std::clamp(before, 0.0, opacity)) / (1 - opacity));
-  if (ray.opacity < opacity && depth >= kappa * length) return std::nullopt;
-  const double distance = middle - length / 2 + std::min(depth / kappa, length);
-  if (distance > line.end) return std::nullopt;
-  if (distance > middle) {
-    if (const auto hit = surface_between(line, middle, distance)) return hit;
+  double depth = std::log((1 - std::clamp(before, 0.0, std::min(opacity, line.opacity))) / (1 - line.opacity));
+  for (; begin < line.end; begin += line.length) {
+    const double length = std::min(line.length, line.end - begin), middle = begin + length / 2;
+    const double kappa = medium_.extinction(line.at(middle));
+    const bool ends = kappa > 0 && depth <= kappa * length;
+    const double distance = ends ? begin + depth / kappa : begin + length;
+    for (const double after : {std::min(middle, distance), distance}) {
+      if (after <= clear) continue;
+      if (const auto hit = surface_between(line, clear, after)) return hit;
+      clear = after;
+    }
+    if (ends) {
+      const Vec3 place = line.at(distance);
+      const int tag = medium_.tag(place);  // next to a solid it may be the solid's, though the place is not within
+      const bool medium = medium_.optics(tag).look == Look::kMedium;
+      return Hit{place, distance, medium ? tag : medium_.tag(line.at(middle)), {}};
+    }
+    depth -= kappa * length;
   }
-  const Vec3 place = line.at(distance);
-  const int tag = medium_.tag(place);  // next to a solid it may be the solid's, though the place is not within
-  const bool medium = medium_.optics(tag).look == Look::kMedium;
-  return Hit{place, distance, medium ? tag : medium_.tag(line.at(middle)), {}};
+  return std::nullopt;
 }
 
 // The host walks through the skin, the board through the body beneath.
@@ -142,9 +145,12 @@ std::vector<std::optional<Hit>> Flights::first_hits(std::span<const Flight> flig
   for (std::size_t i = free.size(); i > 1; --i) {  // Fisher and Yates
     std::swap(free[i - 1], free[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
   }
+  for (std::size_t i = 0; i < free.size(); ++i) {  // one of each of as many even strata
+    free[i].opacity = (static_cast<double>(i) + random.uniform()) / static_cast<double>(free.size());
+  }
   struct Command {
     std::span<const Line> lines;
-    double opacity = 0;
+    double opacity = 0;  // at most that of each line
     Ticket ticket;
   };
   std::vector<Command> commands;
@@ -152,9 +158,9 @@ std::vector<std::optional<Hit>> Flights::first_hits(std::span<const Flight> flig
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t from = free.size() * k / count, to = free.size() * (k + 1) / count;
     constexpr double kOne = (1 << 24) - 1;  // the board's opacities
-    const double chance = (static_cast<double>(k) + random.uniform()) / static_cast<double>(count);
+    const double least = static_cast<double>(from) / static_cast<double>(free.size());
     Command& made = commands.emplace_back(
-        Command{std::span<const Line>(free).subspan(from, to - from), (std::floor(chance * kOne) + 0.5) / kOne, {}});
+        Command{std::span<const Line>(free).subspan(from, to - from), (std::floor(least * kOne) + 0.5) / kOne, {}});
     made.ticket = send(made.lines, made.opacity);
   }
   for (const Command& command : commands) {

@@ -1,9 +1,8 @@
 // Free flights and visibility by the board.
 //
-// A flight ends where the opacity gathered from its start on reaches a number that is even in 0..1: a first hit of the board. The
-// board tells the sample; the place within its step is found from the opacity, and that of a surface by halving. Flights of one
-// command share a number, so a batch is divided at random among many commands with stratified numbers: each flight has the right
-// law, and flights of a batch are not independent of one another.
+// A flight ends where the opacity gathered from its start on reaches its random number, which is even in 0..1. A batch's numbers lie
+// one in each of as many strata, dealt at random. A command of the board has one opacity: the least of its flights, sorted by their
+// numbers. Its first hits are samples; from there the host walks on to each flight's end, and finds that of a surface by halving.
 #pragma once
 
 #include <optional>
@@ -49,6 +48,7 @@ class Flights {
     Vec3 place, direction;
     double begin = 0, end = 0, length = 0;  // distances; of a step
     bool in_glass = false;
+    double opacity = 0;  // at which it ends
     Vec3 at(double distance) const { return place + distance * direction; }
   };
   std::optional<Line> line_of(const Flight& flight, std::size_t index, double begin) const;

@@ -30,7 +30,7 @@ class Zones {
     const auto low = lowest(zone);
     std::array<double, 3> at{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-      at[axis] = std::min(medium_.dims()[axis] - 1.0, low[axis] + random.uniform() * edge_);
+      at[axis] = low[axis] + random.uniform() * std::min<double>(edge_, medium_.dims()[axis] - 1 - low[axis]);
     return medium_.place_of({at[0], at[1], at[2]});
   }
 

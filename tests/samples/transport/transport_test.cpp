@@ -1,14 +1,17 @@
 // Flights and visibility by the board against closed forms, and the lights that paths begin at.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "../../driver/board/test_board.h"
 #include "gicube/scene/scene.h"
+#include "transport/eye.h"
 #include "transport/flights.h"
 #include "transport/lights.h"
 #include "transport/paths.h"
+#include "transport/zones.h"
 
 namespace gicube::samples {
 namespace {
@@ -114,15 +117,52 @@ TEST(Flights, EndInFogAsBeerAndLambertSayWhateverTheStep) {
 TEST(Flights, ThatLeaveTheVolumeSoonEscapeAsBeerAndLambertSay) {
   Loaded loaded(fog(0.5));
   Flights board(loaded.board, loaded.medium, 1, 1);
-  constexpr int kBatches = 100,
-                kFlights = 2048;  // of a batch, 64 commands with a number for each: it is off by up to one of them
+  constexpr int kBatches = 20, kFlights = 2048;
   for (const double left : {0.1, 0.4, 0.6, 1.2, 1.7}) {
     const std::vector<Flight> flights(kFlights, Flight{{15 - left, 4.3, 5.2}, {1, 0, 0}});
     double share = 0;
     for (int i = 0; i < kBatches; ++i) {
       for (const auto& hit : board.first_hits(flights)) share += (hit ? 1.0 : 0.0) / kBatches / kFlights;
     }
-    EXPECT_NEAR(share, 1 - std::exp(-0.5 * left), 3 * 0.5 / 64 / std::sqrt(kBatches)) << left;
+    const double truth = 1 - std::exp(-0.5 * left);
+    EXPECT_NEAR(share, truth, 3 * std::sqrt(truth * (1 - truth) / kBatches / kFlights)) << left;
+  }
+}
+
+// A law of large numbers for batches of any size, also of those that no division into commands fits: the mean is the law's, and
+// no batch's share scatters by more than that of independent flights would.
+TEST(Flights, OfBatchesOfAnySizeEndAsOftenAsBeerAndLambertSay) {
+  Loaded loaded(fog(0.5));
+  Flights board(loaded.board, loaded.medium, 1, 1);
+  for (const auto& [batches, size] : {std::pair{500, 1}, {600, 33}, {200, 97}, {40, 1000}, {10, 5000}}) {
+    for (const double left : {0.05, 1.4, 6.0}) {
+      const std::vector<Flight> flights(static_cast<std::size_t>(size), Flight{{15 - left, 4.3, 5.2}, {1, 0, 0}});
+      const double truth = 1 - std::exp(-0.5 * left), binomial = std::sqrt(truth * (1 - truth) / size);
+      double sum = 0, squares = 0;
+      for (int i = 0; i < batches; ++i) {
+        double share = 0;
+        for (const auto& hit : board.first_hits(flights)) share += (hit ? 1.0 : 0.0) / size;
+        sum += share - truth, squares += (share - truth) * (share - truth);
+      }
+      EXPECT_NEAR(sum / batches, 0, 3 * binomial / std::sqrt(batches)) << size << " flights, " << left;
+      EXPECT_LT(std::sqrt(squares / batches), 1.3 * binomial) << size << " flights, " << left;
+    }
+  }
+}
+
+// Each flight of a batch has a number of its own, also of one command.
+TEST(Flights, OfOneCommandEndAtPlacesOfTheirOwn) {
+  Loaded loaded(fog(0.2));
+  Flights board(loaded.board, loaded.medium, 0.5, 1);
+  std::vector<double> places;
+  for (const auto& hit : board.first_hits(std::vector<Flight>(4096, Flight{{0, 4.3, 5.2}, {1, 0, 0}}))) {
+    if (hit) places.push_back(hit->distance);
+  }
+  std::ranges::sort(places);
+  EXPECT_EQ(std::ranges::unique(places).size(), 0u);
+  for (const double distance : {0.3, 1.0, 4.0, 10.0, 14.9}) {
+    const auto nearer = std::ranges::upper_bound(places, distance) - places.begin();
+    EXPECT_NEAR(static_cast<double>(nearer) / 4096, 1 - std::exp(-0.2 * distance), 1e-3) << distance;
   }
 }
 
@@ -187,6 +227,65 @@ TEST(Optics, DrawDirectionsOfTheirMeanCosine) {
     EXPECT_NEAR(sum / 1e5, g, 3 * 0.58 / std::sqrt(1e5));
     EXPECT_NEAR(all / 1e5, 1, 0.03);
   }
+}
+
+// Whole multiples of the zones' edge or not: places are even over what of a zone is in the volume.
+TEST(Zones, DrawEvenPlacesAlsoWhereTheyAreCutShort) {
+  Loaded loaded(fog(0.1));  // 15 edges across
+  const Zones zones(loaded.medium, 4);
+  PathRandom random(6, 0);
+  for (const auto& [zone, low, high] : {std::tuple{std::size_t{0}, 0.0, 4.0}, {zones.count() - 1, 12.0, 15.0}}) {
+    constexpr int kPlaces = 20000;
+    Vec3 sum{};
+    int beyond = 0;
+    for (int i = 0; i < kPlaces; ++i) {
+      const Vec3 place = zones.place(zone, random);
+      sum = sum + place;
+      beyond += place.x > low + 0.9 * (high - low) ? 1 : 0;
+    }
+    const double error = (high - low) / std::sqrt(12.0 * kPlaces);
+    for (const double part : {sum.x, sum.y, sum.z}) EXPECT_NEAR(part / kPlaces, (low + high) / 2, 3 * error);
+    EXPECT_NEAR(beyond, 0.1 * kPlaces, 3 * std::sqrt(0.09 * kPlaces));
+  }
+}
+
+TEST(Eye, DrawsEvenPlacesInPixelsForAnyNumberOfRays) {
+  Loaded loaded(fog(0.1));
+  View view;
+  view.eye = {7, 7, -40}, view.look_at = {7, 7, 7}, view.width = 13, view.height = 7;
+  const Eye eye(view, loaded.medium);
+  constexpr std::size_t kPixel = 3 * 13 + 5;
+  constexpr int kSeeds = 3000, kRays = 3;
+  int left = 0, upper = 0;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    for (int ray = 0; ray < kRays; ++ray) {
+      const Vec3 direction = eye.direction(kPixel, ray, seed);
+      EXPECT_EQ(eye.pixel_of(direction), kPixel);
+      // Before the planes through the eye and the pixel's middle.
+      const auto beside = [&](double x, double y) { return eye.direction(5.5 + x, 3.5 + y); };
+      left += dot(direction, cross(beside(0, -1), beside(0, 1))) > 0 ? 1 : 0;
+      upper += dot(direction, cross(beside(1, 0), beside(-1, 0))) > 0 ? 1 : 0;
+    }
+  }
+  for (const int half : {left, upper}) EXPECT_NEAR(half, kSeeds * kRays / 2.0, 3 * std::sqrt(kSeeds * kRays / 4.0));
+}
+
+// A light is chosen by its power, and a point on it evenly.
+TEST(Lights, AreChosenByTheirPowers) {
+  Loaded loaded(fog(0.1) +
+                "light { rectangle { corner { x: 2 y: 2 z: 12 } edge_u { y: 4 } edge_v { x: 4 } } power: 3 }"
+                "light { sphere { centre { x: 7 y: 7 z: 7 } radius: 2 } power: 1 }");
+  const Lights lights(loaded.setup, loaded.medium);
+  constexpr int kPoints = 30001;
+  int first = 0, near = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    PathRandom random(8, static_cast<std::uint64_t>(i));
+    const LightPoint point = lights.point(random);
+    first += point.light == 0 ? 1 : 0;
+    near += point.light == 0 && point.place.x < 3 ? 1 : 0;
+  }
+  EXPECT_NEAR(first, 0.75 * kPoints, 3 * std::sqrt(0.75 * 0.25 * kPoints));
+  EXPECT_NEAR(near, first / 4.0, 3 * std::sqrt(first * 3 / 16.0));
 }
 
 // What lights send out is their power; what they send to a point is its irradiance.
