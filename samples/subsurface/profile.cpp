@@ -38,16 +38,16 @@ class Measurement {
       fly(std::move(photons));
     }
     const auto n = static_cast<double>(settings_.photons);
-    const auto mean = [&](Rgb& sum, Rgb* squares) {
+    const auto mean = [&](Rgb& sum, Rgb& squares) {
       for (std::size_t c = 0; c < 3; ++c) {
         sum[c] /= n;
-        if (squares) (*squares)[c] = std::sqrt(std::max(0.0, (*squares)[c] / n - sum[c] * sum[c]) / n);
+        squares[c] = std::sqrt(std::max(0.0, squares[c] / n - sum[c] * sum[c]) / n);
       }
     };
-    for (Profile::Ring& ring : profile_.rings) mean(ring.share, &ring.error);
-    mean(profile_.reflected, &profile_.reflected_error);
-    mean(profile_.transmitted, nullptr);
-    mean(profile_.sideways, nullptr);
+    for (Profile::Ring& ring : profile_.rings) mean(ring.share, ring.error);
+    mean(profile_.reflected, profile_.reflected_error);
+    mean(profile_.transmitted, profile_.transmitted_error);
+    mean(profile_.sideways, profile_.sideways_error);
     profile_.photons = settings_.photons;
     profile_.rays = flights_.rays();
     return std::move(profile_);
@@ -92,19 +92,21 @@ class Measurement {
     const Medium::Span span = medium_.inside(photon.flight.place, photon.flight.direction);
     const Vec3 place = photon.flight.place + std::max(0.0, span.end) * photon.flight.direction;
     constexpr double kOnFace = 1e-6;
-    const auto add = [&](Rgb& sum, Rgb* squares) {
+    const auto add = [&](Rgb& sum, Rgb& squares) {
       for (std::size_t c = 0; c < 3; ++c) {
         sum[c] += photon.weight[c];
-        if (squares) (*squares)[c] += photon.weight[c] * photon.weight[c];
+        squares[c] += photon.weight[c] * photon.weight[c];
       }
     };
     if (place.z > top_.z - kOnFace) {
-      add(profile_.reflected, &profile_.reflected_error);
+      add(profile_.reflected, profile_.reflected_error);
       const double radius = length(place - photon.entry);
       const auto ring = std::ranges::upper_bound(profile_.rings, radius, {}, &Profile::Ring::outer);
-      if (ring != profile_.rings.end()) add(ring->share, &ring->error);
+      if (ring != profile_.rings.end()) add(ring->share, ring->error);
+    } else if (place.z < kOnFace) {
+      add(profile_.transmitted, profile_.transmitted_error);
     } else {
-      add(place.z < kOnFace ? profile_.transmitted : profile_.sideways, nullptr);
+      add(profile_.sideways, profile_.sideways_error);
     }
     return false;
   }

@@ -26,9 +26,9 @@ class Profile {
     Rgb share{}, error{};  // what comes out of it; its standard error
   };
   std::vector<Ring> rings;
-  Rgb reflected{}, reflected_error{};  // all that comes out of the top, also beyond the rings
-  Rgb transmitted{},
-      sideways{};  // what leaves at the bottom, and at the slab's sides: a slab too narrow for the profile
+  // With standard errors. All that comes out of the top, also beyond the rings; what leaves at the bottom; and at the slab's sides:
+  // a slab too narrow for the profile.
+  Rgb reflected{}, reflected_error{}, transmitted{}, transmitted_error{}, sideways{}, sideways_error{};
   std::uint64_t photons = 0, rays = 0;
 
   Rgb at(double radius) const;      // on a unit of area; linear between the rings' middles, 0 beyond them

@@ -71,10 +71,11 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
     fmt::print("{} photons, {} rays; board {:.3f} ms simulated; {:.1f} s\n", profile.photons, profile.rays,
                cost["board_ms"].get<double>(), cost["host_seconds"].get<double>());
     fmt::print(
-        "of the red light {:.2f}% comes back ({:.2f}% within the rings), {:.2f}% goes through, {:.2f}% out at the "
-        "sides\n",
-        100 * profile.reflected[0], 100 * profile.within(profile.rings.back().outer)[0], 100 * profile.transmitted[0],
-        100 * profile.sideways[0]);
+        "of the red light {:.2f} ± {:.2f}% comes back ({:.2f}% within the rings), {:.2f} ± {:.2f}% goes through, "
+        "{:.2f} ± {:.2f}% out at the sides (standard errors)\n",
+        100 * profile.reflected[0], 100 * profile.reflected_error[0],
+        100 * profile.within(profile.rings.back().outer)[0], 100 * profile.transmitted[0],
+        100 * profile.transmitted_error[0], 100 * profile.sideways[0], 100 * profile.sideways_error[0]);
     warn_if_black(noise_of(picture));
   }
   const Provenance provenance = provenance_of(board.info(), scene_hash(setup));
@@ -85,7 +86,9 @@ void run(const SubsurfaceOptions& options, ProgressLine& progress) {
                               {"reflected", profile.reflected},
                               {"reflected_error", profile.reflected_error},
                               {"transmitted", profile.transmitted},
+                              {"transmitted_error", profile.transmitted_error},
                               {"sideways", profile.sideways},
+                              {"sideways_error", profile.sideways_error},
                               {"settings",
                                {{"straight", options.settings.straight},
                                 {"rings", options.settings.rings},

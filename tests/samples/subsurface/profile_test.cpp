@@ -49,6 +49,30 @@ TEST(Profile, OfThinSlabsReflectsAndTransmitsWhatTheTableSays) {
   }
 }
 
+// Light straight through is exp(-optical thickness); with what is scattered once more it is the table's. Runs of any number of photons
+// scatter by what they state, which is a share's error.
+TEST(Profile, TransmitsWithTheErrorThatItStates) {
+  for (const double thickness : {1.0, 4.0}) {
+    Slab slab(reference::open_board(), thickness / 4, 0, 0, 5);
+    const double truth = std::exp(-thickness);
+    constexpr int kRuns = 12;
+    for (const std::uint64_t photons : {std::uint64_t{1'000}, std::uint64_t{3'333}, std::uint64_t{40'001}}) {
+      double sum = 0, squares = 0;
+      for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
+        const Profile found =
+            measure_profile(slab.board, slab.medium, {.photons = photons, .straight = true, .seed = seed});
+        const double stated = std::sqrt(truth * (1 - truth) / static_cast<double>(photons));
+        EXPECT_NEAR(found.transmitted_error[0], stated, 0.2 * stated);
+        const double off = (found.transmitted[0] - truth) / stated;
+        sum += off, squares += off * off;
+        EXPECT_EQ(found.reflected[0], 0);
+      }
+      EXPECT_NEAR(sum / kRuns, 0, 3 / std::sqrt(kRuns)) << thickness << ", " << photons;
+      EXPECT_LT(std::sqrt(squares / kRuns), 1.5) << thickness << ", " << photons;
+    }
+  }
+}
+
 // The dipole is of diffusion theory: far from the entry its fall is that of the medium, near it and in all it is off.
 TEST(Dipole, IsTheIntegralOfItsProfileAndNearTheMeasuredOneFarAway) {
   double sum = 0;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -37,6 +38,14 @@ TEST_F(SubsurfaceProgram, MeasuresAProfileAndDrawsAMeshThatHasIt) {
   const double reflected = json.at("reflected")[0].get<double>();
   EXPECT_GT(reflected, 0.3);
   EXPECT_LT(reflected, 0.6);
+  EXPECT_THAT(result.out, HasSubstr("(standard errors)"));
+  for (const char* part :
+       {"reflected", "transmitted", "sideways"}) {  // an albedo below 1: at most that of shares of photons
+    const double share = json.at(part)[0].get<double>(), error = json.at(part + std::string("_error"))[0].get<double>();
+    EXPECT_GT(share, 0) << part;
+    EXPECT_GT(error, 0) << part;
+    EXPECT_LE(error, std::sqrt(share * (1 - share) / 5000)) << part;
+  }
   std::ifstream csv(path("p.csv"));
   std::string line;
   int lines = 0;
