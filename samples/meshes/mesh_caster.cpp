@@ -149,11 +149,15 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
   found.resize(kept);
 }
 
+void MeshCaster::ahead(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const {
+  find(from, direction, found);
+  std::erase_if(found, [](const Crossing& c) { return c.distance <= kTouching; });
+}
+
 std::optional<Crossing> MeshCaster::first(Vec3 from, Vec3 direction) const {
   thread_local std::vector<Crossing> crossings;
-  find(from, direction, crossings);
-  const auto met = std::ranges::find_if(crossings, [](const Crossing& c) { return c.distance > kTouching; });
-  return met == crossings.end() ? std::nullopt : std::optional(*met);
+  ahead(from, direction, crossings);
+  return crossings.empty() ? std::nullopt : std::optional(crossings.front());
 }
 
 bool MeshCaster::blocked(Vec3 from, Vec3 direction, double distance) const {

@@ -28,7 +28,9 @@ class MeshCaster {
   // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner of triangles of
   // one mesh crosses the surface once there.
   void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
-  // The nearest of them. A ray that begins on a triangle does not meet it: nothing counts within 1e-6.
+  // Those further away than 1e-6: a ray that begins on a triangle does not meet it.
+  void ahead(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
+  // The nearest of those.
   std::optional<Crossing> first(Vec3 from, Vec3 direction) const;
   // Whether there is one nearer than `distance`, where another triangle may be that is not counted.
   bool blocked(Vec3 from, Vec3 direction, double distance) const;

@@ -81,7 +81,7 @@ void PolygonGi::solve(const Progress& told) {
     const auto now = std::span(lit).subspan(first, std::min(kRowsAtOnce, lit.size() - first));
     std::vector<Row> made = rows(now);
     for (std::size_t k = 0; k < now.size(); ++k) {
-      if (elements_[now[k]].zone) elements_[now[k]].weight *= made[k].outside;
+      elements_[now[k]].weight *= made[k].outside;
       rows_[now[k]] = std::move(made[k]);
     }
     if (told) told(static_cast<std::uint32_t>(first + now.size()), static_cast<std::uint32_t>(lit.size()));

@@ -41,7 +41,7 @@ struct GiElement {
   std::uint32_t surface = 0, triangle = 0;  // of a side; of a zone `triangle` is its index
   bool back = false, zone = false;
   bool dark = false;  // the back of a closed surface: within a solid
-  double weight = 0;  // area, or 4 times the extinction's integral over the zone
+  double weight = 0;  // area, or 4 times the extinction's integral over the zone; solve() leaves out what is in solids
   Rgb albedo{}, emission{};
 };
 
@@ -57,7 +57,7 @@ class PolygonGi {
   struct Row {
     std::vector<std::pair<std::uint32_t, float>> shares;  // of elements
     Rgb direct{};                                         // straight from emitters
-    double outside = 1;                                   // of a zone the share that is in no solid
+    double outside = 1;                                   // the share of the element that is in no solid
   };
 
   // Surfaces in the medium's space (transport/medium.h), as fine as light is to be. All must outlive it. Throws InputError: a medium

@@ -11,8 +11,8 @@ namespace gicube::samples {
 // The ray'th of a row's.
 Flight PolygonGi::start(const GiElement& element, int ray, const std::array<double, 2>& shift,
                         PathRandom& random) const {
-  const int strata = std::max(1, static_cast<int>(std::sqrt(settings_.rays)));
-  const int cell = ray % (strata * strata);
+  const int along = static_cast<int>(std::sqrt(settings_.rays));
+  const int strata = ray < along * along ? along : 1, cell = ray % (strata * strata);  // those of no square: anywhere
   const double u = (cell % strata + random.uniform()) / strata, v = (cell / strata + random.uniform()) / strata;
   if (!element.zone) {
     const auto [a, b, c] = corners_of(surfaces_[element.surface].mesh, element.triangle);
@@ -29,17 +29,24 @@ Flight PolygonGi::start(const GiElement& element, int ray, const std::array<doub
 std::vector<PolygonGi::End> PolygonGi::ends(std::span<const Flight> flights) {
   const std::vector<std::optional<Hit>> hits = flights_.first_hits(flights);
   std::vector<End> out(flights.size());
+  std::vector<Crossing> crossings;
+  const auto side = [&](const Crossing& met) {
+    return first_[met.mesh] + 2 * met.triangle + (met.from_outside ? 0 : 1);
+  };
   for (std::size_t i = 0; i < flights.size(); ++i) {
-    const auto met = caster_.first(flights[i].place, flights[i].direction);
-    const std::uint32_t element =
-        met ? first_[met->mesh] + 2 * met->triangle + (met->from_outside ? 0 : 1) : kNoElement;
-    if (hits[i] && (!met || hits[i]->distance < met->distance)) {
+    caster_.ahead(flights[i].place, flights[i].direction, crossings);
+    if (hits[i] && (crossings.empty() || hits[i]->distance < crossings.front().distance)) {
       const std::uint32_t zone = zone_of_[zones_.at(hits[i]->place)];
       out[i] = {zone == kNoElement ? std::nullopt : std::optional(zone), hits[i]->place};
-    } else if (met) {
-      out[i] = {element, flights[i].place + met->distance * flights[i].direction};
+    } else if (!crossings.empty()) {
+      const Crossing& met = crossings.front();
+      out[i] = {side(met), flights[i].place + met.distance * flights[i].direction};
     }
-    out[i].in_solid = met && elements_[element].dark;
+    // Solids may overlap, so the ray may leave its own behind the nearest crossing.
+    for (auto met = crossings.begin(); met != crossings.end() && !out[i].in_solid; ++met) {
+      out[i].in_solid =
+          elements_[side(*met)].dark && std::ranges::find(crossings.begin(), met, met->mesh, &Crossing::mesh) == met;
+    }
   }
   return out;
 }

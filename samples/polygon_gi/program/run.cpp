@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "polygon_gi/program/options.h"
 #include "scene/program/board_run.h"
 #include "scene/program/program.h"
@@ -25,13 +27,15 @@ void run(const PolygonGiOptions& options, ProgressLine& progress) {
   RunWindow window(board);
   light.solve(progress.parts("rows"));
   progress.show("the picture");
-  const RadiancePicture picture = light.picture(setup.view, options.passes);
+  const double unit = setup.grid.voxel * setup.grid.voxel;  // power in the scene's units; of a voxel edge's square
+  const auto power = [&](const Rgb& p) { return Rgb{p[0] * unit, p[1] * unit, p[2] * unit}; };
+  RadiancePicture picture = light.picture(setup.view, options.passes);
+  for (std::vector<Rgb>* values : {&picture.mean, &picture.error})
+    std::ranges::transform(*values, values->begin(), power);
   const nlohmann::ordered_json cost = cost_json(board.info(), window);
   progress.clear();
 
   const PolygonGiStatistics s = light.statistics();
-  const double unit = setup.grid.voxel * setup.grid.voxel;  // power in the scene's units
-  const auto power = [&](const Rgb& p) { return Rgb{p[0] * unit, p[1] * unit, p[2] * unit}; };
   if (!options.board.quiet) {
     fmt::print("{} sides of triangles, {} zones; {} rays, {} iterations; board {:.3f} ms simulated; {:.1f} s\n",
                s.sides, s.zones, s.rays, s.iterations, cost["board_ms"].get<double>(),

@@ -81,6 +81,23 @@ TEST(PolygonRows, HaveTheFormFactorsOfRectangles) {
   EXPECT_NEAR(parallel_factor(1, 1), 0.199825, 1e-6);
 }
 
+// A law of large numbers for rows of few rays, also of those that make no square of strata.
+TEST(PolygonRows, HaveTheFormFactorsOfRectanglesInTheMeanOfManyRowsOfAnyLength) {
+  Fog clear = fog(0, 0, 17);
+  const double truth = perpendicular_factor(9.0 / 6, 12.0 / 6);
+  for (const int rays : {16, 30, 35}) {
+    constexpr int kSeeds = 100;
+    double sum = 0;
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+      PolygonGi light(clear.board, clear.medium,
+                      {patch({4, 4, 4}, {12, 0, 0}, {0, 6, 0}), patch({16, 4, 4}, {0, 0, 9}, {0, 6, 0})},
+                      {.rays = rays, .seed = seed});
+      sum += factor(light, 0, 1);
+    }
+    EXPECT_NEAR(sum / kSeeds, truth, 3 * random_error(truth, 2.0 * rays * kSeeds)) << rays;
+  }
+}
+
 TEST(PolygonRows, AreAttenuatedByTheFogBetween) {
   constexpr int kRays = 40000;
   for (const double kappa : {0.5, 2.0}) {  // a side of 8
@@ -172,6 +189,33 @@ TEST(PolygonGi, AccountsForItsPower) {
   EXPECT_GT(s.absorbed_by_surfaces[0], 0.05 * s.emitted[0]);
   EXPECT_GT(s.absorbed_by_medium[0], 0.05 * s.emitted[0]);
   EXPECT_GT(s.escaped[0], 0.2 * s.emitted[0]);
+}
+
+PolygonSurface box(Vec3 low, Vec3 high, double edge, double emission = 0) {
+  return {"box", refined(mesh_of(BoxShape{low, high}), edge), {}, {emission, emission, emission}};
+}
+
+// Six black walls that overlap along all edges, at corners three of them, and a lamp that is let into the floor: the room
+// absorbs what the lamp sends out, and that is what of its area is in the open.
+TEST(PolygonGi, AbsorbsInAClosedRoomOfOverlappingBoxesWhatTheLampEmits) {
+  Fog clear = fog(0, 0, 17);
+  std::vector<PolygonSurface> surfaces;
+  for (const auto& [low, high] : {std::pair{Vec3{0, 0, 0}, Vec3{16, 16, 2}},
+                                  {Vec3{0.1, 0.1, 14}, Vec3{15.9, 15.9, 16}},
+                                  {Vec3{0.2, 0.2, 0.2}, Vec3{2, 15.8, 15.8}},
+                                  {Vec3{14, 0.3, 0.3}, Vec3{15.7, 15.7, 15.7}},
+                                  {Vec3{0.4, 0.4, 0.4}, Vec3{15.6, 2, 15.6}},
+                                  {Vec3{0.5, 14, 0.5}, Vec3{15.5, 15.5, 15.5}}}) {
+    surfaces.push_back(box(low, high, 3));
+  }
+  surfaces.push_back(box({6, 6, 1}, {10, 10, 4}, 3, 3));
+  PolygonGi light(clear.board, clear.medium, surfaces, {.rays = 400});
+  light.solve();
+  const PolygonGiStatistics s = light.statistics();
+  const double emitted = 3 * (4 * 4 + 4 * 4 * 2);
+  EXPECT_NEAR(s.emitted[0], emitted, 0.01 * emitted);
+  EXPECT_NEAR(s.absorbed_by_surfaces[0], emitted, 0.015 * emitted);
+  EXPECT_NEAR(s.escaped[0], 0, 1e-3 * emitted);
 }
 
 // A block that a zone reaches into takes no light from the zone.

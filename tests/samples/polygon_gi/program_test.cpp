@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
 
 #include "program_test.h"
 #include "scene/names.h"
@@ -43,6 +46,31 @@ TEST_F(PolygonGiProgram, MakesAPictureAndTellsWhereTheLightGoes) {
     all += json.at(where)[0].get<double>();
   EXPECT_NEAR(all, emitted, 0.05 * emitted);
   EXPECT_TRUE(text_of(path("x.png")).starts_with("\x89PNG"));
+}
+
+// As in gicube-path and gicube-photon-map: on a square of the voxel's edge, here 2/15, a radiosity of 3 is 3 (2/15)^2 of power.
+TEST_F(PolygonGiProgram, WritesRadiancesInTheUnitOfAllProgramsOfPaths) {
+  std::ofstream(path("x.scene")) << R"(world { size: 16
+      node { material: "lamp" box { low { x: -0.9 y: 0.4 z: -0.9 } high { x: 0.9 y: 0.8 z: 0.9 } } }
+      node { material: "fog" box { high { x: -0.95 } } } }
+      material { name: "lamp" solid { } emission: 3 }
+      material { name: "fog" fog { extinction: 0.5 } bsdf: "isotropic" }
+      camera { eye { y: -3 } look_at { } fov_degrees: 5 })";
+  const ProgramResult result =
+      run(path("x.scene") + " --edge 8 --zone 8 --rays 16 --passes 2 --size 4x4 --pixels " + path("x.csv"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::istringstream csv(text_of(path("x.csv")));
+  std::string line;
+  std::getline(csv, line);
+  int pixels = 0;
+  for (; std::getline(csv, line); ++pixels) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream numbers(line);
+    double x = 0, y = 0, red = 0;
+    numbers >> x >> y >> red;
+    EXPECT_NEAR(red, 3 / std::numbers::pi * 4 / 225, 1e-6);
+  }
+  EXPECT_EQ(pixels, 16);
 }
 
 TEST_F(PolygonGiProgram, MakesTheSameLightAtEveryLevelAndWithAnyThreads) {
