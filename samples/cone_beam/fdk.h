@@ -73,8 +73,8 @@ struct FdkSettings {
 
 // How many voxels a pixel is wide or high at the axis, whichever is more.
 double voxels_of_a_pixel(const ConeGeometry& geometry);
-// settings.rays or, if that is 0, one of pixels that are no larger than voxels; else so many that rays lie no more than 1.25 voxels
-// apart, from 2 to 4.
+// settings.rays or, if that is 0, one of pixels that are no larger than 0.7 voxels; else so many that rays lie no more than 1.25
+// voxels apart, from 2 to 4.
 int rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
 // settings.sharpen on each axis or, without it, what the blur of splatting is more than that of linear interpolation between
 // pixels (one ray per pixel), or all of it (more rays).

@@ -112,12 +112,14 @@ std::vector<FdkScan> fdk_scans(int size) {
             {kEllipsoid, 0.4, {4, 4, 9}, {7, 13, -12}, 0}}}};
 }
 
-FdkScan random_fdk_scan(int size, unsigned seed) {
+FdkScan random_fdk_scan(int size, unsigned seed, std::optional<std::array<double, 2>> pixel) {
   std::mt19937 engine(seed);
   const auto between = [&](double low, double high) {  // the same on any machine, unlike the library's distributions
     return low + (high - low) * (static_cast<double>(engine()) + 0.5) * 0x1p-32;
   };
-  const double pitch_u = std::exp2(between(-1, 1)), pitch_v = std::exp2(between(-1, 1)), offset_u = between(-3, 3);
+  double pitch_u = std::exp2(between(-1, 1)), pitch_v = std::exp2(between(-1, 1));
+  if (pixel) pitch_u = (*pixel)[0], pitch_v = (*pixel)[1];
+  const double offset_u = between(-3, 3);
   FdkScan scan{fmt::format("pixels of {:.2f} x {:.2f}", pitch_u, pitch_v),
                geometry_of(size, {1, 1, 1}, pitch_u, pitch_v, offset_u, between(-3, 3), between(0, 6)),
                {}};

@@ -2,6 +2,8 @@
 // anywhere, detectors off centre with pixels that are not square, and the mean of the object in each voxel as the truth.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +27,8 @@ struct FdkScan {
 
 // `size` voxels along x; the detectors see all of the volume from every view.
 std::vector<FdkScan> fdk_scans(int size);
-// Five ellipsoids and a box; pixels of 0.5 to 2 voxels, the same for each seed.
-FdkScan random_fdk_scan(int size, unsigned seed);
+// Five ellipsoids and a box; pixels of 0.5 to 2 voxels, the same for each seed, or of the width and height given.
+FdkScan random_fdk_scan(int size, unsigned seed, std::optional<std::array<double, 2>> pixel = {});
 
 samples::Projections project(const FdkScan& scan);
 // Over 6^3 places in each voxel, x fastest.
