@@ -127,7 +127,7 @@ std::optional<RenderOptions> options_of(int argc, char** argv, const gicube::Mpi
   outputs.push_back({"--stats", options->board.stats});
   outputs.push_back({"--checkpoint", options->checkpoint.file});
   outputs.push_back({"--explain-svg", options->explain_svg});
-  check_outputs(outputs);
+  check_outputs(outputs, {options->input, options->transfer_function, options->lighting.field});
   return options;
 }
 

@@ -51,10 +51,10 @@ std::string profiles_text(const GridValues& volume, const std::vector<float>& tr
 
 void run_compare(const CompareOptions& options) {
   check_volume_name("--difference", options.difference);
-  check_outputs({{"--difference", options.difference},
-                 {"--profiles", options.profiles},
-                 {"--stats", options.stats},
-                 options.slices.output()});
+  std::vector<Output> outputs = options.slices.outputs();
+  outputs.insert(outputs.end(),
+                 {{"--difference", options.difference}, {"--profiles", options.profiles}, {"--stats", options.stats}});
+  check_outputs(outputs, {options.volume, options.truth.name});
   const GridValues volume = read_values(options.volume, options.truth.allow_outside);
   const std::vector<float> truth = truth_of(options.truth, volume.grid);
   const Comparison found = compare(volume.grid, volume.values, truth, options.field);

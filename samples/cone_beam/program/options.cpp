@@ -213,22 +213,31 @@ std::array<double, 2> grey_range(std::span<const float> values) {
   return {low, high > low ? high : low + 1};
 }
 
+std::filesystem::path SliceOptions::file(int axis, int index) const {
+  return fmt::format("{}_{}{}.png", name, static_cast<char>('x' + axis), planes.empty() ? "" : std::to_string(index));
+}
+
+std::vector<Output> SliceOptions::outputs() const {
+  std::vector<Output> out;
+  const std::vector<std::pair<int, int>> middle{{0, 0}, {1, 0}, {2, 0}};
+  if (name.empty()) return out;
+  for (const auto& [axis, index] : planes.empty() ? middle : planes) out.push_back({"--slices", file(axis, index)});
+  return out;
+}
+
 void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values,
                   const Provenance& provenance) {
   if (options.name.empty()) return;
   const std::array<double, 2> grey = options.grey ? *options.grey : grey_range(values);
   auto planes = options.planes;
-  const bool middle = planes.empty();
-  if (middle) planes = {{0, grid.dims[0] / 2}, {1, grid.dims[1] / 2}, {2, grid.dims[2] / 2}};
+  if (planes.empty()) planes = {{0, grid.dims[0] / 2}, {1, grid.dims[1] / 2}, {2, grid.dims[2] / 2}};
   for (const auto& [axis, index] : planes) {
     const char letter = static_cast<char>('x' + axis);
     const int end = grid.dims[static_cast<std::size_t>(axis)];
     if (index >= end) {
       throw InputError(fmt::format("--slice {}", letter), fmt::format("0 to {}", end - 1), std::to_string(index));
     }
-    write_png(slice_of(grid, values, axis, index, grey),
-              fmt::format("{}_{}{}.png", options.name, letter, middle ? "" : std::to_string(index)), Colour{0, 0, 0},
-              provenance);
+    write_png(slice_of(grid, values, axis, index, grey), options.file(axis, index), Colour{0, 0, 0}, provenance);
   }
 }
 

@@ -75,7 +75,8 @@ struct SliceOptions {
   std::optional<std::array<double, 2>> grey;
   std::vector<std::pair<int, int>> planes;  // axis and index; empty: the three in the middle
 
-  Output output() const { return {"--slices", name.empty() ? name : name + "_z.png"}; }  // one of them
+  std::filesystem::path file(int axis, int index) const;  // of a plane
+  std::vector<Output> outputs() const;
 };
 void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what);
 

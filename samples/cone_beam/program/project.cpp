@@ -30,8 +30,20 @@ struct ProjectOptions {
   std::string extension() const { return lower_case(output.extension().string()); }
 };
 
-// The scan file beside the views.
+// The scan file beside the views, and the matrix beside each.
 std::filesystem::path scan_of(std::filesystem::path views) { return views.replace_extension(".textproto"); }
+std::filesystem::path matrix_of(std::filesystem::path view) { return view.replace_extension(".txt"); }
+
+// What is written of so many views.
+std::vector<Output> outputs_of(const ProjectOptions& options, std::size_t views) {
+  std::vector<Output> out{
+      {"--output", scan_of(options.output)}, {"--voxels", options.voxels}, {"--stats", options.board.stats}};
+  for (const std::filesystem::path& file : stack_files(options.output, views)) {
+    out.push_back({"--output", file});
+    if (options.extension() == ".pfm") out.push_back({"--output", matrix_of(file)});
+  }
+  return out;
+}
 
 void check(const ProjectOptions& options) {
   constexpr std::array kKnown{".nrrd", ".mhd", ".mha", ".raw", ".pfm", ".tif", ".tiff"};
@@ -40,10 +52,7 @@ void check(const ProjectOptions& options) {
                      in_quotes(options.output.string()));
   }
   check_volume_name("--voxels", options.voxels);
-  check_outputs({{"--output", options.output},
-                 {"--output", scan_of(options.output)},
-                 {"--voxels", options.voxels},
-                 {"--stats", options.board.stats}});
+  check_outputs(outputs_of(options, 1));
 }
 
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections,
@@ -60,8 +69,7 @@ void write_files(const ProjectOptions& options, ScanDescription description, con
   description.flats = description.darks = {};
   description.full = 0;
   for (std::size_t view = 0; matrices && view < files.size(); ++view) {
-    write_projection_matrix(description.geometry, description.geometry.angles[view],
-                            std::filesystem::path(files[view]).replace_extension(".txt"));
+    write_projection_matrix(description.geometry, description.geometry.angles[view], matrix_of(files[view]));
   }
   write_scan_file(description, scan_of(options.output));
 }
@@ -72,6 +80,9 @@ void run_project(const ProjectOptions& options) {
   ScanDescription description = description_of(options.scan);
   ConeGeometry& geometry = description.geometry;
   geometry.angles = sorted_views(geometry.angles).angles;
+  std::vector<std::filesystem::path> inputs = description.inputs();
+  inputs.emplace_back(options.object.name);
+  check_inputs_stay(outputs_of(options, geometry.angles.size()), inputs);
   Phantom phantom;
   std::vector<float> values;  // on the geometry's own grid
   if (is_phantom(options.object)) {

@@ -55,11 +55,11 @@ Json scan_json(const Scan& scan) {
   const auto& [to_axis, to_detector, detector, volume, angles] = scan.geometry;
   const Json pixels{{"columns", detector.columns}, {"rows", detector.rows},         {"pitch_u", detector.pitch_u},
                     {"pitch_v", detector.pitch_v}, {"offset_u", detector.offset_u}, {"offset_v", detector.offset_v}};
-  return {{"views", angles.size()},      {"views_read", scan.views_read},
-          {"repeated", scan.repeated},   {"arc_degrees", (angles.back() - angles.front()) * 180 / std::numbers::pi},
-          {"source_to_axis", to_axis},   {"source_to_detector", to_detector},
-          {"detector", pixels},          {"absorbed", scan.flat_field.absorbed},
-          {"dead", scan.flat_field.dead}};
+  return {{"views", angles.size()},       {"views_read", scan.views_read},
+          {"repeated", scan.repeated},    {"arc_degrees", (angles.back() - angles.front()) * 180 / std::numbers::pi},
+          {"source_to_axis", to_axis},    {"source_to_detector", to_detector},
+          {"detector", pixels},           {"absorbed", scan.flat_field.absorbed},
+          {"dead", scan.flat_field.dead}, {"unlit", scan.flat_field.unlit}};
 }
 
 Json fdk_json(const FdkSettings& fdk, const ConeGeometry& geometry) {
@@ -184,6 +184,12 @@ void print_summary(const ReconstructOptions& options, const Scan& scan, const Re
   }
 }
 
+std::vector<Output> outputs_of(const ReconstructOptions& options) {
+  std::vector<Output> out = options.slices.outputs();
+  out.insert(out.end(), {{"--output", options.output}, {"--stats", options.board.stats}});
+  return out;
+}
+
 void check(const CLI::App& app, ReconstructOptions& options) {
   AlgebraicSettings& algebraic = options.algebraic;
   algebraic.method = options.method == "sirt"      ? Method::kSirt
@@ -199,13 +205,15 @@ void check(const CLI::App& app, ReconstructOptions& options) {
     }
     for (const char* chosen : {"--rays", "--step"}) refuse_with_plan(app, chosen);
   }
-  check_outputs({{"--output", options.output}, {"--stats", options.board.stats}, options.slices.output()});
+  check_outputs(outputs_of(options));
 }
 
 void run_reconstruct(ReconstructOptions& options) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
-  Scan scan = load_scan(description_of(options.scan));
+  const ScanDescription description = description_of(options.scan);
+  check_inputs_stay(outputs_of(options), description.inputs());
+  Scan scan = load_scan(description);
   const std::uint64_t projection_hash = hash_of(scan.projections.values);  // as read, before a plan leaves views out
   if (options.fdk() && options.filtered.rays == 0) {
     options.filtered.rays = rays_of(options.filtered, scan.geometry);
@@ -253,7 +261,7 @@ void add_fdk(CLI::App& app, FdkSettings& fdk) {
   OptionGroup group(app, "FDK");
   group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
   group.number("--rays", fdk.rays, CLI::Range(0, 4),
-               "a pixel's, along each detector axis; 0: one of pixels no larger than voxels, else 2 to 4");
+               "a pixel's, along each detector axis; 0: one of pixels up to 0.7 voxels, else 2 to 4");
   group
       .value("--sharpen", fdk.sharpen,
              "against the blur of splatting: what a voxel takes from each neighbour (by pixels and rays)")

@@ -44,8 +44,9 @@ struct Stack {
 Stack read_stack(const StackFiles& files);
 
 // By the extension: .nrrd, .mhd (with a .raw beside it), .mha or .raw (float32, little-endian) one file for all; .pfm, .tif or .tiff
-// a file a view, NAME_0000.EXT beside `path`; pfm is little-endian, of scale 1. Returns the files that a StackFiles names to read them
-// again. Throws FileError; no file is there then that was not before.
+// a file a view, NAME_0000.EXT beside `path`. The files that a StackFiles names to read so many views again.
+std::vector<std::filesystem::path> stack_files(const std::filesystem::path& path, std::size_t views);
+// Writes those, and returns them; pfm is little-endian, of scale 1. Throws FileError; no file is there then that was not before.
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
                                                const Provenance& provenance = {});
 
@@ -66,6 +67,8 @@ struct ScanDescription {
   bool intensities = false;  // of the projections: else they are line integrals
   StackFiles flats, darks;   // averaged; only with intensities
   double full = 0;           // the intensity of a ray that met nothing, where there is no flat
+
+  std::vector<std::filesystem::path> inputs() const;  // the files that it was read from, and those that it names
 };
 
 }  // namespace gicube::samples

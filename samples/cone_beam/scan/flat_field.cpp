@@ -10,6 +10,9 @@
 namespace gicube::samples {
 namespace {
 
+// Of what is left of the light, the least that can be measured.
+double least_of(const Stack& views, double light) { return views.counts ? 0.5 : 1e-6 * light; }  // chosen
+
 // One view, in double precision.
 std::vector<double> mean(const Stack& stack, const Stack& views, const char* name, double otherwise) {
   const std::size_t size = views.view_size();
@@ -24,18 +27,47 @@ std::vector<double> mean(const Stack& stack, const Stack& views, const char* nam
   return out;
 }
 
-// The mean of the next pixels in the row that are not dead; 0 in a row without any.
-float beside(const std::vector<double>& light, const float* view, std::size_t pixel, std::size_t columns) {
-  const std::size_t begin = pixel - pixel % columns, end = begin + columns;
-  double sum = 0;
-  int count = 0;
-  const auto take = [&](std::size_t i) {
-    if (light[i] > 0) sum += static_cast<double>(view[i]), ++count;
-    return light[i] > 0;
+// Dead pixels side by side, and the live ones at both ends of them.
+struct Gap {
+  std::size_t dead = 1;
+  std::vector<std::size_t> ends;
+};
+
+// In the row or the column of a dead pixel, whichever has the shorter gap.
+Gap gap_at(const std::vector<double>& light, std::size_t pixel, std::size_t columns) {
+  const auto along = [&](std::size_t place, std::size_t count, std::size_t stride) {
+    Gap gap;
+    const auto take = [&](std::size_t i) {
+      light[i] > 0 ? gap.ends.push_back(i) : void(++gap.dead);
+      return light[i] > 0;
+    };
+    for (std::size_t k = 1; k <= place && !take(pixel - k * stride);) ++k;
+    for (std::size_t k = 1; k < count - place && !take(pixel + k * stride);) ++k;
+    return gap;
   };
-  for (std::size_t i = pixel; i > begin && !take(i - 1);) --i;
-  for (std::size_t i = pixel + 1; i < end && !take(i);) ++i;
-  return count == 0 ? 0.0F : static_cast<float>(sum / count);
+  Gap row = along(pixel % columns, columns, 1), column = along(pixel / columns, light.size() / columns, columns);
+  return row.ends.empty() || (!column.ends.empty() && column.dead < row.dead) ? column : row;
+}
+
+// Takes the light of pixels that got none in any view, where they make small gaps in the flat field; how many.
+std::size_t take_unlit(const Stack& views, const std::vector<double>& dark, std::vector<double>& light) {
+  constexpr std::size_t kLeastViews = 8,
+                        kWidestGap = 4;  // chosen: an object that lets nothing through is wider in some view
+  if (views.views() < kLeastViews) return 0;
+  std::vector<double> sums(light.size()), lit = light;
+  for (std::size_t i = 0; i < views.values.size(); ++i) sums[i % sums.size()] += static_cast<double>(views.values[i]);
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    if (sums[i] / static_cast<double>(views.views()) - dark[i] < least_of(views, light[i])) lit[i] = 0;
+  }
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    if (lit[i] > 0 || light[i] <= 0) continue;
+    const Gap gap = gap_at(lit, i, static_cast<std::size_t>(views.columns));
+    if (gap.ends.empty() || gap.dead > kWidestGap) continue;
+    light[i] = 0;
+    ++found;
+  }
+  return found;
 }
 
 }  // namespace
@@ -53,17 +85,21 @@ FlatFieldReport correct_flat_field(Stack& views, const Stack& flats, const Stack
     if (light[i] <= 0) ++report.dead;
   }
   if (report.dead == light.size()) throw InputError("flats", "some pixel that is lighter than its dark", "none");
+  report.unlit = take_unlit(views, dark, light);
   for (std::size_t view = 0; view < views.views(); ++view) {
     float* const values = views.values.data() + view * light.size();
     for (std::size_t i = 0; i < light.size(); ++i) {
       if (light[i] <= 0) continue;
-      const double least = views.counts ? 0.5 : 1e-6 * light[i];  // chosen
+      const double least = least_of(views, light[i]);
       const double left = static_cast<double>(values[i]) - dark[i];
       if (left < least) ++report.absorbed;
       values[i] = static_cast<float>(-std::log(std::max(left, least) / light[i]));
     }
-    for (std::size_t i = 0; report.dead > 0 && i < light.size(); ++i) {
-      if (light[i] <= 0) values[i] = beside(light, values, i, static_cast<std::size_t>(views.columns));
+    for (std::size_t i = 0; report.dead + report.unlit > 0 && i < light.size(); ++i) {
+      if (light[i] > 0) continue;
+      const Gap gap = gap_at(light, i, static_cast<std::size_t>(views.columns));
+      values[i] = 0;
+      for (const std::size_t end : gap.ends) values[i] += values[end] / static_cast<float>(gap.ends.size());
     }
   }
   return report;

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "cone_beam/fdk.h"
 #include "cone_beam/scan/formats.h"
 #include "gicube/scene/error.h"
 #include "scene/common/checks.h"
+#include "scene/formats/readers.h"
 
 namespace gicube::samples {
 namespace {
@@ -55,7 +57,7 @@ Projections sorted(const Stack& stack, const ScanDescription& description, const
 }
 
 // What the projections can't show.
-std::vector<std::string> warnings_of(const Scan& scan) {
+std::vector<std::string> warnings_of(const Scan& scan, bool intensities) {
   std::vector<std::string> out;
   // Turns of the source, in degrees, that measure every ray at least once.
   const Detector& detector = scan.geometry.detector;
@@ -74,8 +76,13 @@ std::vector<std::string> warnings_of(const Scan& scan) {
     sums[i % sums.size()] += static_cast<double>(scan.projections.values[i]);
   }
   const double edge = std::max(sums.front(), sums.back()), most = std::ranges::max(sums);
-  constexpr double kSeen = 0.05;  // chosen: above noise and flat fields' errors
-  if (most > 0 && edge >= kSeen * most) {
+  constexpr double kSeen = 0.05, kBright = 0.95, kLess = 0.9;  // chosen: above noise and flat fields' errors
+  if (!intensities && std::min(sums.front(), sums.back()) >= kBright * most && std::ranges::min(sums) < kLess * most) {
+    out.push_back(
+        "projections: the detector's sides have the greatest values, and columns between them less, as intensities "
+        "have; line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
+        "full_intensity)");
+  } else if (most > 0 && edge >= kSeen * most) {
     out.push_back(
         fmt::format("projections: the object reaches beyond the detector (its edge shows {:.0f}% of the greatest mean "
                     "of a column); values are too high, most of all near the rim of what is seen",
@@ -90,6 +97,12 @@ std::vector<std::string> warnings_of(const Scan& scan) {
   if (scan.flat_field.dead > 0) {
     out.push_back(fmt::format("flat: {} dead pixels have the mean of those beside them", scan.flat_field.dead));
   }
+  if (scan.flat_field.unlit > 0) {
+    out.push_back(
+        fmt::format("projections: {} pixels got no light in any view; they are taken as dead, and have the "
+                    "mean of those beside them",
+                    scan.flat_field.unlit));
+  }
   return out;
 }
 
@@ -103,6 +116,20 @@ ScanDescription read_description(const std::filesystem::path& path, const StackF
   if (!projections.empty()) {
     out.projections = projections;
     if (auto& raw = out.projections.raw) raw->dims = {out.geometry.detector.columns, out.geometry.detector.rows, 0};
+  }
+  return out;
+}
+
+std::vector<std::filesystem::path> ScanDescription::inputs() const {
+  std::vector<std::filesystem::path> out;
+  for (const StackFiles* stack : {&projections, &flats, &darks}) {
+    out.insert(out.end(), stack->files.begin(), stack->files.end());
+  }
+  std::error_code error;
+  if (!std::filesystem::is_directory(file, error)) {
+    out.push_back(file);
+  } else {
+    std::ranges::copy(files_with(file, {".txt"}), std::back_inserter(out));
   }
   return out;
 }
@@ -140,7 +167,7 @@ Scan load_scan(const ScanDescription& description) {
   out.views_read = stack.views();
   out.repeated = order.repeated();
   check(out.geometry);
-  out.warnings = warnings_of(out);
+  out.warnings = warnings_of(out, description.intensities);
   return out;
 }
 

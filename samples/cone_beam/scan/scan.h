@@ -22,7 +22,8 @@ SortedViews sorted_views(const std::vector<double>& angles);
 
 struct FlatFieldReport {
   std::size_t absorbed = 0;  // values without any light left, taken as half of the smallest that can be measured
-  std::size_t dead = 0;      // pixels without light in the flat field; they get the mean of their neighbours in the row
+  // Pixels without light: in the flat field; and in all views, in gaps of up to four pixels. They get the mean of those beside them.
+  std::size_t dead = 0, unlit = 0;
 };
 // From intensities to line integrals, in place: -ln((p - dark) / (flat - dark)), flats and darks averaged. A p - dark below 1/2 where
 // the views are whole numbers, below 1e-6 of flat - dark [C] where they are not, is counted as absorbed and taken as that. Empty
@@ -49,7 +50,7 @@ void complete_volume(ScanDescription& description);
 
 // Reads and corrects the projections. Throws FileError (files; another number of views than angles, of pixels than the detector's),
 // InputError (flat and dark fields), BadArgument (the geometry). Warnings: an arc too short for its fan, an object that reaches
-// beyond the detector, absorbed rays, dead pixels.
+// beyond the detector, line integrals that look like intensities, absorbed rays, dead pixels.
 Scan load_scan(const ScanDescription& description);
 
 // The other way round: values as the files of `description` hold them. `projections` in the order of its angles.

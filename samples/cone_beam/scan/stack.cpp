@@ -128,6 +128,14 @@ Stack read_stack(const StackFiles& files) {
   return out;
 }
 
+std::vector<std::filesystem::path> stack_files(const std::filesystem::path& path, std::size_t views) {
+  const std::string extension = lower_case(path.extension().string());
+  if (extension != ".tif" && extension != ".tiff" && extension != ".pfm") return {path};
+  std::vector<std::filesystem::path> names;
+  for (std::size_t view = 0; view < views; ++view) names.push_back(numbered(path, view));
+  return names;
+}
+
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
                                                const Provenance& provenance) {
   const std::string extension = lower_case(path.extension().string());
@@ -141,12 +149,11 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
                  provenance);
     return {path};
   }
-  std::vector<std::filesystem::path> names;
+  const std::vector<std::filesystem::path> names = stack_files(path, stack.views());
   WholeFiles files;
   for (std::size_t view = 0; view < stack.views(); ++view) {
-    names.push_back(numbered(path, view));
     const auto values = std::span(stack.values).subspan(view * stack.view_size(), stack.view_size());
-    (tiff ? write_tiff : write_pfm)(values, stack, names.back(), files);
+    (tiff ? write_tiff : write_pfm)(values, stack, names[view], files);
   }
   files.commit();
   return names;

@@ -69,11 +69,14 @@ Emissions emissions_of(const SceneSetup& setup) {
 }
 
 void run(const SolveOptions& options, ProgressLine& progress) {
+  const bool factors = !options.factors.empty();
   check_outputs({{"--factors", options.factors},
+                 {"--factors", factors ? clusters_file(options.factors) : std::filesystem::path()},
                  {"--elements", options.elements},
                  {"--solution", options.solution},
                  {"--output", options.picture},
-                 {"--stats", options.board.stats}});
+                 {"--stats", options.board.stats}},
+                {options.input.input, options.input.transfer_function});
   progress.show("reading the scene");
   Scene scene = scene_of(options.input);
   set_materials(options, scene);

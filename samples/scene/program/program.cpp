@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
@@ -34,11 +35,53 @@ int run_program(const char* name, const std::function<int()>& body) {
 
 void warn(const std::string& text) { std::cerr << this_run().program << ": warning: " << text << '\n'; }
 
-void check_outputs(const std::vector<Output>& outputs) {
-  std::map<std::filesystem::path, std::string> options;
+namespace {
+
+bool is_file(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+bool is_picture(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  return extension == ".png" || extension == ".exr" || extension == ".tif" || extension == ".tiff";
+}
+
+// With the files that writers put beside others.
+std::vector<Output> with_data_files(const std::vector<Output>& outputs) {
+  std::vector<Output> all = outputs;
   for (const auto& [option, file] : outputs) {
+    if (lower_case(file.extension().string()) != ".mhd") continue;
+    all.push_back({option, std::filesystem::path(file).replace_extension(".raw")});
+  }
+  return all;
+}
+
+}  // namespace
+
+void check_inputs_stay(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs) {
+  for (const auto& [option, file] : with_data_files(outputs)) {
+    if (file.empty() || !is_file(file)) continue;
+    for (const std::filesystem::path& input : inputs) {
+      std::error_code error;
+      const bool slice = is_picture(file) && std::filesystem::is_directory(input, error);
+      if (!std::filesystem::equivalent(slice ? folder_of(file) : file, input, error)) continue;
+      throw UsageError(option + ": expected a name whose files are not read, got one that would replace " +
+                       in_quotes(file.string()));
+    }
+  }
+}
+
+void check_outputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs) {
+  check_inputs_stay(outputs, inputs);
+  std::map<std::filesystem::path, std::string> options;
+  for (const auto& [option, file] : with_data_files(outputs)) {
     if (file.empty()) continue;
-    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    const std::filesystem::path folder = folder_of(file);
     std::error_code error;
     if (!std::filesystem::is_directory(folder, error)) {
       throw InputError(file.string(), "a folder that is there", "none");

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <new>
 
 #include "full_disk.h"
@@ -52,6 +53,32 @@ TEST(Program, RefusesOneFileForTwoOptionsBeforeTheWork) {
       testing::ThrowsMessage<UsageError>(testing::StartsWith("--stats: expected another file than -o, got ")));
   EXPECT_NO_THROW(check_outputs({{"-o", "a.png"}, {"-o", "a.png"}, {"--stats", "b.png"}}));
   EXPECT_NO_THROW(check_outputs({{"-o", "/dev/null"}, {"--stats", "/dev/null"}}));
+}
+
+TEST(Program, RefusesToReplaceWhatIsReadAlsoByNamesThatItDerives) {
+  const auto clean = [] {
+    for (const char* name : {"in.raw", "in.textproto", "link.textproto", "slices"}) std::filesystem::remove_all(name);
+  };
+  clean();
+  std::filesystem::create_directory("slices");
+  for (const char* name : {"in.raw", "in.textproto", "slices/s_0001.png", "slices/notes.json"})
+    std::ofstream(name) << 1;
+  std::filesystem::create_symlink("in.textproto", "link.textproto");
+  const auto expect_refused = [](const Output& output, const std::filesystem::path& input) {
+    EXPECT_THAT(
+        [&] {
+          check_outputs({output}, {"", "builtin:buckyball", input});
+        },
+        testing::ThrowsMessage<UsageError>(testing::HasSubstr(": expected a name whose files are not read, got")))
+        << output.file;
+  };
+  expect_refused({"-o", "in.textproto"}, "./../" + here() + "/in.textproto");
+  expect_refused({"-o", "in.textproto"}, "link.textproto");
+  expect_refused({"-o", "in.mhd"}, "in.raw");  // which an .mhd has beside it
+  expect_refused({"-o", "slices/s_0001.png"}, "slices");
+  EXPECT_NO_THROW(check_outputs({{"-o", "slices/s_0002.png"}, {"--stats", "slices/notes.json"}}, {"slices", "in.raw"}));
+  EXPECT_THROW(check_outputs({{"-o", "a.mhd"}, {"--stats", "a.raw"}}), UsageError);
+  clean();
 }
 
 TEST(Program, FailsIfWhatItPrintedGotNowhere) {

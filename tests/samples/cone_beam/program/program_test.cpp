@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "gicube/scene/volume_file.h"
@@ -227,6 +229,64 @@ TEST_F(ConeBeamProgram, ReconstructsAlgebraicallyAndSaysWhenItDiverges) {
   ASSERT_EQ(wild.code, 0) << wild.err;
   EXPECT_THAT(wild.err, HasSubstr("warning: --relaxation 6: diverged"));
   EXPECT_TRUE(nlohmann::json::parse(text_of(path("w.json"))).at("diverged"));
+}
+
+// A sphere of 0.02 in counts of at most 60,000, and what a column without light, or a forgotten flag, makes of it.
+TEST_F(ConeBeamProgram, FillsADeadColumnAndNamesAForgottenFlag) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  const std::vector<float> integrals = values_in("p.nrrd");
+  std::ofstream counts(path("counts.raw"), std::ios::binary);
+  for (std::size_t i = 0; i < integrals.size(); ++i) {
+    const double count = i % 48 == 24 ? 0 : std::round(60'000 * std::exp(-static_cast<double>(integrals[i])));
+    const auto word = static_cast<std::uint16_t>(count);
+    counts.put(static_cast<char>(word & 255)).put(static_cast<char>(word >> 8));
+  }
+  counts.close();
+  const std::string scan =
+      "source_to_axis: 500 source_to_detector: 1000 detector { columns: 48 rows: 40 pitch_u: 5 }\n"
+      "even_angles { count: 24 } volume { size: 32 size: 32 size: 32 spacing: 4 }\n"
+      "projections { file: \"counts.raw\" type: \"uint16\" }\n";
+  std::ofstream(path("good.textproto")) << scan + "intensities: true full_intensity: 60000";
+  std::ofstream(path("bad.textproto")) << scan;
+  const ProgramResult good =
+      run("reconstruct " + path("good.textproto") + " -o " + path("v.nrrd") + " --stats " + path("v.json"));
+  ASSERT_EQ(good.code, 0) << good.err;
+  EXPECT_THAT(good.err, HasSubstr("warning: projections: 40 pixels got no light in any view"));
+  EXPECT_EQ(nlohmann::json::parse(text_of(path("v.json"))).at("scan").at("unlit"), 40);
+  const std::vector<float> values = values_in("v.nrrd");
+  double sum = 0;
+  for (std::size_t y = 14; y < 18; ++y) {
+    for (std::size_t x = 14; x < 18; ++x) sum += static_cast<double>(values[(16 * 32 + y) * 32 + x]);
+  }
+  EXPECT_NEAR(sum / 16, 0.02, 0.0006);
+  const ProgramResult bad = run("reconstruct " + path("bad.textproto") + " -o " + path("v.nrrd"));
+  EXPECT_THAT(bad.err, testing::AllOf(HasSubstr("as intensities have"), testing::Not(HasSubstr("reaches beyond"))));
+}
+
+// Names that are derived from --output are held against all that the scan is read from.
+TEST_F(ConeBeamProgram, ReplacesNoFileOfTheUsersByANameThatItDerives) {
+  const auto expect_kept = [&](const std::string& arguments, const std::string& file) {
+    const std::string before = text_of(path(file));
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_THAT(result.err, HasSubstr("expected a name whose files are not read, got one that would replace")) << file;
+    EXPECT_EQ(text_of(path(file)), before) << arguments;
+  };
+  std::ofstream(path("scan.textproto")) << "# my notes\nsource_to_axis: 500 source_to_detector: 1000\n"
+                                           "detector { columns: 16 rows: 4 pitch_u: 8 } even_angles { count: 4 }\n"
+                                           "projections { file: \"views.raw\" type: \"float32\" }\n";
+  std::ofstream(path("views.raw")) << std::string(16 * 4 * 4 * 4, '\0');
+  const std::string project = "project builtin:sphere --scan " + path("scan.textproto") + " -o ";
+  expect_kept(project + path("scan.nrrd"), "scan.textproto");
+  expect_kept(project + path("views.mhd"), "views.raw");
+  expect_kept("reconstruct " + path("scan.textproto") + " -o " + path("views.mhd"), "views.raw");
+  std::filesystem::create_directory(path("matrices"));
+  expect_done("project builtin:sphere --radius 3 --views 4 --detector 16x4 -o " + path("matrices/m.pfm"));
+  expect_kept("project builtin:sphere --scan " + path("matrices") + " -o " + path("matrices/m.pfm"),
+              "matrices/m_0000.txt");
+  expect_done(project + path("other.nrrd"));
+  expect_done("reconstruct " + path("matrices") + " -o " + path("matrices/v.nrrd") + " --size 4,4,4");
+  expect_done("reconstruct " + path("matrices") + " -o " + path("matrices/v.nrrd") + " --size 4,4,4");
 }
 
 TEST_F(ConeBeamProgram, FailsWithOneLineThatNamesWhatIsWrong) {

@@ -54,6 +54,54 @@ TEST(FlatField, FillsDeadPixelsFromTheirRow) {
   EXPECT_EQ(views.values[4], 0);  // a row without any
 }
 
+// Eight views of 9 x 7 pixels of 100 counts, the logarithm of whose flat is p = 0.1 x + 0.2 y.
+Stack sloped() {
+  Stack views{9, 7, {}, true};
+  for (int i = 0; i < 8 * 63; ++i) {
+    views.values.push_back(static_cast<float>(std::round(1e6 * std::exp(-0.1 * (i % 9) - 0.2 * (i % 63 / 9)))));
+  }
+  return views;
+}
+double sloped_at(std::size_t i) { return 0.1 * static_cast<double>(i % 9) + 0.2 * static_cast<double>(i % 63 / 9); }
+
+TEST(FlatField, FillsColumnsRowsAndPixelsThatGotNoLightInAnyView) {
+  const auto column = [](std::size_t x, std::size_t) { return x == 4; };
+  const auto columns = [](std::size_t x, std::size_t) { return x == 4 || x == 5; };
+  const auto row = [](std::size_t, std::size_t y) { return y == 3; };
+  const auto pixel = [](std::size_t x, std::size_t y) { return x == 2 && y == 5; };
+  const auto expect_filled = [](const auto& dead, std::size_t many, double error) {
+    Stack views = sloped();
+    for (std::size_t i = 0; i < views.values.size(); ++i) {
+      if (dead(i % 9, i % 63 / 9)) views.values[i] = i % 2 == 0 ? 10 : 9;  // the dark's own
+    }
+    const Stack darks{9, 7, std::vector<float>(63, 10), true}, flats{9, 7, std::vector<float>(63, 1e6F + 10), true};
+    for (std::size_t i = 0; i < views.values.size(); ++i) {
+      if (!dead(i % 9, i % 63 / 9)) views.values[i] += 10;
+    }
+    const FlatFieldReport report = correct_flat_field(views, flats, darks, 0);
+    EXPECT_EQ(report.unlit, many);
+    EXPECT_EQ(report.absorbed, 0u);
+    EXPECT_EQ(report.dead, 0u);
+    for (std::size_t i = 0; i < views.values.size(); ++i) ASSERT_NEAR(views.values[i], sloped_at(i), error) << i;
+  };
+  expect_filled(column, 7, 1e-5);
+  expect_filled(columns, 14, 0.05 + 1e-5);
+  expect_filled(row, 9, 1e-5);
+  expect_filled(pixel, 1, 1e-5);
+}
+
+TEST(FlatField, KeepsWhatAnObjectTakesAllOf) {
+  Stack views = sloped();
+  for (std::size_t i = 0; i < views.values.size(); ++i) {
+    if (i % 9 >= 2 && i % 9 <= 6 && i % 63 / 9 >= 1 && i % 63 / 9 <= 5)
+      views.values[i] = 0;                               // a wide one, in each view
+    if (i % 9 == 8 && i / 63 != 3) views.values[i] = 0;  // a narrow one, but in one
+  }
+  const FlatFieldReport report = correct_flat_field(views, {}, {}, 1e6);
+  EXPECT_EQ(report.unlit, 0u);
+  EXPECT_EQ(report.absorbed, 8u * 25 + 7 * 7);
+}
+
 TEST(FlatField, RefusesWhatCannotBeOne) {
   const Stack views{2, 1, {1, 2}, true};
   EXPECT_THAT(error_of(views, {3, 1, {1, 2, 3}, true}, {}, 0), HasSubstr("flats: expected 2 x 1 pixels"));
