@@ -37,23 +37,56 @@ int own_descriptor(const std::filesystem::path& name) {
   return -1;
 }
 
+// The file that a name means: where its links lead, also if nothing is there yet.
+std::filesystem::path followed(std::filesystem::path name) {
+  std::error_code none;
+  while (std::filesystem::is_symlink(name, none)) name = name.parent_path() / std::filesystem::read_symlink(name, none);
+  return name;
+}
+
+// The new file gets the mode, owner and group of the one that it replaces, but gives nobody a right that is not in
+// `mode`. A group that can't be kept loses its rights.
+bool take_over(int fd, const struct stat& before, unsigned mode) {
+  constexpr unsigned kAll = 0777, kReadWrite = 0666, kGroup = 0070;
+  unsigned kept = before.st_mode & kAll & ~(kReadWrite & ~mode);
+  const auto same_owner = static_cast<uid_t>(-1);
+  const bool has_group =
+      ::fchown(fd, before.st_uid, before.st_gid) == 0 || ::fchown(fd, same_owner, before.st_gid) == 0;
+  if (!has_group) kept &= ~kGroup;
+  return ::fchmod(fd, kept) == 0;
+}
+
 }  // namespace
+
+bool may_be_written(const std::filesystem::path& file) {
+  constexpr unsigned kWrite = 0222;
+  struct stat there {};
+  if (::stat(file.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return true;
+  return (there.st_mode & kWrite) != 0 && ::faccessat(AT_FDCWD, file.c_str(), W_OK, AT_EACCESS) == 0;
+}
 
 WholeFile::WholeFile(const std::filesystem::path& target, unsigned mode) : target_(target) {
   struct stat there {};
+  const int missing = ::stat(target.c_str(), &there) == 0 ? 0 : errno;
   if (const int own = own_descriptor(target); own >= 0) {
     fd_ = ::fcntl(own, F_DUPFD_CLOEXEC, 0);
-  } else if (::stat(target.c_str(), &there) == 0 && !S_ISREG(there.st_mode)) {
+  } else if (missing != 0 && missing != ENOENT) {
+    fail(target.string(), missing);
+  } else if (missing == 0 && !S_ISREG(there.st_mode)) {
     fd_ = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+  } else if (!may_be_written(target)) {
+    fail(target.string(), EACCES);
   } else {
+    place_ = followed(target);
     std::random_device random;
     for (int i = 0; i < kMaxNames && fd_ < 0; ++i) {
       std::array<char, 16> ending{};
       std::snprintf(ending.data(), ending.size(), ".%08x.part", random());
-      part_ = target.string() + ending.data();
+      part_ = place_.string() + ending.data();
       fd_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
       if (fd_ < 0 && errno != EEXIST) break;
     }
+    if (fd_ >= 0 && missing == 0 && !take_over(fd_, there, mode)) fail(target.string());
   }
   if (fd_ < 0) fail(target.string());
 }
@@ -93,7 +126,7 @@ void WholeFile::close() {
 void WholeFile::commit() {
   if (fd_ >= 0) close();
   if (part_.empty()) return;
-  if (::rename(part_.c_str(), target_.c_str()) != 0) fail(target_.string());
+  if (::rename(part_.c_str(), place_.c_str()) != 0) fail(target_.string());
   part_.clear();
 }
 

@@ -2,8 +2,9 @@
 // name when all of them are on the disk. Until then what the target was stays. Whatever ends the writing before leaves nothing, but
 // for a process that is killed: it leaves the .part.
 //
-// A symbolic link is replaced, not followed. A pipe, a device, and what this process has open (/dev/stdout, /dev/fd/N) is written to
-// directly.
+// A symbolic link is followed: the file that it names is replaced, or made. A file that is replaced hands on its mode,
+// and its owner and group where that is allowed. One that this user may not write to, or that nobody may (mode 0444),
+// is refused. A pipe, a device, and what this process has open (/dev/stdout, /dev/fd/N) is written to directly.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,8 @@ namespace gicube {
 // All calls throw std::system_error, whose text is "TARGET: REASON"; the object is good for nothing then but to be destroyed.
 class WholeFile {
  public:
-  // `mode`: the new file's permissions, from which the umask takes.
+  // `mode`: a new file's permissions, from which the umask takes. One that replaces another has no more of them than
+  // these.
   explicit WholeFile(const std::filesystem::path& target, unsigned mode = 0666);
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
@@ -36,10 +38,14 @@ class WholeFile {
   void put(std::string_view bytes);
 
   const std::filesystem::path target_;
-  std::filesystem::path part_;  // empty: written directly, or committed
+  std::filesystem::path place_;  // where its links lead
+  std::filesystem::path part_;   // empty: written directly, or committed
   int fd_ = -1;
   std::string waiting_;
 };
+
+// False for a file that a WholeFile refuses since it may not be written to.
+bool may_be_written(const std::filesystem::path& file);
 
 // Throws std::system_error unless all that this process has printed got to standard output. For the end of a program, which else ends
 // well with a full disk behind `> FILE`.

@@ -1,10 +1,12 @@
 """Tables of the studies: CSV files, and which of their rows are on a Pareto front."""
 import contextlib
 import csv
+import errno
 import io
 import math
 import os
 import pathlib
+import shutil
 
 
 class FileError(Exception):
@@ -12,12 +14,17 @@ class FileError(Exception):
 
 
 def write_whole(path, text):
-    """Who reads the file sees the old contents or all of the new. Raises FileError."""
-    path = pathlib.Path(path)
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    """Who reads the file sees the old contents or all of the new. As by gicube/whole_file.h, links are followed, a file's
+    mode stays, and a read-only file is refused. Raises FileError."""
+    place = pathlib.Path(os.path.realpath(path))
+    part = place.with_name(f"{place.name}.{os.getpid()}.part")
     try:
+        if place.is_file() and not (place.stat().st_mode & 0o222 and os.access(place, os.W_OK)):
+            raise PermissionError(errno.EACCES, None)
         part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        if place.is_file():
+            shutil.copymode(place, part)
+        part.replace(place)
     except OSError as error:
         with contextlib.suppress(OSError):
             part.unlink()

@@ -88,12 +88,42 @@ TEST_F(WholeFileTest, HoldsAllThatWasWrittenInPiecesOfAnySize) {
   EXPECT_EQ(files().at("a"), all);
 }
 
-TEST_F(WholeFileTest, ReplacesALinkAndLeavesWhatItNames) {
+TEST_F(WholeFileTest, FollowsLinksAlsoToWhatIsNotThereYet) {
   std::ofstream(path("far")) << "before";
-  fs::create_symlink(path("far"), path("link"));
+  fs::create_directory(path("folder"));
+  fs::create_symlink("../far", path("folder/near"));
+  fs::create_symlink("folder/near", path("link"));
+  fs::create_symlink("folder/new", path("dangling"));
   write(path("link"), "what comes");
-  EXPECT_FALSE(fs::is_symlink(path("link")));
-  EXPECT_EQ(files(), (Files{{"far", "before"}, {"link", "what comes"}}));
+  write(path("dangling"), "new");
+  EXPECT_TRUE(fs::is_symlink(path("link")) && fs::is_symlink(path("folder/near")) && fs::is_symlink(path("dangling")));
+  EXPECT_FALSE(fs::is_symlink(path("far")));
+  EXPECT_EQ(files_in(path("folder")), (Files{{"near", "what comes"}, {"new", "new"}}));
+  fs::create_symlink("round", path("round"));
+  EXPECT_THAT([&] { write(path("round"), "a"); },
+              ThrowsMessage<std::system_error>(path("round") + ": Too many levels of symbolic links"));
+}
+
+TEST_F(WholeFileTest, KeepsTheModeOfWhatItReplaces) {
+  for (const unsigned mode : {0755U, 0640U, 0604U, 0200U}) {
+    std::ofstream(path("a")) << "before";
+    fs::permissions(path("a"), fs::perms(mode));
+    write(path("a"), "what comes");
+    EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms(mode));
+    fs::remove(path("a"));
+  }
+}
+
+TEST_F(WholeFileTest, RefusesWhatIsReadOnly) {
+  std::ofstream(path("a")) << "before";
+  fs::permissions(path("a"), fs::perms(0444));
+  fs::create_symlink("a", path("link"));
+  for (const char* name : {"a", "link"}) {
+    EXPECT_THAT([&] { write(path(name), "b"); }, ThrowsMessage<std::system_error>(path(name) + ": Permission denied"));
+    EXPECT_FALSE(may_be_written(path(name)));
+  }
+  EXPECT_EQ(files(), (Files{{"a", "before"}, {"link", "before"}}));
+  EXPECT_TRUE(may_be_written(path("none")) && may_be_written(path("")));
 }
 
 TEST_F(WholeFileTest, CanBeItsOwnersAlone) {

@@ -268,7 +268,8 @@ BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std
     Configured result = Configured::kDone;
     try {
       if (!board_) throw std::runtime_error("expected a board, got none: it could not be built");
-      if (std::filesystem::exists(file)) throw std::runtime_error("file: expected a new one, got " + file);
+      if (std::filesystem::exists(std::filesystem::symlink_status(file)))
+        throw std::runtime_error("file: expected a new one, got " + file);
       SavedSurroundings around{faults_.saved()};
       save_checkpoint(*board_, std::filesystem::path(file), [&around](Archive& archive) { archive("host", around); });
       answer->saved = {board_->simulated_ps(), std::filesystem::file_size(file)};

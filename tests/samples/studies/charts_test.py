@@ -80,6 +80,18 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["folder"]
 
 
+def test_a_link_is_followed_and_a_mode_kept_and_what_is_read_only_refused(tmp_path):
+    (tmp_path / "a").touch(0o640)
+    (tmp_path / "link").symlink_to("a")
+    write_whole(tmp_path / "link", "x")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "a").read_text() == "x"
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o640
+    (tmp_path / "a").chmod(0o444)
+    with pytest.raises(FileError, match="link: file: expected a place to write to, got Permission denied"):
+        write_whole(tmp_path / "link", "y")
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a", "link"] and (tmp_path / "a").read_text() == "x"
+
+
 def test_a_files_rights_are_those_that_the_user_gives_new_files(tmp_path):
     write_whole(tmp_path / "a", "ä\n")
     pathlib.Path(tmp_path / "b").touch()

@@ -96,6 +96,10 @@ TEST(ManagementFiles, WritesCheckpointsInTheFolderForTracesAndOverNothing) {
   }
   EXPECT_TRUE(save(managed, "warm", info).ok());
   EXPECT_THAT(save(managed, "warm", info).error_message(), HasSubstr("file: expected a new one, got "));
+  std::filesystem::create_symlink(managed.boards.folder.file("outside"), managed.traces() + "/link");
+  EXPECT_THAT(save(managed, "link", info).error_message(), HasSubstr("file: expected a new one, got "));
+  EXPECT_FALSE(std::filesystem::exists(managed.boards.folder.file("outside")));
+  std::filesystem::remove(managed.traces() + "/link");
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& each : std::filesystem::directory_iterator(managed.traces())) ++files;
   EXPECT_EQ(files, 1u);
