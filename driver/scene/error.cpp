@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "scene/common/checks.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -16,7 +18,19 @@ std::string lines_of(const std::vector<Fault>& faults) {
   return text;
 }
 
+WarningHandler& warning_handler() {
+  static WarningHandler handler;
+  return handler;
+}
+
 }  // namespace
+
+void set_warning_handler(WarningHandler handler) { warning_handler() = std::move(handler); }
+
+void warn(const std::filesystem::path& file, const std::string& field, const std::string& expected,
+          const std::string& got) {
+  if (warning_handler()) warning_handler()(fault_of(file.string(), field, expected, got).text);
+}
 
 InputError::InputError(std::vector<Fault> faults) : Error(lines_of(faults)), faults_(std::move(faults)) {}
 

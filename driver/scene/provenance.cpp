@@ -8,14 +8,25 @@
 #include <filesystem>
 #include <string_view>
 
+#include "scene/common/checks.h"
+
 namespace gicube::scene {
 namespace {
 
 std::string quoted(const std::string& word) {
   const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("_@%+=:,./-").find(static_cast<char>(c)) != std::string_view::npos;
+    return (c < 0x80 && std::isalnum(c) != 0) ||
+           std::string_view("_@%+=:,./-").find(static_cast<char>(c)) != std::string_view::npos;
   };
   if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  if (!is_utf8(word)) {  // JSON and those who show a text want UTF-8
+    std::string text = "$'";
+    for (const char c : word) {
+      const auto byte = static_cast<unsigned char>(c);
+      text += byte < ' ' || byte > '~' || c == '\'' || c == '\\' ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+    }
+    return text + "'";
+  }
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
   return text + "'";

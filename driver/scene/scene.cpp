@@ -71,7 +71,7 @@ void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& s
   const Vec3 scale = relative(spacing), inverse{1 / scale.x, 1 / scale.y, 1 / scale.z};
   view.fov_degrees = camera.fov_degrees.value_or(view.fov_degrees);
   if (!(view.fov_degrees > 0 && view.fov_degrees < 180)) {
-    throw InputError("field of view", "more than 0 and less than 180 degrees", std::to_string(view.fov_degrees));
+    throw InputError("field of view", "more than 0 and less than 180 degrees", shown(view.fov_degrees));
   }
   view.look_at = camera.look_at.value_or(0.5 * (box.low + box.high));
   const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : kDefaultDirection;

@@ -6,6 +6,7 @@
 #include "gicube/scene/scene.h"
 #include "scene/buckyball.h"
 #include "scene/common/checks.h"
+#include "scene/formats/plane_file.h"
 #include "scene/hashes.h"
 
 namespace gicube::scene {
@@ -137,7 +138,10 @@ Volume volume_of(const VolumeSource& source) {
   if (!source.in_planes) return read_volume(source);
   Volume volume = open_volume(source);
   if (!volume.planes) return volume;
-  if (voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes) return read_volume(source);
+  if (voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes) {
+    take_planes(volume);
+    return volume;
+  }
   const ValueRange range = value_range_of(volume);
   if (range.low < range.high) volume.range = range;  // else the driver finds it again
   return volume;

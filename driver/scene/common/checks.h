@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,17 +18,34 @@
 
 namespace gicube::scene {
 
+constexpr std::string_view kBlank = " \t\r\n\v\f";
+
 inline std::string_view trimmed(std::string_view text) {
-  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
+  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlank) + 1);
 }
 
+// Of ASCII letters, whatever the locale: in a Turkish one tolower('I') is no 'i'.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return lower;
+}
+
+inline bool is_utf8(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  for (std::size_t i = 0, bytes = 1; i < text.size(); i += bytes) {
+    const unsigned lead = byte(i), second = byte(i + 1);
+    bytes = lead < 0x80 ? 1 : lead < 0xc2 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
+    for (std::size_t rest = 1; rest < bytes; ++rest) {
+      if ((byte(i + rest) & 0xc0) != 0x80) return false;
+    }
+    // Longer forms than need be, surrogates, numbers above U+10FFFF.
+    const bool is_none = (lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
+                         (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f);
+    if (bytes == 0 || is_none) return false;
+  }
+  return true;
 }
 
 inline std::string in_quotes(std::string_view text) {
@@ -60,7 +77,6 @@ std::optional<Number> parse_number(std::string_view text) {
 
 // Parted by white space.
 inline std::vector<std::string_view> words_of(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n\v\f";
   std::vector<std::string_view> words;
   for (std::size_t end = 0, begin; (begin = text.find_first_not_of(kBlank, end)) != text.npos;) {
     end = std::min(text.find_first_of(kBlank, begin), text.size());
@@ -84,6 +100,10 @@ inline void require_above_0(const char* field, double value) {
 inline void require_finite(const char* field, Vec3 v) {
   if (!is_finite(v)) throw InputError(field, "finite numbers", shown_point(v));
 }
+
+// Tells the WarningHandler what is suspicious about a file.
+void warn(const std::filesystem::path& file, const std::string& field, const std::string& expected,
+          const std::string& got);
 
 // The value of this name. Throws InputError that names `field` and all that there are.
 template <typename Value, std::size_t Count>

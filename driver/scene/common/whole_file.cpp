@@ -28,6 +28,8 @@ std::string read_text(const std::filesystem::path& file, const std::string& kind
   std::ifstream stream(file, std::ios::binary);
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (error || !stream) throw unreadable(file, kind, "one that can't be read");
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // editors put it in front of UTF-8
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   return text;
 }
 

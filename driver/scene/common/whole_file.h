@@ -14,7 +14,8 @@
 
 namespace gicube::scene {
 
-// A file that a user wrote. Throws InputError: it is not there, is larger, or can't be read; `kind` says what it was to be.
+// A file that a user wrote, without a byte order mark. Throws InputError: it is not there, is larger, or can't be read;
+// `kind` says what it was to be.
 std::string read_text(const std::filesystem::path& file, const std::string& kind, std::uintmax_t max_mib = 1);
 
 // Files that belong together: all of them, or none. Its calls throw FileError.

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "scene/common/checks.h"
 #include "scene/common/while_reading.h"
 
 namespace gicube::scene {
@@ -132,14 +134,18 @@ std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes)
   return stream;
 }
 
-void end_data(DataStream& stream, const DataPlace& place, std::size_t bytes) {
+void end_data(DataStream& stream, DataPlace& place, std::size_t bytes) {
   // Reading past the end also makes zlib check the stream's checksum.
   std::byte one;
-  const bool more = stream.read({&one, 1}) != 0;
-  if (more && place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
+  if (stream.read({&one, 1}) == 0) return;
+  if (place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
+  if (!std::exchange(place.warns_of_more, false)) return;
+  const std::uint64_t all = file_bytes(place.file) - std::min(file_bytes(place.file), place.offset + place.skip);
+  warn(place.file, "data", fmt::format("{} bytes by the header", bytes),
+       (place.compressed ? "more" : fmt::format("{}", all)) + " (the rest is ignored, or the header is wrong)");
 }
 
-std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
+std::vector<std::byte> read_data(DataPlace place, std::size_t bytes) {
   const auto stream = open_data(place, bytes);
   std::vector<std::byte> out;
   out.reserve(bytes);  // memory that is not written to costs nothing, should a compressed file end early

@@ -24,6 +24,7 @@ struct DataPlace {
   bool compressed = false;     // gzip or zlib; the stream says which
   std::uint64_t skip = 0;      // uncompressed bytes before the first sample
   bool nothing_after = false;  // bytes behind the samples are an error
+  bool warns_of_more = false;  // or a warning: of a file that has samples alone
 };
 
 // Reads forward. Damage in the compressed stream, its checksum included, throws FileError.
@@ -67,12 +68,12 @@ bool starts_as_gzip(const std::filesystem::path& file);
 // A stream that stands at the first sample, once the file's size has shown that so many bytes can be there. Throws FileError.
 std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes);
 // To be called behind the last byte: a compressed stream's checksum is checked, and that nothing follows where nothing may. Throws
-// FileError.
-void end_data(DataStream& stream, const DataPlace& place, std::size_t bytes);
+// FileError. Warns once.
+void end_data(DataStream& stream, DataPlace& place, std::size_t bytes);
 [[noreturn]] void throw_truncated(const DataPlace& place, std::uint64_t bytes, const std::string& got);
 
 // Exactly `bytes` bytes. Nothing is allocated before the file's size has shown that they can be there, and for
 // compressed data not much more than has come. Throws FileError (truncated, damaged, too long).
-std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes);
+std::vector<std::byte> read_data(DataPlace place, std::size_t bytes);
 
 }  // namespace gicube::scene

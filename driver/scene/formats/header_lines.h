@@ -1,6 +1,8 @@
 // The text header of a volume file, whose data may follow it in the same file.
 #pragma once
 
+#include <locale.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -23,5 +25,21 @@ HeaderLines read_header_lines(const std::filesystem::path& file, const std::func
 // The data file that a header's field names, as NamedFiles has it. Throws FileError.
 std::filesystem::path beside(const std::filesystem::path& header, const std::string& field, std::string_view name,
                              bool allow_outside);
+
+// As long as one lives, this thread's C library reads and writes numbers with a point, whatever locale the application
+// has set.
+class DecimalPoint {
+ public:
+  DecimalPoint() : own_(::newlocale(LC_ALL_MASK, "C", nullptr)), before_(::uselocale(own_)) {}
+  DecimalPoint(const DecimalPoint&) = delete;
+  DecimalPoint& operator=(const DecimalPoint&) = delete;
+  ~DecimalPoint() {
+    ::uselocale(before_);
+    ::freelocale(own_);
+  }
+
+ private:
+  locale_t own_, before_;
+};
 
 }  // namespace gicube::scene

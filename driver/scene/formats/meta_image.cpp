@@ -125,6 +125,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, std:
     throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", in_quotes(name));
   }
   place.file = local ? file : beside(file, "ElementDataFile", name, allow_outside);
+  place.warns_of_more = !local;
   const std::uint64_t begin = local ? header.end() : 0;
   const std::int64_t skip = header.number("HeaderSize", 0);
   if (skip == -1 && !place.compressed) {
@@ -140,18 +141,24 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, std:
   return place;
 }
 
-}  // namespace
-
-bool is_meta_image(const std::filesystem::path& file) {
+// Of the file's first line; empty: that is none "Key = Value".
+std::string first_key(const std::filesystem::path& file) {
   const std::string start = file_start(file, 64);
   const std::string_view line = std::string_view(start).substr(0, start.find('\n'));
   const std::string_view key = Header::key_of(line);
-  return line.find('=') != std::string_view::npos && (key == "ObjectType" || key == "NDims");
+  const bool is_text = std::ranges::all_of(key, [](char c) { return c >= ' ' && c <= '~'; });
+  return line.find('=') != std::string_view::npos && is_text ? std::string(key) : "";
+}
+
+}  // namespace
+
+bool is_meta_image(const std::filesystem::path& file) {
+  const std::string key = first_key(file);
+  return key == "ObjectType" || key == "NDims";
 }
 
 StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside) {
-  if (!is_meta_image(file))
-    throw FileError(file, "header", "\"ObjectType = Image\" or \"NDims = 3\" first", "another beginning");
+  if (first_key(file).empty()) throw FileError(file, "header", "lines \"Key = Value\"", "another beginning");
   const Header header(file);
   if (header.has("ObjectType") && header.text("ObjectType") != "Image") {
     throw FileError(file, "ObjectType", "Image", in_quotes(header.text("ObjectType")));

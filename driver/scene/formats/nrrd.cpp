@@ -119,6 +119,7 @@ Header read_header(const std::filesystem::path& file, bool allow_outside) {
   std::string text;
   split_header(file, allow_outside, header, text);
   header.io->skipData = AIR_TRUE;
+  const DecimalPoint point;
   if (nrrdStringRead(header.nrrd.get(), text.c_str(), header.io.get()) != 0) {
     throw FileError(file, "header", "a valid NRRD header", teem_error());
   }
@@ -197,6 +198,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, bool
   DataPlace place;
   place.file = header.data_file;
   place.compressed = compressed;
+  place.warns_of_more = header.data_file != file;
   place.offset = skip_lines(header.data_file, header.data_offset, header.io->lineSkip);
   const long skip = header.io->byteSkip;
   if (skip >= 0) {

@@ -1,14 +1,20 @@
-// What an OME-TIFF says of its pages: a TIFF whose first page is described by an XML document (docs.openmicroscopy.org, OME-TIFF
-// specification 6).
+// The pages of a TIFF, and the description of those of an OME-TIFF: a TIFF whose first page is described by an XML
+// document (docs.openmicroscopy.org, OME-TIFF specification 6).
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gicube/vector.h"
 
 namespace gicube::scene {
+
+// The numbers of a TIFF's pages, but reduced ones and masks (NewSubfileType). Nothing for another file. Each page says
+// where the next one is: OpenImageIO takes one that can't be read for the end. Throws FileError if it is not in the
+// file, or if they lead round.
+std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file);
 
 struct OmePixels {
   int size_z = 0;  // planes, each a page

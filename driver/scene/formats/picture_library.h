@@ -36,7 +36,8 @@ class PictureReader {
   virtual ~PictureReader() = default;
   virtual bool seek(int page) = 0;  // false: there is no such page
   virtual Page page() const = 0;    // at first page 0
-  // All channels of the page as samples of this type, in the host's byte order. False: error() says why.
+  // All channels of the page as samples of this type, in the host's byte order. False: they are not whole, and error()
+  // says why.
   virtual bool read(int page, SampleType type, std::span<std::byte> out) = 0;
   virtual std::string description() const = 0;  // TIFF's ImageDescription
   virtual std::string error() = 0;

@@ -54,18 +54,8 @@ Volume read_stored(const StoredFile& file) {
       return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
   }
   if (is_kept(layout)) return to_volume(read_data(place, bytes), layout);
-  // Few planes at a time are held both as they are stored and as floats.
-  constexpr int kPlanes = 8;  // chosen
-  Volume volume = to_volume({}, layout);
-  const std::size_t plane = voxels_of({layout.dims[0], layout.dims[1], 1}) * bytes_per_sample(volume.type);
-  volume.samples.reserve(plane * static_cast<std::size_t>(layout.dims[2]));
-  PlaneFile planes(file);
-  for (int first = 0; first < layout.dims[2]; first += kPlanes) {
-    const int count = std::min(kPlanes, layout.dims[2] - first);
-    const std::size_t had = volume.samples.size();
-    volume.samples.resize(had + plane * static_cast<std::size_t>(count));
-    planes.read(first, count, std::span(volume.samples).subspan(had));
-  }
+  Volume volume = open_stored(file);
+  take_planes(volume);
   return volume;
 }
 
@@ -76,6 +66,24 @@ Volume open_stored(const StoredFile& file) {
     planes->read(first, count, out);
   };
   return volume;
+}
+
+void take_planes(Volume& volume) {
+  constexpr int kPlanes = 8;  // chosen: so many are held both as they are stored and as floats
+  const std::size_t voxels = voxels_of({volume.dims[0], volume.dims[1], 1});
+  const auto grow = [](auto& values, std::size_t count) {
+    values.resize(values.size() + count);
+    return std::as_writable_bytes(std::span(values).last(count));
+  };
+  // Memory that is not written to costs nothing, should a compressed file end early.
+  volume.samples.reserve(voxels_of(volume.dims) * bytes_per_sample(volume.type));
+  for (int z = 0; z < volume.dims[2]; z += kPlanes) {
+    const int count = std::min(kPlanes, volume.dims[2] - z);
+    const std::size_t more = voxels * static_cast<std::size_t>(count);
+    volume.planes(z, count, grow(volume.samples, more * bytes_per_sample(volume.type)));
+    if (volume.colour_planes) volume.colour_planes(z, count, grow(volume.colours, 3 * more));
+  }
+  volume.planes = volume.colour_planes = nullptr;
 }
 
 void for_each_plane(const Volume& volume, const std::function<void(int, std::span<const std::byte>)>& use) {

@@ -20,6 +20,9 @@ Volume read_stored(const StoredFile& file);
 // The same without its samples: Volume::planes reads them. Text is read whole. Throws FileError; the reader does, too.
 Volume open_stored(const StoredFile& file);
 
+// Reads all planes of a volume into memory.
+void take_planes(Volume& volume);
+
 // Calls use(z, samples) for each plane of a volume, read or in memory.
 void for_each_plane(const Volume& volume, const std::function<void(int, std::span<const std::byte>)>& use);
 

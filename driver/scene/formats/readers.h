@@ -13,10 +13,11 @@
 
 namespace gicube::scene {
 
-// .mhd .mha, MetaImage; plain, zlib-compressed or text. Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL) or in one other. A LIST or
-// numbered series of slice files is refused: give the folder or one file. Keys that say nothing of the samples' layout are ignored.
-// MET_LONG has 4 bytes, as in MetaIO.
-// HeaderSize counts from the data file's first byte, also where that is this file.
+// .mhd .mha, MetaImage; known by its contents if its first key is ObjectType or NDims; plain, zlib-compressed or text.
+// Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL) or in one other. A
+// LIST or numbered series of slice files is refused: give the folder or one file. Keys that say nothing of the samples'
+// layout are ignored. MET_LONG has 4 bytes, as in MetaIO. HeaderSize counts from the data file's first byte, also where
+// that is this file.
 bool is_meta_image(const std::filesystem::path& file);
 StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside = false);
 
@@ -40,7 +41,8 @@ Volume with_spacing(Volume volume, const std::optional<Vec3>& given = {});
 
 // Runs of digits count as numbers: "slice-2" before "slice-10". A strict order on names.
 bool natural_less(std::string_view a, std::string_view b);
-// The folder's files with one of these extensions (lower case; theirs in any), in natural order. Throws FileError.
+// The folder's files with one of these extensions (lower case; theirs in any), in natural order, but those whose names
+// begin with a dot. Warns of numbers that are missing in their names. Throws FileError.
 std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder,
                                               std::initializer_list<std::string_view> extensions);
 
@@ -54,6 +56,7 @@ Volume read_slices(const std::filesystem::path& folder);
 Volume open_slices(const std::filesystem::path& folder);
 
 // One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF has. They must be grey.
+// Reduced pages (NewSubfileType) are skipped.
 Volume open_pages(const std::filesystem::path& file);  // each page when it is asked for
 Volume read_pages(const std::filesystem::path& file);
 

@@ -31,6 +31,39 @@ std::string_view take_number(std::string_view& text) {
   return number;
 }
 
+// From one name to the next in natural order, which differ in a number alone; 0 if they don't.
+std::uint64_t step_between(std::string_view a, std::string_view b) {
+  const auto differ = std::ranges::mismatch(a, b).in1;
+  auto begin = static_cast<std::size_t>(differ - a.begin());
+  while (begin > 0 && is_digit(a[begin - 1])) --begin;
+  a.remove_prefix(begin);
+  b.remove_prefix(begin);
+  const auto from = parse_number<std::uint64_t>(take_number(a)), to = parse_number<std::uint64_t>(take_number(b));
+  return from && to && a == b && *from < *to ? *to - *from : 0;
+}
+
+// Where numbers are missing in a series of names, in steps of its least one.
+void warn_of_gaps(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& files) {
+  const auto name = [&files](std::size_t i) { return files[i].filename().string(); };
+  std::vector<std::uint64_t> steps;
+  for (std::size_t i = 1; i < files.size(); ++i) steps.push_back(step_between(name(i - 1), name(i)));
+  std::uint64_t missing = 0;
+  std::string between;
+  for (std::size_t first = 0, end; first < steps.size(); first = end + 1) {
+    end = static_cast<std::size_t>(std::find(steps.begin() + static_cast<std::ptrdiff_t>(first), steps.end(), 0u) -
+                                   steps.begin());
+    if (end == first) continue;
+    const std::uint64_t least = std::ranges::min(std::span(steps).subspan(first, end - first));
+    for (std::size_t i = first; i < end; ++i) {
+      if (missing == 0 && steps[i] >= 2 * least) between = name(i) + " and " + name(i + 1);
+      missing += steps[i] / least - 1;
+    }
+  }
+  if (missing > 0) {
+    warn(folder, "files", "numbers without gaps", fmt::format("{} missing, the first between {}", missing, between));
+  }
+}
+
 std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
   auto files = files_with(folder, {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".exr"});
   if (files.empty()) throw FileError(folder, "folder", "image slices", "no image file");
@@ -121,11 +154,28 @@ Slice read_pixels(const std::filesystem::path& file, PictureReader& reader, int 
   return slice;
 }
 
+// The numbers of the pages that are slices.
+std::vector<int> full_pages(const std::filesystem::path& file, PictureReader& reader) {
+  auto pages = tiff_pages(file);
+  if (!pages) {
+    pages.emplace();
+    for (int page = 0; page <= kMaxFileDim && reader.seek(page); ++page) pages->push_back(page);
+  }
+  if (pages->size() > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
+  if (pages->empty()) throw FileError(file, "image", "a page of full resolution", "none");
+  return *pages;
+}
+
+Slice read_page(const std::filesystem::path& file, PictureReader& reader, int page) {
+  if (!reader.seek(page)) throw FileError(file, "image", "a whole image", reader.error());
+  return read_pixels(file, reader, page);
+}
+
 Slice read_pixels(const std::filesystem::path& file) {
   const auto reader = open(file);
-  Slice slice = read_pixels(file, *reader, 0);
-  if (reader->seek(1)) throw FileError(file, "image", "one image a file", "several");
-  return slice;
+  const std::vector<int> pages = full_pages(file, *reader);
+  if (pages.size() > 1) throw FileError(file, "image", "one image a file", "several");
+  return read_page(file, *reader, pages.front());
 }
 
 bool is_coloured(const Slice& pixels) {
@@ -197,11 +247,13 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
     const std::string extension = lower_case(entry->path().extension().string());
     std::error_code unreadable;
     if (std::ranges::find(extensions, extension) == extensions.end()) continue;
+    if (entry->path().filename().string().starts_with('.')) continue;
     if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
   }
   if (fault) throw FileError(folder, "folder", "a readable folder", fault.message());
   std::ranges::sort(
       files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  warn_of_gaps(folder, files);
   return files;
 }
 
@@ -265,21 +317,18 @@ Volume open_slices(const std::filesystem::path& folder) {
 Volume open_pages(const std::filesystem::path& file) {
   const std::shared_ptr<PictureReader> reader = open(file);
   const auto ome = ome_pixels(file, reader->description());
-  int pages = 1;
-  while (pages <= kMaxFileDim && reader->seek(pages)) ++pages;
-  if (pages > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
-  if (ome && ome->size_z != pages) {
-    throw FileError(file, "SizeZ", fmt::format("{}, a plane a page", pages), fmt::format("{}", ome->size_z));
+  const std::vector<int> pages = full_pages(file, *reader);
+  if (ome && static_cast<std::size_t>(ome->size_z) != pages.size()) {
+    throw FileError(file, "SizeZ", fmt::format("{}, a plane a page", pages.size()), fmt::format("{}", ome->size_z));
   }
-  const auto read = [file, reader](int page) {
-    if (!reader->seek(page)) throw FileError(file, "image", "a whole image", reader->error());
-    Slice pixels = read_pixels(file, *reader, page);
+  const auto read = [file, reader, pages](int z) {
+    Slice pixels = read_page(file, *reader, pages.at(static_cast<std::size_t>(z)));
     if (is_coloured(pixels)) throw FileError(file, "colour", "a grey image", "a coloured one");
     return pixels;
   };
   Slice first = read(0);
   first.samples.clear();
-  Volume volume = to_volume({}, layout_of(file, first, static_cast<std::size_t>(pages)));
+  Volume volume = to_volume({}, layout_of(file, first, pages.size()));
   if (ome) volume.spacing = ome->spacing;
   volume.planes = [file, first, read](int z, int count, std::span<std::byte> out) {
     for (const int end = z + count; z < end; ++z) {
@@ -295,9 +344,7 @@ Volume open_pages(const std::filesystem::path& file) {
 
 Volume read_pages(const std::filesystem::path& file) {
   Volume volume = open_pages(file);
-  volume.samples.resize(voxels_of(volume.dims) * bytes_per_sample(volume.type));
-  volume.planes(0, volume.dims[2], volume.samples);
-  volume.planes = nullptr;
+  take_planes(volume);
   return volume;
 }
 

@@ -20,6 +20,7 @@
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/compressed_nrrd.h"
+#include "scene/formats/header_lines.h"
 
 namespace gicube::scene {
 namespace {
@@ -85,6 +86,7 @@ bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
 // The text in front of the samples.
 std::string nrrd_header(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
                         const Provenance& provenance) {
+  const DecimalPoint point;
   const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
   const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
   auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it

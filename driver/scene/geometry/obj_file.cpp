@@ -15,14 +15,23 @@ struct ObjReader {
   std::size_t line_number = 0;
 
   Mesh read(std::string_view text) {
+    std::string joined;  // lines that end with a backslash, and the one behind them
     for (const auto part : std::views::split(text, '\n')) {
-      const std::string_view line(part.begin(), part.end());
+      std::string_view line(part.begin(), part.end());
       ++line_number;
-      const Words words = words_of(line.substr(0, line.find('#')));
+      line = line.substr(0, line.find('#'));
+      if (line.ends_with('\r')) line.remove_suffix(1);
+      if (line.ends_with('\\')) {
+        joined.append(line.substr(0, line.size() - 1)) += ' ';
+        continue;
+      }
+      const Words words = words_of(joined.empty() ? line : std::string_view(joined += line));
       if (!words.empty() && words[0] == "v") point(words);
       if (!words.empty() && words[0] == "vt") texture_point(words);
       if (!words.empty() && words[0] == "f") face(words);
+      joined.clear();
     }
+    if (!joined.empty()) fail("statement", "a line behind the backslash", "the end");
     if (mesh.triangles.empty()) throw FileError(file, "faces", "at least one", "none");
     if (mesh.texture_triangles.size() != mesh.triangles.size()) mesh.texture = {}, mesh.texture_triangles = {};
     return std::move(mesh);

@@ -34,7 +34,9 @@ class Reader final : public PictureReader {
     return {spec.width, spec.height, spec.depth, spec.nchannels, type_of(spec.format), spec.format.c_str()};
   }
   bool read(int page, SampleType type, std::span<std::byte> out) override {
-    return input_->read_image(page, 0, 0, input_->spec().nchannels, type_of(type), out.data());
+    input_->geterror();  // of a search for pages
+    // Rows that a TIFF or JPEG does not have are zero or grey, and only this error tells.
+    return input_->read_image(page, 0, 0, input_->spec().nchannels, type_of(type), out.data()) && !input_->has_error();
   }
   std::string description() const override { return input_->spec().get_string_attribute("ImageDescription"); }
   std::string error() override { return input_->geterror(); }

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace gicube::scene {
 namespace {
 
@@ -67,6 +70,13 @@ TEST(TransferFunctionFile, ReportsAllFaultsWithTheirLines) {
   EXPECT_THAT(faults, HasSubstr("a.tf:7: colour value: expected a number above 5, got 4"));
   EXPECT_THAT(faults, HasSubstr("a.tf:8: opacity value: expected a finite number, got \"nan\""));
   EXPECT_THAT(faults, HasSubstr("a.tf:9: values: expected one such statement, before all points, got another"));
+}
+
+TEST(TransferFunctionFile, MayHaveAByteOrderMark) {
+  const std::filesystem::path file = testing::TempDir() + "bom.tf";
+  std::ofstream(file, std::ios::binary) << "\xEF\xBB\xBF"
+                                           "colour 0 1 1 1\nopacity 90 0\nopacity 150 0.8\n";
+  EXPECT_EQ(read_transfer_function(file).function.opacities.back(), (OpacityPoint{150, 0.8}));
 }
 
 TEST(TransferFunctionFile, NeedsAPointOfEachKind) {

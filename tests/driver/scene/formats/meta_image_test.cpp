@@ -151,6 +151,26 @@ TEST(MetaImageFile, SkipsTheBytesOfHeaderSizeInItsOwnFileToo) {
   EXPECT_THAT(error("-7"), HasSubstr("HeaderSize"));
 }
 
+TEST(MetaImageFile, MayBeginWithAnyKeyIfItsNameSaysWhatItIs) {
+  const TemporaryFolder folder;
+  const std::string rest = header("MET_UCHAR", kLocal) + stored(ramp<std::uint8_t>());
+  for (const char* first : {"Comment = \"a = b\"\n", "DimSize = 2 3 4\n", "  TransformMatrix = 1 0 0 0 1 0 0 0 1\r\n"})
+    EXPECT_EQ(samples_of<std::uint8_t>(read_volume(folder.write("v.mha", first + rest))), ramp<std::uint8_t>());
+  EXPECT_THAT(read_error(folder.write("v.data", "Comment = x\n" + rest)), HasSubstr("an unknown format"));
+}
+
+TEST(MetaImageFile, WarnsOfDetachedDataThatAreLongerThanItSays) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("v.raw", stored(ramp<std::uint8_t>()) + "more");
+  const Warnings given;
+  read_volume(folder.write("v.mhd", header("MET_UCHAR", "ElementDataFile = v.raw\n")));
+  EXPECT_THAT(given.texts, testing::ElementsAre(data.string() + ": data: expected 24 bytes by the header, got 28 (the "
+                                                                "rest is ignored, or the header is wrong)"));
+  read_volume(folder.write("v.mhd", header("MET_UCHAR", "HeaderSize = -1\nElementDataFile = v.raw\n")));
+  read_volume(folder.write("v.mha", header("MET_UCHAR", kLocal) + stored(ramp<std::uint8_t>()) + "more"));
+  EXPECT_EQ(given.texts.size(), 1u);
+}
+
 TEST(MetaImageFile, RefusesSpacingThatIsNone) {
   const TemporaryFolder folder;
   const std::string data = kLocal + stored(ramp<std::uint8_t>());

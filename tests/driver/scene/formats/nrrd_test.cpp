@@ -170,6 +170,49 @@ TEST(NrrdFile, NamesNoDataOutsideOfItsFolderUnlessItMay) {
   EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>());
 }
 
+TEST(NrrdFile, SaysThatItsDataAreMissingWhereverThatIs) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("v.nhdr", header("uchar", "encoding: raw\ndata file: gone.raw\n"));
+  EXPECT_THAT(read_error(file), HasSubstr("gone.raw: file: expected a file, got nothing there"));
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  EXPECT_EQ(read_error("v.nhdr"), "gone.raw: file: expected a file, got nothing there");
+  EXPECT_EQ(read_error("./v.nhdr"), "./gone.raw: file: expected a file, got nothing there");
+  std::filesystem::current_path(before);
+}
+
+// Whole and in planes, and once for all times that the planes are read.
+std::vector<std::string> warnings_of(const std::filesystem::path& file) {
+  const Warnings given;
+  EXPECT_EQ(read_volume(file).dims, kRampDims);
+  VolumeSource source;
+  source.file = file;
+  const std::vector<std::string> whole = given.texts;
+  const Volume opened = open_volume(source);
+  for (const int planes : {1, 4}) bytes_in_planes(opened, planes);
+  EXPECT_EQ(given.texts.size(), 2 * whole.size());
+  return whole;
+}
+
+TEST(NrrdFile, WarnsOfDetachedDataThatAreLongerThanItSays) {
+  const TemporaryFolder folder;
+  const std::string floats = stored(ramp<float>());
+  const auto data = folder.write("v.raw", floats), packed = folder.write("v.gz", gzip(floats));
+  const auto with = [&](const std::string& type, const std::string& rest) {
+    return warnings_of(folder.write("v.nhdr", header(type, "endian: little\n" + rest)));
+  };
+  const std::string why = " (the rest is ignored, or the header is wrong)";
+  EXPECT_THAT(with("short", "encoding: raw\ndata file: v.raw\n"),
+              testing::ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 96" + why));
+  EXPECT_THAT(with("int", "encoding: raw\ndata file: v.raw\n"), testing::IsEmpty());
+  EXPECT_THAT(with("short", "encoding: raw\nbyte skip: 4\ndata file: v.raw\n"),
+              testing::ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 92" + why));
+  EXPECT_THAT(with("short", "encoding: raw\nbyte skip: -1\ndata file: v.raw\n"), testing::IsEmpty());
+  EXPECT_THAT(with("short", "encoding: gzip\ndata file: v.gz\n"),
+              testing::ElementsAre(packed.string() + ": data: expected 48 bytes by the header, got more" + why));
+  EXPECT_THAT(with("float", "encoding: gzip\ndata file: v.gz\n"), testing::IsEmpty());
+}
+
 TEST(NrrdFile, DropsFurtherAxesOfOneSample) {
   const TemporaryFolder folder;
   const std::string start =

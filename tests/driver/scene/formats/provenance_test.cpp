@@ -46,6 +46,22 @@ TEST(Provenance, ACommandLineIsQuotedForAShellAndNamesNoFolderOfTheProgram) {
   EXPECT_EQ(command_line(5, words.data()), "gicube-render 'a b.scene' 'it'\\''s' '' --size=3x4");
 }
 
+// As bash reads it: printf '%s' $'gr\xfc\xdfe' gives the name's bytes again.
+TEST(Provenance, ACommandLineIsUtf8WhateverTheNamesOfItsFiles) {
+  const auto quoted = [](const char* word) {
+    const std::array<const char*, 2> words{"x", word};
+    return command_line(2, words.data()).substr(2);
+  };
+  EXPECT_EQ(quoted("gr\xfc\xdf"
+                   "e.nrrd"),
+            R"($'gr\xfc\xdfe.nrrd')");
+  EXPECT_EQ(quoted("it's \\\n\xff"), R"($'it\x27s \x5c\x0a\xff')");
+  EXPECT_EQ(quoted("gr\u00fc\u00dfe \u20ac \U0001f642"), "'gr\u00fc\u00dfe \u20ac \U0001f642'");
+  // [RFC 3629] Cut short, longer than need be, a surrogate, above U+10FFFF.
+  for (const char* none : {"\xe2\x82", "\xc0\xaf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\x80"})
+    EXPECT_THAT(quoted(none), testing::StartsWith("$'"));
+}
+
 TEST(Provenance, PicturesCarryIt) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.exr"}) {

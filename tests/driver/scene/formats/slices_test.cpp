@@ -157,17 +157,138 @@ TEST(Slices, MustBeWholeImagesOfAKnownType) {
   EXPECT_THAT(read_error(folder.path()), HasSubstr("0.tif: sample type"));
 }
 
-TEST(Slices, MayBeThePagesOfOneFile) {
-  const TemporaryFolder folder;
+// Four pages of 2 x 3 pixels.
+std::filesystem::path write_pages(const TemporaryFolder& folder, const std::string& compression) {
   const auto file = folder.path() / "pages.tif";
   const auto output = OIIO::ImageOutput::create("tiff");
-  const OIIO::ImageSpec spec(2, 3, 1, OIIO::TypeDesc::UINT16);
+  OIIO::ImageSpec spec(2, 3, 1, OIIO::TypeDesc::UINT16);
+  spec["compression"] = compression;
   for (std::size_t z = 0; z < 4; ++z) {
     const auto mode = z == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
     const auto page = slice<std::uint16_t>(z);
-    ASSERT_TRUE(output->open(file.string(), spec, mode) && output->write_image(spec.format, page.data()));
+    EXPECT_TRUE(output->open(file.string(), spec, mode) && output->write_image(spec.format, page.data()));
   }
   output->close();
+  return file;
+}
+
+// Files that were copied in part are refused at any length, or are whole but for padding.
+void expect_whole_or_refused(const std::filesystem::path& file, const std::filesystem::path& volume) {
+  const std::vector<std::byte> whole = read_volume(volume).samples;
+  const auto bytes = std::filesystem::file_size(file);
+  int refused = 0, read = 0;
+  for (std::uintmax_t length = bytes - 1; length > 0; length -= std::min<std::uintmax_t>(length, 1 + bytes / 150)) {
+    std::filesystem::resize_file(file, length);
+    try {
+      EXPECT_EQ(read_volume(volume).samples, whole) << file << " of " << length << " bytes";
+      ++read;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("image: expected ")) << length;
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 60);
+  EXPECT_LT(read, 5) << file;
+}
+
+TEST(Slices, ThatWereCutShortAreRefused) {
+  for (const char* compression : {"none", "zip", "lzw"}) {
+    const TemporaryFolder folder;
+    const auto file = write_pages(folder, compression);
+    expect_whole_or_refused(file, file);
+  }
+  std::vector<std::uint8_t> noise(64 * 64);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * i * 7919 >> 4);
+  for (const char* name : {"1.tif", "1.jpg", "1.png", "1.bmp", "1.pgm"}) {
+    const TemporaryFolder folder;
+    for (const std::string& each : {std::string(name), std::string("0") + (name + 1)})
+      write_image(folder.path() / each, 64, 64, 1, noise);
+    expect_whole_or_refused(folder.path() / name, folder.path());
+  }
+}
+
+// [TIFF 6.0, sections 2 and 8; libtiff's BigTIFF] Pages of 2 x 3 bytes with these NewSubfileTypes; those of page i are
+// 10 i to 10 i + 5.
+std::string tiff_of(const std::vector<std::uint32_t>& types, Order order = Order::kLittle, bool big = false) {
+  constexpr std::uint32_t kEntries = 9;
+  const auto two = [&](std::uint32_t value) {
+    return stored<std::uint16_t>({static_cast<std::uint16_t>(value)}, order);
+  };
+  const auto four = [&](std::uint32_t value) { return stored<std::uint32_t>({value}, order); };
+  const auto offset = [&](std::uint64_t value) {
+    return big ? stored<std::uint64_t>({value}, order) : four(static_cast<std::uint32_t>(value));
+  };
+  const std::uint32_t head = big ? 16 : 8, directory = big ? 8 + 20 * kEntries + 8 : 2 + 12 * kEntries + 4;
+  std::string bytes = (order == Order::kBig ? "MM" : "II") + (big ? two(43) + two(8) + two(0) : two(42)) + offset(head);
+  for (std::uint32_t i = 0; i < types.size(); ++i) {
+    const std::uint32_t end = head + (directory + 6) * (i + 1), data = end - 6;
+    const std::uint32_t entries[kEntries][2] = {{254, types[i]}, {256, 2},    {257, 3}, {258, 8}, {259, 1},
+                                                {262, 1},        {273, data}, {278, 3}, {279, 6}};
+    bytes += big ? offset(kEntries) : two(kEntries);
+    for (const auto& [tag, value] : entries) {
+      bytes += two(tag) + two(4) + offset(1) + four(value) + (big ? four(0) : "");
+    }
+    bytes += offset(i + 1 < types.size() ? end : 0);
+    for (std::uint32_t j = 0; j < 6; ++j) bytes += static_cast<char>(10 * i + j);
+  }
+  return bytes;
+}
+
+TEST(Slices, AreNoReducedPagesAndNoMasks) {
+  const TemporaryFolder folder, slices;
+  constexpr std::uint32_t kReduced = 1, kOfSeveral = 2, kMask = 4;
+  const std::vector<std::uint32_t> types{kReduced, 0, kReduced, kOfSeveral, kMask, kOfSeveral | kReduced};
+  const std::vector<std::uint8_t> expected{10, 11, 12, 13, 14, 15, 30, 31, 32, 33, 34, 35};
+  for (const Order order : {Order::kLittle, Order::kBig}) {
+    for (const bool big : {false, true}) {
+      const Volume volume = read_volume(folder.write("v.tif", tiff_of(types, order, big)));
+      EXPECT_EQ(volume.dims, (Dims{2, 3, 2}));
+      EXPECT_EQ(samples_of<std::uint8_t>(volume), expected);
+    }
+  }
+  slices.write("0.tif", tiff_of({0, kReduced}));
+  EXPECT_EQ(samples_of<std::uint8_t>(read_volume(slices.path())), (std::vector<std::uint8_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_THAT(read_error(folder.write("v.tif", tiff_of({kReduced}))),
+              HasSubstr("v.tif: image: expected a page of full resolution, got none"));
+  std::string round = tiff_of({0, 0});
+  round.replace(8 + 2 * (2 + 12 * 9 + 4) + 6 - 4, 4, stored<std::uint32_t>({8}));  // the second page leads to the first
+  EXPECT_THAT(read_error(folder.write("v.tif", round)), HasSubstr("v.tif: image: expected at most 1048576 entries"));
+  slices.write("0.tif", tiff_of({0, 0}));
+  EXPECT_THAT(read_error(slices.path()), HasSubstr("0.tif: image: expected one image a file, got several"));
+}
+
+TEST(Slices, AreNoFilesWhoseNamesBeginWithADot) {
+  const TemporaryFolder folder;
+  for (std::size_t z = 0; z < 4; ++z) {
+    const std::string name = "000" + std::to_string(z) + ".png";
+    write_image(folder.path() / name, 2, 3, 1, slice<std::uint8_t>(z));
+    folder.write("._" + name, std::string("\0\5\x16\7Mac OS X        ", 20));
+  }
+  EXPECT_EQ(samples_of<std::uint8_t>(read_volume(folder.path())), ramp<std::uint8_t>());
+}
+
+TEST(Slices, WarnOfNumbersThatAreMissing) {
+  const auto warnings = [](const std::vector<std::string>& names) {
+    const TemporaryFolder folder;
+    for (const std::string& name : names) write_image(folder.path() / name, 2, 3, 1, slice<std::uint8_t>(0));
+    const Warnings given;
+    EXPECT_EQ(read_volume(folder.path()).dims[2], static_cast<int>(names.size()));
+    std::string text;
+    for (const std::string& each : given.texts) text += each.substr(folder.path().string().size());
+    return text;
+  };
+  EXPECT_EQ(warnings({"0000.png", "0001.png", "0003.png", "0006.png", "0007.png"}),
+            ": files: expected numbers without gaps, got 3 missing, the first between 0001.png and 0003.png");
+  EXPECT_EQ(warnings({"s2_t10.png", "s2_t20.png", "s2_t40.png"}),
+            ": files: expected numbers without gaps, got 1 missing, the first between s2_t20.png and s2_t40.png");
+  EXPECT_EQ(warnings({"s_08.png", "s_09.png", "s_010.png", "s_011.png"}), "");
+  EXPECT_EQ(warnings({"0.png", "10.png", "20.png", "preview.png", "z-3.png", "z-2.png"}), "");
+  EXPECT_EQ(warnings({"1a8.png", "2a8.png", "3b8.png", "3b08.png"}), "");
+}
+
+TEST(Slices, MayBeThePagesOfOneFile) {
+  const TemporaryFolder folder;
+  const auto file = write_pages(folder, "none");
   const Volume volume = read_pages(file);
   EXPECT_EQ(volume.dims, kRampDims);
   EXPECT_EQ(samples_of<std::uint16_t>(volume), ramp<std::uint16_t>());
@@ -216,6 +337,12 @@ TEST(OmeTiff, IsReadWholeOrInPlanesWithItsSpacing) {
   opened.planes(0, 1, std::span(planes).first(20 * 18 * 2));
   opened.planes(1, 3, std::span(planes).subspan(20 * 18 * 2));
   EXPECT_EQ(planes, whole.samples);
+}
+
+TEST(OmeTiff, ThatWasCutShortIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = write_ome(folder, R"(SizeZ="4")");
+  expect_whole_or_refused(file, file);
 }
 
 TEST(OmeTiff, NamesWhatItCanNotBe) {

@@ -83,6 +83,19 @@ std::vector<To> as(const std::vector<From>& from) {
 std::string gzip(const std::string& bytes);
 std::string zlib(const std::string& bytes);
 
+// Collects the warnings of gicube-scene.
+class Warnings {
+ public:
+  Warnings() {
+    set_warning_handler([this](const std::string& text) { texts.push_back(text); });
+  }
+  ~Warnings() { set_warning_handler({}); }
+  Warnings(const Warnings&) = delete;
+  Warnings& operator=(const Warnings&) = delete;
+
+  std::vector<std::string> texts{};
+};
+
 // The text of the FileError that reading the file throws; "no error" if it throws none.
 std::string read_error(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,5 +45,12 @@ class GICUBE_API FileError : public InputError {
   FileError(const std::filesystem::path& file, const std::string& field, const std::string& expected,
             const std::string& got);
 };
+
+// Takes a sentence about a file that is read although something about it is suspicious: "FILE: data: expected ..., got
+// ...".
+using WarningHandler = std::function<void(const std::string& text)>;
+// Who gets the warnings of all threads; nobody at first. Not to be called while files are read. What the handler throws
+// leaves the call that reads the file.
+GICUBE_API void set_warning_handler(WarningHandler handler);
 
 }  // namespace gicube::scene

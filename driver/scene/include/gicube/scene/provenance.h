@@ -26,7 +26,8 @@ struct Provenance {
 // What the files hold: "gicube.program" and so on with their values.
 GICUBE_API std::vector<std::pair<std::string, std::string>> entries(const Provenance& provenance);
 
-// The program's name without its folder, and the arguments; quoted where a POSIX shell needs it.
+// The program's name without its folder, and the arguments; quoted where a POSIX shell needs it. An argument that is no
+// UTF-8, as a file's name may be, is written as bash does: $'gr\xfc'.
 GICUBE_API std::string command_line(int argc, const char* const* argv);
 
 // A hash of these bytes after others, whose hash is `before`. For identity only: anyone could make other bytes with the same.

@@ -78,7 +78,7 @@ struct VolumeSource {
 // intercept other than 1 and 0: its values are the scaled ones. float32 samples are taken as they are, NaNs included.
 //
 // Memory is taken only as far as the file's real size can back it. A file may be longer than its header says (the rest
-// is ignored); a raw file may not, since a wrong layout shows just there.
+// is ignored, with a warning if it is a file of data alone); a raw file may not, since a wrong layout shows just there.
 //
 // Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning (as a spacing of 0, where
 // none is given in its place), names a data file outside, or exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a
