@@ -133,6 +133,7 @@ std::optional<RenderOptions> options_of(int argc, char** argv, const gicube::Mpi
 
 int run(int argc, char** argv, gicube::MpiExchange* ranks) {
   std::optional<RenderOptions> options;
+  if (ranks != nullptr && ranks->rank() > 0) gicube::scene::set_warning_handler({});  // rank 0 reads the same files
   together(ranks, [&] { options = options_of(argc, argv, ranks); });
   if (!options) return 0;
   std::vector<FrameStatistics> statistics;

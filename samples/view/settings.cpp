@@ -149,6 +149,7 @@ std::string python_of(const Settings& settings, const Shelf& shelf, const Render
                               "big-endian", "skip", "composite"}) {
     if (settings.contains(without)) return "";
   }
+  if (std::ranges::any_of(settings, [](const auto& setting) { return !is_utf8(setting.second); })) return "";
   if (setup.lighting.colour_passes || !options.board.board.starts_with("emu:")) return "";
   const std::string input = nlohmann::json(shown_path(settings.at("input"), shelf)).dump();
   std::string scene = "gicube.read_scene(" + input + ")";

@@ -44,6 +44,11 @@ concept IsRecord = requires {
   throw BadArgument(field, expected, py::repr(got).cast<std::string>().substr(0, 200));
 }
 
+// As os.fsdecode(): a file's name need not be UTF-8.
+inline py::str decoded(const std::string& text) {
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeFSDefault(text.c_str()));
+}
+
 // A type's own name is that of its class in gicube.records.
 template <typename T>
 std::string class_name() {

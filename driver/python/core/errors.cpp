@@ -18,14 +18,15 @@ py::tuple carried(const Error& error) {
   if (const auto* wrong = dynamic_cast<const BadArgument*>(&error)) {
     return py::make_tuple(wrong->field(), wrong->expected(), wrong->got());
   }
-  const py::str text(error.what());
+  const py::str text = decoded(error.what());
   if (const auto* lost = dynamic_cast<const DeviceLost*>(&error)) return py::make_tuple(text, write(lost->cause()));
   const auto* input = dynamic_cast<const scene::InputError*>(&error);
   if (input == nullptr) return py::make_tuple(text);
   const py::object fault_class = py::module_::import("gicube.errors").attr("Fault");
   py::list faults;
   for (const scene::Fault& fault : input->faults()) {
-    faults.append(fault_class(fault.file, fault.line, fault.field, fault.expected, fault.got, fault.text));
+    faults.append(fault_class(decoded(fault.file), fault.line, decoded(fault.field), decoded(fault.expected),
+                              decoded(fault.got), decoded(fault.text)));
   }
   return py::make_tuple(text, faults);
 }

@@ -13,12 +13,18 @@ namespace {
 using namespace pybind11::literals;
 namespace fs = std::filesystem;
 
+// A warning of Python's, which the caller of a function of the package sees; it may be an exception.
+void give_warning(const std::string& text) {
+  const py::gil_scoped_acquire interpreter;
+  if (PyErr_WarnFormat(PyExc_UserWarning, 2, "%U", decoded(text).ptr()) != 0) throw py::error_already_set();
+}
+
 // What a volume of a file or of a scene says beside its samples.
 py::dict fields_of(const scene::Volume& volume) {
   py::dict fields;
   fields["spacing"] = write(volume.spacing);
   fields["range"] = write(volume.range);
-  fields["source"] = volume.source;
+  fields["source"] = decoded(volume.source);
   return fields;
 }
 
@@ -107,6 +113,7 @@ py::object volume_of(const py::array& bytes, SampleType type, const Dims& dims, 
 }
 
 void add_scenes(py::module_& module) {
+  scene::set_warning_handler(give_warning);
   add_files(module);
   py::class_<scene::Scene> scene(module, "Scene");
   scene.def("at_time", &scene::at_time);

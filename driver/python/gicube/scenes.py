@@ -32,7 +32,7 @@ Path = Union[str, "os.PathLike[str]"]
 def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
     """NRRD, MetaImage, NIfTI, TIFF of many pages, a folder of image slices, or raw samples by `raw`; gzipped too (gicube/scene/volume_file.h).
 
-    Raises FileError.
+    Raises FileError. Warns of what looks wrong, as numbers that are missing among the slices (UserWarning).
     """
     return _core.read_volume(os.fspath(path), raw)
 

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "client.h"
 #include "output.h"
@@ -105,7 +107,9 @@ std::string counters(const v1::CounterSnapshot& now, const Window& window, bool 
 int top(const Options& options) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
   Client client(options);
-  const bool redraws = !options.json && options.count == 0 && ::isatty(STDOUT_FILENO) == 1;
+  const char* const terminal = std::getenv("TERM");
+  const bool has_codes = terminal != nullptr && std::string_view(terminal) != "dumb";
+  const bool redraws = !options.json && options.count == 0 && ::isatty(STDOUT_FILENO) == 1 && has_codes;
   auto last = std::chrono::steady_clock::now();
   std::optional<v1::CounterSnapshot> before;
   std::uint32_t shown = 0;

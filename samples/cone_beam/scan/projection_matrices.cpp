@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "cone_beam/scan/formats.h"
+#include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/readers.h"
 
@@ -13,11 +14,10 @@ namespace {
 double read_number(std::istream& stream, const std::filesystem::path& file, const char* part, int number) {
   std::string word;
   stream >> word;
-  char* end = nullptr;
-  const double value = std::strtod(word.c_str(), &end);
-  expect(!word.empty() && *end == 0 && std::isfinite(value), file, fmt::format("{} {}", part, number), "a number",
+  const auto value = parse_number<double>(std::string_view(word).substr(word.starts_with('+') ? 1 : 0));
+  expect(value && std::isfinite(*value), file, fmt::format("{} {}", part, number), "a number",
          word.empty() ? "the end" : '"' + word + '"');
-  return value;
+  return *value;
 }
 
 Vec3 row_of(const ProjectionMatrix& view, std::size_t row) {

@@ -11,6 +11,7 @@
 #include "scene/common/whole_file.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 
@@ -20,6 +21,7 @@ int run_program(const char* name, const std::function<int()>& body) {
     std::cerr << name << ": " << text << '\n';
     return code;
   };
+  set_warning_handler([name](const std::string& text) { print_warning(name, text); });
   try {
     const int code = body();
     check_standard_output();
@@ -33,7 +35,7 @@ int run_program(const char* name, const std::function<int()>& body) {
   }
 }
 
-void warn(const std::string& text) { std::cerr << this_run().program << ": warning: " << text << '\n'; }
+void warn(const std::string& text) { print_warning(this_run().program.c_str(), text); }
 
 namespace {
 
@@ -87,7 +89,9 @@ void check_outputs(const std::vector<Output>& outputs, const std::vector<std::fi
       throw InputError(file.string(), "a folder that is there", "none");
     }
     if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) continue;
-    const auto [other, fresh] = options.try_emplace(std::filesystem::canonical(folder) / file.filename(), option);
+    if (!may_be_written(file)) throw InputError(file.string(), "a file that may be written to", "a read-only one");
+    const std::filesystem::path meant = std::filesystem::weakly_canonical(folder / file.filename());
+    const auto [other, fresh] = options.try_emplace(meant, option);
     if (!fresh && other->second != option) {
       throw UsageError(option + ": expected another file than " + other->second + ", got " + file.string());
     }

@@ -21,8 +21,9 @@ struct Output {
   std::filesystem::path file;
 };
 
-// What would be found behind the work: throws InputError if the folder that is to hold a file isn't there, UsageError if two options
-// name one file, or an option a file of `inputs`. An .mhd stands for its .raw too. A pipe or a device may have several.
+// Checks before the work what would be found behind it. Throws InputError if the folder that is to hold a file isn't
+// there or the file may not be written to, UsageError if two options name one file, or an option a file of `inputs`.
+// An .mhd stands for its .raw too. A pipe or a device may have several.
 void check_outputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs = {});
 // The latter alone, for inputs and derived names that are known later. An input may be a folder, whose pictures are slices.
 void check_inputs_stay(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 
 namespace gicube::samples {
 namespace {
@@ -24,8 +26,16 @@ std::string time_left(double elapsed_seconds, std::uint32_t done, std::uint32_t 
   return fmt::format(", {} h {} min left", seconds / 3600, seconds % 3600 / 60);
 }
 
-ProgressLine::ProgressLine(bool shown, std::FILE* stream)
-    : stream_(stream), shown_(shown && ::isatty(::fileno(stream)) != 0) {}
+bool can_erase_lines(std::FILE* stream) {
+  const char* const terminal = std::getenv("TERM");
+  return ::isatty(::fileno(stream)) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+void print_warning(const char* program, const std::string& text) {
+  fmt::print(stderr, "{}{}: warning: {}\n", can_erase_lines(stderr) ? kEraseLine : "", program, text);
+}
+
+ProgressLine::ProgressLine(bool shown, std::FILE* stream) : stream_(stream), shown_(shown && can_erase_lines(stream)) {}
 
 ProgressLine::~ProgressLine() { clear(); }
 

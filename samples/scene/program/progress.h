@@ -1,4 +1,5 @@
-// One line on a terminal that says how far a long call is and how much time is left; silent without a terminal.
+// One line on a terminal that says how far a long call is and how much time is left; silent without a terminal that
+// can erase lines.
 #pragma once
 
 #include <chrono>
@@ -13,6 +14,12 @@ namespace gicube::samples {
 // ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left" as the part done so far promises; empty in the first two seconds [C] and
 // at the end, when nothing can be said yet and nothing is left.
 std::string time_left(double elapsed_seconds, std::uint32_t done, std::uint32_t all);
+
+// Whether a stream is a terminal that knows the escape code for it: TERM is set, and not to "dumb".
+bool can_erase_lines(std::FILE* stream);
+
+// On standard error, in place of a ProgressLine that is there: "PROGRAM: warning: TEXT".
+void print_warning(const char* program, const std::string& text);
 
 class ProgressLine {
  public:

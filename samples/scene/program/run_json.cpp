@@ -117,7 +117,7 @@ Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash) {
 void write_json(nlohmann::ordered_json json, const Provenance& provenance, const std::filesystem::path& path) {
   constexpr std::string_view kPrefix = "gicube.";
   for (const auto& [key, value] : entries(provenance)) json["provenance"][key.substr(kPrefix.size())] = value;
-  write_whole(path, json.dump(2) + '\n');
+  write_whole(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace gicube::samples

@@ -1,5 +1,8 @@
 """Arrays go in and out without a copy where their layout allows it."""
 
+import os
+import warnings
+
 import numpy as np
 import pytest
 from conftest import LOOK, ball
@@ -154,6 +157,28 @@ def test_views_of_a_scene_stay_valid_while_they_live():
     samples = gicube.parse_scene('volume { builtin: "buckyball" size: 16 }').set_up().volume.samples
     assert samples.shape == (16, 16, 16) and not samples.flags.writeable
     assert samples.max() > 0
+
+
+def test_a_volume_that_looks_wrong_is_warned_of(tmp_path):
+    for z in (0, 1, 4):
+        gicube.write_image(tmp_path / f"{z}.png", np.zeros((2, 3), gicube.PIXEL), (0, 0, 0))
+    text = "files: expected numbers without gaps, got 2 missing, the first between 1.png and 4.png"
+    with pytest.warns(UserWarning, match=text) as caught:
+        assert gicube.read_volume(tmp_path).samples.shape == (3, 2, 3)
+    assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="got 2 missing"):
+            gicube.read_volume(tmp_path)
+
+
+def test_a_files_name_need_not_be_utf8(tmp_path):
+    name = os.fsdecode(bytes(tmp_path) + b"/gr\xfc.nrrd")
+    with pytest.raises(gicube.FileError, match="nothing there") as caught:
+        gicube.read_volume(name)
+    assert caught.value.faults[0].file == name
+    gicube.write_volume(name, np.zeros((2, 2, 2)))
+    assert gicube.read_volume(name).source == name
 
 
 @pytest.mark.parametrize("kind", [gicube.ElementKind.PATCH, "patch", ["patch", gicube.ElementKind.PATCH]])

@@ -110,6 +110,20 @@ TEST(Smi, TopShowsWhatABoardDoes) {
   EXPECT_THAT(run.out, Not(HasSubstr("\033")));
 }
 
+// script runs it on a terminal of its own. Once the board's process has gone, so does gicube-smi.
+TEST(Smi, TopSendsNoCodesToATerminalThatHasNone) {
+  for (const char* terminal : {"xterm", "dumb"}) {
+    Boards boards;
+    const std::string log = boards.folder.file("log");
+    const std::string top = GICUBE_BIN_DIR "/gicube-smi top -i 20ms -m " + boards.management;
+    const std::string command = "TERM=" + std::string(terminal) + " timeout 3 script -qfec '" + top + "' " + log;
+    [[maybe_unused]] const int code = std::system((command + " >/dev/null 2>&1 </dev/null").c_str());
+    const std::string shown = contents(log);
+    EXPECT_THAT(shown, HasSubstr("bus down")) << terminal;
+    EXPECT_EQ(shown.find("\033[H") != std::string::npos, terminal == std::string("xterm")) << shown;
+  }
+}
+
 TEST(Smi, TopWritesOneObjectALine) {
   const Boards boards;
   const Finished run = boards.smi({"top", "--json", "-n", "3", "-i", "20ms"});

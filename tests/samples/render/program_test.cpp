@@ -41,6 +41,19 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
   EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 64 * 48);
 }
 
+TEST_F(RenderProgram, TakesAFileWhoseNameIsNoUtf8AndWarnsOfDataThatAreTooLong) {
+  const std::string name = path("gr\xfc.nhdr");
+  std::ofstream(name) << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: v.raw\n";
+  std::ofstream(path("v.raw")) << std::string(65, '\x80');
+  const ProgramResult result = run(name + " --size 8x8 -o " + path("a.png") + " --stats " + path("a.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::StartsWith("gicube-render: warning: " + path("v.raw") +
+                                              ": data: expected 64 bytes by the header, got 65"));
+  EXPECT_EQ(std::ranges::count(result.err, '\n'), 1);
+  EXPECT_THAT(nlohmann::json::parse(text_of(path("a.json"))).at("provenance").at("command").get<std::string>(),
+              HasSubstr("/gr\\xfc.nhdr' --size"));
+}
+
 TEST_F(RenderProgram, DrawsTheSamePictureOnSeveralBoardsAndSaysWhereTheirTimeWent) {
   const std::string scene = "builtin:buckyball --volume-size 48 --size 40x40 --illumination low ";
   ASSERT_EQ(run(scene + "--quiet -o " + path("one.png")).code, 0);

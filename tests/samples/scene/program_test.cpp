@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <pty.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +16,7 @@
 
 #include "full_disk.h"
 #include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
 #include "scene/program/progress.h"
@@ -81,6 +87,53 @@ TEST(Program, RefusesToReplaceWhatIsReadAlsoByNamesThatItDerives) {
   clean();
 }
 
+TEST(Program, RefusesAReadOnlyFileBeforeTheWorkAndKnowsOneByItsLinks) {
+  const reference::TemporaryDirectory folder;
+  std::ofstream(folder.file("a")) << "before";
+  std::filesystem::create_symlink("a", folder.file("b"));
+  EXPECT_THROW(check_outputs({{"-o", folder.file("a")}, {"--stats", folder.file("b")}}), UsageError);
+  std::filesystem::permissions(folder.file("a"), std::filesystem::perms(0444));
+  EXPECT_THAT(
+      [&] {
+        check_outputs({{"-o", folder.file("b")}});
+      },
+      testing::ThrowsMessage<InputError>(folder.file("b") +
+                                         ": expected a file that may be written to, got a read-only one"));
+}
+
+TEST(Program, PrintsWarningsOfFiles) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program("gicube-x",
+                        [] {
+                          warn("a.raw", "data", "1 byte", "2");
+                          return 0;
+                        }),
+            0);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "gicube-x: warning: a.raw: data: expected 1 byte, got 2\n");
+}
+
+// What a terminal of this kind gets from a line of progress.
+std::string shown_on(const char* terminal) {
+  int master = -1, slave = -1;
+  EXPECT_EQ(::openpty(&master, &slave, nullptr, nullptr, nullptr), 0);
+  const std::string before = std::getenv("TERM") != nullptr ? std::getenv("TERM") : "";
+  ::setenv("TERM", terminal, 1);
+  std::FILE* const stream = ::fdopen(slave, "w");
+  ProgressLine(true, stream).show("reading");
+  std::fputs("end", stream);
+  std::fclose(stream);
+  ::setenv("TERM", before.c_str(), 1);
+  std::array<char, 64> text{};
+  const auto read = ::read(master, text.data(), text.size());
+  ::close(master);
+  return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(read, 0))};
+}
+
+TEST(ProgressLine, SendsNoCodesToATerminalThatHasNone) {
+  EXPECT_EQ(shown_on("xterm"), "\r\x1b[Kreading\r\x1b[Kend");
+  EXPECT_EQ(shown_on("dumb"), "end");
+}
+
 TEST(Program, FailsIfWhatItPrintedGotNowhere) {
   EXPECT_EXIT(
       {
@@ -94,6 +147,12 @@ TEST(Program, LeavesNoStatisticsOnAFullDisk) {
   reference::expect_full_disk_leaves_nothing("a.json", 0, [](const std::string& file) {
     write_json({{"rays", 3}}, {}, file);
   });
+}
+
+TEST(Program, WritesStatisticsWithTextsThatAreNoUtf8) {
+  const reference::TemporaryDirectory folder;
+  write_json({{"name", "gr\xfc"}}, {}, folder.file("a.json"));
+  EXPECT_EQ(reference::files_in(folder.path()).at("a.json"), "{\n  \"name\": \"gr\ufffd\"\n}\n");
 }
 
 TEST(TimeLeft, IsWhatThePartDonePromises) {

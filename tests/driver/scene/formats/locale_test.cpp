@@ -94,7 +94,8 @@ TEST_F(DecimalComma, IsNoneInNumbersOfText) {
       "a.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 1 1 2\nspacings: 1 1 1\nencoding: ascii\n\n0.25 -1.5");
   EXPECT_EQ(values_of(read_volume(nrrd)), (std::vector<float>{0.25F, -1.5F}));
   const TransferFunctionFile look = parse_transfer_function("colour 0 1 .5 0\nopacity 0.25 0.75\n", "a.tf");
-  EXPECT_EQ(look.function.opacities.front(), (OpacityPoint{0.25, 0.75}));
+  EXPECT_EQ(look.function.opacities.front().value, 0.25);
+  EXPECT_EQ(look.function.opacities.front().opacity, 0.75);
   const Scene scene = parse_scene("volume { builtin: \"buckyball\" } step: 0.25", "a.scene", ".");
   EXPECT_EQ(scene.view.step, 0.25);
 }
