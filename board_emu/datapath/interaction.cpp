@@ -1,6 +1,7 @@
 #include "interaction.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "datapath/illuminate.h"
 #include "datapath/random_stream.h"
@@ -75,12 +76,12 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
   return true;
 }
 
-// Where this share of the part's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
+// Where this share of its medium's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
 // another block.
-Point place_in(const RayPart& part, double share, const RayState& ray, const Classified& sample, const Frame& frame) {
+Point place_in(const RayPart& part, double share, const RayState& ray, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
-  const double steps = part.place(share, sample.tag, frame);
+  const double steps = part.place(share, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.slope(axis)));
     out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
@@ -110,6 +111,15 @@ EnergyUnits keep_colour(RayState& ray, unsigned tag, const Frame& frame) {
   return lost;
 }
 
+// Besides what media before it in the part took: one deposit, where most of it is.
+void deposit_more(Interaction& interaction, const RayState& ray, EnergyUnits units, const Point& place,
+                  const Frame& frame) {
+  const auto sum = [](const EnergyUnits& of) { return std::accumulate(of.begin(), of.end(), std::uint64_t{0}); };
+  const bool most = sum(units) > sum(interaction.units);
+  for (std::size_t word = 0; word < frame.light_words; ++word) units[word] += interaction.units[word];
+  deposit(interaction, ray, units, most ? place : interaction.place, frame);
+}
+
 void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, RayCounters& counters) {
   interaction.outcome = Outcome::kEnded;
   if (!ray.is(wire::kLightingRay)) return;
@@ -120,15 +130,15 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
   }
 }
 
-// The ray interacts at `share` of the part's depth and is scattered.
+// The ray interacts at `share` of its medium's depth and is scattered.
 void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
              const Classified& sample, const Frame& frame, RayCounters& counters) {
-  ray.position = place_in(part, share, ray, sample, frame);
+  ray.position = place_in(part, share, ray, frame);
   if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
     ++counters.traps;
-    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | sample.tag << kTrapTagShift);
+    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | part.tag() << kTrapTagShift);
     interaction.outcome = Outcome::kTrapped;
     return;
   }
@@ -145,22 +155,25 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-void interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
+// Each of these three meets one medium of the part. True if the ray goes straight on.
+bool interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
                      const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
-  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return advance(ray, 1, frame);
+  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return true;
   const bool scatters = !straight && draws_scattering(ray, material, frame);
-  const EnergyUnits given = scatters ? keep_colour(ray, sample.tag, frame) : all_units(ray, frame);
-  deposit(interaction, ray, given, place_in(part, share, ray, sample, frame), frame);
+  const EnergyUnits given = scatters ? keep_colour(ray, part.tag(), frame) : all_units(ray, frame);
+  deposit(interaction, ray, given, place_in(part, share, ray, frame), frame);
   if (scatters && (frame.light_words == 1 || all_units(ray, frame) != EnergyUnits{})) {
-    return scatter(interaction, ray, part, share, material, sample, frame, counters);
+    scatter(interaction, ray, part, share, material, sample, frame, counters);
+  } else {
+    interaction.outcome = Outcome::kEnded;
   }
-  interaction.outcome = Outcome::kEnded;
+  return false;
 }
 
-void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
+bool interact_bundle(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
                      const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
@@ -177,7 +190,7 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
     any_left = any_left || left != 0;
     given[word] = units - left;
     if (!printed || given[word] == 0) continue;  // what was scattered is lost [P §2.2]
-    const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, sample.tag, frame);
+    const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, part.tag(), frame);
     const std::uint64_t chance = (draw_here(RandomStream::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
     const auto absorbed = static_cast<std::uint32_t>((given[word] * kept + chance) / wire::kScatteringOne);
     counters.energy_of(word).scattered_away += given[word] - absorbed;
@@ -187,17 +200,17 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
   const bool scatters = any_left && material.bsdf != wire::Bsdf::kNone &&
                         interacts(ray, printed ? a : scattering_opacity(a, material), frame, share);
   if (scatters && !printed && frame.light_words > 1) {
-    const EnergyUnits absorbed = keep_colour(ray, sample.tag, frame);
+    const EnergyUnits absorbed = keep_colour(ray, part.tag(), frame);
     for (std::size_t word = 0; word < frame.light_words; ++word) given[word] += absorbed[word];
     any_left = all_units(ray, frame) != EnergyUnits{};
   }
-  deposit(interaction, ray, given, place_in(part, 0.5, ray, sample, frame), frame);
+  deposit_more(interaction, ray, given, place_in(part, 0.5, ray, frame), frame);
   if (!any_left) {
     interaction.outcome = Outcome::kEnded;
-    return;
+  } else if (scatters) {
+    scatter(interaction, ray, part, share, material, sample, frame, counters);
   }
-  if (!scatters) return advance(ray, 1, frame);
-  scatter(interaction, ray, part, share, material, sample, frame, counters);
+  return any_left && !scatters;
 }
 
 Colour12 colour_of(const Classified& sample, const SampleSite& site, const Frame& frame) {
@@ -233,7 +246,7 @@ void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_
   over(ray, ray.wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-void interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayPart& part,
+bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayPart& part,
                         const wire::Material& material, const Classified& sample, const Frame& frame,
                         RayCounters& counters) {
   const std::uint32_t a = part.opacity();
@@ -241,9 +254,10 @@ void interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double share = 0;
   if (frame.high_albedo) {
-    if (!interacts(ray, a, frame, share)) return advance(ray, 1, frame);
+    if (!interacts(ray, a, frame, share)) return true;
     if (scatters && draws_scattering(ray, material, frame)) {
-      return scatter(interaction, ray, part, share, material, sample, frame, counters);
+      scatter(interaction, ray, part, share, material, sample, frame, counters);
+      return false;
     }
     const Colour12 colour = colour_of(sample, site, frame);
     if (gathers_wide(frame)) {
@@ -252,11 +266,12 @@ void interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
       over(ray, colour, wire::kOpacityOne);
     }
     interaction.outcome = Outcome::kEnded;
-    return;
+    return false;
   }
   absorb(ray, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
-  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return advance(ray, 1, frame);
+  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return true;
   scatter(interaction, ray, part, share, material, sample, frame, counters);
+  return false;
 }
 
 // A ray that takes nothing from its energy leaves its amount at each sample.
@@ -319,7 +334,6 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   const bool first = !ray.under_way;
   ray.under_way = true;
   const Classified sample(site, frame);
-  const wire::Material& material = frame.materials[sample.tag];
   interaction.visible = visible(sample.index, frame);
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
@@ -328,25 +342,27 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   if (integrates) {
     in_medium = !RayPart::is_clear(site, sample.tag, opacity, frame);
     if (in_medium) part = RayPart::of(ray, site, sample.tag, opacity, first, frame);
-    in_medium = in_medium && part.opacity() != 0;
   } else if (in_medium) {
-    part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent));
+    part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
   }
-  if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
-    const bool at_surface = in_medium && material.bsdf == wire::Bsdf::kTrap;
-    if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
-  }
-  if (!in_medium || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
-    advance(ray, 1, frame);
-    return interaction;
-  }
-  if (!ray.is(wire::kLightingRay)) {
-    interact_rendering(interaction, ray, site, part, material, sample, frame, counters);
-  } else if (ray.is(wire::kHighAlbedo)) {
-    interact_photon(interaction, ray, part, material, sample, frame, counters);
-  } else {
-    interact_bundle(interaction, ray, part, material, sample, frame, counters);
-  }
+  bool goes_on = true;
+  do {  // one medium of the part after the other
+    const wire::Material& material = frame.materials[part.tag()];
+    const bool meets = in_medium && (part.opacity() != 0 || !integrates);
+    if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
+      const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
+      if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+    }
+    if (!meets || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) continue;
+    if (!ray.is(wire::kLightingRay)) {
+      goes_on = interact_rendering(interaction, ray, site, part, material, sample, frame, counters);
+    } else if (ray.is(wire::kHighAlbedo)) {
+      goes_on = interact_photon(interaction, ray, part, material, sample, frame, counters);
+    } else {
+      goes_on = interact_bundle(interaction, ray, part, material, sample, frame, counters);
+    }
+  } while (goes_on && part.next());
+  if (goes_on) advance(ray, 1, frame);
   if (interaction.deposits) ++counters.deposits;
   return interaction;
 }

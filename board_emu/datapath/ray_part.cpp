@@ -17,14 +17,14 @@ const double kOpaque = std::log(2.0 * wire::kOpacityOne);
 
 double lerp(double a, double b, double w) { return a + (b - a) * w; }
 
-// When the ray is in a cell, in steps from its sample. Cells are cubes of `size` position units, a power of two.
+// When the ray is in a cell, in steps from its sample.
 struct Reach {
   double entry = -std::numeric_limits<double>::infinity(), exit = std::numeric_limits<double>::infinity();
 };
 
 class Path {
  public:
-  Path(const RayState& ray, std::int32_t size) : ray_(ray), size_(size) {
+  explicit Path(const RayState& ray) : ray_(ray) {
     for (std::size_t axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / ray.slope(axis);
     own_ = reach(ray.position, 0);
   }
@@ -47,15 +47,15 @@ class Path {
   Point moved(int steps) const { return units_of(emu::moved(ray_.fine_position(), ray_.fine_step(), steps)); }
   bool same_cell(const Point& other) const {
     const Point& at = ray_.position;
-    return (((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) & -size_) == 0;
+    return (((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) & -wire::kVoxel) == 0;
   }
   // In the cell of a position that is `steps` away.
   Reach reach(const Point& position, double steps) const {
     Reach out;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (ray_.slope(axis) == 0) continue;
-      const std::int32_t at = position[axis] & (size_ - 1);
-      const double low = -at * inverse_[axis] + steps, high = (size_ - at) * inverse_[axis] + steps;
+      const std::int32_t at = position[axis] & (wire::kVoxel - 1);
+      const double low = -at * inverse_[axis] + steps, high = (wire::kVoxel - at) * inverse_[axis] + steps;
       out.entry = std::max(out.entry, std::min(low, high));
       out.exit = std::min(out.exit, std::max(low, high));
     }
@@ -72,23 +72,31 @@ class Path {
   }
 
   const RayState& ray_;
-  std::int32_t size_;
   std::array<double, 3> inverse_;
   Reach own_;
 };
 
-// The density in the sample's cell, 12 bits and a fraction, at `steps` of the ray from the sample.
-double density_at(const std::int16_t* densities, const Neighbourhood& around, const Cell& cell, const RayState& ray,
-                  double steps) {
+// Where the ray is in the sample's cell at `steps` from the sample, 0..1.
+std::array<double, 3> in_cell(const Cell& cell, const RayState& ray, double steps) {
   std::array<double, 3> w;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     w[axis] = std::clamp((cell.fraction[axis] + steps * ray.slope(axis)) / wire::kVoxel, 0.0, 1.0);
   }
+  return w;
+}
+
+// The density there, 12 bits and a fraction.
+double density_at(const std::int16_t* densities, const Neighbourhood& around, const std::array<double, 3>& w) {
   const auto along_x = [&](std::size_t voxel) { return lerp(densities[voxel], densities[voxel + 1], w[0]); };
   const std::size_t down = around.first + around.row, deep = around.first + around.slice;
   const double near = lerp(along_x(around.first), along_x(down), w[1]);
   const double far = lerp(along_x(deep), along_x(deep + around.row), w[1]);
   return lerp(near, far, w[2]) / (1 << kDensityFractionBits);
+}
+
+// And the tag, that of the nearest voxel.
+unsigned tag_at(const BlockView& view, const Neighbourhood& around, const std::array<double, 3>& w) {
+  return tag_of(view.codes[around.first + (w[0] >= 0.5) + around.row * (w[1] >= 0.5) + around.slice * (w[2] >= 0.5)]);
 }
 
 }  // namespace
@@ -152,10 +160,11 @@ double DepthTable::way_to(double share, unsigned tag, double from, double to) co
   return std::clamp((at - a.at) / (b.at - a.at), 0.0, 1.0);
 }
 
-RayPart RayPart::step(std::uint32_t opacity) {
+RayPart RayPart::step(std::uint32_t opacity, unsigned tag) {
   RayPart out;
+  out.piece_[out.pieces_++] = {0, 1, 1, 0, 0, tag};
+  out.next();
   out.opacity_ = opacity;
-  out.add({0, 1, 1, 0, 0});
   return out;
 }
 
@@ -165,60 +174,78 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
   const Cell& cell = site.cell;
   const Neighbourhood voxels = around(site);
   const std::int16_t* const densities = site.view.densities;
-  const bool uniform = frame.depths->uniform(tag, density_range(densities, voxels));
+  const bool one_tag = has_one_tag(site);
 
-  // A material ends half way between two voxels.
-  const Path path(ray, frame.volume->has_tags() ? wire::kVoxel / 2 : wire::kVoxel);
+  const Path path(ray);
   const double begin = first ? 0.0 : path.begin(), end = path.end(frame.extent);
-  if (uniform) {
+  if (one_tag && frame.depths->uniform(tag, density_range(densities, voxels))) {
     const auto exponent = static_cast<std::uint32_t>(std::lround(ray.exponent * (end - begin)));
+    out.piece_[out.pieces_++] = {begin, end, 1, 0, 0, tag};
+    out.next();
     out.opacity_ = (*frame.opacity_correction)(opacity, exponent);
-    out.add({begin, end, 1, 0, 0});
     return out;
   }
 
-  // Beyond its cell the density stays what it is at the face.
   const double entry = std::max(begin, path.own().entry), exit = std::min(end, path.own().exit);
-  const double before = density_at(densities, voxels, cell, ray, entry),
-               after = density_at(densities, voxels, cell, ray, exit);
-  const std::array<double, 5> ends{begin, entry, std::clamp(0.0, entry, exit), exit, end};
-  const std::array<double, 5> density{before, before, density_at(densities, voxels, cell, ray, ends[2]), after, after};
+  std::array<double, 8> ends{begin, entry, std::clamp(0.0, entry, exit), exit, end};
+  std::size_t count = 5;
+  if (!one_tag) {  // a material ends half way between two voxels
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (ray.slope(axis) == 0) continue;
+      const double half_way = (wire::kVoxel / 2 - static_cast<double>(cell.fraction[axis])) / ray.slope(axis);
+      ends[count++] = std::clamp(half_way, entry, exit);
+    }
+    std::sort(ends.begin(), ends.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  // Beyond its cell the medium stays what it is at the face.
+  const auto within = [&](double steps) { return in_cell(cell, ray, std::clamp(steps, entry, exit)); };
   const double lengths = ray.exponent / 65536.0;  // of a step, reference voxel lengths
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double way = ends[i + 1] - ends[i];
+  double to = density_at(densities, voxels, within(begin));
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const double way = ends[i + 1] - ends[i], from = to;
     if (way <= 0) continue;
-    const DepthTable::Depth depth = frame.depths->between(tag, density[i], density[i + 1], way * lengths);
+    to = density_at(densities, voxels, within(ends[i + 1]));
+    const unsigned here = one_tag ? tag : tag_at(site.view, voxels, within((ends[i] + ends[i + 1]) / 2));
+    const DepthTable::Depth depth = frame.depths->between(here, from, to, way * lengths);
     if (depth.opaque > 1) {
-      out.add({ends[i], ends[i + 1], depth.depth, density[i], density[i + 1]});
+      out.piece_[out.pieces_++] = {ends[i], ends[i + 1], depth.depth, from, to, here};
       continue;
     }
     const double wall = ends[i] + depth.opaque * way;
-    out.add({ends[i], wall, depth.depth, density[i], lerp(density[i], density[i + 1], depth.opaque)});
-    out.add({wall, wall, kOpaque, 0, 0});
-    out.opacity_ = wire::kOpacityOne;
-    return out;
+    out.piece_[out.pieces_++] = {ends[i], wall, depth.depth, from, lerp(from, to, depth.opaque), here};
+    out.piece_[out.pieces_++] = {wall, wall, kOpaque, 0, 0, here};
+    break;
   }
-  out.opacity_ = opacity_of_depth(out.depth_);
+  out.next();
   return out;
 }
 
-void RayPart::add(const Piece& piece) {
-  piece_[pieces_++] = piece;
-  depth_ += piece.depth;
+bool RayPart::next() {
+  first_ = last_;
+  if (first_ == pieces_) return false;
+  tag_ = piece_[first_].tag;
+  depth_ = 0;
+  bool opaque = false;
+  for (; last_ < pieces_ && piece_[last_].tag == tag_; ++last_) {
+    depth_ += piece_[last_].depth;
+    opaque = piece_[last_].begin == piece_[last_].end;
+  }
+  opacity_ = opaque ? wire::kOpacityOne : opacity_of_depth(depth_);
+  return true;
 }
 
-double RayPart::place(double share, unsigned tag, const Frame& frame) const {
+double RayPart::place(double share, const Frame& frame) const {
   double left = share * depth_;
-  for (std::size_t i = 0; i < pieces_; ++i) {
+  for (std::size_t i = first_; i < last_; ++i) {
     const Piece& piece = piece_[i];
     if (left <= piece.depth && piece.depth > 0) {
       const double here = left / piece.depth;
-      const double way = piece.from == piece.to ? here : frame.depths->way_to(here, tag, piece.from, piece.to);
+      const double way = piece.from == piece.to ? here : frame.depths->way_to(here, tag_, piece.from, piece.to);
       return lerp(piece.begin, piece.end, way);
     }
     left -= piece.depth;
   }
-  return pieces_ == 0 ? 0 : piece_[pieces_ - 1].end;
+  return last_ == 0 ? 0 : piece_[last_ - 1].end;
 }
 
 }  // namespace gicube::emu

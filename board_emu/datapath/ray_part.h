@@ -1,5 +1,5 @@
-// The part of its ray that a sample of a lighting ray stands for, and how much light the medium there takes, with the
-// conserving rules (docs/reference/hardware.md). The eight voxels of the sample's cell tell the densities of the whole part,
+// The part of its ray that a sample of a lighting ray stands for, and how much light the media there take, with the
+// conserving rules (docs/reference/hardware.md). The eight voxels of the sample's cell tell densities and tags of the whole part,
 // so that a medium may begin or end anywhere between two samples.
 #pragma once
 
@@ -60,32 +60,40 @@ inline std::uint32_t opacity_of_depth(double depth) {
   return static_cast<std::uint32_t>(std::lround(-std::expm1(-depth) * wire::kOpacityOne));
 }
 
+// Passes one medium after the other, if the voxels round the sample have several tags. It begins in the first.
 class RayPart {
  public:
   // A whole step, of a medium of one opacity.
-  static RayPart step(std::uint32_t opacity);
+  static RayPart step(std::uint32_t opacity, unsigned tag);
   // Of the lighting ray's sample at `site`, which has this material and classified opacity. `first`: of its flight.
   static RayPart of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
                     const Frame& frame);
   // True only if it has no opacity. Quick, since most samples lie where nothing is.
   static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
-    return opacity == 0 && frame.depths->uniform(tag, density_range(site.view.densities, around(site)));
+    return opacity == 0 && has_one_tag(site) &&
+           frame.depths->uniform(tag, density_range(site.view.densities, around(site)));
   }
 
+  // Of the medium that it is in.
+  unsigned tag() const { return tag_; }
   std::uint32_t opacity() const { return opacity_; }  // 24 bits
-  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample. `tag`: the sample's.
-  double place(double share, unsigned tag, const Frame& frame) const;
+  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample.
+  double place(double share, const Frame& frame) const;
+
+  // Goes on to the next medium; false if that was the last.
+  bool next();
 
  private:
   struct Piece {
     double begin, end, depth;
     double from, to;  // densities; equal: the depth is spread evenly
+    unsigned tag;
   };
-  void add(const Piece& piece);
+  unsigned tag_ = 0;
   std::uint32_t opacity_ = 0;
   double depth_ = 0;
-  std::size_t pieces_ = 0;
-  std::array<Piece, 5> piece_;  // two beyond the cell, two in it, and where one of them becomes opaque
+  std::size_t first_ = 0, last_ = 0, pieces_ = 0;  // the medium's pieces end before last_
+  std::array<Piece, 8> piece_;  // two beyond the cell, five in it, and where one of them becomes opaque
 };
 
 }  // namespace gicube::emu

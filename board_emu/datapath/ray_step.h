@@ -303,6 +303,18 @@ inline unsigned tag_at(const SampleSite& site, const Neighbourhood& at) {
                                 at.slice * (fraction[2] >= kHalf)]);
 }
 
+// Whether all voxels round it have its tag.
+inline bool has_one_tag(const SampleSite& site) {
+  if (site.view.codes == nullptr) return true;
+  const Neighbourhood at = around(site);
+  const std::uint16_t* const first = site.view.codes + at.first;
+  unsigned differ = 0;
+  for (const std::size_t row : {std::size_t{0}, at.row, at.slice, at.row + at.slice}) {
+    differ |= (first[0] ^ first[row]) | (first[0] ^ first[row + 1]);
+  }
+  return tag_of(static_cast<std::uint16_t>(differ)) == 0;
+}
+
 // The interpolated gradient, x y z in the last three channels.
 inline Channels gradient_at(const BlockView& view, const Neighbourhood& at) {
   if (view.codes == nullptr) return view.gradients[0].channel;

@@ -138,10 +138,11 @@ struct PartOpacity {
   Mask known;
 };
 
-// The opacities of the parts of samples in a medium, with the conserving rules. `even`: all eight voxels round have one.
+// The opacities of the parts of samples in a medium, with the conserving rules. `even`: all eight voxels round have one opacity, and
+// one tag.
 template <bool kWide>
 HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneState& ray, V begun,
-                                        const SampleLanes& sample, Mask even, Mask in_medium,
+                                        const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
                                         const PacketField& field) {
   const D32 d;
   const auto doubles = [](const std::array<DoubleWord, 3>& words) {
@@ -162,7 +163,7 @@ HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneStat
   const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
   const V opaque = gather(field.light->opaque_up, hn::ShiftLeft<2>(hn::IfThenElseZero(mixed, least)));
   const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: there is none
-  const Mask seen_through = hn::AndNot(wall, mixed);
+  const Mask seen_through = hn::And(hn::AndNot(wall, mixed), one_tag);
   out.known = hn::Or(out.known, seen_through);
   out.alpha = hn::IfThenElse(seen_through, opacity_of({below.depth, above.depth}, seen_through), out.alpha);
   return out;
@@ -268,9 +269,10 @@ HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& r
     if (!hn::AllFalse(d, visible)) gather_light(out, lanes, ray, trapped, visible, sample, field);
   } else {
     const LightField& light = *field.light;
-    Mask in_medium = visible, even = none;
+    Mask in_medium = visible, even = none, one_tag = none;
     if (light.runs != nullptr) {
-      even = is_even(sample.corners, sample.entry, light);
+      one_tag = has_one_tag(sample.at.index, field);
+      even = hn::And(is_even(sample.corners, sample.entry, light), one_tag);
       in_medium = hn::And(samples, hn::Or(visible, hn::Not(even)));
     }
     const std::size_t dense = hn::CountTrue(d, in_medium);
@@ -282,7 +284,7 @@ HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& r
     }
     V alpha;
     if (light.runs != nullptr) {
-      const PartOpacity part = opacity_of_parts<kWide>(lanes, ray, begun, sample, even, in_medium, field);
+      const PartOpacity part = opacity_of_parts<kWide>(lanes, ray, begun, sample, one_tag, even, in_medium, field);
       out.goes_on = hn::AndNot(hn::AndNot(part.known, in_medium), samples);
       in_medium = hn::And(hn::And(in_medium, part.known), hn::Ne(part.alpha, zero));
       alpha = part.alpha;

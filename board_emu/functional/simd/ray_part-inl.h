@@ -1,5 +1,5 @@
 // The part of its ray that a sample of a lighting ray stands for, and what the medium there does to it, for lanes of rays: as
-// datapath/ray_part.h and datapath/interaction.h, but for parts that meet an opaque entry. Doubles take the same operations in the
+// datapath/ray_part.h and datapath/interaction.h, but for parts that meet an opaque entry or voxels of several tags. Doubles take the same operations in the
 // same order, so that their bits are the same; a quotient by a power of two is a product.
 
 // Included once for each instruction set.
@@ -63,6 +63,19 @@ HWY_INLINE V rounded(const Doubles& x) {
 }
 HWY_INLINE V truncated(const Doubles& x) {
   return hn::Combine(D32(), hn::DemoteTo(DHalf(), x.upper), hn::DemoteTo(DHalf(), x.lower));
+}
+
+// has_one_tag() of samples whose voxels begin at `index`.
+HWY_INLINE Mask has_one_tag(V index, const PacketField& field) {
+  if (!field.tagged) return hn::Eq(index, index);
+  const Corners codes = corners_of(field.codes, index, field.edge);
+  const auto& row = codes.row;
+  const V rows = hn::Or(hn::Xor(row[0], row[1]), hn::Or(hn::Xor(row[0], row[2]), hn::Xor(row[0], row[3])));
+  const V pair = hn::Xor(row[0], hn::ShiftRight<16>(row[0]));
+  const auto differ = [](V codes_of, std::uint32_t which) {
+    return hn::And(codes_of, set(static_cast<std::int32_t>(((wire::kTags - 1) << kCodeBits) * which)));
+  };
+  return hn::Eq(hn::Or(differ(rows, 0x1'0001), differ(pair, 1)), hn::Zero(D32()));
 }
 
 // DepthTable::uniform() of the densities round samples whose entry of the segmentation LUT is `entry`.
@@ -144,7 +157,6 @@ struct WayLanes {
   Mask begins_here, ends_here;           // those two samples are in the same cell
   Mask first, last;                      // the sample is its flight's first, or the volume's last
   std::array<Doubles, 3> slope, inverse;
-  std::int32_t cell;  // position units
 };
 
 // `begun`: all ones unless the sample is the first of its flight.
@@ -154,8 +166,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
   WayLanes out;
   out.slope = slope;
   out.inverse = inverse;
-  out.cell = field.tagged ? wire::kVoxel / 2 : wire::kVoxel;  // a material ends half way between two voxels
-  const V low_bits = set(out.cell - 1);
+  const V low_bits = set(wire::kVoxel - 1);
   V left_cell = hn::Zero(D32()), right_cell = left_cell, outside = left_cell;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     V previous = hn::Sub(ray.position[axis], ray.step[axis]), next = hn::Add(ray.position[axis], ray.step[axis]);
@@ -174,7 +185,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
     out.before[axis] = hn::And(previous, low_bits);
     out.after[axis] = hn::And(next, low_bits);
   }
-  const auto same_cell = [&](V difference) { return hn::Eq(hn::And(difference, set(-out.cell)), hn::Zero(D32())); };
+  const auto same_cell = [&](V difference) { return hn::Eq(hn::And(difference, set(-wire::kVoxel)), hn::Zero(D32())); };
   out.begins_here = same_cell(left_cell);
   out.ends_here = same_cell(right_cell);
   out.first = hn::Eq(begun, hn::Zero(D32()));
@@ -185,7 +196,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
 template <class HalfOf>
 HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
   const DD d;
-  const VD size = hn::Set(d, way.cell);
+  const VD size = hn::Set(d, wire::kVoxel);
   const auto reach = [&](const std::array<V, 3>& at, double steps) {
     ReachLanes out{hn::Set(d, -std::numeric_limits<double>::infinity()),
                    hn::Set(d, std::numeric_limits<double>::infinity())};

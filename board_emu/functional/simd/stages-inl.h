@@ -127,7 +127,8 @@ struct Corners {
   std::array<V, 4> row;
 };
 
-HWY_INLINE Corners corners_of(const std::int16_t* words, V index, std::int32_t edge) {
+template <class Word>
+HWY_INLINE Corners corners_of(const Word* words, V index, std::int32_t edge) {
   const V two = hn::ShiftLeft<1>(index);
   const std::ptrdiff_t down = edge, deep = std::ptrdiff_t{edge} * edge;
   return {{gather(words, two), gather(words + down, two), gather(words + deep, two), gather(words + deep + down, two)}};

@@ -214,10 +214,10 @@ TEST(RayPart, EndsAtAWallAndHasPlacesBeforeIt) {
   const Frame& frame = rough.lit.scene.frame;
   // Depth 2.47 a voxel before the wall, half a unit below 1500; log 2^25 in it.
   const double fog = -std::log1p(-60'000 / 65535.0), way = 0.4995, all = fog * way + std::log(2.0 * wire::kOpacityOne);
-  EXPECT_NEAR(part.place(0, 0, frame), -0.25, 1e-9);
-  EXPECT_NEAR(part.place(0.25 * fog * way / all, 0, frame), -0.25 + 0.25 * way, 1e-3);
-  EXPECT_NEAR(part.place(0.75 * fog * way / all, 0, frame), -0.25 + 0.75 * way, 1e-3);
-  EXPECT_NEAR(part.place(0.5, 0, frame), -0.25 + way, 1e-3);
+  EXPECT_NEAR(part.place(0, frame), -0.25, 1e-9);
+  EXPECT_NEAR(part.place(0.25 * fog * way / all, frame), -0.25 + 0.25 * way, 1e-3);
+  EXPECT_NEAR(part.place(0.75 * fog * way / all, frame), -0.25 + 0.75 * way, 1e-3);
+  EXPECT_NEAR(part.place(0.5, frame), -0.25 + way, 1e-3);
 }
 
 }  // namespace

@@ -22,22 +22,6 @@ using wire::EnergyRules;
 using wire::IlluminateCommand;
 using wire::LightKind;
 
-IlluminateCommand sun(double irradiance, const std::array<double, 3>& towards, std::uint32_t k, Albedo albedo) {
-  IlluminateCommand command = light_of(LightKind::kDirectional, irradiance, {}, k, albedo);
-  command.u = towards;
-  return command;
-}
-
-double share_of(std::uint64_t part, const EnergyCounters& energy) {
-  return static_cast<double>(part) / static_cast<double>(energy.emitted);
-}
-
-// What left by the faces z = 0, z = size - 1, and the four others.
-std::tuple<double, double, double> shares_along_z(const EnergyCounters& energy) {
-  const auto& [x_min, x_max, y_min, y_max, z_min, z_max] = energy.escaped_by_face;
-  return {share_of(z_min, energy), share_of(z_max, energy), share_of(x_min + x_max + y_min + y_max, energy)};
-}
-
 // A slab of 8 voxel edges between x-y faces that are 255 x 64 edges wide, lit along +z by rays of one energy.
 struct Slab {
   static constexpr int kWide = 256, kThick = 9;
@@ -145,78 +129,6 @@ TEST(LightingPass, OfPhotonsLeavesAPointSourcesEnergyInAnAbsorber) {
     EXPECT_NEAR(absorber.measured[r], absorber.expected[r], 5 * error) << r;
   }
   EXPECT_NEAR(share_of(absorber.ledger.escaped, absorber.ledger), absorber.escaped, 0.002);
-}
-
-// A layer of one medium between two places along z; its densities go through the medium's least one over `blur` voxels, as a
-// scan's do, or from one voxel to the next.
-struct Layer {
-  double begin, end, blur;
-
-  std::uint16_t density(int z) const {
-    constexpr double kLeast = 2000, kInside = 4000;
-    const double depth = std::min(z - begin, end - z);  // signed
-    return static_cast<std::uint16_t>(std::lround(std::clamp(kLeast + depth * kInside / blur, 0.0, kInside)));
-  }
-};
-
-// What of a sun's light along `towards` comes through and back from a layer of optical thickness `depth`, as shares.
-struct LayerLight {
-  static constexpr int kThick = 17;
-
-  // The volume has faces of `wide` x `wide` voxels, `edge` apart. `depth`: of the whole layer, in or outside of the volume.
-  LayerLight(const Layer& layer, double depth, double albedo, double step, Albedo rays, int wide, double edge)
-      : lit({wide, wide, kThick}, 16, true, {edge, edge, 1}) {
-    lit.scene.fill([&](int, int, int z) { return wire::Voxel{.density = layer.density(z)}; });
-    lit.medium(depth / (layer.end - layer.begin), albedo, albedo > 0 ? Bsdf::kIsotropic : Bsdf::kNone);
-    for (std::size_t i = 0; i < 2000; ++i) lit.scene.segmentation[i].opacity = 0;
-    lit.scene.frame.step = static_cast<std::uint32_t>(std::lround(step * wire::kStepOne));
-    const double units = 1e6;  // of a ray
-    const EnergyCounters energy = lit.light(sun(units / (edge * edge), {0, 0, -1}, 1, rays)).energy;
-    std::tie(back, through, sideways) = shares_along_z(energy);
-    photons = static_cast<double>(energy.emitted) / units;
-  }
-
-  LitScene lit;
-  double back = 0, through = 0, sideways = 0, photons = 0;
-};
-
-TEST(LightingPass, PassesALayersShareWhereverItsFacesLieBetweenVoxels) {
-  for (const double step : {0.4, 0.45, 0.5, 0.8}) {
-    for (const Layer& layer :
-         {Layer{-9, 7.5, 1}, {-9, 7.1, 4}, {-9, 9.83, 4}, {3.3, 30, 4}, {2.6, 11.2, 6}, {4.5, 6.5, 1}}) {
-      for (const double depth : {0.3, 2.0}) {
-        const double length = std::min(layer.end, 16.0) - std::max(layer.begin, 0.0);
-        const LayerLight light(layer, depth * (layer.end - layer.begin) / length, 0, step, Albedo::kLow, 9, 1);
-        EXPECT_NEAR(light.through / std::exp(-depth), 1, 0.003)
-            << layer.begin << " to " << layer.end << ", step " << step << ", depth " << depth;
-      }
-    }
-  }
-}
-
-TEST(LightingPass, ReflectsAndPassesAScatteringLayersSharesWhereverItsFacesLie) {
-  constexpr std::array<Layer, 4> kLayers{{{-9, 7.5, 1}, {3.3, 30, 4}, {2.6, 11.2, 6}, {4.5, 12.5, 1}}};
-  constexpr std::array<std::pair<double, double>, 6> kMedia{
-      {{4, 0.95}, {0.3, 0.2}, {0.5, 0.99}, {1, 0.5}, {8, 0.99}, {6, 0.2}}};
-  constexpr std::array kSteps{0.4, 0.45, 0.5, 0.8};
-  std::size_t run = 0;
-  for (const auto& [depth, albedo] : kMedia) {
-    const reference::Fates expected = reference::slab(depth, albedo, 2'000'000, 1);
-    for (const Albedo rays : {Albedo::kLow, Albedo::kHigh}) {
-      const double step = kSteps[run % 4];
-      const Layer& layer = kLayers[(run + run / 4) % 4];
-      ++run;
-      const double length = std::min(layer.end, 16.0) - std::max(layer.begin, 0.0);
-      const LayerLight light(layer, depth * (layer.end - layer.begin) / length, albedo, step, rays, 257, 64);
-      for (const auto& [share, right] : {std::pair{light.back, expected.back}, {light.through, expected.through}}) {
-        const double error = std::hypot(std::sqrt(right.mean * (1 - right.mean) / light.photons), right.error);
-        EXPECT_NEAR(share, right.mean, std::max(3 * error, 0.005 * right.mean))
-            << layer.begin << " to " << layer.end << ", step " << step << ", depth " << depth << ", albedo " << albedo
-            << (rays == Albedo::kLow ? ", bundles" : ", photons");
-      }
-      EXPECT_LT(light.sideways, 2e-3);
-    }
-  }
 }
 
 // The mean depth at which the light of a sun is absorbed: in steps of d, 1 / kappa and a term of second order.

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <tuple>
 
 #include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
@@ -81,6 +83,23 @@ inline wire::IlluminateCommand light_of(wire::LightKind kind, double energy, con
   command.position = position;
   command.rays_per_voxel = command.count = k;
   return command;
+}
+
+inline wire::IlluminateCommand sun(double irradiance, const std::array<double, 3>& towards, std::uint32_t k,
+                                   wire::Albedo albedo) {
+  wire::IlluminateCommand command = light_of(wire::LightKind::kDirectional, irradiance, {}, k, albedo);
+  command.u = towards;
+  return command;
+}
+
+inline double share_of(std::uint64_t part, const EnergyCounters& energy) {
+  return static_cast<double>(part) / static_cast<double>(energy.emitted);
+}
+
+// What left by the faces z = 0, z = size - 1, and the four others.
+inline std::tuple<double, double, double> shares_along_z(const EnergyCounters& energy) {
+  const auto& [x_min, x_max, y_min, y_max, z_min, z_max] = energy.escaped_by_face;
+  return {share_of(z_min, energy), share_of(z_max, energy), share_of(x_min + x_max + y_min + y_max, energy)};
 }
 
 }  // namespace gicube::emu
