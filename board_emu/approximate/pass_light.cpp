@@ -21,9 +21,9 @@ constexpr std::size_t kSplatPlaces = 16;  // eight tiles, each fetched first
 void PassProcessor::send_write(Cycle now) {
   const TileWrite& write = writes_.next();
   if (write.fetch) {
-    shared_.memory->channel->read(in_memory(write.block), write.tile, now * ratio_);
+    shared_.memory->channel->read(in_memory(write.block), write.tile, to_memory_.from(now));
   } else {
-    shared_.memory->channel->write(in_memory(write.block), write.tile, now * ratio_);
+    shared_.memory->channel->write(in_memory(write.block), write.tile, to_memory_.from(now));
   }
   writes_.send(now);
 }

@@ -213,7 +213,8 @@ std::uint32_t PassProcessor::ask(const Misses& misses, std::uint32_t queue, Cycl
       continue;
     }
     memory.asked = std::max(memory.asked, now) + 1;
-    arrivals_.push(arrival(memory.channel->read(in_memory(queue), misses.tiles[i], memory.asked * ratio_).data_end));
+    arrivals_.push(
+        arrival(memory.channel->read(in_memory(queue), misses.tiles[i], to_memory_.from(memory.asked)).data_end));
   }
   return misses.count;
 }
@@ -221,7 +222,8 @@ std::uint32_t PassProcessor::ask(const Misses& misses, std::uint32_t queue, Cycl
 void PassProcessor::send_request(Cycle now) {
   if (reads_.empty() || (!writes_.all_sent() && writes_.next().asked < reads_.front().asked)) return send_write(now);
   const PacketRead read = reads_.pop();
-  arrivals_.push(arrival(shared_.memory->channel->read(in_memory(read.queue), read.tile, now * ratio_).data_end));
+  arrivals_.push(
+      arrival(shared_.memory->channel->read(in_memory(read.queue), read.tile, to_memory_.from(now)).data_end));
 }
 
 // As rotate(), of these frames.

@@ -321,7 +321,7 @@ void PassMachine::state(Archive& archive) {
   for (const auto& memory : memories_) {
     archive.within("memory" + std::to_string(number++), [&] {
       archive("channel", *memory->channel);
-      archive("asked", memory->asked);
+      archive.field("asked", [&](Archive::Record& record) { record.times(memory->asked); });
       archive.at_most("turn", memory->turn, memory->clients.size() - 1);
     });
   }
@@ -329,8 +329,10 @@ void PassMachine::state(Archive& archive) {
   archive("core", dsp_);
   archive("overflows", store_);
   archive.field("engine", [this](Archive::Record& record) {
-    record(engine_.now, engine_.free, engine_.sends_again, engine_.sent, engine_.taken, engine_.overflows);
-    record(runs_, bus_free_, now_, caches_sums_);
+    record.times(engine_.now, engine_.free);
+    record(engine_.sends_again, engine_.sent, engine_.taken, engine_.overflows, runs_);
+    record.times(bus_free_, now_);
+    record(caches_sums_);
   });
   archive("listeners", listeners_);
 }
@@ -372,7 +374,7 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
     for (std::size_t i = 0; i < memories_.size(); ++i) {
       const dram::ChannelCounters channel = memories_[i]->channel->counters();
       part.begin(standard_.name, i);
-      part.put("cycles", standard_.clock, now_ * standard_.clocks_per_core_cycle);
+      part.put("cycles", standard_.clock, ClockRatio(config_.asic().core_khz(), standard_.clock_khz).passed(now_));
       part.put("reads", "packet", channel.packets_read);
       part.put("writes", "packet", channel.packets_written);
       part.put("row_hits", "packet", channel.row_hits);

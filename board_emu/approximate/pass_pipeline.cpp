@@ -41,10 +41,7 @@ bool PassProcessor::finds_place() {
 }
 
 // When a packet can be written into the cache, of whose data the last came in that clock.
-Cycle PassProcessor::arrival(Cycle data_end) const {
-  const Cycle there = data_end + memory_latency_ + ratio_ - 1;
-  return ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
-}
+Cycle PassProcessor::arrival(Cycle data_end) const { return to_core_.from(data_end + memory_latency_); }
 
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
@@ -54,7 +51,7 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
     const Cycle there =
-        arrival(memory.channel->read(in_memory(active_), misses.tiles[i], memory.asked * ratio_).data_end);
+        arrival(memory.channel->read(in_memory(active_), misses.tiles[i], to_memory_.from(memory.asked)).data_end);
     first = std::max(i == 0 ? first : first + 1, there);
     taken_[packets_++ % kRemembered] = first;
   }

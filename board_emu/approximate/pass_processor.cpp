@@ -20,9 +20,9 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       prefetch_(shared_.config->pipeline().prefetch_stages()),
       compute_(shared_.config->pipeline().compute_stages()),
       capacity_(shared_.config->ideal().queues() != 0 ? kNone : shared_.config->asic().queue_rays()),
-      ratio_(memory_standard(*shared_.config).clocks_per_core_cycle),
       sharing_(memory_standard(*shared_.config).sharing),
-      ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
+      to_memory_(shared_.config->asic().core_khz(), memory_standard(*shared_.config).clock_khz),
+      to_core_(memory_standard(*shared_.config).clock_khz, shared_.config->asic().core_khz()),
       room_(shared_.config->cache().miss_packets() -
             (shared_.config->cache().irradiance() == v1::in_cells ? 2 : 1) * kMaxPackets),
       link_cycles_((kRayBits + shared_.config->link().bits() - 1) / shared_.config->link().bits()),

@@ -290,8 +290,8 @@ class PassProcessor {
 
   const std::uint8_t number_;
   Shared shared_;
-  std::uint32_t prefetch_, compute_, capacity_, ratio_, sharing_;
-  int ratio_bits_;             // if it is a power of two
+  std::uint32_t prefetch_, compute_, capacity_, sharing_;
+  ClockRatio to_memory_, to_core_;
   std::uint32_t room_;         // packets that may be on their way when a sample enters
   Cycle link_cycles_;          // of a ray
   std::uint32_t link_rays_;    // places at a link's entry

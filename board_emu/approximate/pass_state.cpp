@@ -21,22 +21,27 @@ void PassProcessor::state(Archive& archive) {
     record(slots_, overflowed_, opened_, openings_, listed_, modified_, contributions_);
   });
   archive.field("sorter", [this](Archive::Record& record) {
-    record(active_, resting_, arrived_, sorted_);
+    record(active_, resting_, arrived_);
+    record.times(sorted_);
     active_rays_.empty_state(record);
     record.at_most(next_input_, 2);
-    record(others_, taken_from_, waits_, before_);
+    record.times(others_, taken_from_);
+    record(waits_);
+    record.times(before_);
   });
   archive("released", released_);
   archive.field("pipeline", [this](Archive::Record& record) {
-    record(now_, computing_, started_, taken_, passes_, packets_);
-    record(in_tree_, stalled_, tree_free_, link_stalled_, out_blocked_, links_);
-    record(holds_, held_since_, held_until_);
+    record.times(now_, computing_, started_, taken_);
+    record(passes_, packets_, in_tree_, stalled_);
+    record.times(tree_free_);
+    record(link_stalled_, out_blocked_, links_, holds_);
+    record.times(held_since_, held_until_);
   });
   archive("counters", counters_);
   archive.within("writes", [&] { writes_.state(archive, (cells_ ? 2 : 1) * queues, cache_.tiles_of_block()); });
   archive.field("splats", [this](Archive::Record& record) {
-    record(computing_from_, entered_, room_since_, free_to_compute_, last_out_, link_free_, splat_free_, changed_,
-           fill_free_);
+    record(computing_from_);
+    record.times(entered_, room_since_, free_to_compute_, last_out_, link_free_, splat_free_, changed_, fill_free_);
     line_.empty_state(record);
   });
   if (!archive.loads()) return;

@@ -27,7 +27,7 @@ dram::Standard rdram_standard(const v1::BoardConfig& config) {
           .signals = "18 data + 8 row and column + 4 clock + 4 serial",
           .signal_count = 34,
           .sharing = config.rdram().processors_per_rdram(),
-          .clocks_per_core_cycle = config.rdram().clocks_per_core_cycle(),
+          .clock_khz = config.rdram().clock_khz(),
           .latency = config.rdram().rac_latency(),
           .tile_clocks = packets_of_tile(config) * rdram::kPacket,
           .max_devices = 32};  // that the controller of a channel drives [Direct RDRAM data book]
@@ -46,7 +46,7 @@ dram::Standard ddr_standard(const v1::BoardConfig& config) {
           .signals = "72 data + 9 strobe + 12 address + 2 bank + 4 command + 2 clock + 4 rank select",
           .signal_count = 105,
           .sharing = config.ddr().processors_per_channel(),
-          .clocks_per_core_cycle = config.ddr().clocks_per_core_cycle(),
+          .clock_khz = config.ddr().clock_khz(),
           .latency = config.ddr().controller_latency(),
           .tile_clocks = packets_of_tile(config) * ddr::kBurst,
           .max_devices = 4};  // chosen: two modules of two ranks load the wires as a board of 2000 could bear

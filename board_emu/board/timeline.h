@@ -48,7 +48,7 @@ inline void BusTransaction::state(Archive::Record& record) {
   record.at_most(cargo, Cargo::kCompletion);
   record.at_most(down_bytes, kMostBytes);
   record(dsp);
-  record.at_most(dsp_cycles, kMostBytes);
+  record.at_most(dsp_cycles, kMostCycles);
   record.at_most(asic_ps, kMostSpan);
   record.at_most(up_bytes, kMostBytes);
   record.at_most(up_cargo, Cargo::kCompletion);
@@ -274,6 +274,15 @@ inline void Timeline::state(Archive& archive) {
   std::ranges::sort(places);
   std::ranges::sort(ids);
   archive.expect(places == ids, "under_way", "each transaction in one place", places.size());
+  // One by one they fit, but their sums decide how long the board is at work.
+  std::uint64_t bytes = 0;
+  Picoseconds span = 0;
+  for (const auto& [id, each] : issued) {
+    bytes += each.transaction.down_bytes + each.transaction.up_bytes;
+    span += std::max(cycles_to_ps(each.transaction.dsp_cycles, dsp_khz_), each.transaction.asic_ps);
+    archive.expect(bytes <= kMostBytes, "under_way", "at most " + std::to_string(kMostBytes) + " bytes", bytes);
+    archive.expect(span <= kMostSpan, "under_way", "at most " + std::to_string(kMostSpan) + " ps", span);
+  }
 }
 
 }  // namespace gicube::emu

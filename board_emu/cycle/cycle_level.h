@@ -46,7 +46,11 @@ class CycleLevel : public Level {
     RayCounters before;           // of the machine
 
     void state(Archive::Record& record) {
-      record(begin, all.cycles, all.asic_ps, all.dsp_cycles, all.made, all.rays, before);
+      record(begin);
+      record.at_most(all.cycles, kMostCycles);
+      record.at_most(all.asic_ps, cycles_to_ps(kMostCycles, 1));
+      record.at_most(all.dsp_cycles, kMostCycles);
+      record(all.made, all.rays, before);
     }
   };
 

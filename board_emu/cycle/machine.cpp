@@ -226,6 +226,9 @@ void Machine::stalled() const {
 void Machine::run_state(Archive& archive, TokenLimits& limits) {
   archive("run", run_);
   archive.expect(run_.report_at <= now_ + kReportCycles, "run", "a report soon", run_.report_at);
+  const bool is_past = run_.begin <= now_ && run_.moved_at <= now_;
+  archive.expect(is_past, "run", "a begin and a last move before cycle " + std::to_string(now_),
+                 std::max(run_.begin, run_.moved_at));
   archive("rays", rays_);
   if (archive.loads()) {
     const BlockGrid grid(static_cast<int>(config_.asic().block_voxels()), blocks_);
@@ -254,28 +257,32 @@ void Machine::run_state(Archive& archive, TokenLimits& limits) {
 void Machine::state(Archive& archive) {
   archive.expect_idle(asic_idle() && rays_.under_way() == 0, "the ASIC");
   Cycle now = now_ + (is_seen_ ? 1 : 0);
-  archive("now", now);
+  archive.at_most("now", now, kMostCycles);
   if (archive.loads()) now_ = now;
   archive.list("milliseconds", milliseconds_);
   archive("booked", booked_);
   TokenLimits limits;
   if (archive.in_run() && !archive.loads()) take_samples();
-  if (archive.in_run()) archive.within("run", [&] { run_state(archive, limits); });
-  archive.parts("processor", processors_);
-  archive.parts("memory", memories_);
-  archive("ray_bus", *ray_bus_);
-  archive("links", *links_);
-  archive("tree", *tree_);
-  archive("dsp", *dsp_);
+  archive.in_clock(now + kMostAhead, [&] {
+    if (archive.in_run()) archive.within("run", [&] { run_state(archive, limits); });
+    archive.parts("processor", processors_);
+    archive.parts("memory", memories_);
+    archive("ray_bus", *ray_bus_);
+    archive("links", *links_);
+    archive("tree", *tree_);
+    archive("dsp", *dsp_);
+  });
   archive.set_token_limits(nullptr);
+  for (const auto& memory : memories_) {
+    archive.expect(memory->latest() <= now + kSeenSoon, "memory", "packets that are sent soon", memory->latest());
+  }
   if (!archive.in_run()) return;
   for (const auto& processor : processors_) {
     const Cycle asked = std::max(processor->misses().latest_asked(), processor->writes().latest_asked());
     archive.expect(asked <= now, "run", "packets that were asked for by now", asked);
   }
-  for (const auto& memory : memories_) {
-    archive.expect(memory->latest() <= now + kSeenSoon, "run", "packets that are sent soon", memory->latest());
-  }
+  const std::uint64_t worked = dsp_->dsp().counters().busy() - run_.dsp_before;
+  archive.expect(worked <= dsp_->latest(now - run_.begin + kMostAhead), "run", "DSP cycles of the run", worked);
 }
 
 void Machine::set_out(const Frame& frame, bool values_are_known) {

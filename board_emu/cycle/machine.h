@@ -98,7 +98,9 @@ class Machine {
     Cause skip_cause = Cause::kDsp;
 
     void state(Archive::Record& record) {
-      record(begin, dsp_before, moved_at, report_at, skips_to);
+      record.times(begin);
+      record(dsp_before);
+      record.times(moved_at, report_at, skips_to);
       record.at_most(skip_cause, Cause::kSdram);
     }
   };

@@ -1,7 +1,6 @@
 #include "memory_port.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 namespace gicube::emu {
@@ -9,10 +8,9 @@ namespace gicube::emu {
 MemoryPort::MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks)
     : clients_(std::move(clients)),
       channel_(make_memory(config, static_cast<std::uint32_t>(blocks * clients_.size()))),
-      ratio_(memory_standard(config).clocks_per_core_cycle),
-      latency_(memory_standard(config).latency),
-      is_shift_(std::has_single_bit(ratio_)),
-      shift_(std::countr_zero(ratio_)) {}
+      to_memory_(config.asic().core_khz(), memory_standard(config).clock_khz),
+      to_core_(memory_standard(config).clock_khz, config.asic().core_khz()),
+      latency_(memory_standard(config).latency) {}
 
 inline void MemoryPort::send(std::size_t which, Cycle now) {
   const MemoryClient& client = clients_[which];
@@ -21,9 +19,9 @@ inline void MemoryPort::send(std::size_t which, Cycle now) {
     const TileWrite write = client.writes->next();
     const std::uint32_t block = block_in_memory(write.block, which);
     if (write.fetch) {
-      channel_->read(block, write.tile, now * ratio_);
+      channel_->read(block, write.tile, to_memory_.from(now));
     } else {
-      channel_->write(block, write.tile, now * ratio_);
+      channel_->write(block, write.tile, to_memory_.from(now));
     }
     client.writes->send(now);
     return;

@@ -12,6 +12,7 @@
 #include "asic/cache/write_queue.h"
 #include "asic/memory_standards.h"
 #include "gicube/v1/board_config.pb.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 
@@ -55,13 +56,13 @@ class MemoryPort {
     clients_.front().misses->ask({block, tile, now, latest_, answer.arrival, answer.delay});
   }
 
-  std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // clocks of the memory until then
+  std::uint64_t cycles(Cycle now) const { return to_memory_.passed(now); }  // clocks of the memory until then
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
   dram::Memory& channel() { return *channel_; }
   Cycle latest() const { return latest_; }  // in which something was sent
   void state(Archive& archive) {
-    archive("channel", *channel_);
+    archive.in_clock(cycles(archive.latest()), [&] { archive("channel", *channel_); });
     archive.at_most("turn", turn_, clients_.size() - 1);
     archive("latest", latest_);
   }
@@ -80,9 +81,8 @@ class MemoryPort {
   };
   // A packet whose request is sent now; `block`: in memory.
   Answer read(std::uint32_t block, std::uint32_t tile, Cycle now) {
-    const dram::Access access = channel_->read(block, tile, now * ratio_);
-    const auto clocks = static_cast<std::uint32_t>(access.data_end - now * ratio_) + latency_ + ratio_ - 1;
-    return {now + (is_shift_ ? clocks >> shift_ : clocks / ratio_), delay(access.cause)};
+    const dram::Access access = channel_->read(block, tile, to_memory_.from(now));
+    return {to_core_.from(access.data_end + latency_), delay(access.cause)};
   }
   static Delay delay(dram::Delay cause) {
     switch (cause) {
@@ -94,10 +94,8 @@ class MemoryPort {
 
   std::vector<MemoryClient> clients_;
   std::unique_ptr<dram::Memory> channel_;
-  std::uint32_t ratio_;  // clocks a core cycle
+  ClockRatio to_memory_, to_core_;
   std::uint32_t latency_;
-  bool is_shift_;  // ratio_ is a power of two
-  int shift_;
   std::size_t turn_ = 0;
   Cycle latest_ = 0;  // in which something was sent
 };

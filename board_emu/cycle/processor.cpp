@@ -334,7 +334,8 @@ void Processor::state(Archive& archive) {
   });
   archive("rays", counts_);
   archive.field("cycles", [this](Archive::Record& record) {
-    record(compute_clock_, causes_, holding_cycles_, fed_, backed_up_, bubble_);
+    record.times(compute_clock_);
+    record(causes_, holding_cycles_, fed_, backed_up_, bubble_);
   });
   if (archive.in_run()) run_state(archive);
 }

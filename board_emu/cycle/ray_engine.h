@@ -79,17 +79,23 @@ class RayEngine {
   const RayEngineCounters& counters() const { return counters_; }
   const Dsp& dsp() const { return dsp_; }
   Dsp& dsp() { return dsp_; }
+  // Where its clock can have come when that of the ASIC comes to `cycle`.
+  DspCycle latest(Cycle cycle) const { return dsp_cycle(cycle) + kMostAhead; }
   // Rays that ended before they were sent, and of_values() of all others.
   const RayCounters& rays() const { return counts_; }
   void add_values(const RayCounters& counters) { counts_ += counters; }
   void describe(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(outgoing_ == Outgoing::kNothing, "the DSP");
-    archive("core", dsp_);
+    const auto clock = [this, &archive](const auto& work) { archive.in_clock(latest(archive.latest()), work); };
+    clock([&] { archive("core", dsp_); });
     archive("overflows", store_);
     archive("rays", counts_);
-    archive.field("engine", [this](Archive::Record& record) {
-      record(free_at_, sends_again_, counters_.sent, counters_.taken, counters_.overflows);
+    clock([&] {
+      archive.field("engine", [this](Archive::Record& record) {
+        record.times(free_at_);
+        record(sends_again_, counters_.sent, counters_.taken, counters_.overflows);
+      });
     });
     if (archive.in_run()) run_state(archive);
   }

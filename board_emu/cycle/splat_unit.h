@@ -75,8 +75,10 @@ class SplatUnit {
   // Of blocks with `tiles`. Between runs no splat is in work; the cache may be taken for the last one's cycles still.
   void state(Archive& archive, std::size_t blocks, std::size_t tiles) {
     archive.expect_idle(count_ == 0 && !has_carrier(), "the splat unit");
-    archive.field("counters",
-                  [this](Archive::Record& record) { record(counters_.deposits, counters_.carriers, busy_until_); });
+    archive.field("counters", [this](Archive::Record& record) {
+      record(counters_.deposits, counters_.carriers);
+      record.times(busy_until_);
+    });
     if (!archive.in_run()) return;
     Splat rest;  // of the one in work: its tiles are written
     rest.block = current_.block;

@@ -24,7 +24,10 @@ struct InFlight {
   bool splats = false;       // leaves something in the irradiance words
   std::uint32_t block = 0;   // whose voxels it reads, if it has sampled
 
-  void state(Archive::Record& record) { record(ready, token, from, packets, sampled, splats, block); }
+  void state(Archive::Record& record) {
+    record.times(ready);
+    record(token, from, packets, sampled, splats, block);
+  }
 };
 
 class Stages {

@@ -12,22 +12,23 @@ constexpr std::uint64_t kCodeOfLoop = Dsp::kProgramBytes;  // chosen: the most t
 
 Dsp::Dsp(const v1::BoardConfig& config)
     : ideal_(config.ideal().dsp() != 0),
-      ratio_(config.sdram().dsp_cycles_per_clock()),
+      to_memory_(config.dsp().clock_khz(), config.sdram().clock_khz()),
+      to_dsp_(config.sdram().clock_khz(), config.dsp().clock_khz()),
       latency_(config.sdram().controller_latency()),
       memory_(config.sdram()),
       sets_(kDataBytes / kLineBytes / kWays) {}
 
 // Returns the cycle in which its data are there.
 DspCycle Dsp::read(std::uint64_t line, DspCycle at) {
-  const dram::Access access = memory_.read(sdram::locate(line * kLineBytes), (at + ratio_ - 1) / ratio_);
-  return access.data_end * ratio_ + latency_;
+  const dram::Access access = memory_.read(sdram::locate(line * kLineBytes), to_memory_.from(at));
+  return to_dsp_.from(access.data_end) + latency_;
 }
 
 // Returns the cycle in which it is in the buffer.
 DspCycle Dsp::write(std::uint64_t line, DspCycle at) {
   at = std::max(at, written_[next_write_]);
-  const dram::Access access = memory_.write(sdram::locate(line * kLineBytes), (at + ratio_ - 1) / ratio_);
-  written_[next_write_] = access.data_end * ratio_;
+  const dram::Access access = memory_.write(sdram::locate(line * kLineBytes), to_memory_.from(at));
+  written_[next_write_] = to_dsp_.from(access.data_end);
   next_write_ = (next_write_ + 1) % kWrites;
   return at;
 }
@@ -124,9 +125,9 @@ void Dsp::state(Archive& archive) {
     }
     loop_ = current < linked_.size() ? linked_[current] : nullptr;
   }
-  archive("written", written_);
+  archive.field("written", [this](Archive::Record& record) { record.times(written_); });
   archive.at_most("next_write", next_write_, kWrites - 1);
-  archive("waited_until", waited_until_);
+  archive.field("waited_until", [this](Archive::Record& record) { record.times(waited_until_); });
   archive("counters", counters_);
 }
 

@@ -17,6 +17,7 @@
 #include "gicube/archive.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/dsp_task.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 
@@ -75,8 +76,8 @@ class Dsp {
   DspCycle fetch(const DspLoop& loop, DspCycle at);
 
   bool ideal_;
-  std::uint64_t ratio_;    // cycles a clock of the SDRAM
-  std::uint64_t latency_;  // cycles
+  ClockRatio to_memory_, to_dsp_;  // to clocks of the SDRAM, and back
+  std::uint64_t latency_;          // cycles
   sdram::Channel memory_;
   std::vector<std::array<Line, kWays>> sets_;  // the latest used first
   std::vector<const DspLoop*> program_;        // that the program cache holds, the latest used first

@@ -71,6 +71,14 @@ class Archive {
   // What the tokens of such a run may name; null while saving. It must outlive the loading.
   void set_token_limits(emu::TokenLimits* limits) { token_limits_ = limits; }
   emu::TokenLimits* token_limits() const { return token_limits_; }
+  // Until when the clock can have come whose readings times() lists; `work` lists a part that has a clock of its own.
+  std::uint64_t latest() const { return latest_; }
+  template <typename Work>
+  void in_clock(std::uint64_t latest, const Work& work) {
+    const std::uint64_t before = std::exchange(latest_, latest);
+    work();
+    latest_ = before;
+  }
   // A part that has nothing in work between two transactions, which is therefore not in the file.
   void expect_idle(bool idle, const char* part) const {
     if (!idle && !in_run_)
@@ -87,6 +95,11 @@ class Archive {
     template <typename Value>
     void at_most(Value& value, std::type_identity_t<Value> most) {
       number(value, number_of(most));
+    }
+    // Readings of the part's clock, none later than its latest; all ones: no time.
+    template <typename... Values>
+    void times(Values&... values) {
+      (time(values), ...);
     }
     // As many as there are; the elements are default made before they are loaded.
     template <typename List>
@@ -125,6 +138,20 @@ class Archive {
         put(value.second);
       } else {  // of a size that follows from the configuration
         for (auto& each : value) put(each);
+      }
+    }
+    template <typename Value>
+    void time(Value& value) {
+      if constexpr (std::is_same_v<Value, std::uint64_t>) {
+        number(value, ~std::uint64_t{0});
+        const bool comes = !archive_.loads_ || value <= archive_.latest_ || value == ~std::uint64_t{0};
+        if (!comes) {
+          archive_.refuse("",
+                          "a time of at most " + std::to_string(archive_.latest_) + " as number " + std::to_string(at_),
+                          std::to_string(value));
+        }
+      } else {
+        for (auto& each : value) time(each);
       }
     }
     template <typename Value>
@@ -251,6 +278,7 @@ class Archive {
 
   const bool loads_;
   bool in_run_ = false;
+  std::uint64_t latest_ = std::uint64_t{1} << 54;  // chosen: far above what a board comes to, so low that products fit
   emu::TokenLimits* token_limits_ = nullptr;
   std::string prefix_;
 };

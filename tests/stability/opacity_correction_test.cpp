@@ -63,6 +63,36 @@ TEST_F(StabilityOfOpacityCorrection, ThinFogKeepsItsTransmittanceWithinTheBound)
   EXPECT_GT(worst_share, 0.3) << "the bound says nothing";
 }
 
+// Steps of one length each, rounded to 2^-16 voxel, and the segment's own length too: n + 1 errors of half a unit, times the extinction
+// and the transmittance, whose product is at most 1 / (e L).
+TEST_F(StabilityOfOpacityCorrection, SegmentsThatStepsDoNotDivideKeepTheirTransmittanceWithinTheirBound) {
+  for (const bool is_wide : {false, true}) {
+    if (is_wide) widen();
+    fog(0.5);
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> exponent(-4, -1), span(1, kLongest);
+    double worst_share = 0, worst_without = 0;
+    for (int i = 0; i < 120; ++i) {
+      const double thin = std::pow(10, exponent(engine));
+      const double length = std::round((i % 2 == 0 ? span(engine) : 1 + span(engine) / 25) * 1024) / 1024 + 0.3 / 1024;
+      alpha(thin);
+      for (const double step : {1.0 / 64, 0.1, 0.37, 0.7, 1.0}) {
+        const double n = std::ceil(std::round(length * 65'536) / std::round(step * 65'536));
+        const double error = std::abs(1 - opacity(length, step) - std::pow(1 - thin, length));
+        const double words =
+            is_wide ? length * 0x1p-29 + n * 0x1p-25 + 0x1p-22 : length / (2 * kAlphaOne) + 2 * n / (1 << 24);
+        const double bound = words + (n + 1) * 0x1p-17 / (std::exp(1) * length);
+        ASSERT_LE(error, bound) << thin << " over " << length << " in steps of " << step << (is_wide ? ", wide" : "");
+        worst_share = std::max(worst_share, error / bound);
+        worst_without = std::max(worst_without, error / words);
+      }
+    }
+    EXPECT_GT(worst_share, 0.3) << "the bound says nothing";
+    EXPECT_GT(worst_without, is_wide ? 5 : 1) << "a step's length does not count";
+    record(std::string("worst_error_of_segments_over_the_bound_of_words") + (is_wide ? "_wide" : ""), worst_without);
+  }
+}
+
 TEST_F(StabilityOfOpacityCorrection, FogBelowHalfAUnitIsNotSeenAndFromThereOnIs) {
   fog(0.49 / kAlphaOne);
   EXPECT_EQ(opacity(kLongest, 0.5), 0);

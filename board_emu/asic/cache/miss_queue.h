@@ -27,7 +27,8 @@ struct Packet {
   Delay delay = Delay::kTransfer;
 
   void state(Archive::Record& record) {
-    record(block, tile, asked, sent, arrival);
+    record(block, tile);
+    record.times(asked, sent, arrival);
     record.at_most(delay, Delay::kRefresh);
   }
 };

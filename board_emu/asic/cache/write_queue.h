@@ -25,7 +25,10 @@ struct TileWrite {
   Cycle asked = 0;
   Cycle sent = kNoCycle;  // when the memory took it on
 
-  void state(Archive::Record& record) { record(block, tile, fetch, asked, sent); }
+  void state(Archive::Record& record) {
+    record(block, tile, fetch);
+    record.times(asked, sent);
+  }
 };
 
 struct WriteCounters {

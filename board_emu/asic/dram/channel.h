@@ -32,8 +32,10 @@ class Channel {
   Access write(const Location& at, Tcycle arrival) { return serve<Command::kWrite>(at, arrival); }
   // Carries out the refreshes that were due by `t`; no packet may arrive before it afterwards.
   void advance(Tcycle t) {
-    if (t >= next_event_) [[unlikely]]
-      static_cast<Derived*>(this)->refresh_until(t);
+    if (t < next_event_) [[likely]]
+      return;
+    leave_out(t);
+    static_cast<Derived*>(this)->refresh_until(t);
   }
 
   // Until `t` no packet would be delayed by one that was asked for before.
@@ -69,11 +71,18 @@ class Channel {
   void state(Archive& archive) {
     archive("devices", devices_);
     archive.field("wires", [this](Archive::Record& record) {
-      record(wires_, column_wires_, last_precharge_, dq_free_, last_was_write_, last_open_, last_open_was_refresh_);
+      record(wires_, column_wires_);
+      record.times(last_precharge_, dq_free_);
+      record(last_was_write_);
+      record.times(last_open_);
+      record(last_open_was_refresh_);
     });
     archive.field("refresh", [this](Archive::Record& record) {
-      record(refresh_count_, refresh_due_, next_event_);
+      record(refresh_count_);
+      record.times(refresh_due_, next_event_);
       static_cast<Derived*>(this)->refresh_state(record);
+      const bool is_next = next_event_ == static_cast<Derived*>(this)->next_event();
+      record.expect(is_next && refresh_due_ == due_after(refresh_count_), "when the next is due", refresh_due_);
     });
     archive.field("counters", [this](Archive::Record& record) {
       record(reads_, writes_, misses_, conflicts_, precharges_, turnaround_);
@@ -125,7 +134,7 @@ class Channel {
     for (; open != 0; open &= open - 1) precharge(at.device, std::countr_zero(open), refresh_due_);
     const Tcycle begin = activate<Command::kRefresh>(at, refresh_due_, false);
     ++refresh_count_;
-    refresh_due_ = (refresh_count_ + 1) * refresh_interval_ / devices_.size();
+    refresh_due_ = due_after(refresh_count_);
     return begin;
   }
 
@@ -149,7 +158,33 @@ class Channel {
                                   " of a channel: expected at least 1, got 0");
     }
     devices_.assign(devices, Device<Rules>(timing));
-    if (refresh_interval_ != 0) refresh_due_ = next_event_ = refresh_interval_ / devices;
+    refresh_due_ = next_event_ = due_after(0);
+  }
+
+  // When the next refresh is due after so many.
+  Tcycle due_after(std::uint64_t refreshes) const {
+    return refresh_interval_ == 0 ? kNever : (refreshes + 1) * refresh_interval_ / devices_.size();
+  }
+
+  // Most refreshes of a long time without packets. A round of them takes every bank of every device several times, and longer than any
+  // delay lasts. So rounds are alike once two end alike, and the last one leads to the state that all would.
+  void leave_out(Tcycle t) {
+    if (trace_ != nullptr) return;
+    constexpr std::uint64_t kBanks = 32, kDelays = 64;  // of every standard; kBanks * kDelays clocks exceed any delay
+    const std::uint64_t each = kBanks * (1 + kDelays / refresh_interval_);  // of a device
+    const std::uint64_t round = each * devices_.size(), clocks = each * refresh_interval_;
+    if (t < refresh_due_ + 4 * clocks) return;
+    const auto late_after_a_round = [&] {
+      static_cast<Derived*>(this)->refresh_until(refresh_due_ + clocks - 1);
+      return last_open_ - due_after(refresh_count_ - 1);
+    };
+    const Tcycle late = late_after_a_round();
+    const std::uint64_t precharges = precharges_;
+    if (late_after_a_round() != late) return;  // they come faster than they are carried out
+    const std::uint64_t rounds = (t - refresh_due_) / clocks - 1;
+    precharges_ += rounds * (precharges_ - precharges);
+    refresh_count_ += rounds * round;
+    refresh_due_ = due_after(refresh_count_);
   }
 
   // Not inline: most packets find their row open.

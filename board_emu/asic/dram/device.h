@@ -82,7 +82,11 @@ class Device {
   // Whatever the state: what commands to this bank and its neighbours allow, and those to the whole device.
   Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
   Tcycle device_ready(Command command) const { return ready_[index(command)]; }
-  void state(Archive::Record& record) { record(banks_, ready_, open_); }
+  void state(Archive::Record& record) {
+    record(banks_);
+    record.times(ready_);
+    record.at_most(open_, static_cast<std::uint32_t>((std::uint64_t{1} << Rules::kBanks) - 1));
+  }
 
  private:
   using Ready = std::array<Tcycle, kCommands - 1>;  // per command, without kData
@@ -93,7 +97,10 @@ class Device {
     std::int32_t row = kClosed;
     std::uint64_t packets = 0;
 
-    void state(Archive::Record& record) { record(ready, row, packets); }
+    void state(Archive::Record& record) {
+      record.times(ready);
+      record(row, packets);
+    }
   };
 
   [[noreturn]] static void refuse_data() {

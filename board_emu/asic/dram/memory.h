@@ -128,11 +128,11 @@ struct Standard {
   const char* clock = "";    // the unit of its times
   const char* signals = "";  // of a channel, by kind
   std::uint32_t signal_count = 0;
-  std::uint32_t sharing = 1;                // processors on a channel
-  std::uint32_t clocks_per_core_cycle = 1;  // of its clock
-  std::uint32_t latency = 0;                // clocks from the last data to the fill queue
-  std::uint32_t tile_clocks = 1;            // of a tile's packets on the data wires
-  std::uint32_t max_devices = 1;            // of a channel
+  std::uint32_t sharing = 1;  // processors on a channel
+  std::uint32_t clock_khz = 1;
+  std::uint32_t latency = 0;      // clocks from the last data to the fill queue
+  std::uint32_t tile_clocks = 1;  // of a tile's packets on the data wires
+  std::uint32_t max_devices = 1;  // of a channel
 };
 
 }  // namespace gicube::emu::dram

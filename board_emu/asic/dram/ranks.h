@@ -57,9 +57,10 @@ class RankChannel : public Channel<RankChannel<Rules>, Rules> {
       const Location at{.device = static_cast<std::uint16_t>(this->refresh_count_ % this->devices_.size())};
       refreshed_until_[at.device] = this->refresh_next(at) + refresh_time_;
     }
-    this->next_event_ = this->refresh_due_;
+    this->next_event_ = next_event();
   }
-  void refresh_state(Archive::Record& record) { record(refreshed_until_); }
+  Tcycle next_event() const { return this->refresh_due_; }
+  void refresh_state(Archive::Record& record) { record.times(refreshed_until_); }
 
   std::vector<Tcycle> refreshed_until_;  // by rank: its first clock for an ACT after the last REF
   std::uint32_t refresh_time_;           // tRFC

@@ -34,7 +34,10 @@ class GapWires {
     base_ += shift;
     blocked_ |= kOverlaps << (t - base_);
   }
-  void state(Archive::Record& record) { record(base_, blocked_); }
+  void state(Archive::Record& record) {
+    record.times(base_);
+    record(blocked_);
+  }
 
  private:
   static constexpr Tcycle kBits = 64;
@@ -73,7 +76,10 @@ class ColumnWires {
   }
   // When the data of a packet that begins at `t` begin.
   Tcycle data(Command command, Tcycle t) const { return t + data_[is_write(command)]; }
-  void state(Archive::Record& record) { record(ready_, other_ready_, last_device_); }
+  void state(Archive::Record& record) {
+    record.times(ready_, other_ready_);
+    record(last_device_);
+  }
 
  private:
   static constexpr std::size_t is_write(Command command) { return command == Command::kWrite ? 1 : 0; }

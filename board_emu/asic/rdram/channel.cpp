@@ -82,7 +82,7 @@ void Channel::refresh_until(Tcycle now) {
     } else {
       refresh();
     }
-    next_event_ = closing_.pending ? std::min(closing_.due, refresh_due_) : refresh_due_;
+    next_event_ = next_event();
   }
 }
 

@@ -2,6 +2,7 @@
 // its banks in turn.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -87,11 +88,14 @@ class Channel : public dram::Channel<Channel, Rules> {
     record(closing_.pending);
     record.at_most(closing_.device, static_cast<std::uint16_t>(devices_.size() - 1));
     record.at_most(closing_.bank, Rules::kBanks - 1);
-    record(closing_.due, refreshed_.device, refreshed_until_);
+    record.times(closing_.due);
+    record(refreshed_.device);
+    record.times(refreshed_until_);
     record.at_most(refreshed_.bank, Rules::kBanks - 1);
   }
 
   void refresh_until(Tcycle now);
+  Tcycle next_event() const { return closing_.pending ? std::min(closing_.due, refresh_due_) : refresh_due_; }
   bool held_by_refresh(const Location& at, Tcycle arrival) const;
   void refresh();
   void close_refreshed();

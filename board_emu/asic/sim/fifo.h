@@ -63,7 +63,7 @@ class Fifo {
   }
   void state(Archive::Record& record) {
     record.at_most(size_, capacity_);
-    record(last_push_, last_pop_);
+    record.times(last_push_, last_pop_);
     for (std::size_t i = 0; i < size_; ++i) record(items_[(head_ + i) & mask_]);
   }
 

@@ -76,8 +76,8 @@ Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) cons
   const auto n = static_cast<std::uint64_t>(volume.block_voxels());
   const std::uint64_t clocks =
       *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kTileVoxels) * memory.tile_clocks;
-  const std::uint64_t per_core_cycle = memory.clocks_per_core_cycle;
-  return cycles_to_ps((clocks + per_core_cycle - 1) / per_core_cycle, config_.asic().core_khz());
+  const std::uint64_t core_khz = config_.asic().core_khz();
+  return cycles_to_ps(ClockRatio(memory.clock_khz, core_khz).from(clocks), core_khz);
 }
 
 }  // namespace gicube::emu

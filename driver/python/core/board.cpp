@@ -38,6 +38,7 @@ py::object receive(Handle& self, std::uint32_t ticket, const py::array& out, Pic
   const std::span<TracedRay> to(const_cast<TracedRay*>(space.data()), space.size());
   const auto board = self.board();
   const BatchReport report = without_interpreter([&] { return board->receive({ticket}, to, deadline); });
+  clear_padding(to);
   return report_of(report, report.cancelled ? py::object(out[py::slice(0, 0, 1)]) : py::object(out));
 }
 

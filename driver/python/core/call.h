@@ -17,11 +17,24 @@ template <typename T>
 concept IsItem =
     IsOneOf<T, float, double, std::uint8_t, std::byte, HostRay, TracedRay, Pixel, Element, ElementPair, PairFactor>;
 
+// So that equal records are equal as bytes.
+template <typename T>
+void clear_padding([[maybe_unused]] std::span<T> values) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  if constexpr (std::is_class_v<T>) {
+    for (T& value : values) __builtin_clear_padding(&value);
+  }
+#endif
+#endif
+}
+
 // An array that takes the vector's memory.
 template <IsItem T>
 py::array to_array(std::vector<T>&& values) {
   const auto count = static_cast<py::ssize_t>(values.size());
   auto owner = std::make_unique<std::vector<T>>(std::move(values));
+  clear_padding(std::span<T>(*owner));
   const void* const data = owner->data();
   py::capsule base(owner.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
   return {py::dtype::of<T>(), {count}, data, base};

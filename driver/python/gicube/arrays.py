@@ -107,7 +107,7 @@ def rays(
         if array.shape[-1:] != (3,) or array.ndim > 2:
             raise BadArgument(field, "the shape (n, 3) or (3,)", str(array.shape))
     count = max(array.shape[0] if array.ndim == 2 else 1 for array in (positions, directions))
-    out = np.empty(count, RAY)
+    out = np.zeros(count, RAY)
     values = {
         "position": positions,
         "direction": directions,
@@ -153,7 +153,7 @@ def elements(
     vectors = {name: as_array(value, name, "float64") for name, value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
     kinds = [kind] if isinstance(kind, (ElementKind, str)) else list(kind)
     count = max([len(kinds), *(len(value) for value in vectors.values() if value.ndim == 2)])
-    out = np.empty(count, ELEMENT)
+    out = np.zeros(count, ELEMENT)
     order = list(ElementKind)
     out["kind"] = [order.index(as_choice(ElementKind, each, "kind")) for each in kinds]
     for name, value in vectors.items():

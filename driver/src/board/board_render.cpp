@@ -31,19 +31,14 @@ LitBox lit_box(const LoadedVolume& volume) {
   return {{(volume.dims[0] - 1) * edge.x, (volume.dims[1] - 1) * edge.y, (volume.dims[2] - 1) * edge.z}, edge};
 }
 
-Pixel pixel_of(std::uint64_t word) {
-  const wire::Pixel pixel = wire::to_pixel(word);
-  return {pixel.red, pixel.green, pixel.blue, pixel.alpha};
-}
-
 // Unpacks the words of a framebuffer's part, two in nine bytes.
 void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
   std::size_t i = 0;
   for (; i + 1 < pixels.size(); i += 2) {
-    pixels[i] = pixel_of(wire::load36(words, i));
-    pixels[i + 1] = pixel_of(wire::load36(words, i + 1));
+    take_pixel(wire::to_pixel(wire::load36(words, i)), pixels[i]);
+    take_pixel(wire::to_pixel(wire::load36(words, i + 1)), pixels[i + 1]);
   }
-  if (i < pixels.size()) pixels[i] = pixel_of(wire::load36(words, i));
+  if (i < pixels.size()) take_pixel(wire::to_pixel(wire::load36(words, i)), pixels[i]);
 }
 
 }  // namespace

@@ -1,16 +1,27 @@
-// A picture whose rows several boards make.
+// Pixels, and a picture whose rows several boards make.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 
 #include "gicube/image.h"
 #include "gicube/view.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
+
+// Also the byte between its members, so that equal pictures are equal as bytes.
+inline void take_pixel(const wire::Pixel& pixel, Pixel& out) {
+  std::memset(static_cast<void*>(&out), 0, sizeof out);
+  out.red = pixel.red;
+  out.green = pixel.green;
+  out.blue = pixel.blue;
+  out.alpha = pixel.alpha;
+}
 
 // Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in it, and are made for
 // both strips: higher ones have fewer of them. Boards that send themselves the blocks that their rays need get one strip each, which

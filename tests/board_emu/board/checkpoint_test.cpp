@@ -10,7 +10,6 @@
 #include <string>
 
 #include "commands_rig.h"
-#include "gicube/wire/checksum.h"
 #include "random_session.h"
 #include "temporary_directory.h"
 
@@ -239,27 +238,6 @@ TEST(Checkpoint, IsRefusedWhereverItIsDamaged) {
     EXPECT_THAT(refusal(warm.bytes.substr(0, at), warm.config), HasSubstr("checkpoint: ")) << at;
   }
   EXPECT_THAT(refusal(warm.bytes + 'x', warm.config), HasSubstr("checkpoint: file: expected"));
-}
-
-// With the checksum of what it now is.
-std::string changed(const std::string& bytes, const std::function<void(v1::Checkpoint&)>& change) {
-  v1::Checkpoint message;
-  EXPECT_TRUE(message.ParseFromString(bytes));
-  change(message);
-  message.clear_crc32c();
-  std::string out = message.SerializeAsString();
-  std::vector<std::uint8_t> end(5);
-  end[0] = 3 << 3 | 5;
-  wire::store(std::span(end), 1,
-              wire::crc32c(std::span(reinterpret_cast<const std::uint8_t*>(out.data()), out.size())));
-  return out.append(end.begin(), end.end());
-}
-
-v1::StateField& field(v1::Checkpoint& message, std::string_view name) {
-  for (v1::StateField& each : *message.mutable_fields()) {
-    if (each.name() == name) return each;
-  }
-  throw std::runtime_error("no field " + std::string(name));
 }
 
 TEST(Checkpoint, WithAValueThatNoBoardCanHaveIsRefusedByItsField) {

@@ -2,15 +2,22 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "board/board.h"
 #include "board/board_observer.h"
 #include "board/checkpoint.h"
 #include "config/config.h"
 #include "cycle/observer.h"
+#include "gicube/wire/bytes.h"
+#include "gicube/wire/checksum.h"
 #include "server/faults/fault_point.h"
 
 namespace gicube::emu {
@@ -40,6 +47,27 @@ inline std::unique_ptr<Board> restored(const std::string& bytes, BoardObserver* 
   auto board = board_of(checkpoint.header().config(), observer);
   checkpoint.restore(*board);
   return board;
+}
+
+// With the checksum of what it now is.
+inline std::string changed(const std::string& bytes, const std::function<void(v1::Checkpoint&)>& change) {
+  v1::Checkpoint message;
+  if (!message.ParseFromString(bytes)) throw std::runtime_error("no checkpoint");
+  change(message);
+  message.clear_crc32c();
+  std::string out = message.SerializeAsString();
+  std::vector<std::uint8_t> end(5);
+  end[0] = 3 << 3 | 5;
+  wire::store(std::span(end), 1,
+              wire::crc32c(std::span(reinterpret_cast<const std::uint8_t*>(out.data()), out.size())));
+  return out.append(end.begin(), end.end());
+}
+
+inline v1::StateField& field(v1::Checkpoint& message, std::string_view name) {
+  for (v1::StateField& each : *message.mutable_fields()) {
+    if (each.name() == name) return each;
+  }
+  throw std::runtime_error("no field " + std::string(name));
 }
 
 // Saves a board in the middle of a command.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "dsp/overflow_store.h"
 
 namespace gicube::emu {
@@ -72,6 +74,15 @@ struct Warm {
   Dsp dsp;
   DspCycle at = 0;
 };
+
+// RCD + CL + burst are 80 ns of a memory of 100 MHz, and the controller takes 4 cycles, whatever the DSP's clock.
+TEST(Dsp, HasAMemoryWithAClockOfItsOwn) {
+  for (const auto& [khz, cycles] : {std::pair{100'000u, 8u}, {200'000u, 16u}, {400'000u, 32u}, {250'000u, 20u}}) {
+    v1::BoardConfig config = without_refresh();
+    config.mutable_dsp()->set_clock_khz(khz);
+    EXPECT_EQ(Warm(config).waits(kData, 32, Kind::kRead), cycles + 4) << khz;
+  }
+}
 
 TEST(Dsp, WaitsForALineThatItReadsOrChangesAndNotForOneThatItWrites) {
   Warm warm;

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <random>
+
+#include "long_times.h"
 #include "rank_checker.h"
 #include "sdram_traffic.h"
 
@@ -162,6 +166,19 @@ TEST(SdramTraceOfOtherTimings, FollowsTheConfiguration) {
   const auto verdict = check_rank_trace(rules, trace);
   EXPECT_THAT(verdict.faults, IsEmpty());
   EXPECT_EQ(verdict.data_begins, begins);
+}
+
+TEST(SdramRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
+  for (const unsigned devices : {1u, 2u, 8u}) {
+    for (const unsigned interval : {64u, 100u, 1562u, 5000u}) {
+      v1::SdramConfig config;
+      config.set_refresh_interval(interval);
+      config.set_ranks(devices);
+      expect_long_times_to_be_short_ones(
+          [&] { return std::make_unique<Channel>(config); }, devices, interval,
+          [&](std::mt19937& random) { return at(random() % 4, random() % 3, random() % 64, random() % devices); });
+    }
+  }
 }
 
 }  // namespace

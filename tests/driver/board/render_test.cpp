@@ -1,10 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <thread>
+#include <vector>
 
 #include "test_board.h"
 
@@ -55,6 +59,18 @@ TEST_F(Render, AnOddImageLargerThanOneLinkPayloadArrivesWhole) {
   };
   EXPECT_EQ(rows(300), rows(998 - 300));
   EXPECT_EQ(rows(780), rows(998 - 780));
+}
+
+// Memory is never zero here until somebody writes zeros.
+TEST_F(Render, EveryByteOfAPictureIsDefined) {
+  mallopt(M_PERTURB, 0x5A);
+  const Image image = board_.render(front_view(20));
+  mallopt(M_PERTURB, 0);
+  std::vector<unsigned char> bytes(image.pixels.size() * sizeof(Pixel));
+  std::memcpy(bytes.data(), image.pixels.data(), bytes.size());
+  constexpr std::size_t kBetween = offsetof(Pixel, blue) + 1;
+  static_assert(kBetween + 1 == offsetof(Pixel, alpha));
+  for (std::size_t i = kBetween; i < bytes.size(); i += sizeof(Pixel)) ASSERT_EQ(bytes[i], 0) << i;
 }
 
 TEST_F(Render, TheFramebuffersTransferTakesItsBytesOverTheBus) {

@@ -1,6 +1,7 @@
 """The whole API from Python."""
 
 import asyncio
+import ctypes
 import math
 import re
 import sys
@@ -355,6 +356,23 @@ def test_volumes_come_back_from_files_as_they_were(tmp_path):
     with pytest.raises(gicube.FileError) as fault:
         gicube.read_volume(tmp_path / "none.nrrd")
     assert fault.value.faults[0].file.endswith("none.nrrd")
+
+
+def test_equal_records_are_equal_as_bytes(loaded):
+    # glibc fills what it hands out and takes back, so that what nobody has written shows.
+    libc = ctypes.CDLL(None)
+    perturb = -6
+    rays = gicube.rays_between([(3, 4, 5)] * 64, [(20, 21, 22)] * 64)
+    try:
+        bytes_of = []
+        for fill in (0x5A, 0xC3):
+            libc.mallopt(perturb, fill)
+            image = loaded.render(view_of_ball(width=24))
+            traced = loaded.receive(loaded.submit(rays, type=gicube.RayType.SEGMENT)).rays
+            bytes_of.append((image.pixels.tobytes(), traced.tobytes()))
+    finally:
+        libc.mallopt(perturb, 0)
+    assert bytes_of[0] == bytes_of[1]
 
 
 def test_a_scene_is_rendered(tmp_path):

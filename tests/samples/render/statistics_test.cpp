@@ -108,6 +108,31 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   EXPECT_EQ(colours.at("blue").at("escaped"), 7);
 }
 
+// A pass at the cycle level and two pictures at the functional one: what the first leaves out belongs to the run.
+TEST(Statistics, ReportTheFidelityOfTheLightToo) {
+  FrameStatistics first = example();
+  first.counters =
+      Counters({{"fidelity_answered.functional", "command", 1}, {"fidelity_answered.functional.render", "command", 1}});
+  FrameStatistics second = first;
+  first.lighting.resize(1);
+  first.lighting[0].counters =
+      Counters({{"fidelity_answered.cycle", "command", 3}, {"fidelity_answered.cycle.illuminate", "command", 3}});
+  second.lighting = first.lighting;
+  second.lighting[0].reused = true;
+  const auto report = to_json(first).at("fidelity_report");
+  ASSERT_EQ(report.size(), 2u);
+  EXPECT_EQ(report.at(0).at("answered"), nlohmann::json({{"render", 1}}));
+  EXPECT_EQ(report.at(1).at("level"), "cycle");
+  EXPECT_EQ(report.at(1).at("answered"), nlohmann::json({{"illuminate", 3}}));
+  EXPECT_EQ(to_json(second).at("fidelity_report").size(), 1u);
+  const std::string path = testing::TempDir() + "/fidelity.json";
+  write_statistics({first, second}, path);
+  std::ifstream stream(path);
+  const auto both = nlohmann::json::parse(stream).at("fidelity_report");
+  EXPECT_EQ(both.at(0).at("answered"), nlohmann::json({{"render", 2}}));
+  EXPECT_EQ(both.at(1).at("answered"), nlohmann::json({{"illuminate", 3}}));
+}
+
 TEST(Statistics, SayWhatTheRunCostItsComputer) {
   EXPECT_TRUE(to_json(example()).at("host").is_null());
   FrameStatistics statistics = example();

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "board/picture_parts.h"
 #include "board/state.h"
 #include "encode/argument.h"
 #include "encode/camera.h"
@@ -44,7 +45,7 @@ Strip strip_of(std::pair<int, int> rows, int height) {
   return {high, first / high};
 }
 
-Pixel as_words(const FloatPixel& pixel) {
+wire::Pixel as_words(const FloatPixel& pixel) {
   const auto word = [](float value, float one) { return std::lround(std::clamp(value, 0.0F, 1.0F) * one); };
   return {static_cast<std::uint8_t>(word(pixel.red, 255)), static_cast<std::uint8_t>(word(pixel.green, 255)),
           static_cast<std::uint8_t>(word(pixel.blue, 255)), static_cast<std::uint16_t>(word(pixel.alpha, 4095))};
@@ -179,8 +180,8 @@ Image CompositedRanks::render(const View& view, const Progress& progress) {
   s.learn(parts);
   Image image{view.width, view.height, {}};
   if (pixels.empty()) return {};
-  image.pixels.reserve(pixels.size());
-  std::ranges::transform(pixels, std::back_inserter(image.pixels), as_words);
+  image.pixels.resize(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) take_pixel(as_words(pixels[i]), image.pixels[i]);
   return image;
 }
 

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <random>
+
 #include "asic/ddr/channel.h"
 #include "ddr_traffic.h"
+#include "long_times.h"
 
 namespace gicube::emu::ddr {
 namespace {
@@ -75,6 +79,18 @@ TEST(DdrRefresh, CanBeSwitchedOff) {
   Channel channel(without_refresh(), 1);
   channel.advance(1'000'000);
   EXPECT_EQ(channel.counters().refreshes, 0u);
+}
+
+TEST(DdrRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
+  for (const unsigned devices : {1u, 2u, 4u}) {
+    for (const unsigned interval : {64u, 100u, 1562u, 5000u}) {
+      v1::DdrConfig config;
+      config.set_refresh_interval(interval);
+      expect_long_times_to_be_short_ones(
+          [&] { return std::make_unique<Channel>(config, devices); }, devices, interval,
+          [&](std::mt19937& random) { return at(random() % 4, random() % 3, random() % 64, random() % devices); });
+    }
+  }
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <random>
 #include <utility>
 
 #include "asic/rdram/channel.h"
+#include "long_times.h"
 #include "rdram_traffic.h"
 
 namespace gicube::emu::rdram {
@@ -108,6 +111,18 @@ TEST(RdramRefresh, CanBeSwitchedOff) {
   Channel channel(without_refresh(), 1);
   channel.advance(1'000'000);
   EXPECT_EQ(channel.counters().refreshes, 0u);
+}
+
+TEST(RdramRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
+  for (const unsigned devices : {1u, 2u, 5u}) {
+    for (const unsigned interval : {64u, 100u, 781u, 5000u}) {
+      v1::RdramConfig config;
+      config.set_refresh_interval(interval);
+      expect_long_times_to_be_short_ones(
+          [&] { return std::make_unique<Channel>(config, devices); }, devices, interval,
+          [&](std::mt19937& random) { return at(random() % 32, random() % 3, random() % 64, random() % devices); });
+    }
+  }
 }
 
 }  // namespace
