@@ -174,9 +174,13 @@ TEST(SdramRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
       v1::SdramConfig config;
       config.set_refresh_interval(interval);
       config.set_ranks(devices);
-      expect_long_times_to_be_short_ones(
-          [&] { return std::make_unique<Channel>(config); }, devices, interval,
-          [&](std::mt19937& random) { return at(random() % 4, random() % 3, random() % 64, random() % devices); });
+      expect_long_times_to_be_short_ones([&] { return std::make_unique<Channel>(config); }, devices, interval,
+                                         [&](std::mt19937& random) {
+                                           const auto below = [&](unsigned limit) {
+                                             return static_cast<unsigned>(random() % limit);
+                                           };
+                                           return at(below(4), below(3), below(64), below(devices));
+                                         });
     }
   }
 }

@@ -118,9 +118,13 @@ TEST(RdramRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
     for (const unsigned interval : {64u, 100u, 781u, 5000u}) {
       v1::RdramConfig config;
       config.set_refresh_interval(interval);
-      expect_long_times_to_be_short_ones(
-          [&] { return std::make_unique<Channel>(config, devices); }, devices, interval,
-          [&](std::mt19937& random) { return at(random() % 32, random() % 3, random() % 64, random() % devices); });
+      expect_long_times_to_be_short_ones([&] { return std::make_unique<Channel>(config, devices); }, devices, interval,
+                                         [&](std::mt19937& random) {
+                                           const auto below = [&](unsigned limit) {
+                                             return static_cast<unsigned>(random() % limit);
+                                           };
+                                           return at(below(32), below(3), below(64), below(devices));
+                                         });
     }
   }
 }
