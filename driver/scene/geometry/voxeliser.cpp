@@ -13,7 +13,8 @@ namespace gicube::scene {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// Inside fog a solid's tag goes to the voxels that are nearest to a sample within so many voxels of the surface: those show the solid.
+// Inside fog a solid's tag goes to the voxels that are nearest to a sample within so many voxels of the surface:
+// those show the solid.
 constexpr double kSeenVoxels = 0.4;
 constexpr double kBesideScansVoxels = 1.3;  // scans leave so many voxels around a solid to it
 constexpr int kParts = 4;  // chosen: of a voxel's edge, for its share; errors of volumes fall with the square

@@ -34,10 +34,11 @@ Element box_element(const std::array<double, 3>& low, const std::array<double, 3
   return {ElementKind::kPatch, vec3_of(low), side(positive ? next : third), side(positive ? third : next), {}};
 }
 
-// Which part of a face's area is area of the surface that its staircase follows. By Gauss's theorem that is the cosine of the surface's
-// normal with the face's axis, as long as the faces lie on the surface. They are up to half a voxel off, and an edge or a small ball
-// has more area further out. So a factor for each solid brings the sum to the mean over the levels of density within half a voxel to
-// both sides of its surface, which is right to second order in the voxel.
+// Which part of a face's area is area of the surface that its staircase follows. By Gauss's theorem that is the
+// cosine of the surface's normal with the face's axis, as long as the faces lie on the surface. They are up to half a
+// voxel off, and an edge or a small ball has more area further out. So a factor for each solid brings the sum to the
+// mean over the levels of density within half a voxel to both sides of its surface, which is right to second order in
+// the voxel.
 class SurfaceShares {
  public:
   SurfaceShares(const Medium& medium, const SceneSetup& setup) : medium_(medium), setup_(setup) {
@@ -84,8 +85,8 @@ class SurfaceShares {
     const float* g = &setup_.gradients[3 * at];
     return {g[0], g[1], g[2]};
   }
-  // Of the gradient between two neighbours with the axis along which the density rises, or else falls; 0 if it does not. At an edge
-  // one of them has the gradient of the other side.
+  // Of the gradient between two neighbours with the axis along which the density rises, or else falls; 0 if it does
+  // not. At an edge one of them has the gradient of the other side.
   double cosine(std::size_t a, std::size_t b, std::size_t axis, bool rises) const {
     constexpr double kEdge = 0.72;  // chosen: of the angle between both; a little above that of 45 degrees
     const auto along = [&](Vec3 g) {

@@ -31,8 +31,8 @@ bool is_edge(const SceneSetup& setup, std::size_t tag) {
   return tag < setup.looks.size() && std::holds_alternative<SolidLook>(setup.looks[tag]);
 }
 
-// A fog's extinction, where the voxels' may be greater for what they lack beside solids (gicube/scene/voxeliser.h): here a solid ends
-// with its voxels.
+// A fog's extinction, where the voxels' may be greater for what they lack beside solids (gicube/scene/voxeliser.h):
+// here a solid ends with its voxels.
 double thickest(const SceneSetup& setup, std::size_t tag) {
   const auto* fog = tag < setup.looks.size() ? std::get_if<FogLook>(&setup.looks[tag]) : nullptr;
   return fog != nullptr ? fog->extinction * setup.grid.voxel : std::numeric_limits<double>::infinity();

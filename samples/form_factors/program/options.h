@@ -70,8 +70,8 @@ Scene scene_of(const InputOptions& options);
 // The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have none.
 void set_materials(const SolveOptions& options, Scene& scene);
 
-// Light that the scene's materials send out, as the solver counts it: of solids a unit of surface, of fogs a unit of volume, which is
-// brought from the scene's units to voxels, of scans both. Powers stay per unit of the scene's area.
+// Light that the scene's materials send out, as the solver counts it: of solids a unit of surface, of fogs a unit of
+// volume, which is brought from the scene's units to voxels, of scans both. Powers stay per unit of the scene's area.
 Emissions emissions_of(const SceneSetup& setup);
 
 // What the board did in a time, as shares of it. A part that the fidelity level does not model has none.

@@ -50,8 +50,8 @@ enum class Solver {
   kShooting,   // the clusters with the most power that they have not sent yet send it (Southwell)
 };
 
-// What a material sends out by itself, in all directions alike: where it is solid from its surface, where it is a medium from its
-// volume. Power per unit of either.
+// What a material sends out by itself, in all directions alike: where it is solid from its surface, where it is a
+// medium from its volume. Power per unit of either.
 struct Emission {
   Power surface{}, volume{};
 };

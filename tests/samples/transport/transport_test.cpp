@@ -46,7 +46,8 @@ std::string ball(const std::string& material) {
          material + " }";
 }
 
-// A closed room in a world of 18 edges an axis, with walls between its voxels or on them, full of fog that only absorbs.
+// A closed room in a world of 18 edges an axis, with walls between its voxels or on them, full of fog that only
+// absorbs.
 std::string room(Vec3 low, Vec3 high, double extinction) {
   const auto wall = [](Vec3 from, Vec3 to) {
     const auto at = [](Vec3 v) {
@@ -75,7 +76,8 @@ TEST(Flights, PassAllTheFogBetweenTwoWalls) {
   }
 }
 
-// Walls send all light back, so each path ends in the fog, after a way of one over the extinction on average, whatever the room's shape.
+// Walls send all light back, so each path ends in the fog, after a way of one over the extinction on average,
+// whatever the room's shape.
 TEST(Paths, InARoomOfWhiteWallsAreAsLongAsItsFogLetsThem) {
   for (const double shift : {0.0, 0.4}) {
     Loaded loaded(room({2 + shift, 3, 4}, {16, 15 - shift, 14}, 0.07));

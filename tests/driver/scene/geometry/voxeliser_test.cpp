@@ -160,7 +160,8 @@ TEST(Voxeliser, LetsFogFillWhatSolidsLeaveWhateverTheOrder) {
   EXPECT_EQ(density(world, index(62, 32, 32)), 0);
 }
 
-// Samples that show the solid, from density 0.3 on, have its tag and its densities; those of the fog never come that far.
+// Samples that show the solid, from density 0.3 on, have its tag and its densities; those of the fog never come that
+// far.
 TEST(Voxeliser, LeavesASolidInFogItsSurfaceWhereverItLies) {
   for (const double face : {30.0, 30.2, 30.45, 30.7, 30.95}) {
     const VoxelWorld world = voxelise(grid(), {slab(-9, 80, 2, true), slab(face, 80, 1)});

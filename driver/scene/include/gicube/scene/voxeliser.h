@@ -4,8 +4,8 @@
 //   solids  their union makes density and normal: the nearest surface. The tag is that of the last solid in the list whose
 //           inside holds the voxel's centre, or else of the nearest.
 //   fogs    fill what solids leave free, whatever the order; of two fogs the later one. Its density is
-//           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the fog nearest to them is denser by what is
-//           missing there.
+//           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the fog nearest to them is
+//           denser by what is missing there.
 //   scans   leave to solids what these fill, and take from fogs where they themselves are visible; of two the later.
 #pragma once
 
@@ -41,7 +41,8 @@ constexpr double kMaxDensity = 4095;  // of kUint12
 constexpr double kRampVoxels = 2;
 // Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and normal.
 constexpr double kNearVoxels = 3;
-// chosen: of a fog's own density, in full scales. Low, so that between fog and a solid the surface lies where the solid has it.
+// chosen: of a fog's own density, in full scales. Low, so that between fog and a solid the surface lies where the
+// solid has it.
 constexpr double kFogDensity = 0.25;
 constexpr double kFogBesideSolids = 0.1;  // chosen: in a volume where solids stand in fog, some of which is then denser
 
@@ -57,7 +58,7 @@ struct VoxelWorld {
   std::vector<std::uint8_t> tags;
   std::vector<float>
       gradients;  // towards growing density, unit length; zero far from all surfaces; empty if not asked for
-  double fog_density = kFogDensity;  // or kFogBesideSolids: of a fog where it is as thick as its material says, in full scales
+  double fog_density = kFogDensity;  // of a fog as its material says, in full scales; or kFogBesideSolids
 
   VoxelWorld() = default;
   VoxelWorld(const Dims& dims, const char* source, bool with_gradients) {
