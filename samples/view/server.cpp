@@ -213,7 +213,7 @@ awaitable<void> Server::State::connection(S stream) {
       error_code error;
       Parser parser;
       parser.header_limit(kHeaderBytes);
-      parser.body_limit(boost::none);  // a file's is that of all files
+      parser.body_limit(~std::uint64_t{0});  // a file's is that of all files
       plain.expires_after(visitor->knows && buffer.size() == 0 ? kIdle : std::chrono::seconds(kRequestTime));
       co_await http::async_read_header(stream, buffer, parser, into(error));
       if (error == http::error::header_limit) {

@@ -63,7 +63,7 @@ def test_a_dropped_scene_names_no_file_beside_its_own(
             assert program.post(f"{number}.scene", scene.replace("NAME", str(name)).encode())[0] == 204
             answer = opened(page, f"{number}.scene")
             assert answer["type"] == "error" and f"{field}: expected a file in " in answer["text"], answer
-            assert "root" not in answer["text"] and "second" not in answer["text"]
+            assert SECRET not in answer["text"] and "second" not in answer["text"]
             faults.append(re.sub(r"\d\.scene|\"[^\"]*\"", "", answer["text"]))
         assert len(set(faults)) == 1  # whether it is there is not told
         # One of its own is read.
@@ -82,7 +82,7 @@ def test_a_scene_of_the_command_line_names_none_either(tmp_path: pathlib.Path) -
         for header, _ in page.all():
             if header["type"] == "error":
                 break
-        assert "transfer_function.file: expected a file in " in header["text"] and "root" not in header["text"]
+        assert "transfer_function.file: expected a file in " in header["text"] and SECRET not in header["text"]
 
 
 def test_a_name_that_begins_as_an_option_is_a_file_in_the_printed_command(tmp_path: pathlib.Path) -> None:
