@@ -52,6 +52,7 @@ TEST(ObserverProcess, ThatEndsByItselfGetsNoMoreAndHoldsNothingUp) {
 // A board in a process of its own, which is killed; its observer is then this process's.
 TEST(ObserverProcess, ThatNeverReturnsEndsSoonAfterItsBoard) {
   const reference::TemporaryDirectory folder;
+  while (::waitpid(-1, nullptr, WNOHANG) > 0) continue;  // those of other tests
   ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
   const pid_t board = ::fork();
   if (board == 0) {
