@@ -30,9 +30,7 @@ class CycleLevel : public Level {
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
-  std::uint64_t cycles_ahead() const override {
-    return past_cycles_ahead_ + (machine_ ? machine_->cycles_ahead() : 0);
-  }
+  std::uint64_t cycles_ahead() const override { return past_cycles_ahead_ + (machine_ ? machine_->cycles_ahead() : 0); }
   MachineLook look() const override;
   bool in_run() const override { return run_.has_value(); }
   void state(Archive& archive, const std::array<int, 3>& blocks) override;
@@ -48,7 +46,7 @@ class CycleLevel : public Level {
     void state(Archive::Record& record) {
       record(begin);
       record.at_most(all.cycles, kMostCycles);
-      record.at_most(all.asic_ps, cycles_to_ps(kMostCycles, 1));
+      record.at_most(all.asic_ps, cycles_to_ps(kMostCycles, 1000));
       record.at_most(all.dsp_cycles, kMostCycles);
       record(all.made, all.rays, before);
     }

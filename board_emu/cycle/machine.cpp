@@ -277,6 +277,8 @@ void Machine::state(Archive& archive) {
     archive.expect(memory->latest() <= now + kSeenSoon, "memory", "packets that are sent soon", memory->latest());
   }
   if (!archive.in_run()) return;
+  archive.expect(run_.skips_to <= std::max(now, dsp_->free_at()), "run", "a skip to the DSP's next task",
+                 run_.skips_to);
   for (const auto& processor : processors_) {
     const Cycle asked = std::max(processor->misses().latest_asked(), processor->writes().latest_asked());
     archive.expect(asked <= now, "run", "packets that were asked for by now", asked);

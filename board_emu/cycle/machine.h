@@ -100,7 +100,8 @@ class Machine {
     void state(Archive::Record& record) {
       record.times(begin);
       record(dsp_before);
-      record.times(moved_at, report_at, skips_to);
+      record.times(moved_at, report_at);
+      record(skips_to);
       record.at_most(skip_cause, Cause::kSdram);
     }
   };

@@ -14,6 +14,7 @@ Dsp::Dsp(const v1::BoardConfig& config)
     : ideal_(config.ideal().dsp() != 0),
       to_memory_(config.dsp().clock_khz(), config.sdram().clock_khz()),
       to_dsp_(config.sdram().clock_khz(), config.dsp().clock_khz()),
+      memory_clocks_(config.sdram().clock_khz() / config.dsp().clock_khz() + 1),
       latency_(config.sdram().controller_latency()),
       memory_(config.sdram()),
       sets_(kDataBytes / kLineBytes / kWays) {}
@@ -92,7 +93,9 @@ void Dsp::adopt(const DspLoop& loop) {
 }
 
 void Dsp::state(Archive& archive) {
-  archive("sdram", memory_);
+  // The memory's clock may be faster than the DSP's.
+  const std::uint64_t most = (std::uint64_t{1} << 54) / memory_clocks_;
+  archive.in_clock(std::min(archive.latest(), most) * memory_clocks_, [&] { archive("sdram", memory_); });
   archive("data_cache", sets_);
   std::vector<std::string> names;  // in the order of their code
   std::vector<std::array<std::uint32_t, 3>> costs;

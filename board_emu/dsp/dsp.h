@@ -77,6 +77,7 @@ class Dsp {
 
   bool ideal_;
   ClockRatio to_memory_, to_dsp_;  // to clocks of the SDRAM, and back
+  std::uint64_t memory_clocks_;    // of the SDRAM, at most, that begin in a cycle
   std::uint64_t latency_;          // cycles
   sdram::Channel memory_;
   std::vector<std::array<Line, kWays>> sets_;  // the latest used first

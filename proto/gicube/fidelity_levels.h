@@ -56,7 +56,7 @@ inline constexpr std::array kUnmodelledFields{
     UnmodelledField{kAtFunctional, "rdram."},
     UnmodelledField{kAtFunctional, "ddr."},
     UnmodelledField{kAtFunctional, "sdram.t_"},
-    UnmodelledField{kAtFunctional, "sdram.dsp_cycles_per_clock"},
+    UnmodelledField{kAtFunctional, "sdram.clock_khz"},
     UnmodelledField{kAtFunctional, "sdram.refresh_interval"},
     UnmodelledField{kAtFunctional, "sdram.controller_latency"},
     UnmodelledField{kAtFunctional, "ideal.memory"},

@@ -91,7 +91,7 @@ struct Server::State {
 // Whether the connection may have another request.
 template <typename S>
 awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Parser& parser, Visiting visitor) {
-  const HttpRequest& request = parser.get();
+  const HttpRequest request = parser.get();  // take_file() empties the parser's
   std::optional<Refusal> refusal;
   std::optional<Viewer::Download> found;
   bool is_page = false, is_file = false;

@@ -62,7 +62,8 @@ Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet
   shelf_.folder = options_.folder;
   for (const std::string& input : options_.inputs) shelf_.inputs.emplace(name_of_input(input), input);
   const auto look = options_.settings.find("transfer-function");
-  if (look != options_.settings.end() && std::filesystem::is_regular_file(look->second)) {
+  std::error_code no_path;  // of a text that is too long for one
+  if (look != options_.settings.end() && std::filesystem::is_regular_file(look->second, no_path)) {
     const std::string name = std::filesystem::path(look->second).filename().string();
     shelf_.functions[name] = std::exchange(look->second, name);
   }

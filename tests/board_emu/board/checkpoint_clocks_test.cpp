@@ -1,14 +1,18 @@
 // Checkpoints whose clocks were made up: what no command comes to is refused, and any other board goes on within a short time.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
 #include <cstdlib>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "commands_rig.h"
 #include "random_session.h"
