@@ -105,7 +105,7 @@ TEST(Program, PrintsWarningsOfFiles) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(run_program("gicube-x",
                         [] {
-                          warn("a.raw", "data", "1 byte", "2");
+                          scene::warn("a.raw", "data", "1 byte", "2");
                           return 0;
                         }),
             0);
