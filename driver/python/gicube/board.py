@@ -379,8 +379,12 @@ class Board:
         """The last picture, at 36 bits per pixel over the bus. Raises Rejected before the first."""
         return self._warned(self._core.read_framebuffer())
 
+    def why_invisible(self, image: Image) -> str:
+        """The likely reason, as a sentence, why nothing is visible in a picture of this board; empty if something is."""
+        return self._core.why_invisible(image.pixels)
+
     def _warned(self, image: Image) -> Image:
-        if reason := self._core.why_invisible(image.pixels):
+        if reason := self.why_invisible(image):
             warnings.warn(reason, stacklevel=3)
         return image
 

@@ -8,14 +8,14 @@ namespace {
 
 TEST(CyclesAhead, MostCyclesOfAServedBoardGoTheFastWay) {
   Board board = reference::open_board("emu:?fidelity=cycle");
-  board.load_volume(reference::BoxVolume(48, 8, 39).view());
-  board.set_transfer_function(reference::step_function(0.5));
-  View view = reference::front_view(48);
-  view.width = view.height = 96;
+  board.load_volume(reference::BoxVolume(96, 4, 91).view());
+  board.set_transfer_function(reference::step_function(0.01));
+  View view = reference::front_view(96);
+  view.width = view.height = 128;
   board.render(view);
   const Counters counters = board.counters();
   const std::uint64_t processors = 4, all = counters.value("asic.cycles") * processors;
-  EXPECT_GT(counters.value("emulator.cycles_ahead"), all / 4);
+  EXPECT_GT(counters.value("emulator.cycles_ahead"), all / 2);
   EXPECT_LE(counters.value("emulator.cycles_ahead"), all);
 }
 

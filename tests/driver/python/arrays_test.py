@@ -161,7 +161,7 @@ def test_views_of_a_scene_stay_valid_while_they_live():
 
 def test_a_volume_that_looks_wrong_is_warned_of(tmp_path):
     for z in (0, 1, 4):
-        gicube.write_image(tmp_path / f"{z}.png", np.zeros((2, 3), gicube.PIXEL), (0, 0, 0))
+        gicube.Image(np.zeros((2, 3), gicube.PIXEL)).save(tmp_path / f"{z}.png", (0, 0, 0))
     text = "files: expected numbers without gaps, got 2 missing, the first between 1.png and 4.png"
     with pytest.warns(UserWarning, match=text) as caught:
         assert gicube.read_volume(tmp_path).samples.shape == (3, 2, 3)
