@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <ostream>
@@ -166,19 +167,20 @@ class Channel {
     return refresh_interval_ == 0 ? kNever : (refreshes + 1) * refresh_interval_ / devices_.size();
   }
 
-  // Most refreshes of a long time without packets. A round of them takes every bank of every device several times, and longer than any
-  // delay lasts. So rounds are alike once two end alike, and the last one leads to the state that all would.
+  // Most refreshes of a long time without packets, where each is over before the next is due. A round of them takes every
+  // bank of every device several times, and longer than any delay lasts. So rounds are alike once two end alike, and the
+  // last one leads to the state that all would.
   void leave_out(Tcycle t) {
-    if (trace_ != nullptr) return;
     constexpr std::uint64_t kBanks = 32, kDelays = 64;  // of every standard; kBanks * kDelays clocks exceed any delay
-    const std::uint64_t each = kBanks * (1 + kDelays / refresh_interval_);  // of a device
-    const std::uint64_t round = each * devices_.size(), clocks = each * refresh_interval_;
+    if (trace_ != nullptr || refresh_interval_ < kDelays * devices_.size()) return;
+    const std::uint64_t round = kBanks * devices_.size(), clocks = kBanks * refresh_interval_;
     if (t < refresh_due_ + 4 * clocks) return;
     const auto late_after_a_round = [&] {
       static_cast<Derived*>(this)->refresh_until(refresh_due_ + clocks - 1);
-      return last_open_ - due_after(refresh_count_ - 1);
+      const Tcycle due = due_after(refresh_count_ - 1);
+      return std::array{last_open_ - due, last_precharge_ - due, next_event_ - due};
     };
-    const Tcycle late = late_after_a_round();
+    const auto late = late_after_a_round();
     const std::uint64_t precharges = precharges_;
     if (late_after_a_round() != late) return;  // they come faster than they are carried out
     const std::uint64_t rounds = (t - refresh_due_) / clocks - 1;

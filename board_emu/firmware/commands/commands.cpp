@@ -357,7 +357,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
       if (counts[opcode] != 0) list.push_back({name + '.' + wire::kOpcodeNames[opcode], "command", counts[opcode]});
     }
   }
-  if (level_.cycles_ahead() != 0) list.push_back({"emulator.cycles_ahead", "cycle", level_.cycles_ahead()});
+  if (config_.fidelity() != v1::functional) list.push_back({"emulator.cycles_ahead", "cycle", level_.cycles_ahead()});
   if (waits_total_ != 0) {
     list.push_back({"dsp.waits", "ray", waits_total_});
     list.push_back({"dsp.block_loads", "block", block_loads_});

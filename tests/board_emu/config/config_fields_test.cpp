@@ -151,7 +151,7 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
 // A DSP that is fast enough for the ASIC to matter, and a volume of many blocks.
 std::vector<std::string> board(const char* fidelity, const std::vector<std::string>& with) {
   return joined({std::string("fidelity=") + fidelity, "asic.block_voxels=8", "asic.max_volume_voxels=64",
-                 "asic.processors=2", "dsp.clock_khz=1000000"},
+                 "asic.processors=2", "dsp.clock_khz=1000000", "sdram.clock_khz=500000"},
                 with);
 }
 

@@ -57,7 +57,9 @@ Pass light(const char* rule, int block_voxels, const char* policy = "combining",
 TEST(SplatRule, DecidesWhichSamplesWriteInABlockThatHasNoNeighbours) {
   const Pass units = light("whole_units", 16), visible = light("visible_samples", 16), all = light("all_samples", 16);
   EXPECT_EQ(units.deposits, units.rays.deposits);
-  EXPECT_EQ(visible.deposits, visible.rays.visible_samples);
+  // An invisible sample deposits too if a visible medium begins within its part.
+  EXPECT_GE(visible.deposits, visible.rays.visible_samples);
+  EXPECT_LE(visible.deposits, visible.rays.visible_samples + visible.rays.visible_samples / 100);
   EXPECT_EQ(all.deposits, all.rays.samples);
   EXPECT_LT(units.deposits, visible.deposits);
   EXPECT_LT(visible.deposits, all.deposits);

@@ -190,7 +190,7 @@ TEST(BoardObservation, AnObserverWhoComesLateChangesNoBitNoCycleAndNoCounter) {
     EXPECT_EQ(fast.counters(), ticked.counters());
     EXPECT_GT(fast.cycles_ahead(), 0u);
     std::uint64_t before = 0;
-    for (const int asked : {3, 8, 14, 20}) {
+    for (const int asked : {6, 9, 14, 20}) {
       LateObserver late(asked);
       BareBoard board(observed_config({policy}), &late);
       EXPECT_EQ(big_session(board), image) << asked;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gicube/wire/checksum.h"
+#include "gicube/wire/counter_list.h"
 #include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/pair.h"
 
@@ -25,6 +26,16 @@ std::string text_of(const char* what, std::uint64_t id, wire::ErrorCode error, s
          std::to_string(wire::crc32c(payload)) + ' ' + text;
 }
 
+// Counters without those of the emulator, which depend on observers and checkpoints.
+std::vector<std::uint8_t> of_the_card(const std::vector<std::uint8_t>& payload) {
+  auto counters = wire::decode_counters(payload);
+  if (!counters) return payload;
+  for (wire::Counter& counter : *counters) {
+    if (counter.name.starts_with("emulator.")) counter.value = 0;
+  }
+  return wire::encode(*counters);
+}
+
 }  // namespace
 
 TransactionResult RandomHost::send(Board& board, FrameType type, std::vector<std::uint8_t> payload) {
@@ -43,8 +54,9 @@ TransactionResult RandomHost::send(Board& board, FrameType type, std::vector<std
     if (completion.error == wire::ErrorCode::kNone) take_trapped(completion.payload, light);
   }
   if (result.reply) {
-    const char* const what = type == FrameType::kCounters ? "counters" : "reply";
-    heard_.push_back(text_of(what, header.id, result.reply->error, result.reply->time_ps, result.reply->payload));
+    const bool has_counters = type == FrameType::kCounters;
+    heard_.push_back(text_of(has_counters ? "counters" : "reply", header.id, result.reply->error, result.reply->time_ps,
+                             has_counters ? of_the_card(result.reply->payload) : result.reply->payload));
     now_ps_ = std::max(now_ps_, result.reply->time_ps);
   }
   return result;

@@ -52,15 +52,16 @@ struct Rendering {
       send(slot, wire::FrameType::kCommand, kTicket, view, work);
     });
   }
-  // When it is done, and its counters.
+  // When it is done, and the card's counters.
   std::string end() {
     slot.settle();
     std::vector<std::uint8_t> ticket(4);
     wire::store(std::span(ticket), 0, kTicket);
     const TransactionResult result = send(slot, wire::FrameType::kWait, 100, ticket, work);
     std::string out = std::to_string(result.reply->time_ps);
-    for (const wire::Counter& each : slot.counters().counters)
-      out += '\n' + each.name + ' ' + std::to_string(each.value);
+    for (const wire::Counter& each : slot.counters().counters) {
+      if (!each.name.starts_with("emulator.")) out += '\n' + each.name + ' ' + std::to_string(each.value);
+    }
     return out;
   }
 
