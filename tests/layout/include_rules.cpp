@@ -168,7 +168,7 @@ const std::vector<Rule>& rules() {
       {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"},
                              {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
-                             {"dlfcn.h", "fmt", "nifti2_io.h", "png.h", "pugixml.hpp", "teem", "zlib.h"}},
+                             {"dlfcn.h", "fmt", "locale.h", "nifti2_io.h", "png.h", "pugixml.hpp", "teem", "zlib.h"}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
       {"driver/scene/geometry", {"driver/scene/geometry", "driver/scene/buckyball.h", "driver/scene/common",
                               "driver/scene/formats/header_lines.h", "driver/scene/formats/stored_samples.h",
