@@ -95,7 +95,9 @@ class RandomProgram {
       hear(board, error.what(), 0);
     }
     const Counters counters = board.counters();
-    for (const Counter& each : counters.list()) heard_.push_back(each.name + ' ' + std::to_string(each.value));
+    for (const Counter& each : counters.list()) {
+      if (!each.name.starts_with("emulator.")) heard_.push_back(each.name + ' ' + std::to_string(each.value));
+    }
   }
 
  private:
