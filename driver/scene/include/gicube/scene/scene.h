@@ -97,7 +97,7 @@ struct SceneSetup : VoxelWorld {
   View view;
   std::optional<Colour> background;
 
-  std::uint64_t voxel_hash = 0;  // of volume, tags and gradients, as set_up() made them
+  std::uint64_t voxel_hash = 0;     // of volume, tags and gradients, as set_up() made them
   std::vector<MaterialLook> looks;  // by tag: of the scene's materials; a world's without a look are white solids
 
   GICUBE_API VolumeView volume_view() const;  // with tags and gradients; points into this SceneSetup
