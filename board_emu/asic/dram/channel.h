@@ -8,7 +8,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <ostream>
@@ -173,14 +172,14 @@ class Channel {
   void leave_out(Tcycle t) {
     constexpr std::uint64_t kBanks = 32, kDelays = 64;  // of every standard; kBanks * kDelays clocks exceed any delay
     if (trace_ != nullptr || refresh_interval_ < kDelays * devices_.size()) return;
-    const std::uint64_t round = kBanks * devices_.size(), clocks = kBanks * refresh_interval_;
+    const std::uint64_t each = kBanks * (1 + kDelays / refresh_interval_);  // of a device
+    const std::uint64_t round = each * devices_.size(), clocks = each * refresh_interval_;
     if (t < refresh_due_ + 4 * clocks) return;
     const auto late_after_a_round = [&] {
       static_cast<Derived*>(this)->refresh_until(refresh_due_ + clocks - 1);
-      const Tcycle due = due_after(refresh_count_ - 1);
-      return std::array{last_open_ - due, last_precharge_ - due, next_event_ - due};
+      return last_open_ - due_after(refresh_count_ - 1);
     };
-    const auto late = late_after_a_round();
+    const Tcycle late = late_after_a_round();
     const std::uint64_t precharges = precharges_;
     if (late_after_a_round() != late) return;  // they come faster than they are carried out
     const std::uint64_t rounds = (t - refresh_due_) / clocks - 1;
