@@ -1,4 +1,4 @@
-// The volume's division into blocks: which block a position lies in, and where in it.
+// Maps positions to the volume's blocks, and to positions within a block.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace gicube::emu {
 
-// The block of a position, and its place there.
+// Finds a position's block, and the corners of blocks.
 class BlockGrid {
  public:
   BlockGrid() = default;
-  // `blocks`: along x, y, z.
+  // `blocks`: number of blocks along x, y, z.
   BlockGrid(int block_voxels, const std::array<int, 3>& blocks)
       : shift_(std::countr_zero(static_cast<unsigned>(block_voxels)) + wire::kPositionFractionBits),
         across_(static_cast<std::size_t>(blocks[0])),
         slice_(across_ * static_cast<std::size_t>(blocks[1])) {}
-  // Of anything that is stored in blocks.
+  // The grid of anything that is stored in blocks.
   template <typename Volume>
   explicit BlockGrid(const Volume& volume) : BlockGrid(volume.block_voxels(), volume.blocks()) {}
 
@@ -28,7 +28,7 @@ class BlockGrid {
     return static_cast<std::size_t>(position[0] >> shift_) + across_ * static_cast<std::size_t>(position[1] >> shift_) +
            slice_ * static_cast<std::size_t>(position[2] >> shift_);
   }
-  // Whether two positions lie in the same block.
+  // Whether two positions are in the same block.
   bool same(const Point& a, const Point& b) const {
     return (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> shift_) == 0;
   }
@@ -36,8 +36,8 @@ class BlockGrid {
     const std::int32_t mask = -(std::int32_t{1} << shift_);
     return {position[0] & mask, position[1] & mask, position[2] & mask};
   }
-  std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
-  // A block's least voxel.
+  std::int32_t size() const { return std::int32_t{1} << shift_; }  // edge of a block, in position units
+  // The voxel of a block with the least coordinates.
   std::array<std::int32_t, 3> corner(std::size_t block) const {
     const int voxels = shift_ - wire::kPositionFractionBits;
     return {static_cast<std::int32_t>(block % across_) << voxels,
@@ -51,7 +51,7 @@ class BlockGrid {
   std::size_t slice_ = 0;
 };
 
-// A sample's place in its block: whole voxels and fractions.
+// A sample's position in its block: whole voxels and fractions.
 struct Cell {
   std::array<std::uint32_t, 3> voxel;
   std::array<std::uint32_t, 3> fraction;

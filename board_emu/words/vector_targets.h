@@ -1,5 +1,5 @@
-// Which of Highway's instruction sets are compiled: those whose vectors have a size, since vectors stand in records here. So
-// NEON, but not SVE and RVV. Included before any of Highway's headers.
+// Selects the instruction sets of Highway that are compiled. Records here contain vectors, so these must have a fixed size:
+// NEON qualifies, SVE and RVV do not. Include this before any header of Highway.
 #pragma once
 
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

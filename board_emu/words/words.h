@@ -1,4 +1,4 @@
-// The records that pass between the board's parts, in the words of its datapaths. The ray itself is wire::Ray.
+// Records that pass between the board's parts, in the word formats of its datapaths. The ray itself is wire::Ray.
 #pragma once
 
 #include <algorithm>
@@ -14,65 +14,64 @@ namespace gicube::emu {
 inline constexpr int kDensityFractionBits = 3;
 inline constexpr int kGradientFractionBits = 5;
 
-// Words of several channels that are interpolated at once. Eight bytes, so that one load brings them.
+// Words of up to four channels that are interpolated together. Eight bytes, so that one load fetches them.
 struct alignas(8) ChannelWords {
   std::array<std::int16_t, 4> channel{};
 
   friend constexpr bool operator==(const ChannelWords&, const ChannelWords&) = default;
 };
 
-// What a voxel's gradient code stands for, as the gradient LUT hands it to the resampling unit: nothing, then x y z, signed with five
-// fraction bits (511 * 32 = one; with six the difference of two opposite vectors would not fit 16 bits).
+// A decoded gradient, as the gradient LUT passes it to the resampling unit: 0, then x, y, z, signed with five fraction bits
+// (511 * 32 = one; with six, the difference of two opposite vectors would not fit into 16 bits).
 using DecodedGradient = ChannelWords;
-// A voxel's gradient code, and above it its tag: 13 bits side by side, as in the voxel's word.
+// 13 bits of a voxel's word: the gradient code, and above it the tag.
 inline constexpr int kCodeBits = 11;
 constexpr std::size_t gradient_code(std::uint16_t code_and_tag) { return code_and_tag & 0x7FFu; }
 constexpr unsigned tag_of(std::uint16_t code_and_tag) { return code_and_tag >> kCodeBits; }
 
-// A voxel's colour as memory hands it to the resampling unit: red, green, blue, 12.3 with 32760 = one. Where alpha is the voxel's
-// density (wire::VoxelFormat::kRgba) they are multiplied by it, and the fourth word is the density.
+// A voxel's colour as memory passes it to the resampling unit: red, green, blue, 12.3 with 32760 = one. If alpha is the voxel's
+// density (wire::VoxelFormat::kRgba), they are multiplied by it, and the fourth word is the density.
 using DecodedColour = ChannelWords;
 inline constexpr int kDecodedColourOne = 4095 << kDensityFractionBits;
 
 inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words
 
-// A word of the irradiance memory as the interpolator has it, 11.4. `narrow`: words have 16 bits more than the paper's 11 (the
-// wide datapath), which are dropped here.
+// Converts a word of the irradiance memory to the interpolator's format, 11.4. `narrow`: the words have 16 bits more than the
+// paper's 11 (wide datapath); only the upper four of them are kept.
 constexpr std::int16_t irradiance_word(std::uint32_t word, bool narrow) {
   const std::uint32_t value = narrow ? word >> 12 : word << kIrradianceFractionBits;
   return static_cast<std::int16_t>(std::min(value, std::uint32_t{32767}));
 }
 
-// Positions and steps as signed words of 14 fraction bits: one step beyond the volume may be negative.
+// Positions and steps as signed words with 14 fraction bits: a position one step outside the volume may be negative.
 using Point = std::array<std::int32_t, 3>;
 
 constexpr std::int64_t dot(const Point& a, const Point& b) {
   return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
 }
 
-// kTrapped waits for a routine of the DSP; kGone was a carrier that has delivered its energy.
-// kSlot is no ray: a queue's word to the DSP that it keeps a slot for its first overflowed ray. kAbsent has come to a block that is not
-// on the card.
+// kTrapped: waits for a routine of the DSP. kGone: a carrier that has delivered its energy. kSlot: no ray; a queue informs the
+// DSP that it has reserved a slot for its first overflowed ray. kAbsent: has reached a block that is not on the card.
 enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot, kAbsent };
 
-// Positions p with normal . p >= offset are kept.
+// A cut plane: positions p with normal . p >= offset are kept.
 struct Plane {
   Point normal{};           // 1.14
-  std::int64_t offset = 0;  // 28 fraction bits, as the product of normal and position
+  std::int64_t offset = 0;  // 28 fraction bits, like the product of normal and position
 };
 
-// Energy units for the eight voxels of a cell: voxel i is (i & 1, i >> 1 & 1, i >> 2).
+// Energy units for the eight voxels of a cell: voxel i is at (i & 1, i >> 1 & 1, i >> 2).
 using Shares = std::array<std::uint32_t, 8>;
 
-// What a ray leaves in the irradiance words: shares for the cell whose least corner is `voxel`, of the volume. Voxels beyond
+// A ray's contribution to the irradiance words: shares for the cell whose least corner is `voxel` of the volume. Voxels outside
 // the volume get none.
 struct Deposit {
   std::array<std::int32_t, 3> voxel{};
   Shares shares{};
 };
 
-// A bit error of the board's memory. `block` counts the blocks that are stored, `bit` the bits of its packed words; both
-// count round.
+// A bit error in the board's memory. `block` indexes the stored blocks, `bit` the bits of the block's packed words; both
+// indices wrap around.
 struct MemoryError {
   std::uint32_t block = 0;
   std::uint32_t bit = 0;
@@ -81,30 +80,30 @@ struct MemoryError {
   void state(Archive::Record& record) { record(block, bit, detected); }
 };
 
-// A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (ray_store.h); what travels is its
-// handle and what the sorter's wires would read off it.
+// A ray in the FIFOs of the cycle level: the handle of its 256-bit packet, which stays in one slot (ray_store.h), and the
+// fields that the sorter reads.
 struct RayToken {
   std::uint32_t ray = 0;           // handle
   std::uint32_t queue = 0;         // of its block, in its processor
   std::uint16_t contribution = 0;  // 12 bits
   std::uint8_t processor = 0;      // owner of its block
   TokenStatus state = TokenStatus::kUnderWay;
-  // Set by the pipeline on a ray that goes back to the queue that issued it: it still has its slot there and cannot
-  // overflow. A ray that goes anywhere else has this false, and the pipeline gives the old slot back (sorter/sorter.h).
+  // Set by the pipeline on a ray that returns to the queue that issued it: its slot there is reserved, so it cannot overflow.
+  // For any other destination it is false, and the pipeline releases the slot (sorter/sorter.h).
   bool keeps_slot = false;
-  // No odd tail: 13 bytes are copied by two overlapping moves, and reading those back stalls the host's store buffer.
-  bool watched = false;  // an observer is told of its steps (asic/sim/ray_event.h)
+  bool watched = false;  // its steps are reported to an observer (asic/sim/ray_event.h)
+  // Avoids an odd size: 13 bytes are copied by two overlapping moves, and reading those back stalls the host's store buffer.
   std::array<std::uint8_t, 2> unused{};
 };
 
-// What the tokens of a checkpoint may name.
+// Limits for the tokens of a checkpoint.
 struct TokenLimits {
-  std::vector<std::uint8_t> flies{};       // by handle: the ray is in its block, so that it can be sampled
-  std::vector<std::uint32_t> queues{};     // by processor
-  std::uint32_t here = ~std::uint32_t{0};  // queues of the processor whose parts are listed
+  std::vector<std::uint8_t> flies{};       // by handle: the ray is in its block and can be sampled
+  std::vector<std::uint32_t> queues{};     // number of queues, by processor
+  std::uint32_t here = ~std::uint32_t{0};  // queues of the processor whose state is restored
 };
 
-// No observer of another process is told of its steps.
+// `watched` is left out: no observer of another process follows the ray.
 inline void state_of(Archive::Record& record, RayToken& token) {
   record(token.ray, token.queue, token.contribution, token.processor);
   record.at_most(token.state, TokenStatus::kAbsent);
