@@ -1,4 +1,4 @@
-// Sums over the parts of a level's machine, and over its runs.
+// Sums of counters over the parts of a level's machine, and over its runs.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace gicube::emu {
 
-// Writes each counter of one part, as "processor0.samples", and behind all parts of a kind their sum, "processor.samples". All parts
-// of a kind put the same counters in the same order.
+// Appends the counters of each part, such as "processor0.samples", and after all parts of a kind their sum,
+// "processor.samples". All parts of a kind put the same counters in the same order.
 class PartCounters {
  public:
   explicit PartCounters(std::vector<wire::Counter>& list) : list_(list) {}
@@ -27,16 +27,16 @@ class PartCounters {
   std::vector<wire::Counter>& list_;
   std::string kind_, prefix_;
   std::vector<wire::Counter> sums_;
-  std::size_t at_ = 0;  // of sums_
+  std::size_t at_ = 0;  // index into sums_
 };
 
 // Adds counters to those of the same names.
 void add_counters(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to);
 
-// As one field of a checkpoint; beside it, their texts.
+// Saves or restores `list`: values as field `name`, names and units as field `name`_names.
 void counters_state(Archive& archive, std::string_view name, std::vector<wire::Counter>& list);
 
-// Adds what one run of the ASIC took to that of a command. `core_khz`: of the ASIC's clock.
+// Adds the result of one run of the ASIC to the result of a command. `core_khz`: the ASIC's clock.
 void add_run(RunResult& to, const RunResult& run, std::uint64_t core_khz);
 
 }  // namespace gicube::emu

@@ -1,6 +1,6 @@
-// A fidelity level: it takes rays to their ends, and says how long the board needs for it.
+// A fidelity level: traces rays to their ends, and computes how long the board needs for that.
 //
-// Every level computes the same values. Levels differ in the time that they compute: none, every clock, or an approximation.
+// All levels compute the same values. They differ in the time that they compute: none, cycle by cycle, or approximate.
 #pragma once
 
 #include <array>
@@ -19,46 +19,46 @@
 
 namespace gicube::emu {
 
-// Shared by the thread that runs a command and the threads that watch it.
+// Shared by the thread that runs a command and the threads that monitor it.
 struct Progress {
-  std::atomic<bool> cancel{false};       // set by a watcher: end soon, with ErrorCode::kCancelled
-  std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
+  std::atomic<bool> cancel{false};       // set by a monitoring thread: end soon, with ErrorCode::kCancelled
+  std::atomic<std::uint32_t> ticket{0};  // the command that runs, and how much of it is done
   std::atomic<std::uint32_t> done{0};
   std::atomic<std::uint32_t> all{0};
 
-  // The board sets it; a level calls it, on the command's thread, where all counters hold. The cycle level does so often while it
-  // runs; what counts values (visible samples, how rays end) may then have rays in it that are still under way, since values are
-  // computed ahead. The other levels are quick, and their counters hold at the end of a run.
+  // Set by the board; called by the cycle level on the command's thread, often during a run, whenever all counters are
+  // consistent. Counts of values (visible samples, how rays end) may then include rays that are still under way, because values
+  // are computed ahead. The other levels are fast and do not call it.
   std::function<void()> may_count{};
 };
 
 struct RunResult {
-  Cycle cycles = 0;              // of the ASIC; 0 at a level without time
-  Picoseconds asic_ps = 0;       // the same
-  std::uint64_t dsp_cycles = 0;  // in which the DSP worked
+  Cycle cycles = 0;              // cycles of the ASIC; 0 at a level without time
+  Picoseconds asic_ps = 0;       // time of these cycles
+  std::uint64_t dsp_cycles = 0;  // cycles in which the DSP worked
   std::uint64_t made = 0;        // rays that the source made
   RayCounters rays;
   bool cancelled = false;
-  v1::FidelityLevel answered = v1::functional;  // the level that did it
+  v1::FidelityLevel answered = v1::functional;  // the level that ran it
 };
 
-// Where rays wait and which banks of the memory serve: one moment of a machine that has queues and banks.
+// Waiting rays and served memory banks of a machine, at one moment.
 struct MachineLook {
   static constexpr std::size_t kMaxCells = 65'536;  // chosen: 1024^3 voxels in blocks of 32 have 32,768
 
   Cycle cycle = 0;
-  // A cell is a block, or a cube of 2^3, 4^3, ... where the volume has more blocks than that.
+  // A cell is a block, or a cube of 2^3, 4^3, ... blocks if the volume has more than kMaxCells blocks.
   std::uint32_t blocks_a_side = 1;
   std::array<std::uint32_t, 3> cells{};  // along x, y, z; 0: there is no machine
-  // Rays in the queues of each cell, x fastest; empty: one queue has those of all blocks.
+  // Rays in the queues of each cell, x fastest; empty if one queue holds the rays of all blocks.
   std::vector<std::uint32_t> waiting{};
-  std::vector<std::uint32_t> processors{};  // rays in the queues of each
-  std::uint32_t banks = 0;                  // of a device
-  // By memory channel, device and bank: packets read and written since the machine was made.
+  std::vector<std::uint32_t> processors{};  // rays in the queues of each processor
+  std::uint32_t banks = 0;                  // banks per device
+  // By memory channel, device and bank: packets read and written since the machine was created.
   std::vector<std::vector<std::uint64_t>> packets{};
 };
 
-// No part of the board has moved for long although rays are under way; what() describes every part.
+// No part of the board has made progress for long although rays are under way; what() contains the state of every part.
 class Stall : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -67,11 +67,11 @@ class Level {
  public:
   virtual ~Level() = default;
 
-  // Takes the source's rays to their ends. After a run that was cancelled, or that threw (RoutineFault, Stall), the hardware is
-  // as after reset().
+  // Traces the source's rays to their ends. After a run that was cancelled or that threw (RoutineFault, Stall), the hardware is
+  // in the state after reset().
   virtual RunResult run(RaySource& rays, const Frame& frame, Progress& progress) = 0;
 
-  // To be called when the volume's words have changed or it is gone: drops what is cached of it.
+  // Drops what is cached of the volume. To be called when the volume's words have changed or the volume is gone.
   virtual void volume_changed() = 0;
   // To be called when the words that deposits go to were cleared.
   virtual void deposits_cleared() = 0;
@@ -82,17 +82,17 @@ class Level {
   virtual RayCounters rays() const = 0;
   // Adds the counters of the level's hardware, if it has any.
   virtual void count(std::vector<wire::Counter>& list) const = 0;
-  // Cycles of processors that were computed many at a time, since nobody observed them. It depends on observers and checkpoints, so it
-  // is part of no checkpoint.
+  // Processor cycles that were computed by inner loops, many at a time, because nobody observed them. The number depends on
+  // observers and checkpoints, so no checkpoint contains it.
   virtual std::uint64_t cycles_ahead() const { return 0; }
-  // To be called where all counters hold.
+  // To be called only while all counters are consistent.
   virtual MachineLook look() const { return {}; }
 
-  // Whether a run is under way: state() saves it too. A level to which such a run was loaded goes on with it in the next run(), whose
-  // source and frame must be those of that run; it throws CheckpointFault if it finds that they are not. Or reset() ends it.
+  // Whether a run is under way: state() then saves it too. A level restored with such a run continues it in the next run(), if
+  // it gets that run's source and frame; it throws CheckpointFault if it finds that they differ. reset() ends the run.
   virtual bool in_run() const { return false; }
-  // Saves what the level is, or makes a new level what was saved; the volume has `blocks` along x, y, z. In a run it may be called
-  // from Progress::may_count() and Observer::see().
+  // Saves the level's state, or restores it into a new level; the volume has `blocks` along x, y, z. During a run it may be
+  // called from Progress::may_count() and Observer::see().
   virtual void state(Archive& archive, const std::array<int, 3>& blocks) = 0;
 };
 
