@@ -1,6 +1,6 @@
 // The bytes of a volume's blocks as the host wrote them. A block that was never written is uniformly zero and takes no memory.
 //
-// A stored block may be elsewhere: its owner has the same bytes in another form. `pack(block, out)` brings them back.
+// A stored block may be elsewhere: its owner keeps the content in another form, and `pack(block, out)` restores the bytes.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ class BlockBytes {
  public:
   explicit BlockBytes(std::size_t block_bytes) : block_bytes_(block_bytes) {}
 
-  void resize(std::size_t blocks) {  // forgets everything
-    blocks_.clear();                 // first: there may be no memory for both
+  void resize(std::size_t blocks) {  // deletes everything
+    blocks_.clear();                 // first, because memory may not suffice for both
     blocks_.resize(blocks);
     elsewhere_.assign(blocks, 0);
     stored_ = held_ = 0;
@@ -28,15 +28,15 @@ class BlockBytes {
 
   std::size_t count() const { return blocks_.size(); }
   std::size_t block_bytes() const { return block_bytes_; }
-  std::uint64_t bytes() const { return std::uint64_t{count()} * block_bytes_; }  // of the address range
+  std::uint64_t bytes() const { return std::uint64_t{count()} * block_bytes_; }  // size of the address range
   std::size_t stored() const { return stored_; }                                 // blocks
   std::uint64_t held_bytes() const { return std::uint64_t{held_} * block_bytes_; }
   bool is_stored(std::size_t block) const { return !blocks_[block].empty() || is_elsewhere(block); }
   bool is_elsewhere(std::size_t block) const { return elsewhere_[block] != 0; }
   std::span<const std::uint8_t> operator[](std::size_t block) const { return blocks_[block]; }  // empty: not here
-  std::uint8_t& byte(std::size_t block, std::size_t at) { return blocks_[block][at]; }          // of one that is here
+  std::uint8_t& byte(std::size_t block, std::size_t at) { return blocks_[block][at]; }          // if it is here
 
-  // What a write of such bytes would add.
+  // Bytes of memory that writing this range would add.
   std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
     if (length == 0 || offset + length > bytes()) return 0;
     std::uint64_t fresh = 0;
@@ -46,7 +46,7 @@ class BlockBytes {
     return fresh * block_bytes_;
   }
 
-  // The block is elsewhere from now on. From several threads for different blocks; then comes count_held().
+  // Moves the block elsewhere. May be called from several threads for different blocks; call count_held() afterwards.
   void release(std::size_t block) {
     ReturnedBytes().swap(blocks_[block]);
     elsewhere_[block] = 1;
@@ -55,7 +55,7 @@ class BlockBytes {
     held_ =
         static_cast<std::size_t>(std::ranges::count_if(blocks_, [](const auto& stored) { return !stored.empty(); }));
   }
-  // It is here from now on.
+  // Restores the bytes of a block that is elsewhere.
   template <typename Pack>
   void bring_back(std::size_t block, const Pack& pack) {
     if (!is_elsewhere(block)) return;
@@ -65,7 +65,7 @@ class BlockBytes {
     ++held_;
   }
 
-  // offset + length <= bytes(). `written(block)` is told of each block.
+  // Requires offset + length <= bytes(). Calls `written(block)` for each block.
   template <typename Pack, typename Written>
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes, const Pack& pack, const Written& written) {
     while (!bytes.empty()) {
@@ -103,7 +103,7 @@ class BlockBytes {
       offset += length;
     }
   }
-  // It was never written.
+  // Makes the block one that was never written.
   void drop(std::size_t block) {
     if (!is_stored(block)) return;
     held_ -= is_elsewhere(block) ? 0 : 1;
@@ -112,7 +112,7 @@ class BlockBytes {
     elsewhere_[block] = 0;
   }
 
-  // Of a stored block; `room`: where they may have to be packed.
+  // The bytes of a stored block. `room`: buffer for bytes that have to be packed.
   template <typename Pack>
   std::span<const std::uint8_t> bytes_of(std::size_t block, std::vector<std::uint8_t>& room, const Pack& pack) const {
     if (!is_elsewhere(block)) return blocks_[block];
@@ -121,7 +121,7 @@ class BlockBytes {
     return room;
   }
 
-  // After resize() to the volume that they belong to.
+  // Saves or restores the blocks, after resize() to their volume.
   template <typename Pack>
   void state(Archive& archive, const Pack& pack) {
     std::vector<std::size_t> stored;
@@ -145,9 +145,9 @@ class BlockBytes {
  private:
   std::size_t block_bytes_;
   std::size_t stored_ = 0;
-  std::size_t held_ = 0;  // of those, here
+  std::size_t held_ = 0;  // stored blocks that are here
   std::vector<ReturnedBytes> blocks_;
-  std::vector<std::uint8_t> elsewhere_;  // one a block
+  std::vector<std::uint8_t> elsewhere_;  // one flag per block
 };
 
 }  // namespace gicube::emu

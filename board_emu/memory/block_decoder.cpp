@@ -1,4 +1,4 @@
-// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+// Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "memory/block_decoder.cpp"
@@ -18,10 +18,10 @@
 namespace gicube::emu {
 namespace {
 
-constexpr int kCodeBit = 12;                  // of a voxel's word
+constexpr int kCodeBit = 12;                  // position in a voxel's word
 constexpr std::uint32_t kCodeMask = 0x1FFFu;  // code and tag
 
-// `row(first, at)` decodes the n words from `first` on to the voxels from `at` on, and gives the bits of their codes and tags.
+// `row(first, at)` decodes the n words from `first` on to the voxels from `at` on. Returns the OR of all codes and tags.
 template <typename Row>
 std::uint16_t decode_rows(std::size_t n, const Row& row) {
   const std::size_t edge = n + 1;
@@ -49,7 +49,7 @@ std::uint16_t decode(std::span<const std::uint8_t> packed, std::size_t n, const 
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The n words from the even word `first` on, in lanes of 32 bits: a voxel's irradiance, above those, stands elsewhere.
+// Decodes the n words from the even word `first` on, in lanes of 32 bits, without the irradiance bits above those.
 template <std::size_t kLanes>
 HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::size_t first, std::size_t n,
                                     std::int16_t* densities_to, std::uint16_t* codes_to) {
@@ -60,7 +60,7 @@ HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::s
   const hn::Rebind<std::int16_t, decltype(d)> d16;
   const hn::Rebind<std::uint16_t, decltype(d)> du16;
   const std::size_t lanes = hn::Lanes(d);
-  // Two words are nine bytes: the first's low 32 bits are theirs, the second's begin in the middle of the fifth byte.
+  // Two words are nine bytes: the first's low 32 bits begin with the first byte, the second's in the middle of the fifth.
   alignas(64) constexpr std::array<std::int64_t, 8> kPairBytes{0, 9, 18, 27, 36, 45, 54, 63};
   const auto pair_bytes = hn::Load(d64, kPairBytes.data());
   auto any = hn::Zero(du);
@@ -113,7 +113,7 @@ std::uint16_t decode_one_by_one(std::span<const std::uint8_t> packed, std::size_
 }
 
 bool has_irradiance_bits(std::span<const std::uint8_t> packed) {
-  // Of a pair's 72 bits those from the ninth on: bits 25..35 and 61..71 are the irradiance.
+  // Tests bits 8 to 71 of each pair of words; bits 25..35 and 61..71 are the irradiance.
   constexpr std::uint64_t kBits = std::uint64_t{0x7FF} << 17 | std::uint64_t{0x7FF} << 53;
   std::uint64_t any = 0;
   for (std::size_t at = 1; at + 8 <= packed.size(); at += 9) {

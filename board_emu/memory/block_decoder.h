@@ -1,4 +1,4 @@
-// A block's packed words to decoded voxels and back, in the host's vectors.
+// Converts a block's packed words to decoded voxels and back, with the host's vector instructions.
 #pragma once
 
 #include <cstddef>
@@ -10,23 +10,23 @@
 
 namespace gicube::emu {
 
-// What is made of a block's n^3 words, at the places that they have among (n+1)^3 voxels.
+// Destination of a block's n^3 words, at their positions among (n+1)^3 voxels.
 struct DecodedBlock {
   std::int16_t* densities = nullptr;  // 12.3
-  std::uint16_t* codes = nullptr;     // gradient codes and tags (words.h); null: not wanted
+  std::uint16_t* codes = nullptr;     // gradient codes and tags (words.h); null: not needed
 };
 
-// n: 8, 16, 32 or 64. All bits that the voxels' gradient codes and tags have, whether they are made or not.
+// n: 8, 16, 32 or 64. Returns the OR of the voxels' gradient codes and tags, even if `codes` is null.
 std::uint16_t decode(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to);
-// The same, word by word.
+// decode() without vectors.
 std::uint16_t decode_one_by_one(std::span<const std::uint8_t> packed, std::size_t n, const DecodedBlock& to);
 
-// Whether packed words of an even number have irradiance bits: of those nothing is decoded.
+// Whether packed words, of even number, have irradiance bits, which decode() drops.
 bool has_irradiance_bits(std::span<const std::uint8_t> packed);
-// The words that were decoded to these voxels, if they had no irradiance bits. `codes`: null, all 0.
+// Restores the packed words of decoded voxels, if they had no irradiance bits. `codes`: null if all are 0.
 void pack(const std::int16_t* densities, const std::uint16_t* codes, std::size_t n, std::span<std::uint8_t> out);
 
-// The colour of a voxel, of the three bytes that each has; no bytes: black. `premultiplied`: by the density.
+// Colour of a voxel from three bytes per voxel; no bytes: black. `premultiplied`: by the density.
 inline DecodedColour decode_colour(std::span<const std::uint8_t> bytes, std::size_t voxel, std::int16_t density,
                                    bool premultiplied) {
   DecodedColour out;

@@ -1,4 +1,4 @@
-// What the memories have in common: a volume in blocks of n^3 voxels, and the words of a block with its further faces.
+// Base class of the memories: a volume in blocks of n^3 voxels, and the layout of a block with its +1 faces.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class Blocked {
  protected:
   explicit Blocked(int block_voxels) : n_(block_voxels), edge_(static_cast<std::size_t>(block_voxels) + 1) {}
 
-  // Returns how many blocks a volume of that size has.
+  // Returns the number of blocks of a volume of that size.
   std::size_t resize_blocks(const std::array<int, 3>& size) {
     size_ = size;
     std::size_t count = 1;
@@ -38,7 +38,7 @@ class Blocked {
   std::size_t block_at(int x, int y, int z) const {
     return static_cast<std::size_t>(x + blocks_[0] * (y + blocks_[1] * z));
   }
-  // Of a voxel of a block with faces.
+  // Index of a voxel in a block with faces.
   std::size_t index(int x, int y, int z) const {
     return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
   }

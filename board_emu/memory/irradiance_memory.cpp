@@ -20,7 +20,7 @@ std::size_t IrradianceMemory::stored_blocks() const {
       std::count_if(words_.begin(), words_.end(), [](const Words& block) { return block != nullptr; }));
 }
 
-// The first thread that comes makes the block's words; who comes at the same time drops what it has made.
+// The first thread to arrive creates the block's words; a thread that comes second frees its own.
 std::uint32_t* IrradianceMemory::storage(std::size_t block) {
   std::uint32_t* words = words_[block].load(std::memory_order_acquire);
   if (words != nullptr) return words;
@@ -48,7 +48,7 @@ void IrradianceMemory::state(Archive& archive) {
 }
 
 SharingBlocks IrradianceMemory::blocks_of(const Deposit& deposit) const {
-  // Along each axis the blocks from the one before the lower voxel, if that lies on its far face, to the upper voxel's.
+  // Along each axis: from the block before the lower voxel's, if that voxel is on its far face, to the upper voxel's block.
   std::array<int, 3> first{}, last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int low = deposit.voxel[axis];
@@ -121,7 +121,7 @@ void IrradianceMemory::write(std::uint64_t offset, std::span<const std::uint8_t>
 }
 
 void IrradianceMemory::drop(std::size_t block) {
-  if (view(block) == nullptr) return;  // a word that is not 0 is in all its copies
+  if (view(block) == nullptr) return;  // then its copies are 0 too
   write(block * block_bytes(), std::vector<std::uint8_t>(static_cast<std::size_t>(block_bytes())));
   const std::span words(storage(block), voxels_and_faces());
   if (std::ranges::any_of(words, [](std::uint32_t word) { return word != 0; })) return;

@@ -1,9 +1,9 @@
-// The irradiance words of the volume [P §2.2]: saturating sums of energy, one a voxel, and their copies on the faces that
-// blocks share.
+// The irradiance words of the volume [P §2.2]: a saturating sum of energy per voxel, with copies on the faces that blocks
+// share.
 //
-// Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one of
-// its voxels: the functional level adds them at once, the cycle level sends irradiance carriers. Sums of non-negative terms
-// that saturate don't depend on their order. A block that no energy has reached takes no memory.
+// Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one of its
+// voxels: the functional level adds to all of them at once, the cycle level sends irradiance carriers. Saturating sums of
+// non-negative terms do not depend on their order. A block that no energy has reached takes no memory.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 
 namespace gicube::emu {
 
-// Both count a voxel once, however many copies it has.
+// Energy units of a deposit. Both members count a voxel once, however many copies it has.
 struct Deposited {
   std::uint64_t kept = 0;
   std::uint64_t clipped = 0;
@@ -45,22 +45,22 @@ class IrradianceMemory : public Blocked {
   static constexpr std::uint32_t kPaperMost = (1u << 11) - 1;  // [P §4.2]
   static constexpr std::uint32_t kWideMost = ~std::uint32_t{0};
 
-  // `most`: at which a word saturates.
+  // `most`: the value at which words saturate.
   IrradianceMemory(int block_voxels, std::uint32_t most) : Blocked(block_voxels), most_(most) {}
 
-  void resize(const std::array<int, 3>& size);  // voxels; forgets everything
+  void resize(const std::array<int, 3>& size);  // voxels; deletes everything
   void clear() { resize(size_); }
   // Sets the words of the block, and their copies, to 0.
   void drop(std::size_t block);
 
-  // Counts what may have changed words: those calls, write(), and what announces deposits by expect_deposits().
+  // Counts the calls that may change words: those above, write(), and expect_deposits(), which announces deposits.
   std::uint64_t changes() const { return changes_; }
   void expect_deposits() { ++changes_; }
 
   SharingBlocks blocks_of(const Deposit& deposit) const;
-  // Adds the shares of those voxels that `block` holds. From any number of threads.
+  // Adds the shares of those voxels that `block` holds. May be called from several threads.
   Deposited add(const Deposit& deposit, std::uint32_t block);
-  // Into every block.
+  // Adds the deposit to every block that holds one of its voxels.
   Deposited add(const Deposit& deposit) {
     const SharingBlocks sharing = blocks_of(deposit);
     Deposited sum;
@@ -68,29 +68,29 @@ class IrradianceMemory : public Blocked {
     return sum;
   }
 
-  // (n+1)^3 words, x fastest; null: all zero.
+  // (n+1)^3 words, x fastest; null if all are zero.
   const std::uint32_t* view(std::size_t block) const { return words_[block].load(std::memory_order_acquire); }
   std::size_t stored_blocks() const;
 
-  // Memory of the host's: of the words that are stored, and what those of all other blocks would take. With their copy at the
-  // functional level (functional/simd).
+  // Host memory of the stored words, and what the words of all other blocks would take; both with the copy of the functional
+  // level (functional/simd).
   std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
   std::uint64_t free_bytes() const { return words_.size() * bytes_of_words() - stored_bytes(); }
-  // The same if energy comes to `blocks` of them at most: it has copies in up to seven blocks beside its own.
+  // free_bytes() if energy reaches at most `blocks` blocks: their words have copies in up to seven others.
   std::uint64_t free_bytes(std::uint64_t blocks) const { return std::min(8 * blocks * bytes_of_words(), free_bytes()); }
-  // At most what a write of such bytes adds: a voxel has copies in up to eight blocks.
+  // Upper bound of the memory that writing `length` bytes adds: a voxel has copies in up to eight blocks.
   std::uint64_t bytes_to_write(std::uint64_t length) const {
     return std::min(8 * (length / block_bytes() + 2) * bytes_of_words(), free_bytes());
   }
-  // What it has for each block, stored or not.
+  // Host memory per block, stored or not.
   static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::uint32_t*);
 
-  // Bytes of the address range (memory_map.h): n^3 words a block. `offset` and the length are multiples of four, within
-  // bytes(). Writing sets all copies; a word beyond `most` saturates.
+  // Byte ranges of the irradiance (memory_map.h): n^3 words per block. `offset` and the length are multiples of four, within
+  // bytes(). Writing sets all copies; a word above `most` saturates.
   std::uint64_t bytes() const { return words_.size() * block_bytes(); }
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
-  // The words; after resize() to the volume that they belong to.
+  // Saves or restores the words, after resize() to their volume.
   void state(Archive& archive);
 
  private:
@@ -102,7 +102,7 @@ class IrradianceMemory : public Blocked {
   std::uint32_t most_;
   std::uint64_t changes_ = 1;
   std::vector<Words> words_;
-  std::vector<std::unique_ptr<std::uint32_t[]>> owned_;  // what words_ point to
+  std::vector<std::unique_ptr<std::uint32_t[]>> owned_;  // owners of words_
 };
 
 }  // namespace gicube::emu

@@ -1,5 +1,5 @@
-// Arrays of megabytes that are filled at once and then gathered from, as the decoded volume: on huge pages where the host has
-// them, since a first frame otherwise waits for thousands of page faults, and gathers for the translation of addresses.
+// Arrays of megabytes that are filled once and then gathered from, such as the decoded volume. They use huge pages if the host
+// has them: otherwise a first frame waits for thousands of page faults, and gathers wait for address translation.
 #pragma once
 
 #include <sys/mman.h>
@@ -12,15 +12,15 @@
 
 namespace gicube::emu {
 
-inline constexpr std::size_t kHugePage = std::size_t{1} << 21;  // bytes, of x86-64 and of AArch64 with 4 KiB pages
+inline constexpr std::size_t kHugePage = std::size_t{1} << 21;  // bytes, on x86-64 and on AArch64 with 4 KiB pages
 
-// As operator new and delete; from kHugePage bytes on aligned to it and for huge pages, if the host gives them on demand
-// (transparent_hugepage: madvise or always).
+// Like operator new and delete. From kHugePage bytes on, memory is aligned to that and requests huge pages, which the host
+// provides if transparent_hugepage is madvise or always.
 inline void* allocate_large(std::size_t bytes) {
   if (bytes < kHugePage) return ::operator new(bytes);
   void* const place = ::operator new (bytes, std::align_val_t{kHugePage});
 #ifdef MADV_HUGEPAGE
-  // Whole huge pages only: the rest would take memory that nobody asked for. A wish, so what comes of it does not matter.
+  // Only whole huge pages, because a partial one would waste memory. This is a hint, so its result does not matter.
   static_cast<void>(madvise(place, bytes / kHugePage * kHugePage, MADV_HUGEPAGE));
 #endif
   return place;
@@ -33,7 +33,7 @@ inline void free_large(void* place, std::size_t bytes) noexcept {
 template <typename T>
 struct LargeAllocator {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
-  using value_type = T;  // NOLINT(readability-identifier-naming): the name that containers ask for
+  using value_type = T;  // NOLINT(readability-identifier-naming): required by containers
 
   LargeAllocator() = default;
   template <typename U>
@@ -42,7 +42,7 @@ struct LargeAllocator {
   T* allocate(std::size_t count) { return static_cast<T*>(allocate_large(count * sizeof(T))); }
   void deallocate(T* place, std::size_t count) noexcept { free_large(place, count * sizeof(T)); }
 
-  // Elements without a value have none: they are not zeroed to be overwritten.
+  // Elements without a value are not zeroed, because they will be overwritten.
   template <typename U>
   void construct(U*) {}
   template <typename U, typename Value>
@@ -53,15 +53,15 @@ struct LargeAllocator {
   friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
 };
 
-// resize(n) leaves what it adds unwritten, resize(n, value) does not.
+// resize(n) leaves new elements uninitialised, resize(n, value) does not.
 template <typename T>
 using LargeArray = std::vector<T, LargeAllocator<T>>;
 
-// Bytes that go back to the host at once when they are let go: from kMapped on they are pages of their own. What malloc holds in
-// between would stay with the process.
+// Bytes whose memory returns to the host as soon as they are freed: from kMapped bytes on they are mapped pages of their own.
+// Memory of malloc would stay with the process.
 template <typename T>
 struct ReturnedAllocator {
-  using value_type = T;  // NOLINT(readability-identifier-naming): the name that containers ask for
+  using value_type = T;  // NOLINT(readability-identifier-naming): required by containers
   static constexpr std::size_t kMapped = std::size_t{64} << 10;  // bytes; chosen: sixteen pages or more
 
   ReturnedAllocator() = default;

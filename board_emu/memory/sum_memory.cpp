@@ -57,7 +57,7 @@ SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
   for (std::size_t i = 0; i < 8; ++i) {
     if (deposit.shares[i] == 0) continue;
     std::array<int, 3> at{};
-    bool held = true;  // or a voxel beyond the last has no share, but counts where all eight are written
+    bool held = true;  // false: beyond the volume, so there is no word for the share
     for (std::size_t axis = 0; axis < 3; ++axis) {
       at[axis] = (deposit.voxel[axis] + static_cast<int>(i >> axis & 1)) / n_;
       held = held && at[axis] < blocks_[axis];
@@ -90,7 +90,7 @@ std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
   return sum;
 }
 
-// Brings the parts that lie beyond the blocks' far faces to the words that they belong to.
+// Moves the partial sums beyond the blocks' far faces to the words that they belong to.
 void SumMemory::gather_parts() {
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
     if (blocks_words_[block] == nullptr) continue;
@@ -113,7 +113,7 @@ void SumMemory::gather_parts() {
   }
 }
 
-// A word has parts in its block and in the seven before it.
+// A word has partial sums in its block and in the seven blocks before it.
 bool SumMemory::can_overflow() const {
   for (std::size_t block = 0; block < bounds_.size(); ++block) {
     const std::array<int, 3> at = place(block);
@@ -151,7 +151,7 @@ Overflow SumMemory::settle() {
   return out;
 }
 
-// The words of a row of a block. Those on its near faces have parts in up to seven neighbours.
+// Reads a row of a block. Words on the block's near faces have partial sums in up to seven neighbours.
 void SumMemory::read_row(std::size_t block, int y, int z, std::span<std::int64_t> row) const {
   std::ranges::fill(row, 0);
   const std::array<int, 3> at = place(block), local{0, y, z};
@@ -180,7 +180,7 @@ void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
   const auto n = static_cast<std::size_t>(n_);
   std::size_t block = static_cast<std::size_t>(first / of_block), word = static_cast<std::size_t>(first % of_block);
   std::vector<std::int64_t> row(n);
-  for (std::size_t at = 0; at < out.size();) {  // from an even word of a row on, in pairs
+  for (std::size_t at = 0; at < out.size();) {  // in pairs, from an even word of a row on
     read_row(block, static_cast<int>(word / n % n), static_cast<int>(word / (n * n)), row);
     std::size_t x = word % n;
     word += n - x;

@@ -40,14 +40,14 @@ std::uint64_t VolumeMemory::bytes_to_decode(const VolumeReads& reads) const {
   blocks -= std::min<std::uint64_t>(blocks, free_.size());
   const bool first_colours = reads.colours && colours_.stored() > 0 && decoded_colours_.empty();
   if (blocks == 0 && !first_colours) return 0;
-  // A vector that grows takes twice its size or what is asked for, beside what it has.
+  // A vector that grows takes twice its size or the requested size, in addition to its old memory.
   const std::uint64_t have = densities_.empty() ? 0 : places(), want = have + blocks * voxels_and_faces();
   const std::uint64_t bytes = blocks == 0 ? 0 : sizeof(std::int16_t) + sizeof(std::uint16_t);
   const bool colours = first_colours || !decoded_colours_.empty();
   return std::max(2 * have, want) * (bytes + (colours ? sizeof(DecodedColour) : 0));
 }
 
-// A block's voxels stand also on the +1 faces of up to seven blocks before it.
+// A block's voxels are also on the +1 faces of up to seven blocks before it.
 void VolumeMemory::mark_stale(std::size_t block) {
   const auto [bx, by, bz] = place(block);
   for (int dz = 0; dz <= std::min(bz, 1); ++dz) {
@@ -145,7 +145,7 @@ std::uint16_t VolumeMemory::copy_row(const std::array<int, 3>& from, std::size_t
                                      std::size_t at) {
   const bool inside = from[0] < blocks_[0] && from[1] < blocks_[1] && from[2] < blocks_[2];
   const std::size_t block = inside ? block_at(from[0], from[1], from[2]) : 0, n = static_cast<std::size_t>(n_);
-  // Words that are here may be newer than what they were decoded to, if the block is leapt over.
+  // Words that are here may be newer than their decoded form, if the block is skipped.
   const bool is_packed = inside && !words_[block].empty(), is_decoded = inside && words_.is_elsewhere(block);
   const std::size_t source = is_decoded ? first_[block] + edge_ * (y + edge_ * z) : 0, voxel = n * (y + n * z);
   std::uint16_t any = 0;
@@ -185,7 +185,7 @@ std::uint16_t VolumeMemory::decode_faces(std::size_t block) {
   return any;
 }
 
-// Each stored block that is read has its place. Those that have one keep it.
+// Assigns a slot to each stored block that is read. Blocks that have a slot keep it.
 void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
   const std::size_t voxels = voxels_and_faces();
   if (densities_.empty()) {
@@ -206,7 +206,7 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
     stale_[block] = 1;
   }
   if (end == begin) return;
-  // Of a volume in bricks blocks come little by little, and twice what is there would be too much.
+  // Blocks of an out-of-core volume arrive little by little, and doubling the size would take too much memory.
   const auto grow = [end, begin](auto& array) {
     if (array.capacity() < end + 1) array.reserve(std::max(end, begin + begin / 4) + 1);
     array.resize(end + 1);
@@ -224,7 +224,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   if (which.empty()) return;
   const bool had_codes = !codes_.empty();
   std::atomic<std::uint32_t> any{0};
-  // Codes of blocks that are `decoded_next` are left unwritten, so that their memory is taken when their words go.
+  // Codes of blocks in `decoded_next` are left unwritten, so that their pages are allocated when the packed words are freed.
   const auto begin_codes = [&](std::span<const std::size_t> decoded_next) {
     if (any == 0 || !codes_.empty()) return;
     std::vector<bool> is_next(block_count());
@@ -240,7 +240,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   const auto decode_all = [&] {
     parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_own(which[i]); });
   };
-  // Mostly one block tells whether there are codes. The words of those that have some stay until these have a place.
+  // One block mostly shows whether there are codes. Blocks with codes keep their packed words until there is room for codes.
   any |= decode_own(which[which.size() / 2]);
   begin_codes(which);
   decode_all();
@@ -253,7 +253,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   begin_codes({});
   has_tags_ = has_tags_ || any >> kCodeBits != 0;
   if (had_codes == !codes_.empty()) return;
-  // The first codes: blocks that were decoded before have none on their faces.
+  // These are the first codes: blocks that were decoded before have none on their faces.
   parallel_for(block_count(), threads, [&](std::size_t block) {
     if (first_[block] != 0) decode_faces(block);
   });

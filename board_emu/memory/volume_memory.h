@@ -1,9 +1,9 @@
-// The volume's memory: 36-bit words as the host wrote them, and each block decoded with its +1 faces for the pipeline: a density and a
-// gradient code with a tag for each voxel. What a code stands for is looked up where a sample needs it.
+// The volume's memory: 36-bit words as the host wrote them, and each block decoded for the pipeline with its +1 faces: a
+// density and a gradient code with a tag per voxel. A sample looks up the gradients of the codes that it needs.
 //
-// A block that was never written is uniformly zero and takes no memory. Copies on shared faces are made here: the host
-// sends every voxel once (docs/reference/hardware.md). Blocks that all rays leap over are not decoded. The words of a block that is
-// decoded are not kept, since they can be made of its voxels; but for those with irradiance bits, which no driver writes.
+// A block that was never written is uniformly zero and takes no memory. The host sends every voxel once; copies on shared faces
+// are made here (docs/reference/hardware.md). Blocks that all rays skip are not decoded. The words of a decoded block are
+// freed, because they can be restored from its voxels, unless they have irradiance bits, which no driver writes.
 #pragma once
 
 #include <array>
@@ -26,14 +26,14 @@ namespace gicube::emu {
 struct BlockView {
   const std::int16_t* densities = nullptr;     // 12.3
   const std::uint16_t* codes = nullptr;        // gradient codes and tags (words.h); null: all are 0
-  const DecodedGradient* gradients = nullptr;  // what the codes stand for
+  const DecodedGradient* gradients = nullptr;  // gradients by code
   const DecodedColour* colours = nullptr;      // null: no voxel has a colour
 };
 
-// What a command's rays read of the volume.
+// The part of the volume that a command's rays read.
 struct VolumeReads {
-  bool colours = false;                        // if the volume has some
-  std::span<const std::uint8_t> leapt_over{};  // one a block, nonzero: never; none: all blocks are read
+  bool colours = false;                        // if the volume has any
+  std::span<const std::uint8_t> leapt_over{};  // one flag per block, nonzero: not read; empty: all blocks are read
 };
 
 class VolumeMemory : public Blocked {
@@ -42,14 +42,14 @@ class VolumeMemory : public Blocked {
 
   wire::VoxelFormat format() const { return format_; }
 
-  // Forgets everything; `size` in voxels, all at least 2, or all 0 for no volume.
+  // Deletes everything; `size` in voxels, all at least 2, or all 0 for no volume.
   void resize(const std::array<int, 3>& size);
 
   std::size_t block_count() const { return words_.count(); }
-  std::uint64_t bytes() const { return words_.bytes(); }  // of the address range
+  std::uint64_t bytes() const { return words_.bytes(); }  // size of the address range
   std::size_t stored_blocks() const { return words_.stored(); }
 
-  // Memory of the host's: what it has, what a write of such bytes would add, and at most what decode() would while it works.
+  // Host memory: in use, added by writing a range, and an upper bound of what decode() adds while it works.
   std::uint64_t memory_bytes() const {
     return words_.held_bytes() + colours_.held_bytes() + densities_.capacity() * sizeof(std::int16_t) +
            codes_.capacity() * sizeof(std::uint16_t) + decoded_colours_.capacity() * sizeof(DecodedColour);
@@ -61,38 +61,38 @@ class VolumeMemory : public Blocked {
     return colours_.bytes_to_write(offset, length);
   }
   std::uint64_t bytes_to_decode(const VolumeReads& reads) const;
-  // What it has for each block, stored or not.
+  // Host memory per block, stored or not.
   static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::vector<std::uint8_t>) + 1 + sizeof(std::size_t);
 
-  // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading gives what was written, or 0.
+  // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading returns what was written, or 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const { words_.read(offset, out, packer()); }
-  // The same of their colours. False, and nothing written, if there are no bytes there, or of a block whose words are not stored.
+  // Byte ranges of the colours. Returns false and writes nothing if the range is invalid or a block's words are not stored.
   bool write_colours(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read_colours(std::uint64_t offset, std::span<std::uint8_t> out) const { colours_.read(offset, out, kHere); }
   const BlockBytes& colours() const { return colours_; }
   bool is_stored(std::size_t block) const { return words_.is_stored(block); }
-  // A stored block's words; `room` is where they may have to be made.
+  // A stored block's words; `room`: buffer for words that have to be restored.
   std::span<const std::uint8_t> packed(std::size_t block, std::vector<std::uint8_t>& room) const {
     return words_.bytes_of(block, room, packer());
   }
   std::size_t block_bytes() const { return words_.block_bytes(); }
 
-  // Forgets what a block holds.
+  // Deletes a block's content.
   void drop(std::size_t block);
 
-  // A bit of a stored block's words, or of its colours, which come after them.
+  // A bit of a stored block's words, or of its colours, which follow the words.
   struct BitPlace {
     std::size_t block = 0;
     std::size_t bit = 0;
   };
-  // Bit `bit` of the `stored`-th of the blocks that are stored; both count round. Nothing if none is.
+  // Finds bit `bit` of stored block `stored`; both indices wrap around. Returns nothing if no block is stored.
   std::optional<BitPlace> find_bit(std::size_t stored, std::size_t bit) const;
-  // It reads wrong from now on, until it is written.
+  // Inverts the bit, until it is overwritten.
   void flip(const BitPlace& place);
 
-  // Makes the decoded form of what is read current, on `threads` threads. Call before view() when anything was written, the
-  // gradient LUT changed, or other things are read.
+  // Updates the decoded form of what is read, on `threads` threads. Call before view() when anything was written, the gradient
+  // LUT changed, or other things are read.
   void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
               const VolumeReads& reads = {});
   BlockView view(std::size_t block) const {
@@ -100,21 +100,21 @@ class VolumeMemory : public Blocked {
     return {densities_.data() + first, codes_.empty() ? nullptr : codes_.data() + first, gradients_.data(),
             decoded_colours_.empty() ? nullptr : decoded_colours_.data() + first};
   }
-  // Some voxel has a tag other than 0.
+  // Whether some voxel has a tag other than 0.
   bool has_tags() const { return has_tags_; }
 
-  // All decoded blocks in one array, for who reads many at once: block b's voxels begin at first()[b]. Blocks that were
-  // never written, or never read, share the first place.
+  // All decoded blocks in one array, for readers of many blocks at once: block b's voxels begin at first()[b]. Blocks that were
+  // never written or never read share the first slot.
   std::span<const std::int16_t> decoded_densities() const {
     return densities_;
-  }                                                                        // one more: a pair is read at the last too
-  std::span<const std::uint16_t> decoded_codes() const { return codes_; }  // the same beside it; none if all are 0
-  std::span<const DecodedColour> decoded_colours() const { return decoded_colours_; }  // beside it; none: no colours
+  }                                                                        // one extra: the last is read as a pair, too
+  std::span<const std::uint16_t> decoded_codes() const { return codes_; }  // same order; empty: all are 0
+  std::span<const DecodedColour> decoded_colours() const { return decoded_colours_; }  // same order; empty: no colours
   std::span<const DecodedGradient> gradients() const { return gradients_; }            // by code
   std::span<const std::size_t> first() const { return first_; }
   // Counts the calls of decode() that changed anything, over all volumes.
   std::uint64_t decodings() const { return decodings_; }
-  // Size and words. What is decoded of them is made anew.
+  // Saves or restores size and words. The decoded form is rebuilt.
   void state(Archive& archive);
 
  private:
@@ -122,34 +122,34 @@ class VolumeMemory : public Blocked {
   std::size_t places() const { return densities_.size() - 1; }
   void make_places(std::span<const std::uint8_t> leapt_over);
   void decode_blocks(std::span<const std::size_t> which, unsigned threads);
-  // The block's own voxels, if its words are here, which it then lets go. All bits of their gradient codes and tags.
+  // Decodes the block's own voxels if its words are here, and may free these. Returns the OR of their codes and tags.
   std::uint16_t decode_own(std::size_t block);
-  // Copies its neighbours' voxels onto its +1 faces. All bits of their codes and tags, also where none are made.
+  // Copies the neighbours' voxels to the block's +1 faces. Returns the OR of their codes and tags, even if none are stored.
   std::uint16_t decode_faces(std::size_t block);
-  // To the voxels from `at` on: `count` from voxel (0, y, z) of a block on, which is any, or beyond the volume.
+  // Copies `count` voxels from (0, y, z) of the block at `from`, which may be outside the volume, to the voxels from `at` on.
   std::uint16_t copy_row(const std::array<int, 3>& from, std::size_t y, std::size_t z, std::size_t count,
                          std::size_t at);
 
-  // BlockBytes' way to bring words back.
+  // The `pack` of BlockBytes.
   struct Packer {
     const VolumeMemory* of;
     void operator()(std::size_t block, std::span<std::uint8_t> out) const;
   };
   Packer packer() const { return {this}; }
-  static constexpr auto kHere = [](std::size_t, std::span<std::uint8_t>) {};  // colours stay
+  static constexpr auto kHere = [](std::size_t, std::span<std::uint8_t>) {};  // colours are never elsewhere
 
   wire::VoxelFormat format_;
   BlockBytes words_, colours_;
-  std::vector<std::uint8_t> stale_;     // one a block
-  std::vector<std::size_t> free_;       // places of blocks that were dropped
-  std::vector<std::size_t> first_;      // of each block in:
-  LargeArray<std::int16_t> densities_;  // blocks with faces; the first one is zero
+  std::vector<std::uint8_t> stale_;     // one flag per block
+  std::vector<std::size_t> free_;       // slots of dropped blocks
+  std::vector<std::size_t> first_;      // slot of each block in the following arrays
+  LargeArray<std::int16_t> densities_;  // blocks with faces; the first is all zero
   LargeArray<std::uint16_t> codes_;     // empty while all are 0
   bool has_tags_ = false;
   std::vector<DecodedGradient> gradients_;
-  LargeArray<DecodedColour> decoded_colours_;  // empty until some are read
+  LargeArray<DecodedColour> decoded_colours_;  // empty until colours are read
   std::uint64_t decodings_ = 0;
-  bool resized_ = false;  // since the last of them
+  bool resized_ = false;  // since the last decoding
 };
 
 }  // namespace gicube::emu
