@@ -1,4 +1,4 @@
-// Advancing a ray: steps in the position's fixed point, the end of a ray, and leaps over empty blocks [P §2.1].
+// Advancing a ray: fixed-point steps, the end of a ray, and skipping empty blocks [P §2.1].
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace gicube::emu {
 
-// A position or a step of the wide datapath: 30 fraction bits, as a direction times a length has. Nothing is rounded, so a ray's
-// position is its start plus any number of steps exactly.
+// A position or step of the wide datapath: 30 fraction bits, which hold a direction times a length exactly. Nothing is rounded,
+// so a ray's position is exactly its start plus a number of steps.
 using FinePoint = std::array<std::int64_t, 3>;
-inline constexpr int kRestBits = 16;  // below the units of positions
-// What such a word has below a unit. A flight begins half a unit up, so that the units alone are rounded to nearest.
+inline constexpr int kRestBits = 16;  // beyond the fraction bits of a Point
+// The additional fraction bits. A path segment starts at one half of a unit, so that units_of() rounds to nearest.
 using Rest = std::array<std::uint16_t, 3>;
 inline constexpr std::uint16_t kHalfUnit = 1u << (kRestBits - 1);
 inline constexpr Rest kHalfUnits{kHalfUnit, kHalfUnit, kHalfUnit};
@@ -49,7 +49,7 @@ constexpr Point step_vector(const std::array<std::int16_t, 3>& direction, std::u
   return step;
 }
 
-// The same on the wide datapath.
+// step_vector() for the wide datapath.
 constexpr FinePoint fine_step_vector(const std::array<std::int16_t, 3>& direction, std::uint32_t length) {
   FinePoint step{};
   for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::int64_t{direction[axis]} * length;
@@ -63,8 +63,8 @@ constexpr bool inside(const Point& position, const Point& extent) {
   return true;
 }
 
-// The face (wire::kFaces) that a ray crossed first of those whose plane it is beyond: at least one. `step`: its last one, or
-// several; on an axis where it does not lead out, the ray was beyond before.
+// The face (wire::kFaces) that a ray crossed first among those whose plane it is beyond; there must be one. `step`: the last
+// step, or several; if it does not lead out along an axis, the ray was beyond that plane before.
 constexpr std::size_t face_left_by(const Point& position, const FinePoint& step, const Point& extent) {
   std::size_t face = 0;
   std::int64_t beyond_face = 0, out_of_face = 1;
@@ -72,20 +72,20 @@ constexpr std::size_t face_left_by(const Point& position, const FinePoint& step,
     const bool low = position[axis] < 0;
     const std::int64_t beyond = low ? -std::int64_t{position[axis]} : std::int64_t{position[axis]} - extent[axis];
     const std::int64_t out = std::max<std::int64_t>(low ? -step[axis] : step[axis], 0);
-    if (beyond <= 0 || beyond * out_of_face <= beyond_face * out) continue;  // the share of the step that is beyond
+    if (beyond <= 0 || beyond * out_of_face <= beyond_face * out) continue;  // compares fractions of the step beyond
     face = 2 * axis + (low ? 0 : 1);
     beyond_face = beyond, out_of_face = out;
   }
   return face;
 }
 
-// True once a ray that runs out of a kept half space has left it. A ray that runs into it was placed on the plane by the
-// DSP and may stand a rounding short of it.
+// Whether a ray that leaves a kept half space has left it. A ray that enters one was started on the plane by the DSP, and
+// rounding may have put it slightly outside.
 constexpr bool beyond(const Plane& plane, const Point& position, const Point& step) {
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
-// How far a position of the wide datapath, which is half a unit up, is inside of a kept half space: 44 fraction bits.
+// Height above a cut plane of a position of the wide datapath, which is half a unit too high; 44 fraction bits.
 constexpr std::int64_t fine_height(const Plane& plane, const FinePoint& position) {
   constexpr std::int64_t kFarOff = std::int64_t{1} << 46;  // beyond any volume
   std::int64_t height = -std::clamp(plane.offset, -kFarOff, kFarOff) * (1 << kRestBits);
@@ -99,9 +99,9 @@ constexpr bool fine_beyond(const Plane& plane, const FinePoint& position, const 
   return fine_slope(plane, step) < 0 && fine_height(plane, position) < 0;
 }
 
-// The least number of whole steps that take `position` out of the block [low, low + size) on some axis; at least 1.
-// Whole steps keep the samples where they would have been: without jitter, leaping never changes a bit. (The paper leaps
-// to the block's face, "but at least dr"; docs/reference/hardware.md.)
+// The least number of whole steps that take `position` out of the block [low, low + size) on some axis; at least 1. Whole steps
+// keep the sample positions: without jitter, skipping never changes a bit. (The paper skips to the block's face, "but at least
+// dr"; docs/reference/hardware.md.)
 template <typename Word>
 constexpr std::int32_t leap_steps(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
                                   const std::array<Word, 3>& low, std::type_identity_t<Word> size) {
@@ -117,7 +117,7 @@ constexpr std::int32_t leap_steps(const std::array<Word, 3>& position, const std
   return static_cast<std::int32_t>(least);
 }
 
-// The least number of whole steps, at most `most`, that take a position inside out of the volume.
+// The least number of whole steps, at most `most`, that take a position inside the volume out of it.
 template <typename Word>
 constexpr std::int32_t steps_inside(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
                                     const std::array<Word, 3>& extent, std::int32_t most) {
@@ -129,7 +129,7 @@ constexpr std::int32_t steps_inside(const std::array<Word, 3>& position, const s
   }
   return static_cast<std::int32_t>(least);
 }
-// The greatest position of the wide datapath that is in the volume.
+// The greatest position of the wide datapath inside the volume.
 constexpr FinePoint fine_extent(const Point& extent) { return fine(extent, {0xFFFF, 0xFFFF, 0xFFFF}); }
 
 }  // namespace gicube::emu

@@ -1,6 +1,6 @@
-// What rays do where blocks of the volume are not on the card. They wait, with all their bits, so that they go on as if they had not
-// waited. What they leave in blocks whose irradiance the host has goes to the host, which adds it to its words: a deposit is divided
-// among its voxels, and those of other blocks get their shares on the card, with all copies.
+// Rays in volumes with non-resident blocks. A ray that reaches such a block waits with its complete state, so that it continues
+// as if it had not waited. Energy for blocks whose irradiance is at the host is sent to the host, which adds it to its words: a
+// deposit is split among its voxels, and those of other blocks get their shares, with all copies, on the card.
 #pragma once
 
 #include <algorithm>
@@ -15,10 +15,10 @@ namespace gicube::emu {
 
 struct WaitingRay {
   RayState ray_state{};
-  std::uint64_t number = 0;  // among the rays of its commands, which go on in this order
+  std::uint64_t number = 0;  // index among the rays of its commands; they continue in this order
   std::uint32_t block = 0;
-  std::uint16_t home = 0;  // 0: this card made it; else by wire::ForwardedRay
-  bool trapped = false;    // it waits for a routine's answer besides, which the sample at its place is asked for
+  std::uint16_t home = 0;  // 0: this card made it; otherwise as in wire::ForwardedRay
+  bool trapped = false;    // also waits for a routine's answer, which needs the sample at this position
 
   void state(Archive::Record& record) { record(ray_state, number, block, home, trapped); }
 };
@@ -26,24 +26,24 @@ struct WaitingRay {
 class WaitingRayQueue {
  public:
   virtual ~WaitingRayQueue() = default;
-  // Takes ray `index` of the run's source. From several threads. Throws RoutineFault if there are too many.
+  // Takes ray `index` of the run's source. May be called from several threads. Throws RoutineFault if there are too many.
   virtual void add(const WaitingRay& ray, std::uint64_t index) = 0;
-  // Ray `index` of the run's source as it waited; null: it sets out.
+  // Ray `index` of the run's source as it was when it began to wait; null: it starts.
   virtual const WaitingRay* find(std::uint64_t index) const = 0;
 };
 
-// Whether a ray that comes to the block must wait.
+// Whether a ray that reaches the block must wait.
 inline bool is_absent(std::size_t block, const Frame& frame) {
   if (frame.absent.empty() || frame.absent[block] == 0) return false;
   return !frame.leap || frame.empty[block] == 0;
 }
 
-// Whether a trapped ray must wait for the block: its routine is told of the sample there, also if rays leap over the block.
+// Whether a trapped ray must wait for the block: its routine needs the sample there, even if rays skip the block.
 inline bool is_absent_for_routine(std::size_t block, const Frame& frame) {
   return !frame.absent.empty() && frame.absent[block] != 0;
 }
 
-// The state in which ray `index` of the run's source, made as `ray`, begins or goes on.
+// The state in which ray `index` of the run's source, made as `ray`, starts or continues.
 inline RayState begin_or_go_on(const wire::Ray& ray, std::uint64_t index, const Frame& frame) {
   const WaitingRay* const waited = frame.in_bricks() ? frame.waiting->find(index) : nullptr;
   return waited != nullptr ? waited->ray_state : unpack(ray, frame);
@@ -52,7 +52,7 @@ inline RayState begin_or_go_on(const wire::Ray& ray, std::uint64_t index, const 
 class HostDepositList {
  public:
   virtual ~HostDepositList() = default;
-  // `word`: block * n^3 + voxel of the block. From several threads. Throws RoutineFault if there are too many.
+  // `word`: block * n^3 + voxel of the block. May be called from several threads. Throws RoutineFault if there are too many.
   virtual void add(std::uint64_t word, std::uint32_t units) = 0;
 };
 
@@ -63,7 +63,7 @@ inline std::size_t owner_of(const std::array<std::int32_t, 3>& voxel, const Irra
   return static_cast<std::size_t>(voxel[0] / n + blocks[0] * (voxel[1] / n + blocks[1] * (voxel[2] / n)));
 }
 
-// Calls use(share's number, owner, voxel) for each share of the deposit that is not 0.
+// Calls use(index of the share, owner, voxel) for each nonzero share of the deposit.
 template <typename Use>
 void for_each_share(const Deposit& deposit, const IrradianceMemory& words, const Use& use) {
   for (std::size_t i = 0; i < deposit.shares.size(); ++i) {
@@ -76,7 +76,7 @@ void for_each_share(const Deposit& deposit, const IrradianceMemory& words, const
   }
 }
 
-// The deposit without what goes to the host.
+// The deposit without the shares for the host.
 inline Deposit on_card(const Deposit& deposit, const Frame& frame) {
   Deposit out = deposit;
   if (frame.dark.empty()) return out;
@@ -86,7 +86,7 @@ inline Deposit on_card(const Deposit& deposit, const Frame& frame) {
   return out;
 }
 
-// Gives the host its shares; of `block` alone, if that is a block.
+// Passes the host its shares; only those of `block`, if one is given.
 inline void give_host(const Deposit& deposit, const Frame& frame, std::size_t block = ~std::size_t{0}) {
   if (frame.dark.empty()) return;
   for_each_share(deposit, *frame.irradiance, [&](std::size_t i, std::size_t owner, const auto& voxel) {

@@ -1,4 +1,4 @@
-// Front-to-back compositing by the over operator [P §2.1; Porter and Duff 1984] in the ray's own words.
+// Front-to-back compositing by the over operator [P §2.1; Porter and Duff 1984] in the words of the ray.
 #pragma once
 
 #include <algorithm>
@@ -12,21 +12,21 @@
 
 namespace gicube::emu {
 
-// Adds a sample of corrected opacity `alpha` (24 bits) behind what `ray` has gathered: its `colour` is premultiplied,
-// 4095 = one, its `opacity` 2^24 - 1 = one.
+// Adds a sample of corrected opacity `alpha` (24 bits) behind the ray's accumulated values: its `colour` is premultiplied, 4095
+// = one, its `opacity` 2^24 - 1 = one.
 template <typename Ray>
 constexpr void over(Ray& ray, const Colour12& colour, std::uint32_t alpha) {
   const std::uint64_t weight = divide_by_full_scale<24>(std::uint64_t{wire::kOpacityOne - ray.opacity} * alpha);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto added =
         static_cast<std::uint32_t>(divide_by_full_scale<24>(static_cast<std::uint64_t>(colour[c]) * weight));
-    // Roundings may sum to one too many.
+    // Rounding may make the sum exceed one by a unit.
     ray.colour[c] = static_cast<std::uint16_t>(std::min(ray.colour[c] + added, wire::kColourOne));
   }
   ray.opacity += static_cast<std::uint32_t>(weight);
 }
 
-// Adds what a part of the ray has gathered behind what `ray` has.
+// Adds the accumulated values of a part of the ray behind those of `ray`.
 template <typename Ray>
 constexpr void over_premultiplied(Ray& ray, const wire::Ray& part) {
   const std::uint64_t clear = wire::kOpacityOne - ray.opacity;
@@ -37,7 +37,7 @@ constexpr void over_premultiplied(Ray& ray, const wire::Ray& part) {
   ray.opacity += static_cast<std::uint32_t>(divide_by_full_scale<24>(part.opacity * clear));
 }
 
-// What the ray can still add to the image, 12 bits.
+// The fraction that the ray can still add to the image, 12 bits.
 constexpr std::uint16_t contribution(std::uint32_t opacity) {
   return static_cast<std::uint16_t>((wire::kOpacityOne - opacity) >> 12);
 }

@@ -1,4 +1,4 @@
-// What rays leave in the irradiance words: how much, and how it is divided among voxels and words.
+// Deposits of rays in the irradiance words: their energy, and how it is split among voxels and words.
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
 #include "datapath/trilinear_splat.h"
@@ -7,7 +7,7 @@ namespace gicube::emu {
 
 namespace {
 
-// Makes the voxel of least coordinates round `place` the deposit's, and returns how far behind it the place is on each axis.
+// Sets the deposit's voxel to that of least coordinates around `place`; returns the fractions of `place` in the cell.
 std::array<std::uint32_t, 3> put_at(const Point& place, Deposit& out) {
   constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
   std::array<std::uint32_t, 3> fraction{};
@@ -26,7 +26,7 @@ Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::
   return out;
 }
 
-// Splits what `ray` brings to its place, or leaves there.
+// The deposit in all words together, of a ray or of a carrier.
 Deposit split_all(const Interaction& interaction, const RayState& ray, const Frame& frame) {
   Deposit all = deposit_in(0, interaction, ray, frame);
   for (std::size_t word = 1; word < frame.light_words; ++word) {

@@ -1,4 +1,4 @@
-// Lighting a sample of a rendering ray by the irradiance that its voxels hold [P §3.4].
+// Lights a sample of a rendering ray by the irradiance of its voxels [P §3.4].
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace gicube::emu {
 
-// The irradiance round a sample, 11.4. `cell` points at the word of least coordinates.
+// The irradiance at a sample, 11.4. `cell` points to the word of least coordinates.
 inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std::size_t slice,
                                 const std::array<int, 3>& weights, bool narrow) {
   const auto word = [cell, narrow](std::size_t i) { return irradiance_word(cell[i], narrow); };
@@ -22,8 +22,8 @@ inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std:
   return static_cast<std::uint32_t>(std::max<std::int16_t>(lerp(near, far, weights[2]), 0));
 }
 
-// A classified sample's colour in light of that red, green and blue: the diffuse part by irradiance, the highlight of point lights by the
-// reflectance map, which may be black [P §3.4]. `exposure`: 16.16.
+// Colour of a classified sample lit by red, green and blue irradiance: irradiance gives the diffuse part, the reflectance map,
+// which may be black, the highlights of point lights [P §3.4]. `exposure`: 16.16.
 inline Colour12 illuminated(const wire::SegmentationEntry& entry, const std::array<std::uint32_t, 3>& irradiance,
                             std::uint32_t exposure, const Point& gradient, const std::uint8_t* reflectance_map) {
   constexpr int kTooMany = kIrradianceFractionBits + wire::kGainFractionBits + 16 - kShadeFractionBits;

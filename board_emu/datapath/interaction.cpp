@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 namespace {
 
-// A sample before its gradient and its colour are asked for.
+// A classified sample; gradient and colour are computed only on demand.
 struct Classified {
   explicit Classified(const SampleSite& site, const Frame& frame)
       : at(around(site)), view(site.view), tag(tag_at(site, at)), density(resample_density(view.densities, at)) {
@@ -27,7 +27,7 @@ struct Classified {
   const BlockView& view;
   unsigned tag;
   std::int16_t density;
-  std::size_t index;  // of its entry
+  std::size_t index;  // of `entry`
   const wire::SegmentationEntry* entry;
 };
 
@@ -39,7 +39,7 @@ std::uint64_t draw_here(RandomStream what, const RayState& ray, const Frame& fra
   return draw_at(what, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
 }
 
-// A ray that has been scattered leaves a reflecting surface without meeting it again.
+// Whether a scattered ray leaves a reflecting surface, so that it does not interact with it again.
 bool leaves(const RayState& ray, const wire::Material& material, const Classified& sample, const Frame& frame) {
   if (ray.generation == 0 || !reflects(material.bsdf)) return false;
   const Point gradient = sample.gradient();
@@ -50,7 +50,7 @@ bool leaves(const RayState& ray, const wire::Material& material, const Classifie
   return along < 0;
 }
 
-// Of what is not absorbed, the part that is scattered: Ks a / (1 - (1 - Ks) a), 24 bits.
+// The scattered fraction of the light that is not absorbed: Ks a / (1 - (1 - Ks) a), 24 bits.
 std::uint32_t scattering_opacity(std::uint32_t a, const wire::Material& material) {
   if (a == wire::kOpacityOne) return material.scattering == 0 ? 0 : wire::kOpacityOne;
   const double ks = material.scattering / double{wire::kScatteringOne}, alpha = a / double{wire::kOpacityOne};
@@ -62,13 +62,13 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
-// Accumulates `opacity`; true when the ray interacts within the sample's part, `share` being that of its depth, 0..1.
+// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its depth.
 bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& share) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
   const std::uint32_t value = interaction_value(ray, frame);
   if (ray.interacted < value || ray.interacted == before) return false;
-  // The depth grows evenly along the step, the opacity does not.
+  // Optical depth grows linearly along the step, opacity does not.
   const auto depth = [before](std::uint32_t until) {
     return std::log((wire::kOpacityOne - before + 0.5) / (wire::kOpacityOne - until + 0.5));
   };
@@ -76,8 +76,8 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
   return true;
 }
 
-// Where this share of its medium's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
-// another block.
+// The position at which the fraction `share` of the medium's optical depth is behind the ray; the printed rules use the
+// sample's own position. It may be in another block.
 Point place_in(const RayPart& part, double share, const RayState& ray, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
@@ -89,14 +89,14 @@ Point place_in(const RayPart& part, double share, const RayState& ray, const Fra
   return out;
 }
 
-// Of Ks, the part that is scattered of this colour of light.
+// Ks for one colour of light.
 std::uint32_t scattering_of(std::size_t word, const wire::Material& material, unsigned tag, const Frame& frame) {
   if (frame.light_words == 1) return material.scattering;
   const std::uint32_t product = std::uint32_t{material.scattering} * frame.scattering_colour[tag][word];
   return (product + wire::kScatteringOne / 2) / wire::kScatteringOne;
 }
 
-// All colours of a ray are scattered as the one that is scattered most. Of the others a part is absorbed there: returns it.
+// Scatters all colours like the one with the largest Ks; a fraction of the others is absorbed. Returns its units.
 EnergyUnits keep_colour(RayState& ray, unsigned tag, const Frame& frame) {
   EnergyUnits lost{};
   if (frame.light_words == 1) return lost;
@@ -104,14 +104,14 @@ EnergyUnits keep_colour(RayState& ray, unsigned tag, const Frame& frame) {
   for (std::size_t word = 0; word < frame.light_words; ++word) {
     const std::uint32_t before = energy_units(ray, frame, word);
     const std::uint64_t energy = ray.energy(word), part = wire::kScatteringOne - frame.scattering_colour[tag][word];
-    const std::uint64_t dither = chance * wire::kScatteringOne >> 16;  // rounded at random, as losses are
+    const std::uint64_t dither = chance * wire::kScatteringOne >> 16;  // stochastic rounding, as for losses
     ray.set_energy(word, energy - (energy * part + dither) / wire::kScatteringOne);
     lost[word] = before - energy_units(ray, frame, word);
   }
   return lost;
 }
 
-// Besides what media before it in the part took: one deposit, where most of it is.
+// Adds the units of a further medium in the interval: one deposit, at the position of the larger part.
 void deposit_more(Interaction& interaction, const RayState& ray, EnergyUnits units, const Point& place,
                   const Frame& frame) {
   const auto sum = [](const EnergyUnits& of) { return std::accumulate(of.begin(), of.end(), std::uint64_t{0}); };
@@ -130,7 +130,7 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
   }
 }
 
-// The ray interacts at `share` of its medium's depth and is scattered.
+// The ray interacts after the fraction `share` of its medium's optical depth and is scattered.
 void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
              const Classified& sample, const Frame& frame, RayCounters& counters) {
   ray.position = place_in(part, share, ray, frame);
@@ -155,7 +155,7 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-// Each of these three meets one medium of the part. True if the ray goes straight on.
+// Each of the three interact_ functions handles one medium of the interval. Returns true if the ray continues straight on.
 bool interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
                      const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
@@ -178,7 +178,7 @@ bool interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
   const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t lost = printed ? a : absorption_opacity(a, material);
-  // Rounded at random: a small energy in thin fog would else never become less.
+  // Stochastic rounding: otherwise small energies would never decrease in thin fog.
   const std::uint64_t dither = (draw_here(RandomStream::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
   EnergyUnits given{};
   bool any_left = false;
@@ -189,7 +189,7 @@ bool interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
     const std::uint32_t left = energy_units(ray, frame, word);
     any_left = any_left || left != 0;
     given[word] = units - left;
-    if (!printed || given[word] == 0) continue;  // what was scattered is lost [P §2.2]
+    if (!printed || given[word] == 0) continue;  // with the printed rules, scattered energy is lost [P §2.2]
     const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, part.tag(), frame);
     const std::uint64_t chance = (draw_here(RandomStream::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
     const auto absorbed = static_cast<std::uint32_t>((given[word] * kept + chance) / wire::kScatteringOne);
@@ -233,7 +233,7 @@ Colour12 colour_of(const Classified& sample, const SampleSite& site, const Frame
   return illuminated(entry, light, frame.exposure, gradient, frame.reflectance_map);
 }
 
-// Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
+// Composites the absorbed part of a sample's opacity; `scattering`: wire::kScatteringOne = all is scattered.
 void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_t scattering, const Classified& sample,
             const Frame& frame) {
   constexpr float kOne = wire::kScatteringOne;
@@ -274,7 +274,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
   return false;
 }
 
-// A ray that takes nothing from its energy leaves its amount at each sample.
+// A backprojecting ray adds its amount at each sample and keeps it.
 Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
   Interaction interaction;
   interaction.visible = true;
@@ -285,7 +285,7 @@ Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters
     interaction.place = ray.position;
     interaction.units[0] = static_cast<std::uint32_t>(amount);
     interaction.deposit = spread_at(ray.position, amount);
-  } else {  // a fraction of a unit is rounded at random, and the place's own way
+  } else {  // stochastic rounding of fractions, by position
     constexpr int kFraction = wire::kAmountFractionBits;
     const std::uint64_t chance =
         draw_at(RandomStream::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
@@ -346,10 +346,10 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
     part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
   }
   bool goes_on = true;
-  do {  // one medium of the part after the other
+  do {  // one medium of the interval after the other
     const wire::Material& material = frame.materials[part.tag()];
     const bool meets = in_medium && (part.opacity() != 0 || !integrates);
-    if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
+    if (ray.is(wire::kTrapped)) {  // back from the DSP: still at the surface?
       const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
       if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
     }

@@ -1,5 +1,5 @@
-// The spacing unit's random factor: position and image destination are mixed into an index of a LUT of numbers
-// between 1/2 and 1 [P §2.1, §3.4]. The same ray at the same place always draws the same number (bit exactness).
+// The spacing unit's random factor: position and image destination are hashed to an index into a LUT of numbers between 1/2 and
+// 1 [P §2.1, §3.4]. The same ray at the same position always draws the same number (bit exactness).
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gicube::emu {
 inline constexpr std::size_t kJitterEntries = 256;  // chosen
 inline constexpr std::uint32_t kJitterOne = 1u << 16;
 
-// Stratified: entry i of a shuffled order is 1/2 + (i + 1/2) / 512, so the mean is 3/4 exactly.
+// Stratified: entry i of a shuffled order is 1/2 + (i + 1/2) / 512, so the mean is exactly 3/4.
 constexpr std::array<std::uint32_t, kJitterEntries> make_jitter_lut() {
   std::array<std::uint32_t, kJitterEntries> lut{};
   for (std::size_t i = 0; i < kJitterEntries; ++i) {

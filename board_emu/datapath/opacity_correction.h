@@ -1,5 +1,5 @@
-// Opacity correction: alpha' = 1 - (1 - alpha)^e for a sample that stands for e voxel lengths [P §2.1], by two small
-// tables as a hardware power unit would have: log2 of the transparency and 2^-x, each 1024 linear segments.
+// Opacity correction, alpha' = 1 - (1 - alpha)^e for a sample that represents e voxel lengths [P §2.1], by two small tables
+// like a power unit in hardware: log2 of the transparency and 2^-x, each with 1024 linear segments.
 //
 // Full-scale alpha stays exactly one (1 - (1-alpha)^e has an infinite slope there for e < 1), and a zero alpha zero.
 #pragma once
@@ -17,7 +17,7 @@ namespace gicube::emu {
 
 class OpacityCorrection {
  public:
-  // `alpha`: 16 bits, of one voxel length. `exponent`: 16.16 voxel lengths. The result has 24 bits.
+  // `alpha`: 16 bits, per voxel length. `exponent`: 16.16 voxel lengths. The result has 24 bits.
   std::uint32_t operator()(std::uint16_t alpha, std::uint32_t exponent) const {
     if (alpha == wire::kClassifiedOpacityOne) return wire::kOpacityOne;
     const std::uint64_t x = (std::uint64_t{depth(alpha)} * exponent + (1u << 15)) >> 16;  // 40.24
@@ -28,7 +28,7 @@ class OpacityCorrection {
   static constexpr std::size_t kSegments = std::size_t{1} << kSegmentBits;
   static constexpr int kFractionBits = 24;
 
-  // -log2(1 - alpha), 8.24, for an alpha below full scale; 0 for 0 alone.
+  // -log2(1 - alpha), 8.24, for an alpha below full scale; 0 only for alpha 0.
   std::uint32_t depth(std::uint16_t alpha) const {
     return static_cast<std::uint32_t>(full_scale_log2_) - log2(wire::kClassifiedOpacityOne - alpha);
   }

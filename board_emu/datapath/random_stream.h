@@ -1,5 +1,5 @@
-// Random numbers of a ray, hashed from its state: every fidelity level, order and thread draws the same (board's bit
-// exactness). The hardware would mix the same bits into the index of a LUT [P §3.4].
+// Random numbers of a ray, hashed from its state: they are the same in every fidelity level, order and thread (bit exactness).
+// Hardware would hash the same bits to the index of a LUT [P §3.4].
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace gicube::emu {
 
-// What a number is drawn for: draws of one ray at one place must not repeat each other.
+// Purpose of a number: draws of one ray at one position must be independent.
 enum class RandomStream : std::uint64_t {
   kInteraction = 1,
   kPhase,
@@ -22,14 +22,14 @@ enum class RandomStream : std::uint64_t {
   kColour
 };
 
-// 64 bits for the ray (u, v) on a flight: `lifetime` names the flight. `seed` is the SEED register.
+// 64 bits for the ray (u, v) on the path segment identified by `lifetime`. `seed` is the SEED register.
 constexpr std::uint64_t draw(RandomStream what, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
                              std::uint32_t seed) {
   const std::uint64_t ray = u | std::uint64_t{v} << 16 | std::uint64_t{lifetime} << 32;
   return mix64(mix64(ray) ^ (std::uint64_t{seed} << 8 | static_cast<std::uint64_t>(what)));
 }
 
-// The same at a place.
+// draw() that also depends on a position.
 constexpr std::uint64_t draw_at(RandomStream what, const std::array<std::int32_t, 3>& position, std::uint16_t u,
                                 std::uint16_t v, std::uint16_t lifetime, std::uint32_t seed) {
   const std::uint64_t low =

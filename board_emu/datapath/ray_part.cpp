@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-// Of an opaque place: 2^-24 of the light is half a unit of the opacity's word.
+// Optical depth of an opaque position: 2^-24 of the light is half a unit of the opacity's word.
 const double kOpaque = std::log(2.0 * wire::kOpacityOne);
 
 double lerp(double a, double b, double w) { return a + (b - a) * w; }
 
-// When the ray is in a cell, in steps from its sample.
+// The interval in which the ray is in a cell, in steps from its sample.
 struct Reach {
   double entry = -std::numeric_limits<double>::infinity(), exit = std::numeric_limits<double>::infinity();
 };
@@ -30,7 +30,7 @@ class Path {
   }
 
   const Reach& own() const { return own_; }
-  // A part begins and ends half way between what two samples' cells have of the ray: so all of it belongs to one sample.
+  // An interval begins and ends half way between the cells of neighbouring samples, so that the intervals cover the ray once.
   double begin() const {
     const Point previous = moved(-1);
     if (same_cell(previous)) return -0.5;
@@ -38,7 +38,7 @@ class Path {
   }
   double end(const Point& extent) const {
     const Point next = moved(1);
-    if (!inside(next, extent)) return to_the_face(extent);  // the flight's last sample
+    if (!inside(next, extent)) return to_the_face(extent);  // the path segment's last sample
     if (same_cell(next)) return 0.5;
     return (own_.exit + std::max(own_.exit, reach(next, 1).entry)) / 2;
   }
@@ -49,7 +49,7 @@ class Path {
     const Point& at = ray_.position;
     return (((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) & -wire::kVoxel) == 0;
   }
-  // In the cell of a position that is `steps` away.
+  // The interval in the cell of a position that is `steps` away.
   Reach reach(const Point& position, double steps) const {
     Reach out;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -76,7 +76,7 @@ class Path {
   Reach own_;
 };
 
-// Where the ray is in the sample's cell at `steps` from the sample, 0..1.
+// The ray's position in the sample's cell, `steps` from the sample, 0..1.
 std::array<double, 3> in_cell(const Cell& cell, const RayState& ray, double steps) {
   std::array<double, 3> w;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -85,7 +85,7 @@ std::array<double, 3> in_cell(const Cell& cell, const RayState& ray, double step
   return w;
 }
 
-// The density there, 12 bits and a fraction.
+// The density at this position, 12 bits and a fraction.
 double density_at(const std::int16_t* densities, const Neighbourhood& around, const std::array<double, 3>& w) {
   const auto along_x = [&](std::size_t voxel) { return lerp(densities[voxel], densities[voxel + 1], w[0]); };
   const std::size_t down = around.first + around.row, deep = around.first + around.slice;
@@ -94,7 +94,7 @@ double density_at(const std::int16_t* densities, const Neighbourhood& around, co
   return lerp(near, far, w[2]) / (1 << kDensityFractionBits);
 }
 
-// And the tag, that of the nearest voxel.
+// The tag of the voxel nearest to this position.
 unsigned tag_at(const BlockView& view, const Neighbourhood& around, const std::array<double, 3>& w) {
   return tag_of(view.codes[around.first + (w[0] >= 0.5) + around.row * (w[1] >= 0.5) + around.slice * (w[2] >= 0.5)]);
 }
@@ -197,9 +197,9 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
     }
     std::sort(ends.begin(), ends.begin() + static_cast<std::ptrdiff_t>(count));
   }
-  // Beyond its cell the medium stays what it is at the face.
+  // Beyond its cell the medium is constant, as on the cell's face.
   const auto within = [&](double steps) { return in_cell(cell, ray, std::clamp(steps, entry, exit)); };
-  const double lengths = ray.exponent / 65536.0;  // of a step, reference voxel lengths
+  const double lengths = ray.exponent / 65536.0;  // reference voxel lengths per step
   double to = density_at(densities, voxels, within(begin));
   for (std::size_t i = 0; i + 1 < count; ++i) {
     const double way = ends[i + 1] - ends[i], from = to;

@@ -1,6 +1,6 @@
-// The part of its ray that a sample of a lighting ray stands for, and how much light the media there take, with the
-// conserving rules (docs/reference/hardware.md). The eight voxels of the sample's cell tell densities and tags of the whole part,
-// so that a medium may begin or end anywhere between two samples.
+// The integration interval of a lighting ray's sample, and the opacity of the media in it, with the conserving rules
+// (docs/reference/hardware.md). The eight voxels of the sample's cell define densities and tags in the whole interval, so that
+// a medium may begin or end anywhere between two samples.
 #pragma once
 
 #include <array>
@@ -22,19 +22,19 @@ class DepthTable {
   explicit DepthTable(std::span<const wire::SegmentationEntry> entries);
 
   struct Depth {
-    double depth = 0;   // optical depth up to where the way is opaque, natural units
-    double opaque = 2;  // from this share of the way on, 0..1, nothing passes; 2: it is nowhere opaque
+    double depth = 0;   // optical depth up to the opaque part, natural units
+    double opaque = 2;  // from this fraction of the path on, 0..1, nothing passes; 2: nowhere opaque
   };
-  // Of a way of `length` voxel lengths on which the density changes evenly from `from` to `to` (12 bits and a fraction).
+  // Depth of a path of `length` voxel lengths; the density changes linearly from `from` to `to` (12 bits and a fraction).
   Depth between(unsigned tag, double from, double to, double length) const;
-  // The share of such a way at which `share` of its depth is behind the ray, both 0..1.
+  // The fraction of such a path after which the fraction `share` of its depth is behind the ray, both 0..1.
   double way_to(double share, unsigned tag, double from, double to) const;
   // Whether all densities of the range have one opacity.
   bool uniform(unsigned tag, const DensityRange& range) const {
     return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
   }
-  // For lanes of rays, which take the same operations (functional/simd). By entry: how often the opacity has changed before it; the
-  // next opaque one at or above it with its tag, all ones if there is none; and the sum of the depths of all before, one more.
+  // For lanes of rays, which use the same operations (functional/simd). By entry: number of changes of the opacity before it;
+  // the next opaque entry at or above it with its tag, or all ones; sum of the depths before it, with one more entry.
   std::span<const std::uint32_t> runs() const { return run_; }
   std::span<const std::uint32_t> opaque_up() const { return opaque_up_; }
   std::span<const double> sums() const { return sum_; }
@@ -47,12 +47,12 @@ class DepthTable {
   static Place place(unsigned tag, double density);
   double until(const Place& place) const;
 
-  std::vector<double> sum_;         // of the depths of all entries before; opaque ones count nothing
-  std::vector<std::uint32_t> run_;  // counts the changes of opacity
+  std::vector<double> sum_;                             // of the depths of all entries before; opaque ones add nothing
+  std::vector<std::uint32_t> run_;                      // number of changes of the opacity
   std::vector<std::uint32_t> opaque_up_, opaque_down_;  // the next opaque entry at or above, at or below
 };
 
-// Below this way, in bins, a table's mean depth is that of its entry: the quotient of two small differences would lose its digits.
+// On shorter paths, in bins, the mean depth is that of the entry: the quotient of two small differences would lose precision.
 inline constexpr double kNoWay = 1e-6;
 
 // Opacity of an optical depth, 24 bits.
@@ -60,40 +60,40 @@ inline std::uint32_t opacity_of_depth(double depth) {
   return static_cast<std::uint32_t>(std::lround(-std::expm1(-depth) * wire::kOpacityOne));
 }
 
-// Passes one medium after the other, if the voxels round the sample have several tags. It begins in the first.
+// Iterates over the media of the interval, if the voxels around the sample have several tags. Begins with the first.
 class RayPart {
  public:
-  // A whole step, of a medium of one opacity.
+  // A whole step in a medium of one opacity.
   static RayPart step(std::uint32_t opacity, unsigned tag);
-  // Of the lighting ray's sample at `site`, which has this material and classified opacity. `first`: of its flight.
+  // The interval of a lighting ray's sample at `site` with this material and opacity. `first`: of its path segment.
   static RayPart of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
                     const Frame& frame);
-  // True only if it has no opacity. Quick, since most samples lie where nothing is.
+  // True only if the interval has no opacity. Fast, because most samples are in empty space.
   static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
     return opacity == 0 && has_one_tag(site) &&
            frame.depths->uniform(tag, density_range(site.view.densities, around(site)));
   }
 
-  // Of the medium that it is in.
+  // Properties of the present medium.
   unsigned tag() const { return tag_; }
   std::uint32_t opacity() const { return opacity_; }  // 24 bits
-  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample.
+  // The position at which the fraction `share` of its depth, 0..1, is behind the ray, in steps from the sample.
   double place(double share, const Frame& frame) const;
 
-  // Goes on to the next medium; false if that was the last.
+  // Moves to the next medium; false if there is none.
   bool next();
 
  private:
   struct Piece {
     double begin, end, depth;
-    double from, to;  // densities; equal: the depth is spread evenly
+    double from, to;  // densities; equal: the depth is distributed evenly
     unsigned tag;
   };
   unsigned tag_ = 0;
   std::uint32_t opacity_ = 0;
   double depth_ = 0;
   std::size_t first_ = 0, last_ = 0, pieces_ = 0;  // the medium's pieces end before last_
-  std::array<Piece, 8> piece_;  // two beyond the cell, five in it, and where one of them becomes opaque
+  std::array<Piece, 8> piece_;                     // two beyond the cell, five in it, and an opaque end
 };
 
 }  // namespace gicube::emu

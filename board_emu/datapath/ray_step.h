@@ -1,5 +1,5 @@
-// A ray between two samples, and what one pass through the pipeline does to it. Every fidelity level takes these same steps,
-// so that values can't differ; what a pass costs is not known here.
+// The state of a ray between two samples, and the operations of one iteration through the pipeline. Every fidelity level uses
+// these, so that values cannot differ; their cost is computed elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -18,39 +18,39 @@
 
 namespace gicube::emu {
 
-// The ray packet's words as the pipeline's registers hold them, and what follows from its direction.
+// The ray packet's words in the pipeline's registers, and values derived from its direction.
 struct RayState {
   Point position{};
   Point step{};                // to the next sample
-  std::uint32_t exponent = 0;  // what that distance means for opacity: 16.16 voxel lengths
+  std::uint32_t exponent = 0;  // the distance for opacity correction: 16.16 voxel lengths
   std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
-  std::uint32_t opacity = 0;   // 2^24 - 1 = one; a lighting ray's is `interacted`
-  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
-  // from the opacity, and `interaction`, which is drawn again when asked for. A segment has its steps_left() here.
+  std::uint32_t opacity = 0;   // 2^24 - 1 = one; lighting rays use `interacted` instead
+  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows from
+  // the opacity, and `interaction`, which is drawn again on demand. A segment has its steps_left() here.
   std::uint32_t interacted = 0;
   std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; or another quantity, see below
   std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0;
   std::uint16_t v = 0;
-  std::uint16_t lifetime = 0;       // scatterings that are left
+  std::uint16_t lifetime = 0;       // scatterings left
   std::uint8_t generation : 4 = 0;  // scatterings so far, saturating at 15
-  std::uint8_t under_way : 1 = 0;   // has taken a sample, or a leap, since it began or was scattered
-  std::uint8_t flags = 0;           // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
+  std::uint8_t under_way : 1 = 0;   // has taken a sample or a skip since its start or scattering
+  std::uint8_t flags = 0;           // wire::RayFlag; bits 6 and 7: material's tag of a trapped ray
 
-  // What the wide datapath adds; of other rays nothing reads it.
+  // Used only by the wide datapath.
   WideWords wide{};
-  Rest rest{}, step_rest{};  // of position and step, which is then the whole units in it
+  Rest rest{}, step_rest{};  // of position and step, which have the whole units
 
-  // Energy of green and blue, with three irradiance words, each as the colour has red's.
+  // Energy of green and blue, with three irradiance words; `colour` has that of red.
   std::array<std::array<std::uint16_t, 3>, 2> more_energy{};
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
-  // The colour's 36 bits hold the energy of a lighting ray, 24.12 units; the sum of densities of an integral; or, in their low
-  // 24 bits, the amount that each sample of a backprojecting ray leaves.
+  // The 36 bits of `colour` hold the energy of a lighting ray, 24.12 units; the density sum of an integral; or, in their low 24
+  // bits, the contribution per sample of a backprojecting ray.
   std::uint64_t energy() const { return word_of(colour); }
   void set_energy(std::uint64_t word) { put_word(word, colour); }
-  // The energy for an irradiance word, 0 being red or the only one.
+  // The energy for an irradiance word; 0 is red or the only one.
   std::uint64_t energy(std::size_t word) const { return word == 0 ? energy() : word_of(more_energy[word - 1]); }
   void set_energy(std::size_t word, std::uint64_t energy) {
     put_word(energy, word == 0 ? colour : more_energy[word - 1]);
@@ -102,7 +102,7 @@ inline constexpr int kTrapTagShift = 6;
 
 inline constexpr int kEnergyFractionBits = 12;
 
-// How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
+// Reference voxel lengths per voxel length along `direction`, 16.16. Exactly one if the spacing is one.
 std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
                               const std::array<std::uint32_t, 3>& spacing);
 
@@ -117,12 +117,12 @@ inline void space(RayState& ray, std::uint32_t distance, const Frame& frame) {
       static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
 }
 
-// divide() on the wide datapath: the segment's own vector is divided, so that a step is within 2^-17 of a unit.
+// divide() for the wide datapath: divides the segment's own vector, so that a step is exact to 2^-17 of a unit.
 inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t steps, const Frame& frame) {
   const FinePoint whole = fine_step_vector(ray.direction, length), most = fine_extent(frame.extent);
   FinePoint at = ray.fine_position(), step{};
   const std::int64_t count = steps, others = count - 1;
-  // The direction's rounding, half a unit a voxel, could take the last sample of a segment along a face out of the volume.
+  // The direction's rounding, half a unit per voxel, could take the last sample of a segment along a face out of the volume.
   const std::int64_t rounding = std::int64_t{(length >> 17) + 3} << kRestBits;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     step[axis] = (2 * whole[axis] + (whole[axis] < 0 ? -count : count)) / (2 * count);
@@ -135,7 +135,7 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   ray.set_fine_step(step);
 }
 
-// Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
+// Divides a segment's `length`, 16.16 voxels, into equal steps of at most the frame's, and moves to the middle of the first.
 [[gnu::always_inline]] inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   const std::uint32_t steps = wire::steps_of(length, frame.step);
   ray.set_steps_left(static_cast<std::int32_t>(steps));
@@ -145,8 +145,8 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   space(ray, below + (rest >= steps - steps / 2 ? 1 : 0), frame);  // length / steps, rounded to nearest
   if (frame.wide) return divide_finely(ray, length, steps, frame);
   const Point half = step_vector(ray.direction, (below + 1) / 2);  // length / 2 / steps, rounded to nearest
-  // Direction and step are rounded (half a unit a voxel and a step, an eighth for the step's length), so a segment along a face
-  // could leave the volume before its last sample. If it does by no more than that, its step is a unit or two shorter.
+  // Direction and step are rounded (half a unit per voxel and per step, an eighth for the step's length), so a segment along a
+  // face could leave the volume before its last sample. If it does so by no more than that, the step is shortened slightly.
   const auto others = static_cast<std::int32_t>(steps) - 1;
   const std::int32_t rounding = static_cast<std::int32_t>((length >> 17) + steps * 5 / 8) + 3;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -159,7 +159,7 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   }
 }
 
-// Gives each colour its part of the energy that the packet holds.
+// Divides the packet's energy among the colours.
 inline void colour_energy(RayState& ray, const Frame& frame) {
   const std::uint64_t all = ray.energy();
   for (std::size_t word = 0; word < frame.light_words; ++word) {
@@ -168,7 +168,7 @@ inline void colour_energy(RayState& ray, const Frame& frame) {
   }
 }
 
-// Inline, since the host's compilers else write the ray narrowly and read it widely, and wait in between.
+// Inline: otherwise the compilers write the ray in small parts and read it in large ones, which stalls the host.
 [[gnu::always_inline]] inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   RayState out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -198,11 +198,11 @@ inline void colour_energy(RayState& ray, const Frame& frame) {
   return out;
 }
 
-// Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
+// Writes the ray's accumulated values, and its end position, clamped to the volume, into its packet.
 inline void pack(const RayState& ray, const Frame& frame, wire::Ray& out) {
   const bool hit = frame.to_the_hit() && ray.opacity >= frame.opacity_threshold;
   Point place = ray.position;
-  if (hit || frame.segments()) {  // back from the next sample's place to that of the hit, or to a segment's end
+  if (hit || frame.segments()) {  // back from the next sample to the hit, or to the segment's end
     const int parts = hit ? 1 : 2;
     const FinePoint at = ray.fine_position(), step = ray.fine_step();
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -231,8 +231,8 @@ inline wire::Ray pack(const RayState& ray, const Frame& frame) {
   return out;
 }
 
-// Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
-// It has not ended if it is kWaits, for the host, which has the ray, or kAbsent: it waits for a block.
+// Whether and how a ray has ended. kLeft: out of the volume, behind a cut plane or at a segment's end. kAbsorbed: or given up.
+// A waiting ray has not ended: kWaits for the host, which has the ray; kAbsent for a block.
 enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits, kAbsent };
 
 inline Termination end(const RayState& ray, const Frame& frame) {
@@ -246,8 +246,8 @@ inline Termination end(const RayState& ray, const Frame& frame) {
   return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
 }
 
-// The packet of a ray that has come to its end. With lamps it has the last place within the volume if the ray left, which is on its
-// line, as a place clamped to a face is not; else it has no contribution, since nothing outside can add to it.
+// The packet of a ray that has ended. With lamps, a ray that left has the last position inside the volume, which is on its
+// line, unlike a position clamped to a face. Other rays have no contribution, because nothing outside can add to them.
 inline void pack_ended(const RayState& ray, const Frame& frame, wire::Ray& out) {
   pack(ray, frame, out);
   if (!frame.lamps) return;
@@ -266,18 +266,18 @@ inline wire::Ray pack_ended(const RayState& ray, const Frame& frame) {
   return out;
 }
 
-// Composites a sample of the classified opacity behind what the ray has gathered.
+// Composites a sample of the classified opacity behind the ray's accumulated values.
 inline void composite(RayState& ray, const Colour12& colour, std::size_t index, const Frame& frame) {
   if (gathers_wide(frame)) return over(ray, ray.wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
   over(ray, colour, (*frame.opacity_correction)(frame.segmentation[index].opacity, ray.exponent));
 }
 
-// Whether samples of this entry of the segmentation LUT are seen.
+// Whether samples of this entry of the segmentation LUT have an opacity.
 inline bool visible(std::size_t index, const Frame& frame) {
   return gathers_wide(frame) ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
 }
 
-// Where a sample lies: its place in a block of (edge)^3 voxels, +1 faces included, and the block's number.
+// Position of a sample: its cell in a block of (edge)^3 voxels, +1 faces included, and the block's index.
 struct SampleSite {
   const Cell& cell;
   const BlockView& view;
@@ -303,7 +303,7 @@ inline unsigned tag_at(const SampleSite& site, const Neighbourhood& at) {
                                 at.slice * (fraction[2] >= kHalf)]);
 }
 
-// Whether all voxels round it have its tag.
+// Whether all voxels around the sample have its tag.
 inline bool has_one_tag(const SampleSite& site) {
   if (site.view.codes == nullptr) return true;
   const Neighbourhood at = around(site);
@@ -315,7 +315,7 @@ inline bool has_one_tag(const SampleSite& site) {
   return tag_of(static_cast<std::uint16_t>(differ)) == 0;
 }
 
-// The interpolated gradient, x y z in the last three channels.
+// The interpolated gradient, x, y, z in the last three channels.
 inline Channels gradient_at(const BlockView& view, const Neighbourhood& at) {
   if (view.codes == nullptr) return view.gradients[0].channel;
   return resample_all(
@@ -323,7 +323,7 @@ inline Channels gradient_at(const BlockView& view, const Neighbourhood& at) {
 }
 inline Point point_of(const Channels& gradient) { return {gradient[1], gradient[2], gradient[3]}; }
 
-// A sample's entry of the segmentation LUT, in the colour of its voxels if they have one.
+// A sample's entry of the segmentation LUT, tinted by the colour of its voxels if they have one.
 inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, const BlockView& view,
                                         const Neighbourhood& at, const Frame& frame) {
   if (view.colours == nullptr) [[likely]]
@@ -332,8 +332,8 @@ inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, co
   return tinted(entry, colour_of_words(words, frame.volume->format() == wire::VoxelFormat::kRgba));
 }
 
-// Resamples, classifies, shades and composites. False if the sample has no opacity. Inline, since each pass takes one: a call
-// would put the place into memory.
+// Resamples, classifies, shades and composites. Returns false if the sample has no opacity. Inline, because each iteration
+// takes one sample, and a call would put `site` into memory.
 [[gnu::always_inline]] inline bool take_sample(RayState& ray, const SampleSite& site, const Frame& frame) {
   const Neighbourhood at = around(site);
   const std::int16_t density = resample_density(site.view.densities, at);
@@ -353,7 +353,7 @@ inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, co
   return true;
 }
 
-// A step by the factor that jitter() draws, 16.16 voxels.
+// The frame's step times the factor of jitter(), 16.16 voxels.
 inline std::uint32_t jittered(const Frame& frame, std::uint32_t factor) {
   return static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor));
 }
@@ -364,8 +364,8 @@ inline void jitter_step(RayState& ray, const Frame& frame) {
   space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)), frame);
 }
 
-// What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy, of
-// three the greatest.
+// The sorter's weight of a ray, 12 bits: the fraction that a rendering ray can still add to the image; a lighting ray's energy,
+// the greatest of three.
 inline constexpr std::uint16_t kFullContribution = 4095;
 inline std::uint16_t contribution(const RayState& ray) {
   if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
@@ -379,7 +379,7 @@ inline void advance(RayState& ray, std::int32_t steps, const Frame& frame) {
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
 }
 
-// The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
+// The number of steps that take the ray out of its empty block [low, low + size), or a segment to its end.
 inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
   const std::int32_t steps =
       frame.wide ? leap_steps(ray.fine_position(), ray.fine_step(), fine(low, {}), std::int64_t{size} << kRestBits)
@@ -387,7 +387,7 @@ inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32
   return frame.segments() ? std::min(steps, ray.steps_left()) : steps;
 }
 
-// Counts the steps of a segment down.
+// Subtracts `steps` from a segment's remaining steps.
 inline void count_steps(RayState& ray, std::int32_t steps, const Frame& frame) {
   if (frame.segments()) ray.set_steps_left(ray.steps_left() - steps);
 }

@@ -1,8 +1,8 @@
-// Trilinear resampling of density and gradient, and classification by the density: seven linear interpolators a channel [P §3.4].
+// Trilinear resampling of density and gradient, and classification by density: seven linear interpolators per channel [P §3.4].
 //
-// What enters: the words of the eight voxels round a sample and the sample's fractions; what leaves: one word a channel.
-// Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are apart because a sample of no opacity needs
-// no gradient.
+// Input: the words of the eight voxels around the sample, and the sample's fractions. Output: one word per channel.
+// Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are separate, because a transparent sample
+// needs no gradient.
 #pragma once
 
 #include <algorithm>
@@ -28,13 +28,13 @@ constexpr std::int16_t lerp(std::int16_t a, std::int16_t b, int w) {
   return static_cast<std::int16_t>(a + (((b - a) * w + (1 << (kWeightBits - 1))) >> kWeightBits));
 }
 
-// A position's fraction (14 bits) as a weight.
+// Converts a position's fraction (14 bits) to a weight.
 constexpr int weight(std::uint32_t fraction) {
   return static_cast<int>(fraction) << (kWeightBits - wire::kPositionFractionBits);
 }
 
-// Where a sample lies: `first` is the voxel of least coordinates round it, rows and slices of its block are `row` and `slice`
-// voxels apart; the weights are the sample's place between them.
+// Position of a sample: `first` is the voxel of least coordinates around it, `row` and `slice` are the distances of rows and
+// slices of its block in voxels, `weight` is the sample's position between them.
 struct Neighbourhood {
   std::size_t first;
   std::size_t row;
@@ -45,7 +45,7 @@ struct Neighbourhood {
 // All channels of a sample.
 using Channels = std::array<std::int16_t, 4>;
 
-// One word of each voxel, `word(i)`.
+// Interpolates one word per voxel, `word(i)`.
 template <typename Word>
 constexpr std::int16_t resample_words(const Neighbourhood& at, const Word& word) {
   const auto along_x = [&](std::size_t i) { return lerp(word(i), word(i + 1), at.weight[0]); };
@@ -59,7 +59,7 @@ constexpr std::int16_t resample_density(const std::int16_t* densities, const Nei
   return resample_words(at, [densities](std::size_t i) { return densities[i]; });
 }
 
-// Four channels, one after the other; `words(i)` are the voxel's.
+// Interpolates four channels one after the other; `words(i)`: the words of a voxel.
 template <typename Words>
 constexpr Channels resample_each(const Neighbourhood& at, const Words& words) {
   Channels out{};
@@ -74,14 +74,14 @@ constexpr Channels resample_each(const Neighbourhood& at, const Words& words) {
 inline __m128i lerp(__m128i a, __m128i b, __m128i w) {
   const __m128i difference = _mm_sub_epi16(b, a);  // fits 16 bits (words.h)
   const __m128i high = _mm_mulhi_epi16(difference, w), low = _mm_mullo_epi16(difference, w);
-  // Bits 15 and 14 of the low half are the quotient's last bit and the one that rounds.
+  // Bits 15 and 14 of the low half are the quotient's last bit and its rounding bit.
   const __m128i last = _mm_srli_epi16(_mm_add_epi16(_mm_srli_epi16(low, 14), _mm_set1_epi16(1)), 1);
   return _mm_add_epi16(a, _mm_add_epi16(_mm_add_epi16(high, high), last));
 }
 #endif
 
-// All four at once: the two voxels of a row are one vector, the channels are lanes, so seven interpolators a channel are four
-// instructions' worth of lerps. `words(i)`: a reference to the voxel's.
+// Interpolates four channels at once: the two voxels of a row are one vector, channels are lanes, so seven interpolators per
+// channel take four vector lerps. `words(i)`: a reference to the words of a voxel.
 template <typename Words>
 inline Channels resample_all(const Neighbourhood& at, const Words& words) {
 #if defined(__SSE2__)
@@ -105,11 +105,11 @@ inline Channels resample_all(const Neighbourhood& at, const Words& words) {
 #endif
 }
 
-// The least and the greatest density round a sample, 12.3.
+// The least and the greatest density around a sample, 12.3.
 struct DensityRange {
   std::int16_t least, greatest;
 };
-// Voxel by voxel.
+// Computed voxel by voxel.
 constexpr DensityRange density_range_each(const std::int16_t* densities, const Neighbourhood& at) {
   DensityRange out{densities[at.first], densities[at.first]};
   for (const std::size_t corner : {std::size_t{0}, at.row, at.slice, at.slice + at.row}) {
@@ -120,7 +120,7 @@ constexpr DensityRange density_range_each(const std::int16_t* densities, const N
   }
   return out;
 }
-// All at once.
+// Computed with vectors.
 inline DensityRange density_range(const std::int16_t* densities, const Neighbourhood& at) {
 #if defined(__SSE2__)
   const auto pair = [&](std::size_t voxel) {
@@ -140,7 +140,7 @@ inline DensityRange density_range(const std::int16_t* densities, const Neighbour
 #endif
 }
 
-// Classification: the segmentation LUT's index of an interpolated density (12.3) of material `tag`: the density rounded to 12 bits.
+// Classification: the segmentation LUT's index of an interpolated density (12.3), rounded to 12 bits, of material `tag`.
 constexpr std::size_t segmentation_index(int density, unsigned tag) {
   const int rounded = (density + (1 << (kDensityFractionBits - 1))) >> kDensityFractionBits;
   return std::size_t{tag} << 12 | static_cast<std::size_t>(rounded);

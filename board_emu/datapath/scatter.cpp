@@ -38,7 +38,7 @@ std::vector<Vector> make_directions() {
   return out;
 }
 
-// Against the gradient; towards where the ray came from if there is none.
+// The unit vector against the gradient; if that is zero, against the ray's direction.
 Vector normal_of(const Point& gradient, const Vector& direction) {
   if (gradient == Point{}) return scaled(direction, -1);
   return unit(
@@ -68,7 +68,7 @@ Direction scattered(const wire::Material& material, const Direction& direction, 
     case wire::Bsdf::kDiffuse: out = sum(normal, delta); break;
     default: break;
   }
-  // A gloss that would take the ray into the surface is reflected out of it again.
+  // If gloss turns the ray into the surface, the ray is reflected out of it.
   if (reflects(material.bsdf) && inner(out, normal) < 0) out = mirrored(out, normal);
   if (inner(out, out) < 1e-12) out = reflects(material.bsdf) ? normal : d;
   return wire::direction_words(unit(out), spacing);

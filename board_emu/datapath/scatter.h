@@ -1,4 +1,4 @@
-// The scattering unit: where a ray goes on after it has interacted with a material [P §2.2, §3.4].
+// The scattering unit: the new direction of a ray after it has interacted with a material [P §2.2, §3.4].
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@ inline constexpr std::size_t kRandomDirections = 4096;  // chosen: the random di
 // Entry `i` of the random direction LUT: unit vectors in physical space, even over the sphere, in a shuffled order.
 const std::array<double, 3>& random_direction(std::size_t i);
 
-// A surface lets go what leaves it: a scattered ray that runs against the gradient of a material that reflects.
+// Whether the material is a surface, which scattered rays that run against its gradient leave freely.
 constexpr bool reflects(wire::Bsdf bsdf) {
   return bsdf == wire::Bsdf::kSpecular || bsdf == wire::Bsdf::kDullReflection || bsdf == wire::Bsdf::kDiffuse;
 }
 
-// The new direction of a ray that runs along `direction`. `gradient`: physical, of any length; zero is taken for a surface
-// that faces the ray. `spacing`: voxel edges, any unit. `chance`: a draw that only this scattering has.
+// The new direction of a ray with direction `direction`. `gradient`: physical, of any length; zero means a surface that faces
+// the ray. `spacing`: voxel edges, any unit. `chance`: a draw for this scattering only.
 Direction scattered(const wire::Material& material, const Direction& direction, const Point& gradient,
                     const std::array<std::uint32_t, 3>& spacing, std::uint64_t chance);
 

@@ -1,4 +1,4 @@
-// Trapped rays: what a routine is told of them, and how they go on by its answer.
+// Trapped rays: the event for a routine, and the continuation of the ray by its answer.
 #include <span>
 
 #include "datapath/interaction.h"
@@ -12,7 +12,7 @@ static_assert(wire::kTrapDensityFractionBits == kDensityFractionBits &&
 
 namespace {
 
-// The sample is taken anew: the ray has gone on within its step to where it met the material, maybe even out of it.
+// Takes the sample again, because the ray has moved within its step to the point of interaction.
 wire::TrappedRay trapped_ray(const RayState& ray, unsigned tag, const Frame& frame) {
   const Sample sample = sample_at(ray.position, frame);
   wire::TrappedRay out;
@@ -44,7 +44,7 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
   return event;
 }
 
-// The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
+// Continues the ray along `direction`, or ends it if all of it is dropped; `dropped`: 2^24 - 1 = all.
 Interaction go_on(RayState& ray, const Direction& direction, std::uint32_t dropped, const Frame& frame,
                   RayCounters& counters) {
   Interaction interaction;

@@ -1,4 +1,4 @@
-// Local shading by the reflectance map [P §2.1, §3.4]: the sample's normal looks an intensity up on a cube map.
+// Local shading by the reflectance map [P §2.1, §3.4]: the sample's normal selects an intensity on a cube map.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ namespace gicube::emu {
 inline constexpr int kShadeFractionBits = 15;  // of an interpolated intensity or shade
 inline constexpr std::int32_t kShadeUnit = 1 << kShadeFractionBits;
 
-// Shorter interpolated gradients have no direction to speak of: such a sample is not shaded. 1/16 of a unit vector.
+// Shorter interpolated gradients have no reliable direction: such a sample is not shaded. 1/16 of a unit vector.
 inline constexpr std::int32_t kGradientUnit = wire::kGradientOne << kGradientFractionBits;
 inline constexpr std::int32_t kShortestGradient = kGradientUnit / 16;  // chosen
 
-// Bilinear reflectance of the normal opposite to `gradient`, which is not zero; 15 fraction bits. The map's
-// `texels` are wire::kReflectanceBytes. The one division is IEEE single precision, correctly rounded, hence the same on
-// every machine and SIMD width.
+// Bilinear reflectance of the normal opposite to `gradient`, which is not zero; 15 fraction bits. The map's `texels` are
+// wire::kReflectanceBytes. The one division is IEEE single precision, correctly rounded, hence the same on every machine and
+// SIMD width.
 inline std::int32_t reflectance(const std::uint8_t* texels, const Point& gradient) {
   const Point normal{-gradient[0], -gradient[1], -gradient[2]};
   const Point size{std::abs(normal[0]), std::abs(normal[1]), std::abs(normal[2])};
@@ -31,7 +31,7 @@ inline std::int32_t reflectance(const std::uint8_t* texels, const Point& gradien
   const std::int32_t b = normal[axis == 0 ? 1 : 0], c = normal[axis == 2 ? 1 : 2];
   const std::size_t face = 2 * axis + (normal[axis] < 0 ? 1 : 0);
 
-  // [-1, 1] -> texel 0..127 with 8 fraction bits.
+  // Maps [-1, 1] to texel 0..127 with 8 fraction bits.
   constexpr float kHalfRow = 127 * 128;
   const auto major = static_cast<float>(size[axis]);
   const auto to_texel = [major](std::int32_t minor) {
@@ -53,7 +53,7 @@ inline std::int32_t reflectance(const std::uint8_t* texels, const Point& gradien
 
 using Colour12 = std::array<std::int32_t, 3>;  // 4095 = one
 
-// A classified sample's colour under its interpolated gradient.
+// A classified sample's colour, shaded by its interpolated gradient.
 inline Colour12 shade(const wire::SegmentationEntry& entry, const Point& gradient,
                       const std::uint8_t* reflectance_map) {
   if (dot(gradient, gradient) < std::int64_t{kShortestGradient} * kShortestGradient) {
@@ -66,7 +66,7 @@ inline Colour12 shade(const wire::SegmentationEntry& entry, const Point& gradien
   const std::int32_t highlight = total - base;
   Colour12 out{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    // At most 4095 * 2 * 2^15 + 4095 * 6 * 2^15: beyond 31 bits.
+    // Up to 4095 * 2 * 2^15 + 4095 * 6 * 2^15: more than 31 bits.
     const std::int64_t lit = std::int64_t{entry.colour[channel]} * base + std::int64_t{wire::kColourOne} * highlight;
     out[channel] = static_cast<std::int32_t>(
         std::min<std::int64_t>((lit + kShadeUnit / 2) >> kShadeFractionBits, wire::kColourOne));

@@ -1,4 +1,4 @@
-// The colour of a sample whose voxels have colours of their own (wire::VoxelFormat): a factor of the segmentation LUT's.
+// The colour of a sample whose voxels have their own colours (wire::VoxelFormat): a factor of the segmentation LUT's colour.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace gicube::emu {
 
-// Of resampled colour words, 4095 = one. Premultiplied ones are divided by their alpha, the fourth; where that is 0 it is black. The
-// division is IEEE single precision, correctly rounded, hence the same on every machine and SIMD width.
+// The factor from resampled colour words, 4095 = one. Premultiplied words are divided by their alpha, the fourth; alpha 0 gives
+// black. The division is IEEE single precision, correctly rounded, hence the same on every machine and SIMD width.
 inline Colour12 colour_of_words(const Channels& words, bool premultiplied) {
   Colour12 out{};
   for (std::size_t c = 0; c < out.size(); ++c) {
@@ -30,7 +30,7 @@ inline Colour12 colour_of_words(const Channels& words, bool premultiplied) {
   return out;
 }
 
-// The entry with that factor.
+// The entry with its colour multiplied by `factor`.
 inline wire::SegmentationEntry tinted(wire::SegmentationEntry entry, const Colour12& factor) {
   for (std::size_t c = 0; c < factor.size(); ++c) {
     const auto product = static_cast<std::uint64_t>(entry.colour[c]) * static_cast<std::uint64_t>(factor[c]);

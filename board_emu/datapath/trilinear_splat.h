@@ -1,5 +1,5 @@
-// Splitting a deposit among the eight voxels round a place [P §2.2: trilinear splat]. Voxel i of the cell is
-// (i & 1, i >> 1 & 1, i >> 2).
+// Splits a deposit among the eight voxels around a position [P §2.2: trilinear splat]. Voxel i of the cell is (i & 1, i >> 1 &
+// 1, i >> 2).
 #pragma once
 
 #include <array>
@@ -11,9 +11,8 @@
 
 namespace gicube::emu {
 
-// Whole energy units, by systematic rounding: each voxel's share is its trilinear weight's part on average, and the shares of one
-// deposit sum to it exactly.
-// `fraction`: 14 bits an axis. `units` < 2^32; `chance` decides the roundings.
+// Splits whole energy units by systematic rounding: on average each voxel gets the fraction of its trilinear weight, and the
+// shares of one deposit sum to it exactly. `fraction`: 14 bits per axis. `units` < 2^32; `chance` decides the roundings.
 constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& fraction, std::uint64_t chance) {
   constexpr int kBits = wire::kPositionFractionBits;
   constexpr std::uint32_t kOne = 1u << kBits;
@@ -34,9 +33,9 @@ constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& 
   return shares;
 }
 
-// A signed amount, by the trilinear interpolator's tree run backwards: each of its seven nodes gives the upper half
-// round(amount x fraction) and the lower half the rest, so the shares sum to the amount exactly, and each is within 2 units of the
-// amount's trilinear part.
+// Splits a signed amount by the trilinear interpolator's tree run backwards: each of its seven nodes gives round(amount x
+// fraction) to the upper half and the rest to the lower half, so the shares sum to the amount exactly, and each is within 2
+// units of the amount's trilinear part.
 using SignedShares = std::array<std::int32_t, 8>;
 
 // round(amount x fraction / 2^14), halves up.
@@ -45,7 +44,7 @@ constexpr std::int32_t upper_part(std::int32_t amount, std::uint32_t fraction) {
   return static_cast<std::int32_t>((std::int64_t{amount} * fraction + (1 << (kBits - 1))) >> kBits);
 }
 
-// `fraction`: 14 bits an axis. |amount| < 2^24.
+// `fraction`: 14 bits per axis. |amount| < 2^24.
 constexpr SignedShares spread(std::int32_t amount, const std::array<std::uint32_t, 3>& fraction) {
   SignedShares shares{};
   shares[0] = amount;

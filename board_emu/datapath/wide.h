@@ -1,6 +1,6 @@
-// Opacity and compositing on the wide datapath [C]: what a ray has gathered is kept in floats, and a voxel's opacity has the
-// table's 12 further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h): no fused
-// multiply-add, so that the bits are the same.
+// Opacity and compositing on the wide datapath [C]: a ray accumulates in floats, and a voxel's opacity has the table's 12
+// further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h), without fused multiply-add, so
+// that the bits are the same.
 #pragma once
 
 #include <algorithm>
@@ -19,13 +19,13 @@
 
 namespace gicube::emu {
 
-// What a rendering ray has gathered. Its packet's opacity and colour follow, rounded.
+// Accumulated values of a rendering ray. The opacity and colour of its packet are rounded from them.
 struct WideWords {
   float opacity = 0;
   std::array<float, 3> colour{};  // premultiplied, 4095 = one
 };
 
-// Of a ray that sets out with what its packet holds.
+// The initial values of a ray: those of its packet.
 template <typename Ray>
 WideWords wide_words(const Ray& ray) {
   WideWords out;
@@ -34,13 +34,13 @@ WideWords wide_words(const Ray& ray) {
   return out;
 }
 
-// 1 - 2^-x = x (c0 + c1 x + ...) for x in 0..1, within 2.1 units of 2^-24 of itself, also near 0: thin fog keeps its digits.
+// 1 - 2^-x = x (c0 + c1 x + ...) for x in 0..1, with an error below 2.1 units of 2^-24 of its value, also near 0 (thin fog).
 inline constexpr std::array<float, 7> kFall{0.693147182f,   -0.240226492f,    0.0555039123f,  -0.00961695053f,
                                             0.00132993993f, -0.000148892374f, 1.13038432e-05f};
-inline constexpr float kOpaqueDepth = 64;  // beyond what the table's bits can say
-inline constexpr float kMaxDepth = 31;     // of a step; nothing is seen through it
+inline constexpr float kOpaqueDepth = 64;  // beyond the range of the table's bits
+inline constexpr float kMaxDepth = 31;     // per step; opaque
 
-// Opacity of a sample whose voxel length has `depth` halvings of the light, and that stands for `exponent` (16.16) of them.
+// Opacity of a sample that represents `exponent` (16.16) voxel lengths, each of which halves the light `depth` times.
 inline float wide_alpha(float depth, std::uint32_t exponent) {
   if (depth >= kOpaqueDepth) return 1;
   const float lengths = static_cast<float>(static_cast<std::int32_t>(exponent)) * 0x1p-16f;
@@ -56,7 +56,7 @@ inline std::uint16_t to_colour_word(float colour) {
   return static_cast<std::uint16_t>(std::min(std::lrintf(colour), long{wire::kColourOne}));
 }
 
-// over() on the wide words, and the packet's after them.
+// over() on the wide words; the packet's words are rounded from them.
 template <typename Ray>
 void over(Ray& ray, WideWords& wide, const Colour12& colour, float alpha) {
   const float weight = (1 - wide.opacity) * alpha;
@@ -68,7 +68,7 @@ void over(Ray& ray, WideWords& wide, const Colour12& colour, float alpha) {
   ray.opacity = static_cast<std::uint32_t>(std::lrintf(wide.opacity * static_cast<float>(wire::kOpacityOne)));
 }
 
-// The segmentation LUT's opacities as halvings of the light in one voxel length; kOpaqueDepth: nothing passes.
+// The segmentation LUT's opacities as halvings of the light per voxel length; kOpaqueDepth: opaque.
 inline std::vector<float> wide_depths(std::span<const wire::SegmentationEntry> entries) {
   std::vector<float> out;
   out.reserve(entries.size());
