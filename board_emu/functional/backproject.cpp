@@ -23,13 +23,13 @@ namespace {
 struct alignas(32) WaitingRay {
   Point position{}, step{};
   std::int32_t amount = 0;
-  std::uint32_t moves = 0;  // a word by at most
+  std::uint32_t moves = 0;  // upper bound of the change of a word
 };
 struct WaitingRest {
   Rest position{}, step{};
 };
 
-// Which of a waiting ray's samples lie in a tile.
+// The range of a waiting ray's samples in one tile.
 class Part {
  public:
   Part(std::size_t ray, std::int32_t first, std::int32_t count)
@@ -40,13 +40,13 @@ class Part {
   std::uint32_t count() const { return static_cast<std::uint32_t>(bits_ & kMask) + 1; }
 
  private:
-  static constexpr int kBits = 18;  // a segment's samples
+  static constexpr int kBits = 18;  // for a segment's samples
   static constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
   static_assert(wire::kMaxLength / wire::kStepMin <= kMask + 1);
   std::uint64_t bits_;
 };
 
-// The volume's division into tiles, which are slabs of blocks.
+// Divides the volume into tiles, which are slabs of blocks.
 class Tiles {
  public:
   explicit Tiles(const SumMemory& sums)
@@ -58,17 +58,17 @@ class Tiles {
   }
 
   const Tile& tile() const { return tile_; }
-  // Tiles of one height follow one another.
+  // Tiles of one height have consecutive indices.
   std::size_t layer() const { return count_of(0) * count_of(1); }
   std::size_t layers() const { return count_of(2) * slabs(); }
   std::size_t tile_at(const Point& at) const { return index(at, at[2]); }
   std::size_t block_at(const Point& at) const { return index(at, at[2] >> slab_bits_); }  // without a division
   std::size_t block_of(std::size_t tile) const { return tile % layer() + layer() * (tile / layer() / slabs()); }
-  // Which of its block's tiles it is.
+  // Index of a tile within its block.
   std::size_t slab_of(std::size_t tile) const { return tile / layer() % slabs(); }
-  // Of positions, to a tile's place among all along an axis.
+  // Shift from positions to tile coordinates along an axis.
   int shift(std::size_t axis) const { return shift_[axis]; }
-  // A tile's least place.
+  // A tile's corner with the least coordinates.
   Point corner(std::size_t tile) const {
     return {static_cast<std::int32_t>(tile % count_of(0)) << shift_[0],
             static_cast<std::int32_t>(tile % layer() / count_of(0)) << shift_[1],
@@ -76,7 +76,7 @@ class Tiles {
   }
 
  private:
-  // chosen: the cells, 32 bytes each, stay in a core's second cache; and rays of a view that turns about z are cut seldom.
+  // chosen: the cells, 32 bytes each, fit into a core's second-level cache, and rays of a view turning about z are seldom cut.
   static std::size_t depth(int voxels) {
     const auto n = static_cast<std::size_t>(voxels);
     return std::clamp<std::size_t>((std::size_t{1} << 13) / (n * n), 1, n);
@@ -86,7 +86,7 @@ class Tiles {
     return static_cast<std::size_t>(at[0]) +
            count_of(0) * (static_cast<std::size_t>(at[1]) + count_of(1) * static_cast<std::size_t>(z));
   }
-  std::size_t slabs() const { return tile_.across / tile_.depth; }  // of a block
+  std::size_t slabs() const { return tile_.across / tile_.depth; }  // per block
 
   std::array<int, 3> blocks_;
   Tile tile_;
@@ -94,13 +94,13 @@ class Tiles {
   int slab_bits_ = 0;
 };
 
-// Calls part(tile, first, count) for the samples of a ray, `left` of which lie in the volume, tile by tile. `below`: bits of the words
-// under a position's unit.
+// Calls part(tile, first, count), tile by tile, for the first `left` samples of a ray, which are in the volume. `below`:
+// fraction bits below a position's unit.
 template <typename Word>
 void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std::int32_t left, const Tiles& tiles,
          int below, const auto& part) {
   Point tile{};
-  std::array<std::int32_t, 3> until{};  // the first sample that lies in another tile along this axis
+  std::array<std::int32_t, 3> until{};  // the first sample in another tile along this axis
   const auto enter = [&](std::size_t axis, std::int32_t sample) {
     const int shift = tiles.shift(axis) + below;
     const Word at = begin[axis] + sample * step[axis], one = step[axis], size = Word{1} << shift, in = at & (size - 1);
@@ -119,19 +119,19 @@ void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std:
   }
 }
 
-// How many samples of the ray lie in the volume, of those that it has left.
+// Number of the ray's remaining samples that are in the volume.
 std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
   return frame.wide ? steps_inside(ray.fine_position(), ray.fine_step(), fine_extent(frame.extent), ray.steps_left())
                     : steps_inside(ray.position, ray.step, frame.extent, ray.steps_left());
 }
 
-// What one thread has cut, and its words for the blocks of one command.
+// The rays that one thread has cut, and their effect on the blocks' words in one command.
 struct Cut {
   std::vector<WaitingRay> rays;
   std::vector<WaitingRest> rests;        // of the wide datapath
   std::vector<std::vector<Part>> parts;  // by tile
-  std::vector<std::uint64_t> moves;      // each block's words by at most
+  std::vector<std::uint64_t> moves;      // by block: upper bound of the change of a word
   std::size_t parts_count = 0;
   RayCounters counters;
 
@@ -140,7 +140,7 @@ struct Cut {
   }
 };
 
-// Returns how many samples the ray has.
+// Cuts a ray into parts. Returns its number of samples.
 std::int32_t take(const wire::Ray& packet, const Frame& frame, const Tiles& tiles, Cut& out) {
   const RayState ray = unpack(packet, frame);
   const std::int32_t left = samples_inside(ray, frame), amount = ray.amount();
@@ -155,7 +155,7 @@ std::int32_t take(const wire::Ray& packet, const Frame& frame, const Tiles& tile
   const auto part = [&](const Point& tile, std::int32_t first, std::int32_t count) {
     out.moves[tiles.block_at(tile)] += moves;
     std::vector<Part>& parts = out.parts[tiles.tile_at(tile)];
-    if (parts.size() == parts.capacity()) parts.reserve(parts.size() + parts.size() / 4 + 16);  // memory is counted
+    if (parts.size() == parts.capacity()) parts.reserve(parts.size() + parts.size() / 4 + 16);  // saves memory
     parts.emplace_back(index, first, count);
     ++out.parts_count;
   };
@@ -168,7 +168,7 @@ std::int32_t take(const wire::Ray& packet, const Frame& frame, const Tiles& tile
   return left;
 }
 
-// Into its place, since a copy of what was written in parts would wait for them.
+// Writes in place: a copy of words that were just written in smaller parts would stall.
 void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& out) {
   const WaitingRay& ray = cut.rays[part.ray()];
   const auto first = part.first();
@@ -191,18 +191,18 @@ void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& ou
   }
 }
 
-// The cells of one tile, a thread's own.
+// The cells of one tile. Each thread has its own.
 class Cells {
  public:
   explicit Cells(const Tiles& tiles) : tiles_(tiles), lines_(tiles.tile().words() / kLine) {}
 
-  // Brings the tile's parts of all cuts to the block's words.
+  // Adds the tile's parts of all cuts to the block's words.
   void add(std::size_t tile, const std::vector<Cut>& cuts, SumMemory& sums) {
     constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
     const Point corner = tiles_.corner(tile);
     const std::size_t block = tiles_.block_of(tile), slab = tiles_.slab_of(tile);
     const std::size_t row = tiles_.tile().across + 1;
-    std::uint64_t moved = 0;  // a cell's word or a voxel's sum by at most
+    std::uint64_t moved = 0;  // upper bound of the change of a cell's word or a voxel's sum
     for (const Cut& cut : cuts) {
       const std::vector<Part>& parts = cut.parts[tile];
       for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -225,8 +225,8 @@ class Cells {
   }
 
  private:
-  static constexpr std::size_t kAhead = 16;  // chosen: rays come from the host's memory meanwhile
-  static constexpr std::size_t kLine = 16;   // words of the host's cache
+  static constexpr std::size_t kAhead = 16;  // chosen: prefetch distance in rays
+  static constexpr std::size_t kLine = 16;   // words per line of the host's cache
   struct alignas(kLine * sizeof(std::int32_t)) Line {
     std::array<std::int32_t, kLine> words{};
   };
@@ -238,7 +238,7 @@ class Cells {
 
   const Tiles& tiles_;
   std::vector<Line> lines_;
-  std::array<Piece, 64> pieces_;  // chosen: they stay in a core's first cache
+  std::array<Piece, 64> pieces_;  // chosen: fits into a core's first-level cache
   std::size_t count_ = 0;
 };
 
@@ -277,7 +277,8 @@ class WaitingRays : public WaitingAdds {
   void add_to(SumMemory& sums) override {
     if (std::ranges::all_of(cuts_, [](const Cut& cut) { return cut.rays.empty(); })) return;
     const Tiles tiles(sums);
-    // Layer by layer, since rays that turn about z stay in a core's cache for one; and two tiles of a block share words.
+    // Layer by layer: rays that turn about z stay in a core's cache, and tiles of one block share words, so they must not
+    // overlap.
     for (std::size_t layer = 0; layer < tiles.layers(); ++layer) {
       std::atomic<std::size_t> next = layer * tiles.layer();
       parallel_for(threads_, threads_, [&](std::size_t) {
@@ -298,7 +299,7 @@ class WaitingRays : public WaitingAdds {
   }
 
  private:
-  std::vector<Cut> cuts_;  // of each thread
+  std::vector<Cut> cuts_;  // one per thread
   unsigned threads_ = 1;
 };
 

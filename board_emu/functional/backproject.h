@@ -1,6 +1,6 @@
-// The functional level's way for rays that backproject into sums: each ray is cut where it crosses blocks, the pieces are
-// sorted by block, and threads take whole blocks, so that none waits for another and a block's words stay in a core's cache.
-// The same sums as the cycle level's, sample by sample.
+// Backprojection into accumulators at the functional level: each ray is cut at the borders of tiles, which are slabs of blocks,
+// the pieces are sorted by tile, and threads take whole tiles, so that they need no locks and a tile's words stay in a core's
+// cache. The sums are those of the cycle level, which adds sample by sample.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace gicube::emu {
 
-// Adds what the rays leave to frame.sums. The energy counters' `deposited.kept` is the signed sum of it, modulo 2^64. `steps`,
-// if not empty: receives each ray's number of samples.
+// Queues the rays' contributions to frame.sums. The energy counters' `deposited.kept` is their signed sum, modulo 2^64.
+// `steps`: empty, or receives each ray's number of samples.
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
                         std::span<std::int32_t> steps = {});
 

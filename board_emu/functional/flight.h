@@ -1,5 +1,5 @@
-// A ray on its way at the functional level, and one pass of it through the pipeline. Lanes of rays (functional/simd) take the
-// passes in which nothing else happens than that a ray goes on; all others are taken here.
+// A ray under way at the functional level, and its iterations through the pipeline. Lanes of rays (functional/simd) do the
+// iterations in which a ray only continues; all others are done here.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +13,18 @@ namespace gicube::emu {
 struct Flight {
   Flight(std::size_t its_ray, const RayState& as_it_begins) : ray(its_ray), ray_state(as_it_begins) {}
 
-  std::size_t ray;  // its place among the rays that fly together
+  std::size_t ray;  // index among the rays that are traced together
   RayState ray_state;
-  Termination how = Termination::kNot;  // why it stands; kWaits: it is trapped
+  Termination how = Termination::kNot;  // why it has stopped; kWaits: it is trapped
   Trap trap;                            // if it is trapped
 };
 
-// One pass of a ray that has not come to its end, in a frame that is not plain. kNot: it goes on. `trail`: null, or goes on as
-// `record` says.
+// One iteration of a ray that has not ended, in a frame that is not plain. kNot: it continues. `trail`: null, or extended as
+// `record` requires.
 Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record,
                       RayTrail* trail);
 
-// All passes, until the ray stands.
+// All iterations until the ray stops.
 void fly(Flight& flight, const Frame& frame, RayCounters& counters, const TrailRecord* record);
 
 }  // namespace gicube::emu

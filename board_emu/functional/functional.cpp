@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 namespace {
 
-// A ray that gathers and does nothing else.
+// Traces a ray that only gathers.
 Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -40,13 +40,13 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   return how;
 }
 
-// Where a sample was taken, and how many scatterings the ray then had left.
+// Position of a sample, and the scatterings that the ray had left there.
 struct SampledAt {
   Point place;
   std::uint16_t lifetime;
 };
 
-// Adds what a sample brought about to the trail, if it is an event.
+// Adds an event to the trail if the sample had effects.
 void note(const Interaction& interaction, const SampledAt& sampled, const RayState& ray, const TrailRecord& record,
           RayTrail& trail) {
   const bool writes =
@@ -63,7 +63,7 @@ void note(const Interaction& interaction, const SampledAt& sampled, const RaySta
   if (event.deposits && record.writes_all_voxels()) event.deposit.shares.fill(1);
 }
 
-// Of a ray that also deposits, or is scattered. With kRecords its `trail` goes on.
+// One iteration of a ray that also deposits or is scattered. With kRecords it extends `trail`.
 template <bool kRecords>
 Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
                  const TrailRecord* record, RayTrail* trail) {
@@ -107,7 +107,7 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, 
   return how;
 }
 
-// Rays that fly until they end, are trapped or wait for a block.
+// Traces rays until they end, are trapped or wait for a block.
 class Flights {
  public:
   Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const TrailRecord* record,
@@ -156,7 +156,7 @@ class Flights {
     frame_.waiting->add({.ray_state = flight.ray_state, .block = block, .trapped = is_trapped}, index_of(flight.ray));
   }
 
-  // Those of them for which a routine has the answer; what becomes of the others is settled here.
+  // Returns the flights that a routine answers; completes the others.
   std::vector<Flight> trapped(std::span<Flight> flights) {
     std::vector<Flight> out;
     for (Flight& flight : flights) {
@@ -177,7 +177,7 @@ class Flights {
     return out;
   }
 
-  // The routines scatter them; returns those that fly on.
+  // Scatters the flights by their routines. Returns those that continue.
   std::vector<Flight> scattered(std::vector<Flight> flights) {
     std::stable_sort(flights.begin(), flights.end(),
                      [](const Flight& a, const Flight& b) { return a.trap.routine < b.trap.routine; });
@@ -219,9 +219,9 @@ class Flights {
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   RayCounters& counters_;
-  const TrailRecord* record_;               // null: nothing is recorded
-  const SimdTracer* tracer_;                // null: one ray after the other
-  std::span<const std::uint64_t> indices_;  // of the rays in their source; empty: they have none but their places
+  const TrailRecord* record_;               // null: no recording
+  const SimdTracer* tracer_;                // null: rays are traced one by one
+  std::span<const std::uint64_t> indices_;  // of the rays in their source; empty: as in rays_
   std::vector<bool> ended_;
 };
 

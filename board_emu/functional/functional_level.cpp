@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-// chosen: that a thread takes at a time
+// chosen: rays that a thread takes at a time
 constexpr std::size_t kVectorRays = 512;
 constexpr std::size_t kScalarRays = 64;
 
@@ -18,7 +18,7 @@ struct Counts : RayCounters {
   std::uint64_t made = 0;
   std::uint64_t returned = 0;
   std::uint64_t looking = 0;           // DSP cycles
-  const DspLoop* looked_in = nullptr;  // the loop that took them
+  const DspLoop* looked_in = nullptr;  // the loop of these cycles
 
   Counts& operator+=(const Counts& other) {
     RayCounters::operator+=(other);
@@ -30,7 +30,7 @@ struct Counts : RayCounters {
   }
 };
 
-// All rays in one batch, which backproject() divides by itself.
+// Traces all rays in one batch, which backproject() divides.
 Counts backproject_all(RaySource& source, const Frame& frame, unsigned threads) {
   Counts counts;
   for (std::size_t b = source.divide(static_cast<std::size_t>(source.count())); b-- > 0;) {
@@ -59,7 +59,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
       tracer->trace(batch->rays, of_batch, counts);
     } else if (frame.plain() && !frame.in_bricks()) {
       for (wire::Ray& ray : batch->rays) integrate(ray, of_batch, counts);
-    } else {  // those that wait do not come back
+    } else {  // waiting rays do not return
       const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts, nullptr, tracer, batch->index);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });

@@ -1,6 +1,6 @@
-// The functional level: values without time. The DSP takes the cycles that its rays cost, the ASIC none.
+// The functional level: values without time. Rays cost cycles of the DSP, but none of the ASIC.
 //
-// Rays are divided among host threads; their values do not depend on it.
+// Rays are divided among host threads; their values do not depend on that.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace gicube::emu {
 
 class FunctionalLevel : public Level {
  public:
-  // Runs on `threads` threads. `vectors`: where the host has vectors, rays are traced in groups.
+  // Runs on `threads` threads. `vectors`: traces rays in groups if the host has vectors.
   explicit FunctionalLevel(unsigned threads, bool vectors = true) : threads_(threads), vectors_(vectors) {}
 
   // Progress is in batches of rays.
@@ -37,12 +37,12 @@ class FunctionalLevel : public Level {
   RayCounters rays_;
 };
 
-// Takes rays that only gather to their ends, in place, on `threads` threads. `tracer`: prepared for this frame, or null.
+// Traces rays that only gather to their ends, in place, on `threads` threads. `tracer`: prepared for this frame, or null.
 // `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
-// The same for rays of frames that do not only gather, with their trails. Returns by ray whether it came to its end; the others wait for
-// the host.
+// Traces rays of other frames, and records their trails. Returns for each ray whether it has ended; the others wait for the
+// host.
 std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
                                          const SimdTracer* tracer, unsigned threads, RayCounters& counters);
 

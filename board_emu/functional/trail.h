@@ -1,4 +1,4 @@
-// What rays that do more than gather meet on their way: for those who work out how long they take.
+// Event trace of rays that do more than gather, consumed by the timing models.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace gicube::emu {
 
-// Where a ray is and how it goes on.
+// Position, step and direction of a ray.
 struct RayWay {
   Point position{}, step{};
   Rest rest{}, step_rest{};  // of the wide datapath
@@ -23,28 +23,28 @@ inline RayWay way_of(const RayState& ray) {
 }
 
 struct TrailEvent {
-  std::int32_t steps = 0;  // from the event before, or the beginning, to the sample that brings it, which counts
-  bool deposits = false;   // its sample writes words
-  bool turns = false;      // the ray goes on by `way`
-  bool trapped = false;    // at the DSP
-  bool waits = false;      // there, for the host: this ray does not go on
-  bool ends = false;       // the last
-  std::uint32_t routine_cycles = 0;  // of the DSP, if it is trapped
-  std::uint16_t contribution = 0;    // of the ray after it, as the sorter counts it
+  std::int32_t steps = 0;            // from the event before, or the start, to this event's sample, inclusive
+  bool deposits = false;             // the sample writes words
+  bool turns = false;                // the ray continues by `way`
+  bool trapped = false;              // the ray goes to the DSP
+  bool waits = false;                // it waits there for the host: this ray does not continue
+  bool ends = false;                 // the last event
+  std::uint32_t routine_cycles = 0;  // of the DSP, if trapped
+  std::uint16_t contribution = 0;    // of the ray after the event, for the sorter
   Deposit deposit{};
   RayWay way{};
 };
 
 struct RayTrail {
   std::vector<TrailEvent> events;
-  std::int32_t since = 0;  // steps since the last of them
+  std::int32_t since = 0;  // steps since the last event
 
   TrailEvent& add() {
     events.push_back({.steps = since});
     since = 0;
     return events.back();
   }
-  // It ends where it is, with what it still contributes.
+  // Ends the trail at the present step, with the ray's remaining contribution.
   void end(std::uint16_t contribution) {
     if (since > 0 || events.empty()) add();
     events.back().ends = true;
@@ -52,7 +52,7 @@ struct RayTrail {
   }
 };
 
-// Where trails go to, one for each ray, and which samples of lighting rays write words though they deposit nothing.
+// Destination of trails, one per ray; and which samples of lighting rays write words even if they deposit nothing.
 struct TrailRecord {
   std::span<RayTrail> trails;
   bool visible_samples = false, all_samples = false;

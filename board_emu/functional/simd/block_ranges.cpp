@@ -1,4 +1,4 @@
-// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+// Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "functional/simd/block_ranges.cpp"
@@ -29,7 +29,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr std::size_t kCell = std::size_t{1} << kCellEdgeShift;
 static_assert(kCell * sizeof(std::int16_t) == sizeof(std::uint64_t), "a cell's voxels along x are a word of 64 bits");
 
-// A word's four voxels into the lowest of them.
+// Joins a word's four voxels in the lowest of them.
 template <class D, class Vector, typename Join>
 HWY_INLINE Vector join_voxels(D d, Vector v, const Join& join) {
   const hn::Repartition<std::uint64_t, D> words;
@@ -37,7 +37,7 @@ HWY_INLINE Vector join_voxels(D d, Vector v, const Join& join) {
   return join(v, hn::BitCast(d, hn::ShiftRight<16>(hn::BitCast(words, v))));
 }
 
-// The cells along x whose least voxel is the first of `densities`; `d`: lanes of voxels, at most a row of the block.
+// Ranges of a row of cells along x, with least voxel `first`; `d`: lanes of voxels, at most a row of the block.
 template <bool kTagged, class D>
 HWY_INLINE void find_row(D d, const BlockCells& block, std::size_t first, CellRange* out) {
   const auto lowest = [](auto a, auto b) { return hn::Min(a, b); };
@@ -52,14 +52,14 @@ HWY_INLINE void find_row(D d, const BlockCells& block, std::size_t first, CellRa
     auto tags = hn::Set(du, kTagged ? 0 : 1);
     for (std::size_t z = 0; z <= kCell; ++z) {
       for (std::size_t y = 0; y <= kCell; ++y) {
-        for (std::size_t beside = 0; beside < 2; ++beside) {  // a cell has a fifth voxel, on its further face
+        for (std::size_t beside = 0; beside < 2; ++beside) {  // a cell has a fifth voxel, on its far face
           const std::size_t at = first + x + beside + edge * (y + edge * z);
           const auto densities = hn::LoadU(d, block.densities + at);
           least = hn::Min(least, densities);
           most = hn::Max(most, densities);
           if constexpr (kTagged) {
             const auto tag = hn::ShiftRight<kCodeBits>(hn::LoadU(du, block.codes + at));
-            tags = hn::Or(tags, hn::TableLookupBytes(bit_of_tag, tag));  // the high byte does not matter
+            tags = hn::Or(tags, hn::TableLookupBytes(bit_of_tag, tag));  // the high byte is ignored
           }
         }
       }

@@ -32,7 +32,7 @@ void CellRanges::follow(const VolumeMemory& volume, unsigned threads) {
     count *= static_cast<std::size_t>(size_[axis]);
   }
   cells_.resize(count);
-  constexpr std::size_t kRun = 1 << 15;  // cells; chosen: some 0.2 ms, several times what a thread takes to begin
+  constexpr std::size_t kRun = 1 << 15;  // cells; chosen: some 0.2 ms, several times the start of a thread
   const std::size_t blocks = volume.block_count(), run = std::max<std::size_t>(kRun / (count / blocks), 1);
   parallel_for_runs(blocks, run, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t block = begin; block < end; ++block) follow_block(volume, block);

@@ -1,4 +1,4 @@
-// The range of densities and the set of tags in cells of 4^3 voxels, their far faces included. Where no density of the range is
+// The range of densities and the set of tags in cells of 4^3 voxels, including their far faces. If no density of the range is
 // visible, samples add nothing and need not be taken.
 //
 // A host structure of the functional level; the board has no such memory.
@@ -19,11 +19,11 @@ class CellRanges {
  public:
   static constexpr int kEdgeShift = kCellEdgeShift;
 
-  // Updates the ranges if `volume` was decoded anew since the last call.
+  // Updates the ranges if `volume` was decoded since the last call.
   void follow(const VolumeMemory& volume, unsigned threads);
   void clear() { *this = {}; }
 
-  // Of the whole volume, x fastest. Cells of blocks that are not decoded: those of the zero block.
+  // Cells of the whole volume, x fastest. Blocks that are not decoded have the cells of the zero block.
   std::span<const CellRange> cells() const { return cells_; }
   const std::array<int, 3>& size() const { return size_; }
 

@@ -1,6 +1,6 @@
-// Rays of light, or that may be scattered, side by side, one a lane. A lane takes the passes in which its ray only goes on: over
-// what is not seen, and, of lighting rays, through samples that take energy from it and do no more. At any other sample it
-// stands, for the plain way to take it (take_pass()).
+// Lighting and scattered rays side by side, one per lane. A lane does the iterations in which its ray only continues: over
+// invisible parts and, for lighting rays, through samples that take energy and do nothing else. At any other sample the lane is
+// masked until scalar code has taken the sample (take_pass()).
 
 // Included once for each instruction set.
 #if defined(GICUBE_FLIGHT_MARCH) == defined(HWY_TARGET_TOGGLE)
@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// Takes all lanes on until at least `enough` of them stand or have no steps left.
+// Advances all lanes until at least `enough` of them are masked or have no steps left.
 template <FlightKind kKind, bool kWide>
 HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
                       RayCounters& counters) {

@@ -1,4 +1,4 @@
-// One pass of lighting and of scattered rays, side by side: what a sample does where it lets its ray go on.
+// One iteration of lighting and scattered rays, side by side, through samples after which a ray only continues.
 
 // Included once for each instruction set.
 #if defined(GICUBE_FLIGHT_SAMPLE) == defined(HWY_TARGET_TOGGLE)
@@ -17,30 +17,30 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// What lanes hold of rays that fly, beyond what they hold of others. `taken` counts the steps since a ray was put there, and `ray` is
-// its place among those that fly together.
+// Words of lighting and scattered rays in lanes, in addition to those of others. `taken` counts the steps since a ray was put
+// on its lane, and `ray` is its index among the flights.
 struct FlightLanes : Lanes {
-  std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and one by it; 0: the ray stands on this axis
-  Word interacted, value;                    // and interaction_value()
-  // All ones:
-  Word begun;      // this flight has taken a step
-  Word scattered;  // the ray has been
-  Word trapped;    // it is still at the surface at which it was
-  Word stands;     // the plain way must take its sample
-  // Of lighting rays:
-  std::array<std::array<Word, 2>, kColours> energy;  // of each irradiance word: 24 bits, and 12
+  std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and its inverse; 0: no movement on this axis
+  Word interacted, value;                    // RayState::interacted, and interaction_value()
+  // Masks, all ones if true:
+  Word begun;      // this path segment has taken a step
+  Word scattered;  // the ray was scattered before
+  Word trapped;    // the ray is still at the surface where it was
+  Word stands;     // masked: scalar code must take its sample
+  // For lighting rays:
+  std::array<std::array<Word, 2>, kColours> energy;  // per irradiance word: 24 bits, and 12
   Word phase;                                        // energy_phase()
-  std::array<Word, 2> loss;                          // the flight's part of the draws for the loss: 32 bits each
+  std::array<Word, 2> loss;                          // the path segment's part of the draws for the loss: 32 bits each
 };
 
-// What the energy of a ray is after a loss of `lost`, of 24 bits: interact_bundle(). 64-bit lanes.
+// A ray's energy after a loss of `lost`, of 24 bits, as in interact_bundle(). 64-bit lanes.
 HWY_INLINE VU64 energy_after(VU64 before, VU64 lost, VU64 chance) {
   constexpr std::uint64_t kLow = (1 << 24) - 1;
   static_assert(wire::kOpacityOne == kLow);
   const VU64 dither = hn::ShiftRight<24>(product(hn::ShiftRight<40>(chance), set64(wire::kOpacityOne)));
   const VU64 low = product(hn::And(before, set64(kLow)), lost);
   const VU64 high = product(hn::ShiftRight<24>(before), lost);
-  // Divided by 2^24 - 1: x = h 2^24 + l is h times that and h + l, and h + l < 2^48 divides by one more round.
+  // Division by 2^24 - 1: for x = h 2^24 + l the quotient is h plus that of h + l, and h + l < 2^48 takes one more round.
   const VU64 x = hn::Add(hn::Add(low, dither), hn::ShiftLeft<24>(high));
   const VU64 rounds = hn::ShiftRight<24>(x), rest = hn::Add(rounds, hn::And(x, set64(kLow)));
   const VU64 more = hn::ShiftRight<24>(hn::Add(hn::Add(rest, hn::ShiftRight<24>(rest)), set64(1)));
@@ -53,12 +53,12 @@ HWY_INLINE VU64 draw_here(const std::array<VU64, 3>& position, VU64 of_flight) {
   return mix64(hn::Xor(mix64(hn::Xor(mix64(low), position[2])), of_flight));
 }
 
-// For each irradiance word, 24 bits and 12; only as many are of use as the rays have.
+// Per irradiance word, 24 bits and 12; only as many words are used as the rays have.
 using EnergyLanes = std::array<std::array<V, 2>, kColours>;
 
 struct Energy {
   EnergyLanes words;
-  Mask same_units;  // as many whole units as before in each, and in one more than none
+  Mask same_units;  // as many whole units as before in each word, and some are left
 };
 
 template <std::size_t kWords>
@@ -98,27 +98,27 @@ HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& positio
   return out;
 }
 
-// What samples do to their rays, apart from the step.
+// Effects of samples on their rays, apart from the step.
 struct SampleResult {
-  Mask goes_on;  // no more than this
-  Mask waits;    // for others in a medium
+  Mask goes_on;  // the ray only continues
+  Mask waits;    // until more lanes are in a medium
   Mask visible;
-  Mask trapped;  // the ray is still at the surface at which it was
+  Mask trapped;  // the ray is still at the surface where it was
   EnergyLanes energy;
   V interacted;
-  V weight;  // in the ray's colour
+  V weight;  // of the sample in the ray's colour
 };
 
-// kColouredBundle: of three irradiance words.
+// kBundle and kColouredBundle: weighted photons, with one or three irradiance words.
 enum class FlightKind : std::uint8_t { kBundle, kColouredBundle, kPhoton, kRendering };
-constexpr std::size_t words_of(FlightKind kind) {  // of energy, that lanes change
+constexpr std::size_t words_of(FlightKind kind) {  // words of energy that lanes change
   return kind == FlightKind::kColouredBundle ? kColours : kind == FlightKind::kBundle ? 1 : 0;
 }
 
 struct SampleLanes {
   Place at;
-  V cell;          // in its block
-  V entry, depth;  // of the segmentation LUT; of its opacity, 0: none (PacketField::opacities)
+  V cell;          // index in its block
+  V entry, depth;  // of the segmentation LUT; its opacity, 0: none (PacketField::opacities)
   Corners corners;
 };
 
@@ -138,8 +138,8 @@ struct PartOpacity {
   Mask known;
 };
 
-// The opacities of the parts of samples in a medium, with the conserving rules. `even`: all eight voxels round have one opacity, and
-// one tag.
+// Opacities of the integration intervals of samples in a medium, with the conserving rules. `even`: all eight voxels around the
+// sample have one opacity and one tag.
 template <bool kWide>
 HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneState& ray, V begun,
                                         const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
@@ -162,19 +162,19 @@ HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneStat
   const DepthLanes below = depth(low, LowerLanes()), above = depth(high, UpperLanes());
   const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
   const V opaque = gather(field.light->opaque_up, hn::ShiftLeft<2>(hn::IfThenElseZero(mixed, least)));
-  const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: there is none
+  const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: none
   const Mask seen_through = hn::And(hn::AndNot(wall, mixed), one_tag);
   out.known = hn::Or(out.known, seen_through);
   out.alpha = hn::IfThenElse(seen_through, opacity_of({below.depth, above.depth}, seen_through), out.alpha);
   return out;
 }
 
-// Which of the rays that meet a reflecting surface leave it: leaves().
+// Rays at a reflecting surface that leave it, as in leaves().
 HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask reflecting, const PacketField& field) {
   const Mask scattered = hn::And(reflecting, hn::MaskFromVec(lanes.scattered.load()));
   if (hn::AllFalse(D32(), scattered)) return scattered;
   SmallPlace at = small(sample.at);
-  at.index = hn::IfThenElseZero(scattered, at.index);  // no line is read for the others
+  at.index = hn::IfThenElseZero(scattered, at.index);  // reads no memory for the others
   const std::array<V, 3> gradient = resample_gradient(at, field);
   V along = hn::Zero(D32());  // a unit vector of 14 bits times words of 16
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -183,7 +183,7 @@ HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask 
   return hn::And(hn::Lt(along, hn::Zero(D32())), scattered);
 }
 
-// Takes those out of `in_medium` that are at a surface and do not meet it; those that meet one which traps stand, in `stands`.
+// Removes from `in_medium` rays at a surface without interaction. `stands`: rays at a surface that scalar code must handle.
 HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
                               const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
   const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
@@ -198,14 +198,14 @@ HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, 
   }
 }
 
-// Accumulates the opacity, of the samples of `in_medium`; returns which interact: interacts().
+// Accumulates the opacity of the samples of `in_medium`. Returns which rays interact, as in interacts().
 HWY_INLINE Mask accumulate(SampleResult& out, V opacity, Mask in_medium, const FlightLanes& lanes) {
   const V before = out.interacted, so_far = hn::Add(before, behind(before, opacity));
   out.interacted = hn::IfThenElse(in_medium, so_far, before);
   return hn::And(in_medium, hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, before)));
 }
 
-// What samples of the medium do to lighting rays.
+// Effects of a medium on lighting rays.
 template <FlightKind kKind>
 HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha,
                      Mask in_medium, const SampleLanes& sample, const PacketField& field) {
@@ -234,7 +234,7 @@ HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneStat
   out.goes_on = hn::AndNot(stands, out.goes_on);
 }
 
-// What samples of the medium do to rendering rays.
+// Effects of a medium on rendering rays.
 HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped,
                              Mask in_medium, const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
@@ -251,12 +251,12 @@ HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const 
     stands = hn::Or(stands, accumulate(out, opacity, in_medium, lanes));
   }
   out.goes_on = hn::AndNot(stands, out.goes_on);
-  if (light.high_albedo) return;  // colour is taken where the ray is absorbed
+  if (light.high_albedo) return;  // colour is taken at the absorption
   const V weight = behind(ray.opacity, absorption_opacity(alpha, material));
   out.weight = hn::IfThenElseZero(hn::And(in_medium, out.goes_on), weight);
 }
 
-// The samples of `samples`. Those in a medium wait for one another while others go on, since they cost most.
+// Tries the samples of `samples`. Those in a medium cost most, so they wait until enough lanes have one.
 template <FlightKind kKind, bool kWide>
 HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
                                     const EnergyLanes& energy, V interacted, const SampleLanes& sample, Mask samples,
@@ -296,7 +296,7 @@ HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& r
   return out;
 }
 
-// Their colour waits in `seen`.
+// Queues the samples' colours in `seen`.
 HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const SampleResult& taken,
                               const LaneState& ray, const FlightLanes& lanes, const PacketField& field) {
   const Mask coloured = hn::Ne(taken.weight, hn::Zero(D32()));

@@ -1,4 +1,4 @@
-// Gives lanes their flights: takes a ray that stands off its lane for the pass that it needs, and puts it back, or the next one.
+// Assigns flights to lanes: takes a ray off its masked lane for a scalar iteration, then puts it back, or the next one.
 
 // Included once for each instruction set.
 #if defined(GICUBE_FLIGHT_SCHEDULER) == defined(HWY_TARGET_TOGGLE)
@@ -29,7 +29,7 @@ inline FlightKind kind_of(const RayState& ray, const Frame& frame) {
 
 class FlightScheduler {
  public:
-  // All that are of another kind than `kind` go alone.
+  // Flights of another kind than `kind` are traced by scalar code.
   FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters,
                   const TrailRecord* record)
       : flights_(flights),
@@ -43,7 +43,7 @@ class FlightScheduler {
   std::size_t busy() const { return busy_; }
   ShadingQueue& seen() { return seen_; }
 
-  // To be called when all stand: gives rendering rays the colour that they have gathered on lanes.
+  // To be called when all flights have stopped: adds the colours that rendering rays have gathered on lanes.
   void finish_colours(const PacketField& field) {
     if (kind_ != FlightKind::kRendering || field.wide) return;
     seen_.finish<false>(field);
@@ -83,12 +83,12 @@ class FlightScheduler {
  private:
   struct Slot {
     Flight* flight = nullptr;
-    bool fresh = false;  // what the lane has of the flight must be found
+    bool fresh = false;  // the words of the path segment must be set
   };
 
   RayTrail* trail_of(const Flight& flight) const { return record_ == nullptr ? nullptr : &record_->trails[flight.ray]; }
 
-  // The pass of a ray that stands, if it has not come to its end.
+  // The scalar iteration of a ray, if it has not ended. Returns whether the ray continues.
   bool goes_on(Flight& flight) {
     RayState& ray = flight.ray_state;
     flight.how = end(ray, frame_);
@@ -136,7 +136,7 @@ class FlightScheduler {
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
   }
 
-  // What stays the same until the ray is scattered.
+  // Sets the words that are constant until the ray is scattered.
   void put_flight(FlightLanes& lanes, std::size_t lane, const RayState& ray) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.step[axis].lane[lane] = ray.step[axis];

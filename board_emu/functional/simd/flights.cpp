@@ -1,4 +1,4 @@
-// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+// Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "functional/simd/flights.cpp"

@@ -14,12 +14,12 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// resample_all(): of the low or, `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset, k)`: the words of the voxels
-// that are `offset` from the sample's first, k = 0, and of their next ones along x, k = 1.
+// resample_all() for the low or, with `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset)`: the words of the
+// voxels at `offset` from the sample's first, and of their neighbours along x.
 template <bool kOdd, typename Pair>
 HWY_INLINE VU64 resample_channels(const SmallPlace& at, const PacketField& field, const Pair& pair) {
   const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
-  const auto spread = [](V weights, int half) {  // a 16-bit half of each 64-bit lane into the whole of it
+  const auto spread = [](V weights, int half) {  // copies a 16-bit half of each 64-bit lane to all of it
     const auto byte = static_cast<std::uint64_t>(4 * kOdd + 2 * half);
     const std::uint64_t low = (byte | (byte + 1) << 8) * 0x0001'0001'0001'0001u;
     alignas(16) const std::array<std::uint64_t, 2> bytes{low, low + 0x0808'0808'0808'0808u};
@@ -38,18 +38,18 @@ struct PairOfWords {
   VU64 first, next;
 };
 
-// gradient_at(): what the codes of the voxels stand for.
+// gradient_at(), which decodes the voxels' codes.
 template <bool kOdd>
 HWY_INLINE VU64 resample_codes(const SmallPlace& at, const PacketField& field) {
   return resample_channels<kOdd>(at, field, [&](std::ptrdiff_t offset) {
-    const V codes = gather(field.codes + offset, hn::ShiftLeft<1>(at.index));  // two neighbours' in a word
+    const V codes = gather(field.codes + offset, hn::ShiftLeft<1>(at.index));  // two neighbours' codes per word
     const VU64 both = kOdd ? odds(codes) : evens(codes), mask = set64((1u << kCodeBits) - 1);
     return PairOfWords{gather64(field.gradients, hn::And(both, mask)),
                        gather64(field.gradients, hn::And(hn::ShiftRight<16>(both), mask))};
   });
 }
 
-// The words of voxels that stand there.
+// The decoded colours of the voxels.
 template <bool kOdd>
 HWY_INLINE VU64 resample_colours(const SmallPlace& at, const PacketField& field) {
   const VU64 index = kOdd ? odds(at.index) : evens(at.index);
@@ -68,7 +68,7 @@ HWY_INLINE std::array<V, 3> resample_gradient(const SmallPlace& at, const Packet
   return {hn::ShiftRight<16>(low), hn::ShiftRight<16>(hn::ShiftLeft<16>(high)), hn::ShiftRight<16>(high)};
 }
 
-// colour_of_words() of the samples' colours.
+// colour_of_words() for the samples' colours.
 HWY_INLINE std::array<V, 3> voxel_colour(const SmallPlace& at, const PacketField& field) {
   const VU64 even = resample_colours<false>(at, field), odd = resample_colours<true>(at, field);
   const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));

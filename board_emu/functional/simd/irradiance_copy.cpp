@@ -6,7 +6,7 @@ namespace gicube::emu {
 
 void IrradianceCopy::follow(std::span<const IrradianceMemory> memories, std::size_t blocks, std::size_t block_words,
                             bool narrow) {
-  std::uint64_t changes = 0;  // none of them ever falls
+  std::uint64_t changes = 0;  // each of them never decreases
   for (const IrradianceMemory& memory : memories) changes += memory.changes();
   if (changes_ == changes && first_.size() == blocks) return;
   clear();
@@ -18,7 +18,7 @@ void IrradianceCopy::follow(std::span<const IrradianceMemory> memories, std::siz
     first_[block] = static_cast<std::int32_t>(plane_);
     plane_ += block_words;
   }
-  // A pair is read at the last too; samples without irradiance read the first block's words, and drop them.
+  // The last word is read as a pair, too; samples without irradiance read the first block's words and drop them.
   const std::size_t words = std::max(memories.size() * plane_, block_words) + 1;
   if (words >= std::size_t{1} << 30) return;
   words_.resize(words);

@@ -1,4 +1,4 @@
-// Gives lanes their rays: takes a ray that has ended off its lane, packs it, and puts the next one there.
+// Assigns rays to lanes: takes a ray that has ended off its lane, packs it, and puts the next one there.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_EXCHANGE) == defined(HWY_TARGET_TOGGLE)
@@ -24,7 +24,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
-// Whether the ray's position is still in the volume after so many steps.
+// Whether the ray is still in the volume after `steps` steps.
 inline bool inside_after(const RayState& ray, std::int32_t steps, const Frame& frame) {
   const FinePoint at = moved(ray.fine_position(), ray.fine_step(), steps), most = fine_extent(frame.extent);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -33,11 +33,11 @@ inline bool inside_after(const RayState& ray, std::int32_t steps, const Frame& f
   return true;
 }
 
-// How many even steps, at most `most`, take the ray out of the volume, or beyond a cut plane.
+// Number of equal steps, at most `most`, that take the ray out of the volume or beyond a cut plane.
 inline std::int32_t steps_inside(const RayState& ray, const Frame& frame, std::int32_t most) {
   if (most <= 0 || !inside(ray.position, frame.extent)) return 0;
   std::int32_t least = most;
-  // A segment as a rule ends inside, which takes no division.
+  // Segments usually end inside, which takes no division.
   if (most == kNoLimit || !inside_after(ray, most - 1, frame)) {
     least = frame.wide ? emu::steps_inside(ray.fine_position(), ray.fine_step(), fine_extent(frame.extent), most)
                        : emu::steps_inside(ray.position, ray.step, frame.extent, most);
@@ -83,7 +83,7 @@ class LaneScheduler {
     }
   }
 
-  // To be called when all have ended: writes their colours into their packets.
+  // To be called when all rays have ended: writes their colours into their packets.
   void finish_colours() {
     if (!gathers_colour()) return;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
@@ -95,10 +95,10 @@ class LaneScheduler {
   struct Slot {
     RayState ray_state;
     wire::Ray* ray = nullptr;
-    std::int32_t steps = 0;  // as it began
+    std::int32_t steps = 0;  // at its start
   };
 
-  // A lit ray that was scattered before may have to leave a surface first.
+  // A lit ray that was scattered before is traced by scalar code, because it may have to leave a surface first.
   bool for_lanes(const wire::Ray& ray) const {
     return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
   }
@@ -122,13 +122,13 @@ class LaneScheduler {
 
   void idle(Lanes& lanes, std::size_t lane) const {
     lanes.left.lane[lane] = 0;
-    lanes.position[0].lane[lane] = -1;  // where a jittered ray would have ended
+    lanes.position[0].lane[lane] = -1;  // outside, where jittered rays end
   }
 
   void put(Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
     slot.ray = &rays_[next_];
-    // Made in its place: a copy reads in wide words what was just written in narrow ones, and waits for them.
+    // Constructed in place: a copy would read in wide words what was just written in narrow ones, and stall.
     new (&slot.ray_state) RayState(unpack(*slot.ray, frame_));
     set_colour(next_, slot.ray_state);
     lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);

@@ -1,4 +1,4 @@
-// Stages of frames that are jittered, lit by irradiance, or on the wide datapath, for lanes of rays; as
+// Stages for frames that are jittered, lit by irradiance, or on the wide datapath, for lanes of rays, like
 // functional/simd/stages-inl.h.
 
 // Included once for each instruction set.
@@ -33,7 +33,7 @@ HWY_INLINE VU64 mix64(VU64 x) {
   return hn::Xor(x, hn::ShiftRight<31>(x));
 }
 
-// Which entry of the jitter LUT the ray draws at `position`; `destination`: v << 16 | u.
+// Index of the jitter LUT's entry for the ray at `position`; `destination`: v << 16 | u.
 HWY_INLINE V jitter_index(const std::array<V, 3>& position, V destination) {
   const auto half = [](VU64 x, VU64 y, VU64 z, VU64 uv) {
     const VU64 low = hn::Or(x, hn::ShiftLeft<24>(y)), high = hn::Or(z, hn::ShiftLeft<24>(uv));
@@ -43,13 +43,13 @@ HWY_INLINE V jitter_index(const std::array<V, 3>& position, V destination) {
                   half(odds(position[0]), odds(position[1]), odds(position[2]), odds(destination)));
 }
 
-// step_vector() along one axis: direction * distance has more than 32 bits, its parts by the distance's halves have not.
+// step_vector() along one axis: direction * distance has more than 32 bits, its products with the distance's halves do not.
 HWY_INLINE V step_of(V direction, V distance) {
   const V low = hn::Mul(direction, hn::And(distance, set(0xFFFF)));
   return hn::Add(hn::Mul(direction, hn::ShiftRight<16>(distance)), hn::ShiftRight<16>(hn::Add(low, set(1 << 15))));
 }
 
-// fine_step_vector() along one axis: whole units, and what is below them.
+// fine_step_vector() along one axis: whole units, and the bits below.
 struct FineStep {
   V whole, rest;
 };
@@ -59,7 +59,7 @@ HWY_INLINE FineStep fine_step_of(V direction, V distance) {
           hn::And(low, set((1 << kRestBits) - 1))};
 }
 
-// InverseStep of fine steps: in doubles, for the lower and the upper lanes.
+// InverseStep for fine steps: in doubles, for the lower and the upper lanes.
 using DD = hn::Repartition<double, D32>;
 using VD = hn::Vec<DD>;
 using DHalf = hn::Half<D32>;
@@ -95,7 +95,7 @@ HWY_INLINE FineInverseStep pace_of(const std::array<V, 3>& step, const std::arra
   return out;
 }
 
-// steps_out() of fine steps: dividends have 36 bits and quotients 13, so that doubles are exact in the same way.
+// steps_out() for fine steps: dividends have 36 bits and quotients 13, so that doubles are exact in the same way.
 HWY_INLINE V steps_out(const std::array<V, 3>& position, const std::array<V, 3>& rest, V mask,
                        const FineInverseStep& pace, std::int32_t most) {
   const DD d;
@@ -111,7 +111,7 @@ HWY_INLINE V steps_out(const std::array<V, 3>& position, const std::array<V, 3>&
   return hn::Add(whole, set(1));
 }
 
-// The exponent of space().
+// The exponent as in space().
 HWY_INLINE V exponent_of(V distance, V length) {
   const auto half = [](VU64 a, VU64 b) { return hn::ShiftRight<16>(hn::Add(product(a, b), set64(1u << 15))); };
   return together(half(evens(distance), evens(length)), half(odds(distance), odds(length)));
@@ -131,19 +131,19 @@ HWY_INLINE VF wide_alpha(VF depth, V exponent) {
   return hn::IfThenElse(hn::Ge(depth, hn::Set(d, kOpaqueDepth)), hn::Set(d, 1), alpha);
 }
 
-// The same of what the field has of an entry's opacity (PacketField::opacities).
+// wide_alpha() for an entry's word in PacketField::opacities.
 HWY_INLINE VF wide_alpha(V word, V exponent, const PacketField& field) {
   if (field.corrected) return hn::BitCast(DF(), hn::Max(hn::Sub(word, set(1)), hn::Zero(D32())));
   return wide_alpha(hn::BitCast(DF(), word), exponent);
 }
 
-// Where the irradiance of samples in `block` at its cell `cell` stands; below 0: nowhere, there is none.
+// Index of the irradiance of samples in `block` at its cell `cell`; negative: there is none.
 HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
   const V first = gather(field.irradiance_first, hn::ShiftLeft<2>(block));
   return hn::IfThenElse(hn::Lt(first, hn::Zero(D32())), first, hn::Add(first, cell));
 }
 
-// irradiance() of a word, 11.4.
+// irradiance() for one irradiance word, 11.4.
 HWY_INLINE V irradiance(const SmallPlace& at, V index, std::size_t word, const PacketField& field) {
   const Mask has = hn::Gt(index, set(-1));
   const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};

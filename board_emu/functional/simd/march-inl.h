@@ -1,8 +1,8 @@
-// Rays that march side by side, one a lane: their words in lanes, and the passes of the pipeline.
+// Rays that are traced side by side, one per lane: their words in lanes, and the pipeline's iterations.
 //
-// With even steps the places of samples depend on steps alone, so the next samples are fetched while one is composited; a ray
-// that has become opaque goes on, and what it gathers then is dropped. Jittered steps are drawn where the ray is, so a ray that
-// ends there stays where it is.
+// With equal steps, sample positions depend on the number of steps only, so the next samples are fetched while one is
+// composited; a ray that has become opaque continues, and its further values are dropped. Jittered steps are drawn at the ray's
+// position, so a ray that ends there stays there.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
@@ -20,7 +20,7 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// One word of each of the rays under way, lane by lane.
+// One word of all rays under way, by lane.
 struct alignas(64) Word {
   std::array<std::int32_t, 16> lane{};
 
@@ -31,21 +31,21 @@ struct alignas(64) Word {
 // The rays under way. A ray ends when no steps are left, or by its opacity.
 struct Lanes {
   std::array<Word, 3> position, step;
-  std::array<Word, 2> sum;  // of integrals: the low kSumBits, and what is above
-  Word ray;                 // its index among those of the packet
+  std::array<Word, 2> sum;  // for integrals: the low kSumBits, and the higher bits
+  Word ray;                 // index among the rays of the packet
   Word exponent, opacity;
-  Word wide_opacity;  // floats
-  Word left;          // steps to the end of a segment or of the volume; jittered: none or one
-  Word more;          // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
+  Word wide_opacity;                    // floats
+  Word left;                            // steps to the end of a segment or of the volume; jittered: none or one
+  Word more;                            // additional steps of a skip, which may overshoot the volume but not a segment
   std::array<Word, 3> rest, step_rest;  // of the wide datapath
-  // Of jittered rays:
+  // For jittered rays:
   std::array<Word, 3> direction;
   Word length, destination, taken;
 };
 
 constexpr int kSumBits = 20;
 
-// What a pass changes of the rays while they march.
+// The words of rays that an iteration changes.
 struct LaneState {
   std::array<V, 3> position, step;
   std::array<V, 2> sum;
@@ -84,7 +84,7 @@ HWY_INLINE LaneState begin(const Lanes& lanes) {
   return out;
 }
 
-// advance(): at most 2^14 steps.
+// advance() by at most 2^14 steps.
 template <bool kWide>
 HWY_INLINE void advance(LaneState& ray, V steps) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -97,13 +97,13 @@ HWY_INLINE void advance(LaneState& ray, V steps) {
   }
 }
 
-// The same of any number of steps: those of a lane's way.
+// advance() by any number of steps, such as all steps of a lane.
 template <bool kWide>
 HWY_INLINE void advance_far(LaneState& ray, V steps) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
     if constexpr (kWide) {
-      // By the steps' high and low bits, since the product has more than 32.
+      // Multiplies the steps' high and low bits separately, because the product has more than 32.
       constexpr int kLow = 8;
       const V high = hn::Mul(hn::ShiftRight<kLow>(steps), ray.step_rest[axis]);
       const V low = hn::Mul(hn::And(steps, set((1 << kLow) - 1)), ray.step_rest[axis]);
@@ -116,7 +116,7 @@ HWY_INLINE void advance_far(LaneState& ray, V steps) {
   }
 }
 
-// What jitter_step() draws, of the lanes of `running`.
+// jitter_step() for the lanes of `running`.
 template <bool kWide>
 HWY_INLINE void jitter_step(LaneState& ray, const Lanes& lanes, Mask running, const PacketField& field) {
   const V drawn = jitter_index(ray.position, lanes.destination.load());
@@ -134,7 +134,7 @@ HWY_INLINE void jitter_step(LaneState& ray, const Lanes& lanes, Mask running, co
   ray.exponent = exponent_of(distance, lanes.length.load());
 }
 
-// Inside the volume, and not beyond a cut plane.
+// Rays inside the volume and not beyond a cut plane.
 template <bool kWide>
 HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   const D32 d;
@@ -176,7 +176,7 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   return hn::Not(out);
 }
 
-// Composites the samples of `taking` at `at`; `cell`: their places in the block. Their colour waits in `seen`.
+// Composites the samples of `taking` at `at`; `cell`: their positions in the block. Queues their colours in `seen`.
 template <Gathers kGathers, bool kWide>
 HWY_INLINE void composite(LaneState& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
                           ShadingQueue& seen, const PacketField& field, RayCounters& counters) {
@@ -204,7 +204,7 @@ HWY_INLINE void composite(LaneState& ray, V rays, const Place& at, V density, Ma
   }
 }
 
-// Where the volume's cubes of 1 << `shift` units stand in which the rays of `which` are; `across`, `slice`: cubes in a row and a slice.
+// Index of the cubes of 1 << `shift` units that contain the rays of `which`; `across`, `slice`: cubes per row and slice.
 HWY_INLINE V cube_index(const LaneState& ray, Mask which, int shift, std::int32_t across, std::int32_t slice) {
   const auto along = [&](std::size_t axis) {
     return hn::ShiftRightSame(hn::IfThenElseZero(which, ray.position[axis]), shift);
@@ -222,7 +222,7 @@ HWY_INLINE V steps_out(const LaneState& ray, V mask, const Pace& pace, const Pac
   }
 }
 
-// Samples' places, and their cells' in their blocks, whose `first` voxels stand there among the decoded ones.
+// Positions of samples, and their cells in their blocks; `first`: index of the blocks' first voxels among the decoded ones.
 struct PlaceInBlock {
   Place at;
   V cell;
@@ -243,7 +243,7 @@ HWY_INLINE PlaceInBlock place_in_block(const LaneState& ray, V first, Mask sampl
   return out;
 }
 
-// Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
+// Takes the samples of `samples`, of which those of `taking` count. `first`: index of their blocks among the decoded ones.
 template <Gathers kGathers, bool kWide>
 HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samples, Mask taking, ShadingQueue& seen,
                              const PacketField& field, RayCounters& counters) {
@@ -261,7 +261,7 @@ HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samp
   }
 }
 
-// Takes all lanes on until at least `enough` of them have ended.
+// Advances all lanes until at least `enough` of them have ended.
 template <Gathers kGathers, bool kJitter, bool kWide>
 HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
                       RayCounters& counters) {
@@ -270,7 +270,7 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
   const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
   const V rays = lanes.ray.load();
   auto pace = pace_of<kWide>(ray);
-  V taken = zero, passed = zero;  // steps, and those of samples that are not seen
+  V taken = zero, passed = zero;  // steps, and those over invisible samples
   Mask stepping{};
   while (true) {
     if constexpr (kJitter) {
@@ -308,7 +308,7 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     advance<kWide>(ray, steps);
   }
   counters.samples += static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, passed)));
-  if constexpr (!kJitter) {  // opaque rays went on
+  if constexpr (!kJitter) {  // opaque rays have continued
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].load();
       if constexpr (kWide) ray.rest[axis] = lanes.rest[axis].load();

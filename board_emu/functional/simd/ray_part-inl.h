@@ -1,6 +1,6 @@
-// The part of its ray that a sample of a lighting ray stands for, and what the medium there does to it, for lanes of rays: as
-// datapath/ray_part.h and datapath/interaction.h, but for parts that meet an opaque entry or voxels of several tags. Doubles take the same operations in the
-// same order, so that their bits are the same; a quotient by a power of two is a product.
+// The integration interval of a lighting ray's sample, and its medium, for lanes of rays, as in datapath/ray_part.h and
+// datapath/interaction.h, except intervals with an opaque entry or voxels of several tags. Doubles take the same operations in
+// the same order, so that their bits are the same; a quotient by a power of two is a product.
 
 // Included once for each instruction set.
 #if defined(GICUBE_RAY_PART) == defined(HWY_TARGET_TOGGLE)
@@ -21,14 +21,14 @@ namespace gicube::emu::HWY_NAMESPACE {
 using DI64 = hn::RebindToSigned<DU64>;
 using MaskD = hn::Mask<DD>;
 
-// A double for each of the rays under way.
+// A double per ray under way.
 struct alignas(64) DoubleWord {
   std::array<double, 16> lane{};
 
   Doubles load() const { return {hn::Load(DD(), lane.data()), hn::Load(DD(), lane.data() + hn::Lanes(DD()))}; }
 };
 
-// Takes the lower or the upper lanes, as doubles.
+// Converts the lower or the upper lanes to doubles.
 template <bool kUpper>
 struct HalfLanes {
   static HWY_INLINE auto part(V v) {
@@ -47,12 +47,12 @@ struct HalfLanes {
 using LowerLanes = HalfLanes<false>;
 using UpperLanes = HalfLanes<true>;
 
-// What `make` makes of both: it gets one of them at a time.
+// Calls `make` for the lower and for the upper lanes, and joins the results.
 template <class Make>
 HWY_INLINE Doubles in_doubles(const Make& make) {
   return {make(LowerLanes()), make(UpperLanes())};
 }
-// lround() of numbers that are not negative and fit.
+// lround() of non-negative numbers that fit.
 HWY_INLINE V rounded(const Doubles& x) {
   const auto half = [](VD of) {
     const VD whole = hn::Trunc(of);
@@ -65,7 +65,7 @@ HWY_INLINE V truncated(const Doubles& x) {
   return hn::Combine(D32(), hn::DemoteTo(DHalf(), x.upper), hn::DemoteTo(DHalf(), x.lower));
 }
 
-// has_one_tag() of samples whose voxels begin at `index`.
+// has_one_tag() for samples whose voxels begin at `index`.
 HWY_INLINE Mask has_one_tag(V index, const PacketField& field) {
   if (!field.tagged) return hn::Eq(index, index);
   const Corners codes = corners_of(field.codes, index, field.edge);
@@ -78,7 +78,7 @@ HWY_INLINE Mask has_one_tag(V index, const PacketField& field) {
   return hn::Eq(hn::Or(differ(rows, 0x1'0001), differ(pair, 1)), hn::Zero(D32()));
 }
 
-// DepthTable::uniform() of the densities round samples whose entry of the segmentation LUT is `entry`.
+// DepthTable::uniform() for the densities around samples with entry `entry` of the segmentation LUT.
 HWY_INLINE Mask is_even(const Corners& corners, V entry, const LightField& light) {
   const D16 d;
   const auto of = [&](std::size_t i) { return hn::BitCast(d, corners.row[i]); };
@@ -128,38 +128,38 @@ HWY_INLINE V scattering_opacity(V a, const MaterialLanes& material) {
   const V part = rounded(in_doubles([&](auto half) {
     const VD unit = hn::Set(DD(), 1), ks = half(material.scattering);
     const VD alpha = hn::Div(half(a), hn::Set(DD(), wire::kOpacityOne));
-    // 2^-24 at least, but 0 where an opaque sample scatters nothing. 0 / 0 has no integer, so that is lifted; the part is not used there.
+    // At least 2^-24, or 0 if an opaque sample scatters nothing: the maximum avoids 0 / 0, which has no integer value.
     const VD under = hn::Max(hn::Sub(unit, hn::Mul(hn::Sub(unit, ks), alpha)), hn::Set(DD(), 0x1p-60));
     return hn::Mul(hn::Div(hn::Mul(ks, alpha), under), hn::Set(DD(), wire::kOpacityOne));
   }));
-  const V scatters = truncated(in_doubles([&](auto half) {  // if nothing passes
+  const V scatters = truncated(in_doubles([&](auto half) {  // for opaque samples
     const VD ks = half(material.scattering);
     return hn::IfThenElseZero(hn::Gt(ks, hn::Zero(DD())), hn::Set(DD(), wire::kOpacityOne));
   }));
   return hn::IfThenElse(hn::Eq(a, one), scatters, part);
 }
 
-// When a ray is in a cell, in steps from its sample.
+// The interval in which a ray is in a cell, in steps from its sample.
 struct ReachLanes {
   VD entry, exit;
 };
 
-// Of some lanes: what RayPart::of() knows of the way of their rays.
+// Intervals of half of the lanes, as in RayPart::of().
 struct PartLanes {
-  VD begin, end;  // of the sample's part
+  VD begin, end;  // of the sample's interval
   ReachLanes own;
 };
 
-// What tells the part of a sample: where the samples before and after it lie.
+// Data that determine a sample's interval: positions of the samples before and after it.
 struct WayLanes {
   std::array<V, 3> here, before, after;  // in the cells of the sample, and of those before and after it
-  std::array<V, 3> ahead;                // to the volume's face, signed as the step
-  Mask begins_here, ends_here;           // those two samples are in the same cell
-  Mask first, last;                      // the sample is its flight's first, or the volume's last
+  std::array<V, 3> ahead;                // to the volume's face, signed like the step
+  Mask begins_here, ends_here;           // the sample before or after is in the same cell
+  Mask first, last;                      // the sample is the first of its path segment, or the last in the volume
   std::array<Doubles, 3> slope, inverse;
 };
 
-// `begun`: all ones unless the sample is the first of its flight.
+// `begun`: all ones unless the sample is the first of its path segment.
 template <bool kWide>
 HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& slope,
                            const std::array<Doubles, 3>& inverse, V begun, const PacketField& field) {
@@ -176,7 +176,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
       next = hn::Add(next, hn::ShiftRight<kRestBits>(on));
     }
     const V extent = set(field.extent[axis]);
-    outside = hn::Or(outside, hn::Or(next, hn::Sub(extent, next)));  // below zero
+    outside = hn::Or(outside, hn::Or(next, hn::Sub(extent, next)));  // negative: outside
     const Mask backward = hn::Lt(ray.step[axis], hn::Zero(D32()));   // a step's rest is not negative
     out.ahead[axis] = hn::Sub(hn::IfThenZeroElse(backward, extent), ray.position[axis]);
     left_cell = hn::Or(left_cell, hn::Xor(previous, ray.position[axis]));
@@ -227,12 +227,12 @@ HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
   return out;
 }
 
-// The optical depth of a part whose densities change: RayPart::of(), if none of the entries `least` to `most` is opaque.
+// Optical depth of an interval with varying density, as in RayPart::of(), if none of the entries `least` to `most` is opaque.
 struct DepthLanes {
   VD depth, least, most;
 };
 
-// `tag`: of the samples, in the bits above a density's.
+// `tag`: of the samples, in the bits above those of a density.
 template <class HalfOf>
 HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, const Corners& corners,
                                     const std::array<V, 3>& fraction, V tag, V exponent, const LightField& light,
@@ -288,10 +288,10 @@ HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, 
 
 struct Exponent {
   V word;
-  Mask holds;  // it is one
+  Mask holds;  // the exponent is valid
 };
 
-// The exponent of a part in a medium of one opacity.
+// The exponent of an interval in a medium of one opacity.
 HWY_INLINE Exponent exponent_of(const Doubles& begin, const Doubles& end, V exponent) {
   const Doubles product =
       in_doubles([&](auto half) { return hn::Mul(half(exponent), hn::Sub(half(end), half(begin))); });
@@ -302,7 +302,7 @@ HWY_INLINE Exponent exponent_of(const Doubles& begin, const Doubles& end, V expo
   return {hn::IfThenElseZero(fits, rounded(product)), fits};
 }
 
-// The opacities of depths, of the lanes of `which`.
+// Opacities of optical depths, for the lanes of `which`.
 HWY_INLINE V opacity_of(const Doubles& depth, Mask which) {
   DoubleWord depths;
   Word opacity, wanted;

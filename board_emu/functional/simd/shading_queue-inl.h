@@ -1,9 +1,8 @@
-// Visible samples wait here until there is a vector of them to shade: at a time only some of the rays in the lanes meet
-// something visible, and shading is most of a sample's cost.
+// Visible samples are queued here until they fill a vector, because only some of the lanes have a visible sample at the same
+// time, and shading is most of a sample's cost.
 //
-// A ray's colour may come later, since its opacity, on which all else depends, is composited at once. Its samples keep their
-// order, because sums of floats depend on it. Integers saturate at their greatest value whether that is checked at each sum or
-// at the end.
+// A ray's colour may come later, because its opacity, on which all else depends, is composited at once. The samples of a ray
+// keep their order, because sums of floats depend on it. Sums of integers may saturate at each addition or at the end.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_SEEN) == defined(HWY_TARGET_TOGGLE)
@@ -22,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// What a ray has gathered: three channels, of the wide datapath floats. The fourth makes them a vector.
+// Accumulated colour of a ray: three channels, floats on the wide datapath. The fourth completes a vector.
 struct alignas(16) ColourSum {
   std::array<std::int32_t, 4> channel{};
 };
@@ -49,7 +48,7 @@ class ShadingQueue {
     if (count_ > kMax - hn::Lanes(D32())) shade_full<kWide>(field);
   }
 
-  // Shades all samples that wait.
+  // Shades all queued samples.
   template <bool kWide>
   void finish(const PacketField& field) {
     shade_full<kWide>(field);
@@ -58,7 +57,7 @@ class ShadingQueue {
   }
 
  private:
-  static constexpr std::size_t kMax = 128;  // chosen: a few KiB, and the rest is moved seldom
+  static constexpr std::size_t kMax = 128;  // chosen: a few KiB, and remainders are seldom moved
   static constexpr int kEntryBits = 14;
   static_assert(wire::kSegmentationEntries == 1 << kEntryBits);
   enum Word : std::size_t { kIndex, kXAndY, kZ, kEntryAndRay, kWeight, kLit, kWords };
@@ -116,7 +115,7 @@ class ShadingQueue {
 
   std::vector<ColourSum> sums_;
   std::size_t count_ = 0;
-  // Of the samples that wait. Unused places hold old values or zero, which can be read.
+  // The queued samples. Unused elements are old values or zero, which may be read.
   alignas(64) std::array<std::array<std::int32_t, kMax + 16>, kWords> columns_{};
 };
 

@@ -1,4 +1,4 @@
-// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+// Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "functional/simd/simd_tracer.cpp"
@@ -36,7 +36,7 @@ void trace_with(LaneScheduler& exchange, const PacketField& field, RayCounters& 
   while (true) {
     exchange.serve(lanes, count);
     if (exchange.busy() == 0) break;
-    // A few idle lanes cost less than an exchange for each; without new rays one of the busy ones must end.
+    // A few idle lanes cost less than an exchange for each; without new rays, one of the busy lanes must end.
     const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
     march<kGathers, kJitter, kWide>(lanes, exchange.seen(), field, enough, counters);
   }
@@ -77,7 +77,7 @@ HWY_EXPORT(trace);
 
 namespace {
 
-// The exponent of all the frame's samples (space()); 0: each ray has one of its own.
+// The exponent of all samples of the frame (space()); 0 if each ray has its own.
 std::uint32_t common_exponent(const Frame& frame) {
   const auto& spacing = frame.spacing;
   if (frame.jitter || frame.segments() || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
@@ -117,7 +117,7 @@ void SimdTracer::read(std::span<const wire::SegmentationEntry> segmentation) {
   if (std::all_of(segmentation.begin(), segmentation.end(), [](const auto& entry) { return entry.specular == 0; }))
     return;
   for (const wire::SegmentationEntry& entry : segmentation) tables_.specular.push_back(entry.specular);
-  tables_.specular.resize(segmentation.size() + 3);  // four bytes are read from any place
+  tables_.specular.resize(segmentation.size() + 3);  // four bytes are read at any index
 }
 
 void SimdTracer::correct(const Frame& frame) {
@@ -154,7 +154,7 @@ void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
   seen_lut_ = lut_writes_;
   ranges_.follow(*frame.volume, threads);
   constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
-  // How many of a tag's entries below a density are seen. On the wide datapath all those that the paper's sees are.
+  // Number of a tag's visible entries below a density. All entries visible on the paper's datapath are visible on the wide one.
   std::array<std::array<std::uint16_t, kDensities + 1>, wire::kTags> below{};
   for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
     const bool seen = frame.segmentation[i].opacity != 0 || (!frame.wide_depths.empty() && frame.wide_depths[i] != 0);
@@ -175,10 +175,10 @@ void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
 void SimdTracer::find_first(const Frame& frame) {
   const VolumeMemory& volume = *frame.volume;
   const std::array<int, 3>& size = ranges_.size();
-  const auto cells = static_cast<std::size_t>(volume.block_voxels()) >> CellRanges::kEdgeShift;  // a block's, along x
+  const auto cells = static_cast<std::size_t>(volume.block_voxels()) >> CellRanges::kEdgeShift;  // per block, along x
   const auto blocks = static_cast<std::size_t>(volume.blocks()[0]), down = static_cast<std::size_t>(volume.blocks()[1]);
   const auto rows = static_cast<std::size_t>(size[1]), slices = static_cast<std::size_t>(size[2]);
-  // The samples of a jittered ray have places of their own, and integrals take what is not seen too.
+  // Jittered rays have their own sample positions, and integrals also take invisible samples.
   const bool passes = !frame.jitter && !frame.integral();
   tables_.first.resize(seen_.size());
   std::size_t cell = 0;
@@ -221,7 +221,7 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   }
   if (!frame.plain() || (frame.shade && !frame.colourless() && !frame.integral())) {
     constexpr std::size_t kRow = wire::kReflectanceSize;
-    const auto texel = [&](std::size_t i) {  // of the last row and column nothing is asked
+    const auto texel = [&](std::size_t i) {  // results for the last row and column are unused
       return i < wire::kReflectanceBytes ? std::uint32_t{frame.reflectance_map[i]} : 0;
     };
     tables_.reflectance_map.resize(wire::kReflectanceBytes);

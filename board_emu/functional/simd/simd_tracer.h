@@ -1,6 +1,6 @@
-// Traces groups of rays, one ray in each lane of the host's vectors: rays that only gather from their start to their end, lighting
-// rays and scattered ones between the samples at which more happens than that they go on. The bits are those of integrate() and of
-// integrate_all(), ray by ray (tests/board_emu/functional/simd).
+// Traces groups of rays, one ray per lane of the host's vectors: gathering rays from start to end, lighting and scattered rays
+// between the samples after which they do more than continue. The bits are those of integrate() and of integrate_all() for each
+// ray (tests/board_emu/functional/simd).
 #pragma once
 
 #include <array>
@@ -21,32 +21,31 @@ namespace gicube::emu {
 struct Flight;
 struct TrailRecord;
 
-// The frame's tables as lanes read them.
+// The frame's tables in the form for lanes.
 struct PacketTables {
-  std::array<std::uint32_t, wire::kSegmentationEntries>
-      depth{};                       // of one voxel length, 8.24 in base 2; all ones: opaque
-  std::vector<std::uint32_t> alpha;  // 1 + the corrected opacity, 24 bits, or the bits of the wide one; 0: not seen
+  std::array<std::uint32_t, wire::kSegmentationEntries> depth{};  // per voxel length, 8.24 in base 2; all ones: opaque
+  std::vector<std::uint32_t> alpha;  // 1 + the corrected opacity, 24 bits, or the bits of the wide one; 0: invisible
   std::array<std::uint64_t, wire::kSegmentationEntries>
       shading{};  // red, green 12 bits, ambient 8; in bits 32..: blue 12, reflect, knee 8
-  std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
-  std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
-  std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
-  std::vector<std::uint32_t> reflectance_map;                      // of each texel the square that begins there
-  LargeArray<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeaptOver, kUnseen
+  std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the decrease to the next
+  std::vector<std::uint8_t> specular;                              // of lit samples; empty if all are 0
+  std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by entry of the jitter LUT
+  std::vector<std::uint32_t> reflectance_map;                      // per texel: the square that begins there
+  LargeArray<std::int32_t> first;  // per cell (CellRanges): its block's among the decoded ones; kLeaptOver, kUnseen
 };
 
-inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays leap over
-inline constexpr std::int32_t kUnseen = -2;     // its samples count and add nothing
+inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays skip
+inline constexpr std::int32_t kUnseen = -2;     // samples count but add nothing
 
-// Of frames whose rays light or are scattered.
+// Parameters of frames whose rays deposit or are scattered.
 struct LightField {
   static constexpr std::int32_t kMedium = 0, kStraight = 1, kSurface = 2,
-                                kTrap = 3;           // kinds of materials; straight: scatters nothing
-  const std::uint32_t* runs;                         // DepthTable::runs(); null: not by the conserving rules
-  const std::uint32_t* opaque_up;                    // and opaque_up()
-  const double* sums;                                // and sums()
+                                kTrap = 3;           // kinds of materials; straight: no scattering
+  const std::uint32_t* runs;                         // DepthTable::runs(); null: not the conserving rules
+  const std::uint32_t* opaque_up;                    // DepthTable::opaque_up()
+  const double* sums;                                // DepthTable::sums()
   bool cubes;                                        // all voxels' edges are equal
-  bool scatters;                                     // some material does
+  bool scatters;                                     // some material scatters
   bool high_albedo;                                  // Frame::high_albedo
   std::array<std::int32_t, wire::kTags> kind, kept;  // kept: units of wire::kScatteringOne that are not scattered
   std::array<double, wire::kTags> scattering;        // Ks
@@ -54,19 +53,19 @@ struct LightField {
 
 enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 
-// What else lanes read.
+// Other inputs of lanes.
 struct PacketField {
   const std::int16_t* densities;
   const std::uint16_t* codes;        // may be null: all are 0
-  const DecodedGradient* gradients;  // what they stand for
+  const DecodedGradient* gradients;  // by code
   bool tagged;                       // some code has a tag
   const DecodedColour* colours;      // null: none
   const PacketTables* tables;
-  const void* opacities;  // 32 bits an entry of the segmentation LUT; 0: not seen
+  const void* opacities;  // 32 bits per entry of the segmentation LUT; 0: invisible
   bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
-  // Of frames that are lit by irradiance; else null.
+  // For frames lit by irradiance; otherwise null.
   const std::int16_t* irradiance;
-  std::size_t irradiance_plane;  // to that of green, and to blue's; 0: one word for all colours
+  std::size_t irradiance_plane;  // distance to green's words, and to blue's; 0: one word for all colours
   const std::int32_t* irradiance_first;
   const std::uint8_t* specular;
   std::uint32_t exposure;
@@ -77,7 +76,7 @@ struct PacketField {
   std::int32_t cells_across, cells_slice;
   Point extent;
   std::span<const Plane> cut_planes;
-  const LightField* light;  // of rays that fly
+  const LightField* light;  // for lighting and scattered rays
   Gathers gathers;
   bool shaded, jitter, wide, premultiplied;
 };
@@ -87,18 +86,18 @@ class SimdTracer {
   explicit SimdTracer(const OpacityCorrection& correction);
 
   // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is decoded.
-  // Returns false if the plain way must trace them: they leave amounts in sums, they are not plain and jitter or are segments, too
-  // few rays have come to be worth the ranges of cells, or the volume is too large for their offsets.
+  // Returns false if scalar code must trace them: they backproject, combine jitter or segments with other features, are too few
+  // to justify the ranges of cells, or the volume is too large for offsets of 31 bits.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
-  // Frees the copy's memory.
+  // Frees the cached data.
   void clear();
 
-  // Takes rays of a frame that gathers, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or receives
-  // each ray's steps.
+  // Traces rays of a frame that gathers, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or
+  // receives each ray's number of steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
-  // Of a frame that does not: takes flights until they stand, on the calling thread. `record`: null, or receives their trails; it
-  // asks for no sample without a deposit.
+  // Traces flights of other frames until they stop, on the calling thread. `record`: null, or receives their trails; it must
+  // not request samples without deposits.
   void fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters, const TrailRecord* record) const;
 
  private:
@@ -112,14 +111,14 @@ class SimdTracer {
   const OpacityCorrection& correction_;
   IrradianceCopy irradiance_;
   CellRanges ranges_;
-  LargeArray<std::uint8_t> seen_;               // of each cell: one of its densities has an opacity
-  std::uint64_t seen_lut_ = ~std::uint64_t{0};  // of the LUT that was written so often
+  LargeArray<std::uint8_t> seen_;               // per cell: one of its densities has an opacity
+  std::uint64_t seen_lut_ = ~std::uint64_t{0};  // lut_writes_ of seen_
   PacketTables tables_;
-  std::uint32_t exponent_ = 0;  // that tables_.alpha was made for, as were:
+  std::uint32_t exponent_ = 0;  // of tables_.alpha, and so are:
   bool wide_ = false;
   std::uint64_t alpha_lut_ = ~std::uint64_t{0};
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
-  std::uint64_t rays_ = 0;    // that have come since
+  std::uint64_t rays_ = 0;    // rays since then
   std::uint64_t lut_writes_ = ~std::uint64_t{0};
 };
 

@@ -1,4 +1,4 @@
-// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+// Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "functional/simd/splat_pieces.cpp"
@@ -35,21 +35,21 @@ using D16 = hn::Repartition<std::int16_t, D>;
 using V16 = hn::Vec<D16>;
 constexpr int kBits = wire::kPositionFractionBits;
 
-// upper_part() where the product has 32 bits.
+// upper_part() if the product has 32 bits.
 HWY_INLINE V upper(V amount, V fraction) {
   return hn::ShiftRight<kBits>(hn::Add(hn::Mul(amount, fraction), hn::Set(D(), 1 << (kBits - 1))));
 }
-// The same of amounts of 16 bits and twice the fraction.
+// upper_part() for amounts of 16 bits and twice the fraction.
 HWY_INLINE V16 upper(V16 amount, V16 fraction) { return hn::MulFixedPoint15(amount, fraction); }
 
-// A node of the trilinear tree run backwards: the lower half of `all` stays there.
+// A node of the trilinear tree run backwards: `all` keeps the lower half.
 template <typename Words>
 HWY_INLINE void halve(Words& all, Words& high, Words fraction) {
   high = upper(all, fraction);
   all = hn::Sub(all, high);
 }
 
-// spread() for each lane. Without loops, which compilers keep, with the shares in memory.
+// spread() for each lane. Without loops, because compilers would keep them and put the shares into memory.
 template <typename Words>
 HWY_INLINE std::array<Words, 8> spread_lanes(Words amount, const std::array<Words, 3>& fraction) {
   Words a = amount, b, c, d, e, f, g, h;
@@ -63,7 +63,7 @@ HWY_INLINE std::array<Words, 8> spread_lanes(Words amount, const std::array<Word
   return {a, b, c, d, e, f, g, h};
 }
 
-// The places of as many consecutive samples of a piece as there are lanes, from the tile's corner.
+// Positions of consecutive samples of a piece, one per lane, relative to the tile's corner.
 template <bool kWide>
 struct Places {
   HWY_INLINE explicit Places(const Piece& piece) {
@@ -91,7 +91,7 @@ struct Places {
     }
   }
 
-  // Where the samples' cells begin.
+  // First words of the samples' cells.
   HWY_INLINE V words(int across_bits) const {
     const V x = hn::ShiftRight<kBits>(at[0]), y = hn::ShiftRight<kBits>(at[1]), z = hn::ShiftRight<kBits>(at[2]);
     const V rows = hn::Add(hn::ShiftLeftSame(z, across_bits), y);
@@ -144,7 +144,7 @@ HWY_INLINE void splat_words(const Piece& piece, int across_bits, std::int32_t* c
   }
 }
 
-// Samples whose amounts have 16 bits, of all pieces one after the other, so that no lane is without one.
+// Samples whose amounts have 16 bits, of all pieces one after the other, so that no lane is idle.
 class Samples {
  public:
   template <bool kWide>
@@ -170,11 +170,11 @@ class Samples {
     count_ = count;
   }
 
-  // Adds all to the cells.
+  // Adds all samples to the cells.
   void splat(std::int32_t* cells) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    for (std::size_t i = count_; i < count_ + 2 * lanes; ++i) words_[i] = z_and_amount_[i] = 0;  // samples of no amount
+    for (std::size_t i = count_; i < count_ + 2 * lanes; ++i) words_[i] = z_and_amount_[i] = 0;  // samples of amount 0
     for (std::size_t i = 0; i < count_; i += 2 * lanes) {
       alignas(32) std::array<std::int32_t, 8 * kMaxLanes> parts;  // two shares each
       const Halves xy(xy_.data() + i), z_and_amount(z_and_amount_.data() + i);
@@ -187,7 +187,7 @@ class Samples {
       };
       hn::StoreInterleaved4(lower(0), lower(1), lower(2), lower(3), d, parts.data());
       hn::StoreInterleaved4(upper(0), upper(1), upper(2), upper(3), d, parts.data() + 4 * lanes);
-      // Interleaving works in blocks of four lanes, and so puts the samples into this order.
+      // Interleaving works in blocks of four lanes, which gives the samples this order.
       const auto* const share = reinterpret_cast<const std::int16_t*>(parts.data());
       HWY_UNROLL(16)
       for (std::size_t k = 0; k < 2 * lanes; ++k) {
@@ -199,7 +199,7 @@ class Samples {
   }
 
  private:
-  // The halves of the words of twice as many samples as a vector has words: of each two lanes the first is of the first vector.
+  // The halves of the words of two vectors of samples; of each two lanes, the first comes from the first vector.
   struct Halves {
     HWY_INLINE explicit Halves(const std::int32_t* words) {
       const D d;
@@ -217,7 +217,7 @@ class Samples {
 };
 
 void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
-  constexpr std::int32_t kWords = (1 << (31 - kBits)) - 1;  // whose products have 32 bits
+  constexpr std::int32_t kWords = (1 << (31 - kBits)) - 1;  // amounts whose products have 32 bits
   constexpr std::int32_t kHalves = (1 << 15) - 1;
   const int bits = std::countr_zero(tile.across);
   Samples samples;
@@ -236,20 +236,20 @@ void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells)
   samples.splat(cells);
 }
 
-// Of a row of cells, the shares of one of the four rows of voxels around it.
+// The shares of a row of cells for one of the four rows of voxels around it.
 struct Row {
   alignas(32) std::array<std::int32_t, kMaxAcross> lower;
   std::array<std::int32_t, kMaxAcross + kMaxLanes> upper;  // from the row's second voxel on
 };
 
-// Divides the row's shares by rows of voxels, and clears them.
+// Splits the row's shares by rows of voxels, and clears the cells.
 HWY_INLINE void take_row(std::int32_t* cells, std::size_t across, std::array<Row, 4>& rows) {
   const D d;
   const hn::Repartition<std::uint64_t, D> two;
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t x = 0; x < across; x += lanes, cells += 8 * lanes) {
     std::array<hn::Vec<decltype(two)>, 4> near,
-        far;  // of the first half of the cells and of the others: both shares of a row
+        far;  // of the first and the second half of the cells: both shares of a row
     const auto* const shares = reinterpret_cast<const std::uint64_t*>(cells);
     hn::LoadInterleaved4(two, shares, near[0], near[1], near[2], near[3]);
     hn::LoadInterleaved4(two, shares + 2 * lanes, far[0], far[1], far[2], far[3]);

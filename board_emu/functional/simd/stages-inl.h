@@ -1,6 +1,6 @@
-// The pipeline's stages for lanes of rays. Each says which scalar stage it repeats; the bits are the same.
+// The pipeline's stages for lanes of rays. Each names the scalar stage that it repeats; the bits are the same.
 //
-// Words of 32 bits stand in 16 lanes. Products of more than 32 bits are made in 64-bit lanes, once for the even and once for
+// Words of 32 bits are in 16 lanes. Products of more than 32 bits are computed in 64-bit lanes, once for the even and once for
 // the odd ones.
 
 // Included once for each instruction set.
@@ -53,15 +53,15 @@ template <class Vector>
 HWY_INLINE VU64 odds(Vector v) {
   return hn::ShiftRight<32>(hn::BitCast(DU64(), v));
 }
-// The low halves of both.
+// Joins the low halves of both.
 HWY_INLINE V together(VU64 even, VU64 odd) {
   return hn::BitCast(D32(), hn::Or(hn::And(even, set64(0xFFFF'FFFF)), hn::ShiftLeft<32>(odd)));
 }
 HWY_INLINE VU64 product(VU64 a, VU64 b) { return hn::MulEven(hn::BitCast(DU32(), a), hn::BitCast(DU32(), b)); }
 
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
-// Lane by lane: the instruction that gathers takes twice as long on AMD's cores, and on those of Intel's whose microcode guards it.
-HWY_INLINE __m256i gather_eight(const char* base, const std::uint64_t* offsets) {  // two in each of four
+// Lane by lane: the gather instruction takes twice as long on AMD's cores, and on Intel's cores with mitigating microcode.
+HWY_INLINE __m256i gather_eight(const char* base, const std::uint64_t* offsets) {  // two offsets in each of four words
   const auto word = [base](std::uint64_t offset) {
     std::int32_t at;
     std::memcpy(&at, base + static_cast<std::uint32_t>(offset), sizeof at);
@@ -94,26 +94,26 @@ HWY_INLINE VU64 gather64(const void* base, VU64 index) {
                          hn::BitCast(hn::RebindToSigned<DU64>(), index));
 }
 
-// lerp() of pipeline/resample.h on 16-bit lanes; `weight` 0.15.
+// lerp() of datapath/resample.h on 16-bit lanes; `weight` 0.15.
 HWY_INLINE V16 lerp16(V16 a, V16 b, V16 weight) { return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), weight)); }
 
-// The same on the low halves of 32-bit lanes; what the high halves hold does not matter.
+// lerp() on the low halves of 32-bit lanes; the high halves are ignored.
 HWY_INLINE V lerp(V a, V b, V weight) {
   const D16 d;
   return hn::BitCast(D32(), lerp16(hn::BitCast(d, a), hn::BitCast(d, b), hn::BitCast(d, weight)));
 }
-// Two neighbours along x in one word.
+// Interpolates two neighbours along x in one word.
 HWY_INLINE V along_x(V pair, V weight) {
   return lerp(pair, hn::BitCast(D32(), hn::ShiftRight<16>(hn::BitCast(DU32(), pair))), weight);
 }
 
-// A sample's place: the index of its cell among the decoded voxels, fractions of 14 and weights of 15 bits.
+// A sample's position: the index of its cell among the decoded voxels, fractions of 14 and weights of 15 bits.
 struct Place {
   V index;
   std::array<V, 3> fraction, weight;
 };
 
-// The same place for what is resampled later: weights of x and y in a word's halves, and of z.
+// A compact position, for resampling later: weights of x and y in a word's halves, and of z.
 struct SmallPlace {
   V index, x_and_y, z;
 };
@@ -122,7 +122,7 @@ HWY_INLINE SmallPlace small(const Place& at) {
   return {at.index, hn::Or(at.weight[0], hn::ShiftLeft<16>(at.weight[1])), at.weight[2]};
 }
 
-// The eight words round a sample, of 16 bits, two neighbours along x in one.
+// The eight words around a sample, of 16 bits, two neighbours along x in one.
 struct Corners {
   std::array<V, 4> row;
 };
@@ -134,7 +134,7 @@ HWY_INLINE Corners corners_of(const Word* words, V index, std::int32_t edge) {
   return {{gather(words, two), gather(words + down, two), gather(words + deep, two), gather(words + deep + down, two)}};
 }
 
-// resample() of words that stand alone: densities, 12.3, or irradiance.
+// resample_words() of densities, 12.3, or irradiance.
 HWY_INLINE V resample_words(const Corners& corners, const std::array<V, 3>& weight) {
   const auto row = [&](std::size_t i) { return along_x(corners.row[i], weight[0]); };
   const V near = lerp(row(0), row(1), weight[1]), far = lerp(row(2), row(3), weight[1]);
@@ -154,11 +154,11 @@ HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
   return hn::Or(entry, hn::ShiftLeft<12>(hn::And(hn::ShiftRight<kCodeBits>(code), set(wire::kTags - 1))));
 }
 
-// OpacityCorrection of a voxel length's depth. 64-bit lanes.
+// OpacityCorrection for a voxel length's depth. 64-bit lanes.
 HWY_INLINE VU64 corrected(VU64 depth, VU64 exponent, const PacketField& field) {
   constexpr int kFraction = OpacityCorrection::kFractionBits, kRest = kFraction - OpacityCorrection::kSegmentBits;
   const VU64 one = set64(wire::kOpacityOne);
-  // Beyond 25 halvings nothing is left, and more would not fit a shift.
+  // After 25 halvings nothing is left, and more would not fit a shift.
   const VU64 x = hn::Min(hn::ShiftRight<16>(hn::Add(product(depth, exponent), set64(std::uint64_t{1} << 15))),
                          set64(std::uint64_t{25} << kFraction));
   const VU64 whole = hn::ShiftRight<kFraction>(x);
@@ -175,7 +175,7 @@ HWY_INLINE V corrected(V depth, V exponent, const PacketField& field) {
   return together(corrected(evens(depth), evens(exponent), field), corrected(odds(depth), odds(exponent), field));
 }
 
-// The weight of a sample of opacity `alpha` behind `opacity`: the first line of over(). 64-bit lanes.
+// The weight of a sample of opacity `alpha` behind `opacity`, as in the first line of over(). 64-bit lanes.
 HWY_INLINE VU64 behind(VU64 opacity, VU64 alpha) {
   const VU64 t = hn::Add(product(hn::Sub(set64(wire::kOpacityOne), opacity), alpha), set64(std::uint64_t{1} << 23));
   return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));  // divide_by_full_scale<24>
@@ -185,14 +185,14 @@ HWY_INLINE V behind(V opacity, V alpha) {
   return together(behind(evens(opacity), evens(alpha)), behind(odds(opacity), odds(alpha)));
 }
 
-// The same of what the field has of an entry's opacity (PacketField::opacities).
+// The weight for an entry's word in PacketField::opacities.
 HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) {
   if (field.corrected) return behind(opacity, hn::Max(hn::Sub(word, set(1)), hn::Zero(D32())));
   return together(behind(evens(opacity), corrected(evens(word), evens(exponent), field)),
                   behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
 }
 
-// What over() adds to a channel: divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32 bits.
+// A channel's addend in over(): divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32 bits.
 HWY_INLINE V part_of(V colour, V weight) {
   constexpr int kHalf = 12;
   const V high = hn::Mul(colour, hn::ShiftRight<kHalf>(weight));
@@ -257,7 +257,7 @@ HWY_INLINE ShadingEntry shading_entry(V entry, const PacketField& field) {
           hn::And(hn::ShiftRight<20>(high), byte)};
 }
 
-// Too short to be a direction.
+// Whether the gradient is too short to have a direction.
 HWY_INLINE Mask is_flat(const std::array<V, 3>& gradient) {
   const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
                            hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
@@ -284,10 +284,10 @@ HWY_INLINE std::array<V, 3> shade(const ShadingEntry& shading, const std::array<
   return out;
 }
 
-// How rays run along the axes.
+// Inverse steps along the axes, for steps_out().
 struct InverseStep {
-  std::array<V, 3> turned;     // all ones where they run forward: what lies ahead is counted from the far end
-  std::array<VF, 3> per_unit;  // steps a position unit
+  std::array<V, 3> turned;     // all ones if the ray runs forward: distances are measured from the far end
+  std::array<VF, 3> per_unit;  // steps per position unit
 };
 
 HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
@@ -301,9 +301,9 @@ HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
   return out;
 }
 
-// leap_steps() out of cubes of `mask` + 1 units: the whole steps in what lies ahead, and one. The quotients are exact: with
-// half a unit added they are at least half a step's part away from whole numbers, and two roundings of dividends
-// below 2^22 are less.
+// leap_steps() out of cubes of `mask` + 1 units: the whole steps within the cube, plus one. The quotients are exact: with half
+// a unit added they differ from whole numbers by at least half of per_unit, and the two roundings of dividends below 2^22 by
+// less.
 HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const InverseStep& pace, std::int32_t most) {
   auto least = hn::Set(DF(), static_cast<float>(most - 1));
   for (std::size_t axis = 0; axis < 3; ++axis) {
