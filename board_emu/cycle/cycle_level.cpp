@@ -63,7 +63,7 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
     if (all.cancelled) reset();
     return all;
   } catch (...) {
-    reset();  // rays are left in it
+    reset();  // rays are left in the machine
     throw;
   }
 }
@@ -102,7 +102,7 @@ void CycleLevel::count(std::vector<wire::Counter>& list) const {
   add_counters(mine, list);
 }
 
-// A machine of another volume's size is dropped before the next run, so it is not in the file.
+// A machine for another volume size would be dropped before the next run, so it is not saved.
 void CycleLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
   if (machine_ && machine_->blocks() != blocks) reset();
   archive("past_rays", past_rays_);

@@ -1,4 +1,4 @@
-// The cycle level: a machine of the volume's size, and what goes on when the next replaces it.
+// The cycle level: a machine for the volume's size, and the state that is kept when another machine replaces it.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace gicube::emu {
 
 class CycleLevel : public Level {
  public:
-  // `observer`: of every machine; null for none. Both must outlive this. Values of rays are computed on `threads` threads.
+  // `observer`: of every machine; null: none. Both must outlive this. Values of rays are computed on `threads` threads.
   CycleLevel(const v1::BoardConfig& config, Observer* observer, unsigned threads)
       : config_(config), observer_(observer), threads_(threads) {}
 
-  // Progress is in rays that came back.
+  // Progress is in rays that have returned.
   RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
 
   void volume_changed() override;
   void deposits_cleared() override;
-  // The next run begins with a new machine.
+  // The next run starts with a new machine.
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
@@ -38,10 +38,10 @@ class CycleLevel : public Level {
  private:
   // A run that is under way.
   struct Run {
-    RaySource* source = nullptr;  // null: the run is a checkpoint's, and does not go on yet
-    std::uint64_t begin = 0;      // the first of the rays that the machine takes to their ends
-    RunResult all;                // of those before
-    RayCounters before;           // of the machine
+    RaySource* source = nullptr;  // null: restored from a checkpoint, and not yet continued
+    std::uint64_t begin = 0;      // first of the rays that the machine is tracing
+    RunResult all;                // of the rays before these
+    RayCounters before;           // of the machine, at the start
 
     void state(Archive::Record& record) {
       record(begin);
@@ -55,7 +55,7 @@ class CycleLevel : public Level {
   Machine& machine_for(const Frame& frame);
   Machine& machine_to_go_on(RaySource& source, const Frame& frame);
 
-  // Whether the policy and an observer leave the words of rays alone.
+  // Whether neither the policy nor an observer reads the words of rays.
   bool may_compute_ahead(const Machine& machine) const {
     return !machine.has_interested_observer() && !reads_contribution(config_.sorter().policy());
   }
@@ -65,13 +65,13 @@ class CycleLevel : public Level {
   unsigned threads_;
   OpacityCorrection correction_;
   SimdTracer tracer_{correction_};
-  std::unique_ptr<Machine> machine_;  // as long as the volume keeps its size
-  bool caches_sums_ = false;          // its caches hold sums, not voxels
+  std::unique_ptr<Machine> machine_;  // kept while the volume keeps its size
+  bool caches_sums_ = false;          // its caches hold accumulators instead of voxels
   std::optional<Run> run_;
-  std::vector<std::uint64_t> of_source_;  // of a checkpoint's run
-  RayCounters past_rays_;                 // of machines that were dropped, and of what sources did
+  std::vector<std::uint64_t> of_source_;  // source's state in a checkpoint's run
+  RayCounters past_rays_;                 // of machines that were dropped, and of sources
   std::vector<wire::Counter> past_;       // counters of machines that were dropped
-  std::uint64_t past_cycles_ahead_ = 0;   // of these
+  std::uint64_t past_cycles_ahead_ = 0;   // of dropped machines
 };
 
 }  // namespace gicube::emu

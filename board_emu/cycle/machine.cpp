@@ -13,7 +13,7 @@
 namespace gicube::emu {
 
 namespace {
-constexpr Cycle kReportCycles = 4096;  // chosen: some thousand times a second
+constexpr Cycle kReportCycles = 4096;  // chosen: some thousand per second
 }
 
 Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
@@ -61,7 +61,7 @@ void Machine::invalidate_caches() {
   for (const auto& processor : processors_) processor->invalidate_cache();
 }
 
-// Parts by number: DSP, ray bus, links, merge tree, memories, then sorter and pipeline of each processor.
+// Numbers of parts: DSP, ray bus, links, merge tree, memories, then sorter and pipeline of each processor.
 bool Machine::tick_part(std::size_t part) {
   switch (part) {
     case 0: return dsp_->tick(now_);
@@ -139,7 +139,7 @@ Cycle Machine::next_cycle() const {
   return is_quiet ? next : now_ + 1;
 }
 
-// Why a processor without rays gets none.
+// Stall cause of a processor whose queues are empty.
 Cause Machine::upstream() {
   if (!down_.empty() || !runs_.empty() || !ray_bus_->idle()) return Cause::kRayBus;
   if (dsp_->has_rays_to_send()) return dsp_->waits(now_) ? Cause::kSdram : Cause::kDsp;
@@ -190,12 +190,12 @@ void Machine::book_millisecond() {
   booked_ = sum;
 }
 
-// So that it makes no difference who computed them.
+// Moves the counters of values to the DSP's, so that they do not depend on where values were computed.
 void Machine::collect_values() {
   for (const auto& processor : processors_) dsp_->add_values(processor->take_values());
 }
 
-// To run_.skips_to.
+// Counts the cycles up to run_.skips_to without ticking.
 void Machine::skip() {
   while (now_ < run_.skips_to) {
     const Cycle stride = now_ < see_at_ ? std::min(run_.skips_to, see_at_) - now_ : 1;
@@ -222,7 +222,7 @@ void Machine::stalled() const {
   throw Stall(text.str());
 }
 
-// Before the parts, since these name rays and runs.
+// Saved and restored before the parts, which refer to rays and runs.
 void Machine::run_state(Archive& archive, TokenLimits& limits) {
   archive("run", run_);
   archive.expect(run_.report_at <= now_ + kReportCycles, "run", "a report soon", run_.report_at);
@@ -238,7 +238,7 @@ void Machine::run_state(Archive& archive, TokenLimits& limits) {
       bool flies = ray.block < partition_.blocks();
       const auto corner = grid.corner(flies ? ray.block : 0);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        // A carrier's place may be a voxel outside its block.
+        // A carrier's position may be a voxel outside its block.
         const std::int32_t low = corner[axis] * wire::kVoxel, beyond = is_carrier ? wire::kVoxel : 0;
         const std::int32_t at = ray.ray_state.position[axis];
         flies = flies && at >= std::max(low - beyond, 0) && at < low + grid.size() + beyond;

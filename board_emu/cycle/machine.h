@@ -1,8 +1,8 @@
 // The whole board at cycle level: DSP, ray bus, processors, links, merge tree and memories, and the clock that ticks them.
 //
-// All parts talk through registered FIFOs, so the order in which they tick within a cycle changes nothing. Time and the
-// contents of the caches go on from command to command. Cycles in which the ASIC is empty and the DSP works are not ticked,
-// only counted.
+// All parts are connected by registered FIFOs, so the order in which they tick within a cycle does not matter. Time and the
+// contents of the caches persist from command to command. Cycles in which the ASIC is empty and the DSP works are counted
+// without ticking.
 #pragma once
 
 #include <algorithm>
@@ -31,27 +31,27 @@ class Machine {
  public:
   static constexpr Cycle kStallCycles = 100'000;  // chosen: far above any latency of a part
 
-  // For volumes of `blocks` along x, y, z.
+  // For volumes of `blocks` blocks along x, y, z.
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
-  // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. The result has the counters of making
-  // rays; all others are in machine_counters.h. Throws Stall, and RoutineFault.
-  // `ahead`: values of those rays, for which the policy must not ask, or null.
+  // Traces the rays `which` of `work` to their ends. Progress is in rays that have returned. The result has the counters of
+  // making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or values of these rays,
+  // which the policy must not read.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead = nullptr);
-  // Goes on with the run of a checkpoint, from the same source. Throws CheckpointFault if it was another one.
+  // Continues the run of a checkpoint with the same source. Throws CheckpointFault if it was another one.
   RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
   RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
     return run(work, frame, progress, {0, work.count()});
   }
 
-  // The volume's words have changed.
+  // To be called when the volume's words have changed.
   void invalidate_caches();
 
-  // Between runs. It must outlive the machine, or be taken from it. Null: none.
+  // Only between runs. The observer must outlive the machine, or be replaced. Null: none.
   void set_observer(Observer* observer) { observer_ = observer; }
-  // Whether the next run would be observed from its begin on.
+  // Whether the next run would be observed from its start.
   bool has_interested_observer() const { return observer_ != nullptr && observer_->is_interested(); }
-  // For tests: parts tick in an order that is drawn anew each cycle. No result may change by it.
+  // For tests: parts tick in a random order, a different one in each cycle. No result may depend on it.
   void shuffle_ticks(std::uint64_t seed) { shuffle_ = seed; }
 
   Cycle now() const { return now_; }
@@ -63,7 +63,7 @@ class Machine {
   const RayEngine& dsp() const { return *dsp_; }
   const RayStore& rays() const { return rays_; }
   RayStore& rays() { return rays_; }
-  // All parts, a line or some each.
+  // Dumps the state of all parts, in one or more lines each.
   void describe(std::ostream& out) const;
   const RayBus& ray_bus() const { return *ray_bus_; }
   struct Millisecond {
@@ -72,29 +72,29 @@ class Machine {
 
     void state(Archive::Record& record) { record(activations, samples); }
   };
-  // Cycles of processors that were computed many at a time, since nobody observed them.
+  // Processor cycles that were computed by inner loops, many at a time, because nobody observed them.
   std::uint64_t cycles_ahead() const { return lone_.cycles_ahead(); }
-  // What was done in each simulated millisecond, the last entry for all that come later.
+  // Work in each simulated millisecond. The last entry is for all later ones.
   const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
   const dram::Standard& memory_standard() const { return standard_; }
   const Ring& links() const { return *links_; }
-  // Between the DSP and the ASIC.
+  // FIFOs between the DSP and the ASIC.
   const Fifo<RayToken>& down() const { return down_; }
   const Fifo<RunPool::Run>& runs() const { return runs_; }
   const Fifo<RayToken>& up() const { return up_; }
 
-  // Between two runs no ray is under way, so FIFOs, queues and stages are as in a new machine. In a run: from Observer::see() and
-  // Progress::may_count().
+  // Between two runs no ray is under way, so FIFOs, queues and stages are empty. During a run it may be called from
+  // Observer::see() and Progress::may_count().
   void state(Archive& archive);
 
  private:
-  // What goes on from cycle to cycle of a run, beside the parts.
+  // State of a run, in addition to that of the parts.
   struct Run {
     Cycle begin = 0;
-    std::uint64_t dsp_before = 0;  // cycles in which it had worked
+    std::uint64_t dsp_before = 0;  // cycles in which it had worked before
     Cycle moved_at = 0;            // the last cycle in which something moved
     Cycle report_at = 0;
-    Cycle skips_to = 0;  // cycles before it are only counted, by
+    Cycle skips_to = 0;  // cycles before this one are only counted, by
     Cause skip_cause = Cause::kDsp;
 
     void state(Archive::Record& record) {
@@ -107,9 +107,9 @@ class Machine {
   };
 
   void set_out(const Frame& frame, bool values_are_known);
-  // The rest of the run is ticked part by part, and rays have their words in each cycle.
+  // From then on the run is ticked part by part, and rays have their words in each cycle.
   void be_observed();
-  // Rays under way get their words.
+  // Computes the words of rays under way.
   void take_samples();
   RunResult to_the_end(Progress& progress, RayRange which);
   void run_state(Archive& archive, TokenLimits& limits);
@@ -117,9 +117,9 @@ class Machine {
   bool tick_shuffled();
   bool tick_part(std::size_t part);
   void skip();
-  // The next cycle in which something else happens than that processors go alone and the DSP works.
+  // The next cycle in which more happens than that processors run ahead and the DSP works.
   Cycle next_cycle() const;
-  // An observer sees the cycle, if it wants to.
+  // Shows the cycle to the observer, if it has requested that.
   void show() {
     if (now_ < see_at_) [[likely]]
       return;
@@ -130,11 +130,11 @@ class Machine {
   }
   void ask_observer(Cycle from) { see_at_ = is_observed_ ? std::max(from, observer_->next(from)) : kNoCycle; }
   bool is_seen_soon() const { return see_at_ - now_ <= kSeenSoon; }
-  // No ray is on it, and no changed irradiance waits for the memory.
+  // No ray is on the ASIC, and no changed irradiance waits for the memory.
   bool asic_idle() const;
   Cause upstream();
   bool some_hold_rays();
-  // A processor without rays is only told why none come, when one does or its counters must hold.
+  // Books the stall causes of a sleeping processor. Needed only when a ray arrives or its counters must be consistent.
   void wake(std::size_t processor);
   void wake_all() {
     for (std::size_t i = 0; i < processors_.size(); ++i) wake(i);
@@ -149,7 +149,7 @@ class Machine {
   Partition partition_;
   dram::Standard standard_;
   RayStore rays_;
-  Cycle see_at_ = kNoCycle;  // from which on the observer wants to see one
+  Cycle see_at_ = kNoCycle;  // the next cycle that the observer has requested
   RayWatch watch_{*this, rays_, see_at_};
   Fifo<RayToken> down_{kFifoPlaces};
   Fifo<RunPool::Run> runs_{kFifoPlaces};
@@ -161,22 +161,22 @@ class Machine {
   std::unique_ptr<Ring> links_;
   std::unique_ptr<MergeTree> tree_;
   std::unique_ptr<RayEngine> dsp_;
-  // Before a cycle that is seen requests are no longer sent ahead of their cycles. Chosen: far above a memory's waiting requests.
+  // This close to an observed cycle, requests are not sent ahead. Chosen: far above the delay of a memory's queued requests.
   static constexpr Cycle kSeenSoon = 4096;
   Observer* observer_ = nullptr;
-  bool is_observed_ = false;   // the run, from now on
+  bool is_observed_ = false;   // the rest of the run is observed
   std::uint64_t shuffle_ = 0;  // 0 = the usual order
   Cycle now_ = 0;
-  bool is_seen_ = false;  // the cycle is over
+  bool is_seen_ = false;  // the cycle is over, but not counted yet
   Run run_;
-  // Not where the run is observed, or two processors share a memory.
+  // Unused if the run is observed, or if two processors share a memory.
   LoneProcessors lone_;
   bool go_alone_ = false;
-  std::vector<std::size_t> ticked_;  // processors, in this cycle
+  std::vector<std::size_t> ticked_;  // processors of this cycle
   static constexpr std::size_t kAwake = ~std::size_t{0};
-  std::vector<std::size_t> asleep_since_;  // by processor: the first of `upstream_` that it was not told, or kAwake
-  std::size_t asleep_ = 0;                 // processors
-  std::vector<Cause> upstream_;            // of cycles since a report, if somebody is asleep
+  std::vector<std::size_t> asleep_since_;  // by processor: first entry of `upstream_` that is not booked, or kAwake
+  std::size_t asleep_ = 0;                 // number of sleeping processors
+  std::vector<Cause> upstream_;            // by cycle since a report, if a processor sleeps
   std::vector<Millisecond> milliseconds_;
   Millisecond booked_;  // the sum of milliseconds_
 };

@@ -31,7 +31,7 @@ inline void MemoryPort::send(std::size_t which, Cycle now) {
   queue.send(now, answer.arrival, answer.delay);
 }
 
-// Serves the processor whose turn it is, or the next that has a request.
+// Serves the processor whose turn it is, or the next one with a request.
 bool MemoryPort::serve(Cycle now) {
   for (std::size_t i = 0; i < clients_.size(); ++i) {
     const std::size_t which = turn_ + i < clients_.size() ? turn_ + i : turn_ + i - clients_.size();

@@ -1,7 +1,7 @@
-// One memory channel and the processors that it serves, one or two [P §3.3]: sends their requests on, one a core cycle,
-// in turn, and tells them when each packet arrives.
+// One memory channel and the one or two processors that it serves [P §3.3]: sends their requests on in turn, one per core
+// cycle, and reports when each packet arrives.
 //
-// A processor that has its channel to itself can be told at once: nobody else's requests come between.
+// If only one processor uses the channel, arrival times can be computed at once, because no other requests intervene.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace gicube::emu {
 
-// What one processor asks for. Its reads and writes are served in the order in which they were asked for, a read before a
-// write of the same cycle.
+// Requests of one processor. Its reads and writes are served in the order of the requests, a read before a write of the same
+// cycle.
 struct MemoryClient {
   MissQueue* misses;
   WriteQueue* writes;
@@ -32,7 +32,7 @@ struct MemoryClient {
 
 class MemoryPort {
  public:
-  // `clients`: the processors, in their order. `blocks`: the most that any of them holds.
+  // `clients`: the processors, in their order. `blocks`: the most blocks that any of them holds.
   MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks);
 
   bool tick(Cycle now) {
@@ -42,25 +42,25 @@ class MemoryPort {
     }
     return false;
   }
-  // The same, or sends ahead all that was asked for so far, each request at its own cycle; also to be called in every cycle.
-  // The counters may then be ahead of the cycle.
+  // Like tick(), but may send all requests so far ahead, each at its own cycle. Also to be called in every cycle. The counters
+  // may then be ahead of the cycle.
   bool tick_ahead(Cycle now) {
     if (clients_.size() > 1) return tick(now);
     return !clients_.front().all_sent() && serve_ahead();
   }
 
-  // Its only client, of which all was sent, asks for a tile of a block: as tick_ahead() after that.
+  // Requests a tile of a block for the only client, whose requests were all sent, and sends the request as tick_ahead() would.
   void fetch(Cycle now, std::uint32_t block, std::uint32_t tile) {
     latest_ = std::max(now, latest_) + 1;
     const Answer answer = read(block, tile, latest_);
     clients_.front().misses->ask({block, tile, now, latest_, answer.arrival, answer.delay});
   }
 
-  std::uint64_t cycles(Cycle now) const { return to_memory_.passed(now); }  // clocks of the memory until then
+  std::uint64_t cycles(Cycle now) const { return to_memory_.passed(now); }  // of the memory's clock
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
   dram::Memory& channel() { return *channel_; }
-  Cycle latest() const { return latest_; }  // in which something was sent
+  Cycle latest() const { return latest_; }  // last cycle in which something was sent
   void state(Archive& archive) {
     archive.in_clock(cycles(archive.latest()), [&] { archive("channel", *channel_); });
     archive.at_most("turn", turn_, clients_.size() - 1);
@@ -68,7 +68,7 @@ class MemoryPort {
   }
 
  private:
-  // The blocks of two processors alternate in the memory that they share.
+  // The blocks of two processors alternate in their shared memory.
   std::uint32_t block_in_memory(std::uint32_t block, std::size_t which) const {
     return block * static_cast<std::uint32_t>(clients_.size()) + static_cast<std::uint32_t>(which);
   }
@@ -79,7 +79,7 @@ class MemoryPort {
     Cycle arrival;
     Delay delay;
   };
-  // A packet whose request is sent now; `block`: in memory.
+  // Reads a packet whose request is sent at `now`; `block`: in memory.
   Answer read(std::uint32_t block, std::uint32_t tile, Cycle now) {
     const dram::Access access = channel_->read(block, tile, to_memory_.from(now));
     return {to_core_.from(access.data_end + latency_), delay(access.cause)};
@@ -97,7 +97,7 @@ class MemoryPort {
   ClockRatio to_memory_, to_core_;
   std::uint32_t latency_;
   std::size_t turn_ = 0;
-  Cycle latest_ = 0;  // in which something was sent
+  Cycle latest_ = 0;  // last cycle in which something was sent
 };
 
 }  // namespace gicube::emu

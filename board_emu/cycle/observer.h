@@ -1,5 +1,5 @@
-// Sees the machine after its cycles, and what happens to the rays that it chooses. Nothing on the board depends on it, unless it sets a
-// word on purpose.
+// Observes the machine after its cycles, and the events of the rays that it selects. The board does not depend on it, unless it
+// sets a word on purpose.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 class Machine;
 
-// Core cycles of the machine's clock, begin <= cycle < end.
+// A range of core cycles, begin <= cycle < end.
 struct CycleWindow {
   Cycle begin = 0;
   Cycle end = kNoCycle;
@@ -21,14 +21,14 @@ struct CycleWindow {
   bool has(Cycle cycle) const { return cycle >= begin && cycle < end; }
 };
 
-// What a sample of a watched ray was.
+// The sample of a watched ray.
 struct RaySample {
   Point position{};
   std::int16_t density = 0;  // 12.3
-  Point gradient{};          // as the datapath's channels
+  Point gradient{};          // as in the datapath's channels
   unsigned tag = 0;
   Colour12 colour{};   // classified and shaded, not weighted by opacity
-  double opacity = 0;  // of the step that the sample stands for, 0..1; exact
+  double opacity = 0;  // of the step that the sample represents, 0..1; exact
   Termination end = Termination::kNot;
 };
 
@@ -36,19 +36,19 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
-  // Whether anything below is to be called. Asked at a run's begin and, until it is true, every 4096 cycles of the run. The machine
-  // computes ahead while it is false. After it became true the rest of the run is observed.
+  // Whether any function below is to be called. Queried at the start of a run and, until it is true, every 4096 cycles of the
+  // run. While it is false the machine computes ahead; from then on the rest of the run is observed.
   virtual bool is_interested() const { return true; }
-  // A run of the machine begins with cycle `now`.
+  // Called when a run of the machine starts with cycle `now`.
   virtual void begins(Cycle /*now*/, Machine& /*machine*/) {}
-  // The first cycle from `from` on after which see() is to be called; kNoCycle: none. Asked at a run's begin, after each call,
-  // after happened(), and every 4096 cycles.
+  // The first cycle from `from` on after which see() is to be called; kNoCycle: none. Queried at the start of a run, after each
+  // call, after happened(), and every 4096 cycles.
   virtual Cycle next(Cycle from) { return from; }
   virtual void see(Cycle /*now*/, const Machine& /*machine*/) {}
 
-  // Whether happened() is to be called for ray number `ray` of the run's source. Asked once, as the DSP makes it.
+  // Whether happened() is to be called for ray number `ray` of the run's source. Queried once, when the DSP makes the ray.
   virtual bool watches(std::uint64_t /*ray*/, const wire::Ray& /*made*/) { return false; }
-  // In the cycle of the event, of which not all parts may have ticked yet. What the event points to is gone afterwards.
+  // Called in the cycle of the event; some parts may not have ticked yet. The event's pointers are valid only in the call.
   virtual void happened(const RayEvent& /*event*/, const Machine& /*machine*/) {}
 };
 

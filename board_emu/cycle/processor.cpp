@@ -19,7 +19,7 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   SorterSetup setup;
   setup.processor = config.number;
   setup.single = board.sorter().queues() == v1::single;
-  setup.bus_waits = setup.single;  // else most rays of a frame would come back to the DSP as overflows
+  setup.bus_waits = setup.single;  // otherwise most rays of a frame would return to the DSP as overflows
   setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
   setup.capacity = board.asic().queue_rays();
   setup.policy = board.sorter().policy();
@@ -28,7 +28,7 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   return setup;
 }
 
-// Out of the way of all rays that are not watched. They hand `cause` on, so that their callers keep nothing for after the call.
+// Cold path for watched rays. Returning `cause` allows a tail call.
 [[gnu::noinline, gnu::cold]] Cause count_wait(RayWatch& watch, std::uint32_t ray, Cause cause) {
   watch.waits(ray);
   return cause;
@@ -80,7 +80,7 @@ void Processor::begin(const Frame& frame, bool values_are_known) {
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
 }
 
-// Hands a ray that has left the compute line on; false if what it goes to is full.
+// Sends on a ray that has left the compute line. Returns false if its destination is full.
 bool Processor::deliver(Cycle now, const InFlight& ray) {
   const RayToken& token = ray.token;
   if (ray.splats && splat_waits(now)) {
@@ -112,8 +112,8 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   return true;
 }
 
-// Of banks with two ports: writes a packet that has arrived into the cache while samples are read, unless it takes places from which
-// an older sample has yet to read, which is of another block.
+// For banks with two ports: writes an arrived packet into the cache while samples are read, unless it replaces words that an
+// older sample of another block must still read.
 bool Processor::fill(Cycle now) {
   if (misses_.empty() || misses_.oldest().arrival > now || splats_.takes_write_port(now)) return false;
   std::size_t owner = 0;
@@ -128,7 +128,7 @@ bool Processor::fill(Cycle now) {
   return true;
 }
 
-// Moves the oldest sample of the prefetch line on, if it has come through and its packets are there.
+// Moves the oldest sample of the prefetch line on, if it has passed the line and its packets have arrived.
 Cause Processor::enter_compute(Cycle now) {
   if ((stages_.prefetching() == 0) | (stages_.oldest_prefetching().ready > now)) {
     bubble_ = true;
@@ -144,7 +144,7 @@ Cause Processor::enter_compute(Cycle now) {
     };
     const Packet& packet = misses_.oldest();
     if (packet.arrival > now) return waits(packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss);
-    if (two_ports_) return waits(Cause::kFill);  // one was written, or the port is taken
+    if (two_ports_) return waits(Cause::kFill);  // one was written, or the port is occupied
     misses_.take();
     if (--head.packets > 0) return waits(Cause::kFill);
   }
@@ -155,15 +155,15 @@ Cause Processor::enter_compute(Cycle now) {
   return cause;
 }
 
-// Asks the memory for what is missing of a block of that number; returns the packets.
+// Requests the missing tiles of the block with that number from the memory. Returns the number of packets.
 inline std::uint8_t Processor::ask(Cycle now, const Misses& misses, std::uint32_t number) {
   if (ideal_memory_) return 0;
   for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
   return static_cast<std::uint8_t>(misses.count);
 }
 
-// One pass of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
-// same whenever they are worked out) the sample taken and the ray's next queue found.
+// One iteration of a ray: checks the tags, requests missing tiles, takes the sample, and determines the ray's next queue. The
+// sample can be taken here because values do not depend on the time.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
   constexpr std::size_t kMaxCarriers = 8;
   if (does_more_) rays_.make_room(kMaxCarriers);
@@ -172,7 +172,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   if (issued.watched) [[unlikely]]
     watch_.before(ray);
   InFlight& entry = stages_.enter(now);
-  // Changed in place: a token put together elsewhere and then copied would stall the host on its partial stores.
+  // Changed in place: copying a token that was assembled elsewhere would stall the host on its partial stores.
   RayToken& token = entry.token;
   token = issued;
   entry.from = issued.queue;
@@ -218,7 +218,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   } else {
     token.contribution = contribution(ray_state);
   }
-  // A trapped ray has its end looked for when it has its new direction.
+  // The end of a trapped ray is determined when it has its new direction.
   if (how == Termination::kNot && token.state != TokenStatus::kTrapped && !values_are_known_) {
     how = end(ray_state, *frame_);
   }
@@ -264,7 +264,7 @@ void Processor::tell_pass(Cycle now, const InFlight& entry, Termination how) {
                how);
 }
 
-// Both halves of most conditions are always worked out: which of them fails is hard to predict.
+// Most conditions avoid branches by & instead of &&, because they are hard to predict.
 bool Processor::tick_pipeline(Cycle now) {
   fed_ = backed_up_ = bubble_ = false;
   bool moved = does_more_ && tick_light(now), stalled = false;
@@ -340,7 +340,7 @@ void Processor::state(Archive& archive) {
   if (archive.in_run()) run_state(archive);
 }
 
-// What is on its way between its parts.
+// State between the processor's parts.
 void Processor::run_state(Archive& archive) {
   archive.field("misses",
                 [this](Archive::Record& record) { misses_.state(record, packet_blocks(), cache_.tiles_of_block()); });

@@ -1,13 +1,13 @@
-// One ray integration processor of the ASIC: sorter, pipeline and volume cache, and what joins them [P §3.2-3.4].
+// One ray integration processor of the ASIC: sorter, pipeline and volume cache, and their connections [P §3.2-3.4].
 //
-// What enters: rays from the ray bus and from the neighbours' links, and packets from the memory. What leaves: rays to the
-// links, and finished or overflowed rays to the merge tree. The pipeline takes one sample a cycle, in order:
+// Input: rays from the ray bus and from the neighbours' links, and packets from the memory. Output: rays to the links, and
+// finished or overflowed rays to the merge tree. The pipeline takes one sample per cycle, in order:
 //
 //   sorter -> [tag check] -> prefetch line -> (packets written, one a cycle) -> compute line -> sorter | link | tree
 //                  \-> miss queue -> memory -/
 //
-// Each of the cache's eight banks reads or writes one word a cycle [P §3.3], so a packet is written while no sample is
-// read, except for the last packet that a sample waits for: the bypass hands it on in the same cycle.
+// Each of the cache's eight banks reads or writes one word per cycle [P §3.3], so a packet is written while no sample is read,
+// except for the last packet that a sample waits for: the bypass forwards it in the same cycle.
 #pragma once
 
 #include <cstdint>
@@ -49,16 +49,16 @@ class Processor {
  public:
   explicit Processor(const ProcessorConfig& config);
 
-  // All rays until the next call are of this frame. The processor must be idle. `values_are_known`: rays have steps_left() to their
-  // ends, and nothing else is asked of them.
+  // All rays until the next call belong to this frame. The processor must be idle. `values_are_known`: of their state, rays
+  // need only steps_left(), the steps to their ends.
   void begin(const Frame& frame, bool values_are_known);
-  // Hands of_values() of its rays over.
+  // Returns of_values() of its rays, and subtracts them from its counters.
   RayCounters take_values() {
     const RayCounters values = of_values(counts_);
     counts_ = counts_ - values;
     return values;
   }
-  // Values are no longer known.
+  // From then on values are computed here.
   void take_samples() {
     if (!values_are_known_) return;
     values_are_known_ = false;
@@ -76,35 +76,35 @@ class Processor {
   }
   bool tick_pipeline(Cycle now);
 
-  // As long as nothing comes in and nothing goes out, a processor may be ticked later than the parts round it. After cycle
-  // `now`: the first cycle in which it may send something; the next, if it has sent something or is empty.
+  // Lookahead: as long as nothing enters or leaves a processor, it may be ticked later than the parts around it. Returns the
+  // first cycle after `now` in which it may send something; the next cycle if it has sent something or is empty.
   Cycle alone_until(Cycle now) const;
-  // While it goes alone it always holds_rays().
+  // Whether it will hold rays in every cycle in which it runs ahead.
   bool holds_many_rays() const { return sorter_.waiting() + issue_.size() + stages_.size() >= kMany; }
-  // Until something comes in, all that its ticks do is account().
+  // Whether its ticks do nothing but account() until a ray arrives.
   bool sleeps() const { return idle() && misses_.empty() && !has_input(); }
   bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
-  // Ticks it and its memory in the cycles from `from` to before `to`, which are before that one. Returns the last in which something
-  // moved, or 0.
+  // Ticks it and its memory in the cycles from `from` to before `to`, all of them before alone_until(). Returns the last cycle
+  // in which something moved, or 0.
   Cycle go_alone(Cycle from, Cycle to, MemoryPort& memory);
-  // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: why no ray comes, if none is here.
+  // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: the cause if there is no ray here.
   void account(Cycle now, Cause upstream) {
     account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
   }
-  // The same where so many rays come in from outside.
+  // account(); `come`: not 0 if rays arrive from outside.
   void account(Cycle now, Cause upstream, std::size_t come);
   // Counts `cycles` in which the idle processor was not ticked.
   void account_idle(Cycle now, Cycle cycles, Cause upstream);
 
   bool idle() const;
-  // Some ray is in its queues or its pipeline.
+  // Whether a ray is in its queues or its pipeline.
   bool holds_rays() const;
-  // No ray is to come: writes what has changed in its cache back, a tile a call.
+  // To be called when no more rays will arrive: writes changes in its cache back, one tile per call.
   void write_rest();
   void describe(std::ostream& out) const;
   void state(Archive& archive);
 
-  // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
+  // Ends of the FIFOs to the ray bus, the ring and the merge tree.
   Fifo<RayToken> from_bus{kFifoPlaces};
   Fifo<RayToken> from_left{kFifoPlaces};
   Fifo<RayToken> from_right{kFifoPlaces};
@@ -122,12 +122,12 @@ class Processor {
   const VolumeCache& cache() const { return cache_; }
   const RayCounters& rays() const { return counts_; }
   const CauseCounts& causes() const { return causes_; }
-  Cause latest() const { return latest_; }  // of the cycle last booked
+  Cause latest() const { return latest_; }  // of the last accounted cycle
   // Cycles in which a ray was in the queues or the pipeline.
   std::uint64_t holding_cycles() const { return holding_cycles_; }
 
  private:
-  // Of rays whose values are known, in a machine of the usual kind: the same, with only what there can be.
+  // Inner loop for rays with known values, and whether it applies: it covers only the usual kind of machine.
   bool goes_round() const;
   Cycle go_round(Cycle from, Cycle to, MemoryPort& memory);
   void pass(Cycle now, const RayToken& issued, InFlight& entry, MemoryPort& memory);
@@ -154,20 +154,20 @@ class Processor {
   void write_back(const TileOfBlock& changed, bool irradiance);
   void write(std::uint32_t block, std::uint32_t tile, bool irradiance);
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
-  // Irradiance words have packets of their own, and this frame's rays leave or read them.
+  // Whether irradiance words have their own packets, and rays of this frame may read or change them.
   bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
-  // Rays of this frame scatter or deposit, read irradiance from packets of its own, or it is not known.
+  // Whether rays of this frame may do more than gather. With known values only reading irradiance from its own packets counts.
   bool does_more_than_gather() const {
     return values_are_known_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
   }
-  // Blocks of its packets.
+  // Number of blocks that have packets.
   std::uint32_t packet_blocks() const { return static_cast<std::uint32_t>(partition_.max_blocks() * (cells_ ? 2 : 1)); }
   bool has_room_for_victims() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
-  // In memory the irradiance of all blocks lies behind their voxels.
+  // In memory, the irradiance of all blocks follows their voxels.
   std::uint32_t irradiance_of(std::uint32_t number) const {
     return number + static_cast<std::uint32_t>(partition_.max_blocks());
   }
-  // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
+  // Always inlined: GCC takes a function that only prefetches for one without effect, and removes its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream, std::size_t come) const;
   [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
@@ -204,7 +204,7 @@ class Processor {
   Stages stages_;
   Cycle compute_clock_ = 0;
   VolumeCache cache_;
-  std::optional<VolumeCache> cells_;  // of irradiance, if it is in packets of its own
+  std::optional<VolumeCache> cells_;  // of irradiance, if it has its own packets
   MissQueue misses_;
   WriteQueue writes_;
   SplatUnit splats_;
@@ -213,9 +213,9 @@ class Processor {
   bool does_more_ = false;  // does_more_than_gather()
   bool fed_ = false;        // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
-  bool bubble_ = false;  // the compute line got nothing, and not because it was stalled or waited
+  bool bubble_ = false;  // the compute line got nothing, although it was neither stalled nor waiting
   Cause latest_ = Cause::kQueueEmpty;
-  // Why no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line is long.
+  // Causes if no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line has stages.
   std::vector<Cause> unfed_;
   Cycle unfed_mask_;
   RayCounters counts_;
@@ -223,7 +223,7 @@ class Processor {
   std::uint64_t holding_cycles_ = 0;
 };
 
-// Below, conditions are added up instead of branched on: they are hard to predict, and are evaluated every cycle.
+// Conditions below are combined without branches: they are hard to predict, and are evaluated every cycle.
 inline bool Processor::holds_rays() const { return (sorter_.waiting() | issue_.size() | stages_.size()) != 0; }
 
 inline Cause Processor::bubble(Cause upstream, std::size_t come) const {
@@ -236,17 +236,17 @@ inline Cause Processor::bubble(Cause upstream, std::size_t come) const {
 }
 
 inline void Processor::account(Cycle now, Cause upstream, std::size_t come) {
-  // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
+  // An empty compute entry is due to the cycle in which nothing entered the prefetch line.
   const Cause unfed = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
   latest_ = bubble_ ? unfed : latest_;
   ++causes_[static_cast<std::size_t>(latest_)];
-  unfed_[now & unfed_mask_] = bubble(upstream, come);  // not asked for if a ray has entered
+  unfed_[now & unfed_mask_] = bubble(upstream, come);  // unused if a ray has entered
   holding_cycles_ += fed_ | holds_rays();
 }
 
-// Prefetches what the ray's next pass will read into the host's cache.
+// Prefetches the voxels of the ray's next iteration into the host's cache.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
-  if (view.densities == nullptr) return;  // rays that backproject read no voxel
+  if (view.densities == nullptr) return;  // backprojecting rays read no voxel
   const Cell at = cell(position, low);
   const std::int16_t* voxel = view.densities + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
   __builtin_prefetch(voxel);

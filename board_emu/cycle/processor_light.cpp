@@ -1,4 +1,4 @@
-// The processor's part in global illumination: samples that deposit or scatter, splats and irradiance carriers.
+// Global illumination in the processor: samples that deposit or scatter, splats and irradiance carriers.
 #include <algorithm>
 
 #include "asic/cache/splat_tiles.h"
@@ -9,8 +9,8 @@
 
 namespace gicube::emu {
 
-// What a sample at `place` of a ray that does more than gather brings about: splats, a trap, the ray's end. `ray` is still in
-// the block of the sample.
+// Applies the effects of a sample at `place` of a ray that does more than gather: splats, a trap, the ray's end. `ray` is still
+// in the block of the sample.
 Termination Processor::after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry) {
   if (interaction.deposits) {
     splat_and_carry(interaction, ray, entry);
@@ -26,7 +26,7 @@ Termination Processor::after(const Interaction& interaction, const Point& place,
   return interaction.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
 }
 
-// Writes the deposit's voxels in the ray's block, and sends it to the other blocks that have copies of them.
+// Writes the deposit's voxels in the ray's block, and sends carriers to the other blocks that have copies of them.
 void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry) {
   const std::uint32_t block = ray.block;
   const Deposit here = on_card(interaction.deposit, *frame_);
@@ -40,7 +40,7 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
   }
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) continue;
-    if (is_dark(sharing.block[i])) {  // its copies are made as it comes to the card
+    if (is_dark(sharing.block[i])) {  // its copies are made when it comes to the card
       frame_->irradiance->add(here, sharing.block[i]);
       continue;
     }
@@ -52,7 +52,7 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
   carry_to_host(interaction, ray, entry, work);
 }
 
-// Sends the deposit to the DSP for each block whose irradiance the host has.
+// Sends the deposit to the DSP for each block whose irradiance is at the host.
 void Processor::carry_to_host(const Interaction& interaction, const RayUnderWay& ray, InFlight& entry, Splat* work) {
   if (frame_->dark.empty()) return;
   SharingBlocks owners;
@@ -81,13 +81,13 @@ Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
   return work;
 }
 
-// Adds the deposit to the words of `block`, and notes which of its tiles are written.
+// Adds the deposit to the words of `block`, and records which of its tiles are written.
 Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, const RayState& from, InFlight& entry) {
   const Deposit deposit = on_card(interaction.deposit, *frame_);
   const bool all = writes_all_voxels(),
              gives = std::ranges::any_of(deposit.shares, [](auto share) { return share != 0; });
   if (!gives) {
-    // the words stay as they are
+    // no word changes
   } else if (frame_->sums != nullptr) {
     counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
   } else if (frame_->light_words == 1) {
@@ -107,7 +107,7 @@ Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, con
   return work;
 }
 
-// A ray that takes the deposit to a block that has copies of its voxels [P §3.4].
+// Makes a carrier of the deposit for a block that has copies of its voxels [P §3.4].
 RayToken Processor::carrier(const RayState& from, const Interaction& interaction, std::uint32_t block) {
   RayUnderWay ray;
   ray.ray_state.position = interaction.place;
@@ -129,7 +129,7 @@ RayToken Processor::carrier(const RayState& from, const Interaction& interaction
   return token;
 }
 
-// The cell of a carrier's place in its block, of which the place may lie a voxel outside: what the tags are checked for.
+// The cell of a carrier in its block, for which the tags are checked. The position may be a voxel outside the block.
 Cell Processor::carrier_cell(const RayUnderWay& ray) const {
   const std::array<std::int32_t, 3> corner = grid_.corner(ray.block);
   Cell out{};
@@ -145,7 +145,7 @@ void Processor::write_back(const TileOfBlock& changed, bool irradiance) {
   writes_.write_back(irradiance ? irradiance_of(number) : number, changed.tile);
 }
 
-// One a cycle.
+// Writes back one tile per cycle.
 void Processor::write_rest() {
   if (writes_.room() == 0) return;
   if (cache_.has_changes()) {
@@ -161,7 +161,7 @@ bool Processor::tick_light(Cycle now) {
   return splats_.has_carrier() && send_carrier(now);
 }
 
-// Sends the splat's next carrier on its way; true if it went.
+// Sends the splat's next carrier. Returns whether it was sent.
 bool Processor::send_carrier(Cycle now) {
   const RayToken& token = splats_.carrier();
   Fifo<RayToken>& to = token.state == TokenStatus::kAbsent ? done : token.processor == number_ ? returned_ : out_links;
@@ -171,7 +171,7 @@ bool Processor::send_carrier(Cycle now) {
   return true;
 }
 
-// The oldest splat can't begin yet: the one before it is under way, or its tiles have no room to wait for the memory.
+// Whether the oldest splat is stalled: the previous one is not finished, or the write queue has no room for its tiles.
 bool Processor::splat_waits(Cycle now) const {
   constexpr std::size_t kPlaces = 16;  // eight tiles, each fetched first
   return splats_.busy(now) || writes_.room() < kPlaces;
@@ -183,7 +183,7 @@ void Processor::begin_splat(Cycle now) {
   splats_.begin(now);
 }
 
-// A tile has changed. Irradiance in packets of its own comes into the cache here, and not when its voxels are read.
+// Records a changed tile. Irradiance in its own packets is loaded into the cache here, not when its voxels are read.
 void Processor::write(std::uint32_t block, std::uint32_t tile, bool irradiance) {
   VolumeCache& cache = irradiance ? *cells_ : cache_;
   const bool known = irradiance ? cache.touch(block, tile) : cache.holds(block, tile);

@@ -30,8 +30,7 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
   begin_ = made_ = which.begin;
   end_ = which.end;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
-  rays_.make_room(
-      std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // their words stay where they are
+  rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
   finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
   batch_ = 0;
@@ -45,8 +44,7 @@ void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
   frame_ = &frame;
   ahead_ = nullptr;
   may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
-  rays_.make_room(
-      std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // their words stay where they are
+  rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
 }
 
 void RayEngine::stop_ahead() {
@@ -73,7 +71,7 @@ void RayEngine::run_state(Archive& archive) {
   if (!archive.loads()) {
     index_of_.resize(std::max(index_of_.size(), rays_.handles()));
     for (std::uint64_t& index : index_of_) {
-      if (index < begin_ || index >= made_) index = begin_;  // of a run before this one
+      if (index < begin_ || index >= made_) index = begin_;  // of an earlier run
     }
   }
   archive.list("index", index_of_);
@@ -196,7 +194,7 @@ std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, ValuesAhead:
   return values.made;
 }
 
-// Makes the next ray; nothing if it never goes to the ASIC.
+// Makes the next ray. Returns nothing if it does not go to the ASIC.
 std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint64_t index = made_++;
   ValuesAhead::Ray values;
@@ -210,7 +208,7 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   const WaitingRay* const waited = frame_->in_bricks() ? frame_->waiting->find(index) : nullptr;
   const bool is_trapped = waited != nullptr && waited->trapped;
   if (const Termination how = end(ray.ray_state, *frame_);
-      how != Termination::kNot && !is_trapped) {  // its clipping leaves nothing of it
+      how != Termination::kNot && !is_trapped) {  // clipping leaves nothing of it
     count_end(ray.ray_state, computes_ahead() ? Termination::kLeft : how, *frame_, counts_);
     work_->take(index, pack_ended(ray.ray_state, *frame_));
     ++finished_;
@@ -273,7 +271,7 @@ void RayEngine::make_rays(Cycle now) {
   }
 }
 
-// An overflowed ray to its queue.
+// Sends an overflowed ray to its queue.
 void RayEngine::send_again(Cycle now) {
   const OverflowStore::Sent again = store_.send();
   carry_out(now, again.task);
@@ -282,7 +280,7 @@ void RayEngine::send_again(Cycle now) {
   outgoing_ = Outgoing::kRay;
 }
 
-// Puts what the DSP has made on the ray bus; false if the bus has no room.
+// Puts the outgoing ray or run on the ray bus. Returns false if the bus has no room.
 bool RayEngine::send(Cycle now) {
   if (outgoing_ == Outgoing::kRay) {
     if (!ports_.down.can_push(now)) return false;

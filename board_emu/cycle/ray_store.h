@@ -1,4 +1,4 @@
-// The rays under way on the ASIC. FIFOs carry handles into this store: a ray's words change in one place.
+// The rays under way on the ASIC. FIFOs carry handles into this store, so that a ray's words stay in one slot.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace gicube::emu {
 
-// Two cache lines of the host: most passes of a ray begin by missing the first, and only those of the wide datapath need the other.
+// Two cache lines of the host: most iterations start by missing the first, and only the wide datapath needs the second.
 struct alignas(64) RayUnderWay {
-  std::uint32_t block = 0;  // that its position lies in
+  std::uint32_t block = 0;  // block of its position
   RayState ray_state;
 
   void state(Archive::Record& record) { record(block, ray_state); }
@@ -30,7 +30,7 @@ class RayStore {
     rays_[handle] = ray;
     return handle;
   }
-  // References to rays stay good while the next `count` are added.
+  // References to rays stay valid while the next `count` are added.
   void make_room(std::size_t count) {
     if (rays_.capacity() - rays_.size() < count) rays_.reserve(2 * rays_.capacity() + count);
   }
@@ -49,7 +49,7 @@ class RayStore {
     }
   }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
-  // By handle.
+  // Whether each handle is in use.
   std::vector<bool> in_use() const {
     std::vector<bool> used(rays_.size(), true);
     for (const std::uint32_t handle : free_) used[handle] = false;

@@ -6,7 +6,7 @@ namespace gicube::emu {
 
 namespace {
 
-// Once more what the pipeline has made of the ray's sample.
+// Recomputes the sample that the pipeline has taken.
 RaySample sample_of(const RayState& ray, const Frame& frame, Termination how) {
   RaySample out;
   out.position = ray.position;

@@ -1,4 +1,4 @@
-// Which rays of a machine are watched, and what its observer is told of them.
+// Selects the watched rays of a machine, and reports their events to its observer.
 #pragma once
 
 #include <algorithm>
@@ -13,27 +13,27 @@ namespace gicube::emu {
 
 class RayWatch final : public RayListener {
  public:
-  // `see_at`: the cycle from which on the observer sees the machine; it may want another after an event.
+  // `see_at`: the next cycle that the observer has requested; it may change after an event.
   RayWatch(const Machine& machine, const RayStore& rays, Cycle& see_at)
       : machine_(machine), rays_(rays), see_at_(see_at) {}
 
   void set_observer(Observer* observer) { observer_ = observer; }
-  // All rays until the next call are of this frame.
+  // All rays until the next call belong to this frame.
   void begin(const Frame& frame) {
     frame_ = &frame;
     watched_.clear();
   }
 
-  // A ray of the source has got its handle.
+  // Called when a ray of the source has got its handle.
   void made(Cycle now, std::uint32_t handle, std::uint64_t number, const wire::Ray& ray);
   bool watches(std::uint32_t handle) const { return !watched_.empty() && watched_.contains(handle); }
-  // A watched ray sends its deposit on.
+  // Called when a watched ray sends a carrier.
   void made_carrier(std::uint32_t from, std::uint32_t carrier);
 
-  // Round a pass through the pipeline of a watched ray. `how`: whether it ended.
+  // Called before and after an iteration of a watched ray. `how`: whether it has ended.
   void before(const RayUnderWay& ray) { before_ = ray; }
   void after(const RayEvent& event, Termination how);
-  // Its sample stands at the end of the prefetch line for another cycle, or no longer.
+  // Called for each cycle in which its sample is stalled at the end of the prefetch line, and when it continues.
   void waits(std::uint32_t handle) { ++watched_[handle].waited; }
   void goes_on(const RayEvent& event);
 
@@ -44,7 +44,7 @@ class RayWatch final : public RayListener {
     std::uint64_t number = 0;
     bool is_carrier = false;
     std::uint64_t waited = 0;   // cycles
-    std::uint64_t missing = 0;  // packets, of the latest sample
+    std::uint64_t missing = 0;  // packets of the latest sample
   };
 
   void happened(const RayEvent& event) {

@@ -1,8 +1,8 @@
-// Takes deposits from the pipeline's end into the irradiance words: it reads, adds and writes in the volume cache, sends changed
+// Adds deposits from the pipeline's end to the irradiance words: it reads, adds and writes in the volume cache, sends changed
 // tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
 //
-// A bank reads or writes one word a cycle, so a deposit takes the cache for two cycles, in which no sample is read. Of banks with two
-// ports it takes the one that reads for a cycle, and then the one that writes.
+// A bank reads or writes one word per cycle, so a deposit occupies the cache for two cycles, in which no sample is read. With
+// two ports it occupies the read port for one cycle, and then the write port.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@
 
 namespace gicube::emu {
 
-// What one sample leaves behind when it comes out of the pipeline.
+// The deposit of one sample that leaves the pipeline.
 struct Splat {
-  std::uint32_t block = 0;  // whose words change
-  std::uint8_t tiles = 0;   // of them
+  std::uint32_t block = 0;  // block whose words change
+  std::uint8_t tiles = 0;   // changed tiles
   std::uint8_t carriers = 0;
   std::array<std::uint32_t, 8> tile{};
   std::array<RayToken, 8> carrier{};
@@ -40,7 +40,7 @@ struct SplatCounters {
 
 class SplatUnit {
  public:
-  // A sample's splat waits beside its entry in the pipeline; entries come out in the order in which they went in.
+  // A sample's splat is queued in parallel to its entry in the pipeline; entries leave in the order in which they entered.
   explicit SplatUnit(std::size_t stages, unsigned ports = 1) : splats_(stages), cache_cycles_(ports == 1 ? 2 : 1) {}
 
   Splat& add() {
@@ -49,7 +49,7 @@ class SplatUnit {
     return splat;
   }
   const Splat& oldest() const { return splats_[head_]; }
-  // The oldest splat begins, when its entry comes out of the pipeline.
+  // Starts the oldest splat, when its entry leaves the pipeline.
   void begin(Cycle now) {
     current_ = splats_[head_];
     head_ = (head_ + 1) % splats_.size();
@@ -60,7 +60,7 @@ class SplatUnit {
   }
 
   bool takes_cache(Cycle now) const { return now < busy_until_; }
-  // Of two ports, the one that writes.
+  // With two ports, occupies the write port.
   bool takes_write_port(Cycle now) const { return now == busy_until_; }
   bool busy(Cycle now) const { return takes_cache(now) || has_carrier(); }
   bool has_carrier() const { return next_ < current_.carriers; }
@@ -71,8 +71,8 @@ class SplatUnit {
   }
   const SplatCounters& counters() const { return counters_; }
   std::size_t waiting() const { return count_; }
-  const Splat& waiting(std::size_t i) const { return splats_[(head_ + i) % splats_.size()]; }  // the oldest first
-  // Of blocks with `tiles`. Between runs no splat is in work; the cache may be taken for the last one's cycles still.
+  const Splat& waiting(std::size_t i) const { return splats_[(head_ + i) % splats_.size()]; }  // oldest first
+  // For blocks with `tiles` tiles. Between runs no splat is active, but the last one may still occupy the cache.
   void state(Archive& archive, std::size_t blocks, std::size_t tiles) {
     archive.expect_idle(count_ == 0 && !has_carrier(), "the splat unit");
     archive.field("counters", [this](Archive::Record& record) {
@@ -80,7 +80,7 @@ class SplatUnit {
       record.times(busy_until_);
     });
     if (!archive.in_run()) return;
-    Splat rest;  // of the one in work: its tiles are written
+    Splat rest;  // of the active splat, whose tiles are written
     rest.block = current_.block;
     for (std::size_t i = next_; i < current_.carriers; ++i) rest.carrier[rest.carriers++] = current_.carrier[i];
     archive.field("splats", [&](Archive::Record& record) {

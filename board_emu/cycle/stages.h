@@ -1,5 +1,5 @@
 // The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for its
-// packets, then the compute stages, which all move or all stall [P §3.3, §3.4].
+// packets, and the compute stages, which all move or all stall [P §3.3, §3.4].
 //
 //   enter() -> prefetch stages -> start_computing() -> compute stages -> leave()
 #pragma once
@@ -16,13 +16,13 @@
 namespace gicube::emu {
 
 struct InFlight {
-  Cycle ready = 0;           // when it has passed the stages that it is in
-  RayToken token;            // where the ray goes when it comes out
-  std::uint32_t from = 0;    // the queue it came from
-  std::uint8_t packets = 0;  // that the sample still waits for
-  bool sampled = false;      // else it leapt
-  bool splats = false;       // leaves something in the irradiance words
-  std::uint32_t block = 0;   // whose voxels it reads, if it has sampled
+  Cycle ready = 0;           // cycle in which it has passed its present stages
+  RayToken token;            // the ray's destination after the pipeline
+  std::uint32_t from = 0;    // queue from which it was issued
+  std::uint8_t packets = 0;  // packets that the sample still waits for
+  bool sampled = false;      // false: it skipped
+  bool splats = false;       // has a deposit or carriers
+  std::uint32_t block = 0;   // block whose voxels it reads, if sampled
 
   void state(Archive::Record& record) {
     record.times(ready);
@@ -52,10 +52,10 @@ class Stages {
     return ray;
   }
   InFlight& oldest_prefetching() { return ring_[(head_ + computing_) & mask_]; }
-  // Of those in the prefetch stages, the oldest first.
+  // Entry `i` of the prefetch stages, oldest first.
   InFlight& prefetching(std::size_t i) { return ring_[(head_ + computing_ + i) & mask_]; }
   const InFlight& oldest_prefetching() const { return ring_[(head_ + computing_) & mask_]; }
-  // The oldest of the prefetch stages moves on. `clock` counts the cycles in which the compute stages move.
+  // Moves the oldest entry of the prefetch stages on. `clock` counts the cycles in which the compute stages move.
   void start_computing(Cycle clock) {
     oldest_prefetching().ready = clock + compute_stages_;
     --prefetching_;
@@ -71,8 +71,8 @@ class Stages {
     record.at_most(computing_, ring_.size() - prefetch_stages_);
     for (std::size_t i = 0; i < size(); ++i) record(ring_[(head_ + i) & mask_]);
   }
-  // For one who moves rays himself for some cycles. The places are counted on and on: rays compute from `out`, are prefetched from
-  // `middle`, and enter at `in`.
+  // For inner loops that move rays for some cycles. Indices count without wrapping: rays compute from `out`, are prefetched
+  // from `middle`, and enter at `in`.
   struct Line {
     InFlight* ring;
     std::size_t mask, out, middle, in;
@@ -85,7 +85,7 @@ class Stages {
     computing_ = line.middle - line.out;
     prefetching_ = line.in - line.middle;
   }
-  // The oldest first.
+  // Entry `i`, oldest first.
   const InFlight& operator[](std::size_t i) const { return ring_[(head_ + i) & mask_]; }
 
  private:

@@ -277,8 +277,7 @@ class WaitingRays : public WaitingAdds {
   void add_to(SumMemory& sums) override {
     if (std::ranges::all_of(cuts_, [](const Cut& cut) { return cut.rays.empty(); })) return;
     const Tiles tiles(sums);
-    // Layer by layer: rays that turn about z stay in a core's cache, and tiles of one block share words, so they must not
-    // overlap.
+    // Layer by layer: rays that turn about z stay in a core's cache, and no two threads add to tiles of one block.
     for (std::size_t layer = 0; layer < tiles.layers(); ++layer) {
       std::atomic<std::size_t> next = layer * tiles.layer();
       parallel_for(threads_, threads_, [&](std::size_t) {
