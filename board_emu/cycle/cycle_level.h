@@ -40,8 +40,8 @@ class CycleLevel : public Level {
   struct Run {
     RaySource* source = nullptr;  // null: restored from a checkpoint, and not yet continued
     std::uint64_t begin = 0;      // first of the rays that the machine is tracing
-    RunResult all;                // of the rays before these
-    RayCounters before;           // of the machine, at the start
+    RunResult all;                // result of the rays before these
+    RayCounters before;           // the machine's counters at the start
 
     void state(Archive::Record& record) {
       record(begin);
@@ -69,9 +69,9 @@ class CycleLevel : public Level {
   bool caches_sums_ = false;          // its caches hold accumulators instead of voxels
   std::optional<Run> run_;
   std::vector<std::uint64_t> of_source_;  // source's state in a checkpoint's run
-  RayCounters past_rays_;                 // of machines that were dropped, and of sources
+  RayCounters past_rays_;                 // rays of dropped machines, and of sources
   std::vector<wire::Counter> past_;       // counters of machines that were dropped
-  std::uint64_t past_cycles_ahead_ = 0;   // of dropped machines
+  std::uint64_t past_cycles_ahead_ = 0;   // cycles of dropped machines
 };
 
 }  // namespace gicube::emu

@@ -35,8 +35,8 @@ class Machine {
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
   // Traces the rays `which` of `work` to their ends. Progress is in rays that have returned. The result has the counters of
-  // making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or values of these rays,
-  // which the policy must not read.
+  // making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or the trace of these
+  // rays, whose values the policy must not read.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead = nullptr);
   // Continues the run of a checkpoint with the same source. Throws CheckpointFault if it was another one.
   RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
@@ -67,7 +67,7 @@ class Machine {
   void describe(std::ostream& out) const;
   const RayBus& ray_bus() const { return *ray_bus_; }
   struct Millisecond {
-    std::uint64_t activations = 0;  // of queues
+    std::uint64_t activations = 0;  // activations of queues
     std::uint64_t samples = 0;
 
     void state(Archive::Record& record) { record(activations, samples); }

@@ -56,7 +56,7 @@ class MemoryPort {
     clients_.front().misses->ask({block, tile, now, latest_, answer.arrival, answer.delay});
   }
 
-  std::uint64_t cycles(Cycle now) const { return to_memory_.passed(now); }  // of the memory's clock
+  std::uint64_t cycles(Cycle now) const { return to_memory_.passed(now); }  // cycles of the memory's clock
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
   dram::Memory& channel() { return *channel_; }

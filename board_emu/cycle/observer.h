@@ -28,7 +28,7 @@ struct RaySample {
   Point gradient{};          // as in the datapath's channels
   unsigned tag = 0;
   Colour12 colour{};   // classified and shaded, not weighted by opacity
-  double opacity = 0;  // of the step that the sample represents, 0..1; exact
+  double opacity = 0;  // opacity of the step that the sample represents, 0..1; exact
   Termination end = Termination::kNot;
 };
 

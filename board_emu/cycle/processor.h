@@ -39,7 +39,7 @@ class MemoryPort;
 struct ProcessorConfig {
   std::uint8_t number = 0;
   v1::BoardConfig board;
-  std::array<int, 3> blocks{};  // of the volume
+  std::array<int, 3> blocks{};  // blocks of the volume
   const Partition* partition = nullptr;
   RayStore* rays = nullptr;
   RayWatch* watch = nullptr;
@@ -49,8 +49,8 @@ class Processor {
  public:
   explicit Processor(const ProcessorConfig& config);
 
-  // All rays until the next call belong to this frame. The processor must be idle. `values_are_known`: of their state, rays
-  // need only steps_left(), the steps to their ends.
+  // All rays until the next call belong to this frame. The processor must be idle. `values_are_known`: rays have a trace, so
+  // that of their state only steps_left(), the steps to their ends, is used.
   void begin(const Frame& frame, bool values_are_known);
   // Returns of_values() of its rays, and subtracts them from its counters.
   RayCounters take_values() {
@@ -122,12 +122,12 @@ class Processor {
   const VolumeCache& cache() const { return cache_; }
   const RayCounters& rays() const { return counts_; }
   const CauseCounts& causes() const { return causes_; }
-  Cause latest() const { return latest_; }  // of the last accounted cycle
+  Cause latest() const { return latest_; }  // cause of the last accounted cycle
   // Cycles in which a ray was in the queues or the pipeline.
   std::uint64_t holding_cycles() const { return holding_cycles_; }
 
  private:
-  // Inner loop for rays with known values, and whether it applies: it covers only the usual kind of machine.
+  // Inner loop for rays with a trace, and whether it applies: it covers only the usual kind of machine.
   bool goes_round() const;
   Cycle go_round(Cycle from, Cycle to, MemoryPort& memory);
   void pass(Cycle now, const RayToken& issued, InFlight& entry, MemoryPort& memory);
@@ -156,7 +156,7 @@ class Processor {
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
   // Whether irradiance words have their own packets, and rays of this frame may read or change them.
   bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
-  // Whether rays of this frame may do more than gather. With known values only reading irradiance from its own packets counts.
+  // Whether rays of this frame may do more than gather. With a trace, only reading irradiance from its own packets counts.
   bool does_more_than_gather() const {
     return values_are_known_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
   }
@@ -181,7 +181,7 @@ class Processor {
     }
   }
 
-  static constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
+  static constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // packets of one neighbourhood, and of its irradiance
   static constexpr std::size_t kMany = kFifoPlaces + 1;         // more than can be on the way back to the sorter
 
   const std::uint8_t number_;
@@ -204,7 +204,7 @@ class Processor {
   Stages stages_;
   Cycle compute_clock_ = 0;
   VolumeCache cache_;
-  std::optional<VolumeCache> cells_;  // of irradiance, if it has its own packets
+  std::optional<VolumeCache> cells_;  // for irradiance, if it has its own packets
   MissQueue misses_;
   WriteQueue writes_;
   SplatUnit splats_;

@@ -71,7 +71,7 @@ void RayEngine::run_state(Archive& archive) {
   if (!archive.loads()) {
     index_of_.resize(std::max(index_of_.size(), rays_.handles()));
     for (std::uint64_t& index : index_of_) {
-      if (index < begin_ || index >= made_) index = begin_;  // of an earlier run
+      if (index < begin_ || index >= made_) index = begin_;  // index of an earlier run
     }
   }
   archive.list("index", index_of_);

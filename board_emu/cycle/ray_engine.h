@@ -44,7 +44,7 @@ class RayEngine {
   RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, RayWatch& watch,
             const RayEnginePorts& ports);
 
-  // Starts with the rays `which` of `work` at core cycle `now`. `work` and `frame` must outlive the run. `ahead`: values of
+  // Starts with the rays `which` of `work` at core cycle `now`. `work` and `frame` must outlive the run. `ahead`: the trace of
   // these rays, or null.
   void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead);
   // Continues a run of a checkpoint. Throws CheckpointFault if it was another one.

@@ -80,7 +80,7 @@ class SplatUnit {
       record.times(busy_until_);
     });
     if (!archive.in_run()) return;
-    Splat rest;  // of the active splat, whose tiles are written
+    Splat rest;  // rest of the active splat, whose tiles are written
     rest.block = current_.block;
     for (std::size_t i = next_; i < current_.carriers; ++i) rest.carrier[rest.carriers++] = current_.carrier[i];
     archive.field("splats", [&](Archive::Record& record) {

@@ -40,7 +40,7 @@ struct Frame {
   std::uint64_t segmentation_writes = 0;  // counts changes of `segmentation`, so that derived data can be cached
   const std::uint8_t* reflectance_map = nullptr;  // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
-  const DepthTable* depths = nullptr;        // of `segmentation`, for lighting rays with the conserving rules
+  const DepthTable* depths = nullptr;        // table of `segmentation`, for lighting rays with the conserving rules
   std::vector<std::uint8_t> empty;           // one flag per block; nonzero = skip
   std::vector<std::uint8_t> absent;          // one flag per block; nonzero = rays wait. Empty: all are present
   WaitingRayQueue* waiting = nullptr;        // takes rays that wait, if some blocks are absent
@@ -66,7 +66,7 @@ struct Frame {
   // Irradiance words per voxel: 1, or 3 for red, green and blue. `irradiance` points to as many memories.
   std::size_t light_words = 1;
   std::array<std::uint16_t, kColours> light_colour = kWhite;  // fractions of a ray's energy at its start
-  std::array<std::array<std::uint16_t, kColours>, wire::kTags> scattering_colour = kAllWhite;  // of Ks, by material
+  std::array<std::array<std::uint16_t, kColours>, wire::kTags> scattering_colour = kAllWhite;  // for Ks, by material
   const Routines* routines = nullptr;   // for materials that trap
   HostTrapQueue* host_traps = nullptr;  // takes rays that the host must scatter
   bool lit_by_irradiance = false;       // applies to rendering rays
@@ -77,7 +77,7 @@ struct Frame {
   wire::EnergyRules rules = wire::EnergyRules::kConserving;
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;
-  std::uint16_t lifetime = 0;  // of rays made by the DSP
+  std::uint16_t lifetime = 0;  // lifetime of rays made by the DSP
   bool lamps = false;          // scattered rays that leave may hit lamps (firmware/lamps.h)
 
   bool lights() const { return type == wire::RayType::kDeposit; }
@@ -112,7 +112,7 @@ struct EnergyCounters {
   std::uint64_t escaped = 0;
   std::array<std::uint64_t, wire::kFaces> escaped_by_face{};  // sum to `escaped`
   std::uint64_t scattered_away = 0;
-  std::uint64_t given_up = 0;  // of scattered_away: by rays at the end of their lifetime
+  std::uint64_t given_up = 0;  // part of scattered_away: rays at the end of their lifetime
 };
 
 struct RayCounters {
@@ -126,8 +126,8 @@ struct RayCounters {
   std::uint64_t traps = 0;        // scatterings by a routine
   std::uint64_t trap_cycles = 0;  // DSP cycles of these
   std::uint64_t deposits = 0;
-  EnergyCounters energy;                      // of the only irradiance word, or of red
-  std::array<EnergyCounters, 2> more_energy;  // of green and blue
+  EnergyCounters energy;                      // the only irradiance word, or red
+  std::array<EnergyCounters, 2> more_energy;  // green and blue
 
   EnergyCounters& energy_of(std::size_t word) { return word == 0 ? energy : more_energy[word - 1]; }
   const EnergyCounters& energy_of(std::size_t word) const { return word == 0 ? energy : more_energy[word - 1]; }

@@ -27,7 +27,7 @@ struct Classified {
   const BlockView& view;
   unsigned tag;
   std::int16_t density;
-  std::size_t index;  // of `entry`
+  std::size_t index;  // index of `entry`
   const wire::SegmentationEntry* entry;
 };
 
@@ -274,7 +274,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
   return false;
 }
 
-// A backprojecting ray adds its amount at each sample and keeps it.
+// A backprojecting ray makes the same contribution at each sample.
 Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
   Interaction interaction;
   interaction.visible = true;

@@ -24,7 +24,7 @@ struct Sample {
   Channels channels{};  // density, gradient
   unsigned tag = 0;
   wire::SegmentationEntry entry{};  // with the voxels' colour
-  std::size_t index = 0;            // of `entry`
+  std::size_t index = 0;            // index of `entry`
 
   Point gradient() const { return point_of(channels); }
 };

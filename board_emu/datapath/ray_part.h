@@ -42,12 +42,12 @@ class DepthTable {
  private:
   struct Place {
     std::size_t bin;
-    double at;  // in bins: of the density, which rounds to the nearest entry
+    double at;  // position in bins; the density rounds to the nearest entry
   };
   static Place place(unsigned tag, double density);
   double until(const Place& place) const;
 
-  std::vector<double> sum_;                             // of the depths of all entries before; opaque ones add nothing
+  std::vector<double> sum_;                             // depths of all entries before; opaque ones add nothing
   std::vector<std::uint32_t> run_;                      // number of changes of the opacity
   std::vector<std::uint32_t> opaque_up_, opaque_down_;  // the next opaque entry at or above, at or below
 };

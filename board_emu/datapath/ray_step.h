@@ -23,7 +23,7 @@ struct RayState {
   Point position{};
   Point step{};                // to the next sample
   std::uint32_t exponent = 0;  // the distance for opacity correction: 16.16 voxel lengths
-  std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
+  std::uint32_t length = 0;    // one voxel length along the direction: 16.16 reference voxel lengths
   std::uint32_t opacity = 0;   // 2^24 - 1 = one; lighting rays use `interacted` instead
   // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows from
   // the opacity, and `interaction`, which is drawn again on demand. A segment has its steps_left() here.
@@ -39,7 +39,7 @@ struct RayState {
 
   // Used only by the wide datapath.
   WideWords wide{};
-  Rest rest{}, step_rest{};  // of position and step, which have the whole units
+  Rest rest{}, step_rest{};  // fractions of position and step, which have the whole units
 
   // Energy of green and blue, with three irradiance words; `colour` has that of red.
   std::array<std::array<std::uint16_t, 3>, 2> more_energy{};

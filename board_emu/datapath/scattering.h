@@ -16,7 +16,7 @@ namespace gicube::emu {
 // Input of a routine for a ray that waits for it. Directions are physical unit vectors.
 struct ScatterEvent {
   std::array<double, 3> position{};   // voxels
-  std::array<double, 3> direction{};  // of the ray
+  std::array<double, 3> direction{};  // direction of the ray
   std::array<double, 3> normal{};     // against the gradient; zero if that is zero
   double opacity = 0;                 // per voxel length
   double density = 0;                 // 0..4095
@@ -30,7 +30,7 @@ struct ScatterEvent {
 struct ScatterAnswer {
   std::array<double, 3> direction{};  // physical, of a length from 1e-6 to 1e6
   double passes = 1;                  // fraction of the ray's energy that continues, 0..1
-  std::uint32_t cycles = 0;           // of the DSP
+  std::uint32_t cycles = 0;           // DSP cycles
 };
 
 // A routine broke its contract. The command that needed it fails with this text; the board continues.

@@ -13,7 +13,7 @@
 
 namespace gicube::emu {
 
-inline constexpr int kShadeFractionBits = 15;  // of an interpolated intensity or shade
+inline constexpr int kShadeFractionBits = 15;  // bits of interpolated intensities and shades
 inline constexpr std::int32_t kShadeUnit = 1 << kShadeFractionBits;
 
 // Shorter interpolated gradients have no reliable direction: such a sample is not shaded. 1/16 of a unit vector.

@@ -129,7 +129,7 @@ std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
 // The rays that one thread has cut, and their effect on the blocks' words in one command.
 struct Cut {
   std::vector<WaitingRay> rays;
-  std::vector<WaitingRest> rests;        // of the wide datapath
+  std::vector<WaitingRest> rests;        // wide datapath only
   std::vector<std::vector<Part>> parts;  // by tile
   std::vector<std::uint64_t> moves;      // by block: upper bound of the change of a word
   std::size_t parts_count = 0;

@@ -221,7 +221,7 @@ class Flights {
   RayCounters& counters_;
   const TrailRecord* record_;               // null: no recording
   const SimdTracer* tracer_;                // null: rays are traced one by one
-  std::span<const std::uint64_t> indices_;  // of the rays in their source; empty: as in rays_
+  std::span<const std::uint64_t> indices_;  // indices of the rays in their source; empty: as in rays_
   std::vector<bool> ended_;
 };
 

@@ -13,7 +13,7 @@ namespace gicube::emu {
 // Position, step and direction of a ray.
 struct RayWay {
   Point position{}, step{};
-  Rest rest{}, step_rest{};  // of the wide datapath
+  Rest rest{}, step_rest{};  // wide datapath only
   std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0, v = 0;
 };
@@ -29,8 +29,8 @@ struct TrailEvent {
   bool trapped = false;              // the ray goes to the DSP
   bool waits = false;                // it waits there for the host: this ray does not continue
   bool ends = false;                 // the last event
-  std::uint32_t routine_cycles = 0;  // of the DSP, if trapped
-  std::uint16_t contribution = 0;    // of the ray after the event, for the sorter
+  std::uint32_t routine_cycles = 0;  // DSP cycles, if trapped
+  std::uint16_t contribution = 0;    // the ray's, after the event, for the sorter
   Deposit deposit{};
   RayWay way{};
 };

@@ -34,7 +34,7 @@ constexpr unsigned tag_of(std::uint16_t code_and_tag) { return code_and_tag >> k
 using DecodedColour = ChannelWords;
 inline constexpr int kDecodedColourOne = 4095 << kDensityFractionBits;
 
-inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words
+inline constexpr int kIrradianceFractionBits = 4;  // in the interpolator's 15-bit words
 
 // Converts a word of the irradiance memory to the interpolator's format, 11.4. `narrow`: the words have 16 bits more than the
 // paper's 11 (wide datapath); only the upper four of them are kept.
@@ -84,7 +84,7 @@ struct MemoryError {
 // fields that the sorter reads.
 struct RayToken {
   std::uint32_t ray = 0;           // handle
-  std::uint32_t queue = 0;         // of its block, in its processor
+  std::uint32_t queue = 0;         // number of its block's queue in its processor
   std::uint16_t contribution = 0;  // 12 bits
   std::uint8_t processor = 0;      // owner of its block
   TokenStatus state = TokenStatus::kUnderWay;

@@ -106,7 +106,7 @@ struct SampleResult {
   Mask trapped;  // the ray is still at the surface where it was
   EnergyLanes energy;
   V interacted;
-  V weight;  // of the sample in the ray's colour
+  V weight;  // weight of the sample in the ray's colour
 };
 
 // kBundle and kColouredBundle: weighted photons, with one or three irradiance words.
@@ -118,7 +118,7 @@ constexpr std::size_t words_of(FlightKind kind) {  // words of energy that lanes
 struct SampleLanes {
   Place at;
   V cell;          // index in its block
-  V entry, depth;  // of the segmentation LUT; its opacity, 0: none (PacketField::opacities)
+  V entry, depth;  // entry of the segmentation LUT; its opacity, 0: none (PacketField::opacities)
   Corners corners;
 };
 

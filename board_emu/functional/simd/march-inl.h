@@ -37,7 +37,7 @@ struct Lanes {
   Word wide_opacity;                    // floats
   Word left;                            // steps to the end of a segment or of the volume; jittered: none or one
   Word more;                            // additional steps of a skip, which may overshoot the volume but not a segment
-  std::array<Word, 3> rest, step_rest;  // of the wide datapath
+  std::array<Word, 3> rest, step_rest;  // wide datapath only
   // For jittered rays:
   std::array<Word, 3> direction;
   Word length, destination, taken;

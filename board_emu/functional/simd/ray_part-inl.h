@@ -146,7 +146,7 @@ struct ReachLanes {
 
 // Intervals of half of the lanes, as in RayPart::of().
 struct PartLanes {
-  VD begin, end;  // of the sample's interval
+  VD begin, end;  // ends of the sample's interval
   ReachLanes own;
 };
 

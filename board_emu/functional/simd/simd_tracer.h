@@ -28,7 +28,7 @@ struct PacketTables {
   std::array<std::uint64_t, wire::kSegmentationEntries>
       shading{};  // red, green 12 bits, ambient 8; in bits 32..: blue 12, reflect, knee 8
   std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the decrease to the next
-  std::vector<std::uint8_t> specular;                              // of lit samples; empty if all are 0
+  std::vector<std::uint8_t> specular;                              // for lit samples; empty if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by entry of the jitter LUT
   std::vector<std::uint32_t> reflectance_map;                      // per texel: the square that begins there
   LargeArray<std::int32_t> first;  // per cell (CellRanges): its block's among the decoded ones; kLeaptOver, kUnseen
@@ -114,7 +114,7 @@ class SimdTracer {
   LargeArray<std::uint8_t> seen_;               // per cell: one of its densities has an opacity
   std::uint64_t seen_lut_ = ~std::uint64_t{0};  // lut_writes_ of seen_
   PacketTables tables_;
-  std::uint32_t exponent_ = 0;  // of tables_.alpha, and so are:
+  std::uint32_t exponent_ = 0;  // tables_.alpha was made for this, and for:
   bool wide_ = false;
   std::uint64_t alpha_lut_ = ~std::uint64_t{0};
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()

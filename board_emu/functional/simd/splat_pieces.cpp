@@ -249,7 +249,7 @@ HWY_INLINE void take_row(std::int32_t* cells, std::size_t across, std::array<Row
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t x = 0; x < across; x += lanes, cells += 8 * lanes) {
     std::array<hn::Vec<decltype(two)>, 4> near,
-        far;  // of the first and the second half of the cells: both shares of a row
+        far;  // first and second half of the cells: both shares of a row
     const auto* const shares = reinterpret_cast<const std::uint64_t*>(cells);
     hn::LoadInterleaved4(two, shares, near[0], near[1], near[2], near[3]);
     hn::LoadInterleaved4(two, shares + 2 * lanes, far[0], far[1], far[2], far[3]);
