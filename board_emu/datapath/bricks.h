@@ -17,7 +17,7 @@ struct WaitingRay {
   RayState ray_state{};
   std::uint64_t number = 0;  // index among the rays of its commands; they continue in this order
   std::uint32_t block = 0;
-  std::uint16_t home = 0;  // 0: this card made it; otherwise as in wire::ForwardedRay
+  std::uint16_t home = 0;  // 0: this card made it; otherwise the maker's name (wire::ForwardedRay)
   bool trapped = false;    // also waits for a routine's answer, which needs the sample at this position
 
   void state(Archive::Record& record) { record(ray_state, number, block, home, trapped); }

@@ -60,7 +60,7 @@ Deposit spread_at(const Point& place, std::int32_t amount);
 // The deposit of an irradiance carrier: the energy is split among the voxels around its position as by the ray that sent it.
 Interaction brought_by(const RayState& carrier, const Frame& frame);
 
-// Share of one of three irradiance words in a deposit of `ray` or of its carrier.
+// The deposit of `ray`, or of its carrier, in one of three irradiance words.
 Deposit deposit_in(std::size_t word, const Interaction& interaction, const RayState& ray, const Frame& frame);
 
 // Takes a sample, and advances or scatters the ray.

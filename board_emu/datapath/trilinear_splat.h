@@ -1,5 +1,5 @@
-// Splits a deposit among the eight voxels around a position [P §2.2: trilinear splat]. Voxel i of the cell is (i & 1, i >> 1 &
-// 1, i >> 2).
+// Splits a deposit among the eight voxels around a position [P §2.2: trilinear splat]. Voxel i of the cell is
+// (i & 1, i >> 1 & 1, i >> 2).
 #pragma once
 
 #include <array>
@@ -33,9 +33,9 @@ constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& 
   return shares;
 }
 
-// Splits a signed amount by the trilinear interpolator's tree run backwards: each of its seven nodes gives round(amount x
-// fraction) to the upper half and the rest to the lower half, so the shares sum to the amount exactly, and each is within 2
-// units of the amount's trilinear part.
+// Splits a signed amount by the trilinear interpolator's tree run backwards: each of its seven nodes gives
+// round(amount x fraction) to the upper half and the rest to the lower half, so the shares sum to the amount exactly, and each
+// is within 2 units of the amount's trilinear part.
 using SignedShares = std::array<std::int32_t, 8>;
 
 // round(amount x fraction / 2^14), halves up.

@@ -25,7 +25,7 @@ inline RayWay way_of(const RayState& ray) {
 struct TrailEvent {
   std::int32_t steps = 0;            // from the event before, or the start, to this event's sample, inclusive
   bool deposits = false;             // the sample writes words
-  bool turns = false;                // the ray continues by `way`
+  bool turns = false;                // the ray continues along `way`
   bool trapped = false;              // the ray goes to the DSP
   bool waits = false;                // it waits there for the host: this ray does not continue
   bool ends = false;                 // the last event
