@@ -16,7 +16,7 @@
 namespace gicube {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{64} << 10;  // chosen: a hundred of the longest tokens
+constexpr std::size_t kMaxFileBytes = std::size_t{64} << 10;  // chosen: about a hundred of the longest tokens
 constexpr std::array kRights{Right::kRead, Right::kUse, Right::kControl};
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
@@ -73,7 +73,7 @@ AccessToken token_of(const std::string& path, std::string_view line) {
   return token;
 }
 
-// Only the length, which is no secret, can end it early.
+// The time depends only on the length, which is not secret.
 bool equal(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -87,7 +87,7 @@ const char* name_of(Right right) { return right == Right::kRead ? "read" : right
 
 std::string new_token() {
   constexpr std::string_view kDigits = "0123456789abcdef";
-  constexpr int kWords = 8;  // of 32 bits
+  constexpr int kWords = 8;  // 32 bits each
   std::random_device random;
   std::string token;
   for (int i = 0; i < kWords; ++i) {
@@ -138,7 +138,8 @@ std::string token_file(const std::string& folder, const std::string& address, st
   return folder + '/' + (is_v6 ? "[" + address + "]" : address) + ':' + std::to_string(port) + ".token";
 }
 
-// Who listens at an address of his own, or at all of a family, does so alone: at those ports nobody else can be met.
+// If a process listens at an address, or at all addresses of a family, no other process can listen at the same port. So
+// the token cannot reach a stranger.
 std::string local_token(const std::string& address, std::uint16_t port) {
   const bool is_v4 = address.starts_with("127.");
   if (!is_v4 && address != "::1") return {};
@@ -147,7 +148,7 @@ std::string local_token(const std::string& address, std::uint16_t port) {
   for (const std::string& bound : {address, std::string(is_v4 ? "0.0.0.0" : "::")}) {
     try {
       return read_tokens(token_file(folder, bound, port)).front().token;
-    } catch (const std::runtime_error&) {  // there is none
+    } catch (const std::runtime_error&) {  // the file does not exist or is not usable
     }
   }
   return {};

@@ -1,7 +1,8 @@
-// Who may do what with a board that is reached over TCP: tokens, and the files that hold them. Files of tokens are their owner's alone.
+// Access tokens for boards that are reached over TCP, and the files that hold them. Only its owner may access a token
+// file.
 //
-// A board process makes a token of its own, new each time, and leaves it in its user's registry (registry.h), by the endpoint's
-// address and port. So a program of the same user on the same machine finds it, and nobody else does.
+// A board process creates a new token at each start and stores it in its user's registry (registry.h), in a file named
+// after the endpoint's address and port. Only programs of the same user on the same machine can read it.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@
 
 namespace gicube {
 
-// Each includes those before it. kRead: look at boards. kUse: open one. kControl: take one by force, reset it, configure it, set its
-// faults, have traces written.
+// Each right includes the previous ones. kRead: inspect boards. kUse: open a board. kControl: take a board by force,
+// reset it, configure it, set its fault plan, write traces.
 enum class Right { kRead, kUse, kControl };
 const char* name_of(Right right);
 
@@ -23,24 +24,25 @@ struct AccessToken {
   std::string token;
 };
 
-inline constexpr std::size_t kMinTokenBytes = 16;   // chosen: 64 bits and more, if its digits are random
-inline constexpr std::size_t kMaxTokenBytes = 512;  // chosen: with the version it fits into a handshake
+inline constexpr std::size_t kMinTokenBytes = 16;   // chosen: at least 64 bits if the characters are random digits
+inline constexpr std::size_t kMaxTokenBytes = 512;  // chosen: fits into a handshake together with the version
 
-// 256 random bits, as hexadecimal digits.
+// Returns 256 random bits as hexadecimal digits.
 std::string new_token();
 
-// One line each: "TOKEN", which may control, or "read TOKEN", "use TOKEN", "control TOKEN". Throws std::runtime_error that names the
-// file: it can't be read, others than its owner can, it has no token or a line that is none.
+// Reads one token per line: "TOKEN" (right kControl), or "read TOKEN", "use TOKEN", "control TOKEN". Throws
+// std::runtime_error with the file's name if the file cannot be read, if other users can access it, if it has no token
+// or if a line is not valid.
 std::vector<AccessToken> read_tokens(const std::string& path);
-// What the holder of this token may do; nothing if it is none of these. Takes the same time for all tokens of a length.
+// Returns the right of this token, or nothing if it is not in the list. The time depends only on the token's length.
 std::optional<Right> right_of(const std::vector<AccessToken>& tokens, std::string_view token);
 
-// Creates the file, mode 600, in place of what was there. Throws std::runtime_error.
+// Creates or replaces the file with mode 600. Throws std::runtime_error.
 void write_token(const std::string& path, const std::string& token);
-// The file in a registry's folder for an endpoint with this numeric address, and port.
+// Path of the token file in a registry folder for an endpoint with this numeric address and port.
 std::string token_file(const std::string& folder, const std::string& address, std::uint16_t port);
-// The token that this user's board process has left for clients that have connected to this address and port; empty: there is none.
-// None for addresses of other machines: they are to see no token of this one.
+// Returns the token that a board process of this user has stored for this address and port, or an empty string. It is
+// always empty for addresses of other machines, so that no token of this machine is sent to them.
 std::string local_token(const std::string& address, std::uint16_t port);
 
 }  // namespace gicube

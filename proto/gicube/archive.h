@@ -1,7 +1,9 @@
-// State, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
-// `void state(Archive::Record& record)`, so that nothing can be saved and not be restored. Bounds are those that the code relies on.
+// Serialisation for checkpoints. Each part lists its members once, for saving and for loading, in `void state(Archive&
+// archive)`; a record does so in `void state(Archive::Record& record)`. So everything that is saved is also restored.
+// The limits of values are those that the code relies on.
 //
-// Fields come in one order. A file of another order, or with a value that the board can't have, is refused by the field's name.
+// The order of the fields is fixed. If a file has another order or an impossible value, loading fails with the field's
+// name.
 #pragma once
 
 #include <array>
@@ -23,7 +25,7 @@ struct TokenLimits;
 
 namespace gicube {
 
-// A checkpoint that this board can't go on from; what() names the field, what was expected, and what came.
+// The board cannot continue from this checkpoint. what() states the field, the expected value and the value found.
 class CheckpointFault : public std::runtime_error {
  public:
   explicit CheckpointFault(const std::string& what) : std::runtime_error("checkpoint: " + what) {}
@@ -33,7 +35,7 @@ class CheckpointFault : public std::runtime_error {
         expected_(expected),
         got_(got) {}
 
-  // Empty if it was made without them.
+  // Empty if the exception was constructed from one text.
   const std::string& field() const { return field_; }
   const std::string& expected() const { return expected_; }
   const std::string& got() const { return got_; }
@@ -44,7 +46,7 @@ class CheckpointFault : public std::runtime_error {
 
 class Archive {
  public:
-  // What stands in a file under one name.
+  // One named entry of a checkpoint file.
   struct Field {
     std::string name{};
     std::vector<std::uint64_t> numbers{};
@@ -61,17 +63,18 @@ class Archive {
   [[noreturn]] void refuse(std::string_view name, const std::string& expected, const std::string& got) const {
     throw CheckpointFault(prefix_ + std::string(name), expected, got);
   }
-  // Of what was loaded.
+  // Checks a loaded value.
   void expect(bool good, std::string_view name, const std::string& expected, std::uint64_t got) const {
     if (!good) refuse(name, expected, std::to_string(got));
   }
-  // Whether a run of the level is under way: its parts have rays then, which they list besides.
+  // True while a run of the level is in progress. Parts then also list the rays that they hold.
   bool in_run() const { return in_run_; }
   void set_in_run(bool in_run) { in_run_ = in_run; }
-  // What the tokens of such a run may name; null while saving. It must outlive the loading.
+  // Limits for the tokens of a run in progress; null while saving. The object must outlive the loading.
   void set_token_limits(emu::TokenLimits* limits) { token_limits_ = limits; }
   emu::TokenLimits* token_limits() const { return token_limits_; }
-  // Until when the clock can have come whose readings times() lists; `work` lists a part that has a clock of its own.
+  // Upper limit of the clock readings that times() accepts. in_clock() changes it while `work` lists a part that has
+  // its own clock.
   std::uint64_t latest() const { return latest_; }
   template <typename Work>
   void in_clock(std::uint64_t latest, const Work& work) {
@@ -79,13 +82,13 @@ class Archive {
     work();
     latest_ = before;
   }
-  // A part that has nothing in work between two transactions, which is therefore not in the file.
+  // Throws if a part is busy between two transactions. Its contents are not saved, so it must be idle.
   void expect_idle(bool idle, const char* part) const {
     if (!idle && !in_run_)
       throw std::logic_error(std::string("checkpoint: ") + part + " is at work between two transactions");
   }
 
-  // The numbers of one field.
+  // Reads or writes the numbers of one field.
   class Record {
    public:
     template <typename... Values>
@@ -96,12 +99,12 @@ class Archive {
     void at_most(Value& value, std::type_identity_t<Value> most) {
       number(value, number_of(most));
     }
-    // Readings of the part's clock, none later than its latest; all ones: no time.
+    // Readings of the part's clock, at most latest(). All ones means no time.
     template <typename... Values>
     void times(Values&... values) {
       (time(values), ...);
     }
-    // As many as there are; the elements are default made before they are loaded.
+    // A list of variable length. When loading, its elements are default-constructed first.
     template <typename List>
     void list(List& values, std::uint64_t most) {
       std::uint64_t count = values.size();
@@ -116,7 +119,7 @@ class Archive {
 
     bool loads() const { return archive_.loads_; }
     const emu::TokenLimits* token_limits() const { return archive_.token_limits_; }
-    // Of what was loaded.
+    // Checks a loaded value.
     void expect(bool good, const std::string& expected, std::uint64_t got) const {
       archive_.expect(good, "", expected, got);
     }
@@ -129,14 +132,14 @@ class Archive {
     void put(Value& value) {
       if constexpr (requires { value.state(*this); }) {
         value.state(*this);
-      } else if constexpr (requires { state_of(*this, value); }) {  // a record that knows no archive
+      } else if constexpr (requires { state_of(*this, value); }) {  // a record with a free function state_of()
         state_of(*this, value);
       } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
         number(value, ~std::uint64_t{0});
       } else if constexpr (requires { value.second; }) {
         put(value.first);
         put(value.second);
-      } else {  // of a size that follows from the configuration
+      } else {  // an array whose size follows from the configuration
         for (auto& each : value) put(each);
       }
     }
@@ -194,7 +197,8 @@ class Archive {
     std::size_t at_ = 0;
   };
 
-  // A part with its fields, or one field: a number, a record, or as many of them as the configuration says.
+  // Lists a part with its fields, or one field: a number, a record, or an array whose size follows from the
+  // configuration.
   template <typename Value>
   void operator()(std::string_view name, Value& value) {
     if constexpr (requires { value.state(*this); }) {
@@ -211,13 +215,13 @@ class Archive {
   void list(std::string_view name, List& values, std::uint64_t most = std::numeric_limits<std::uint32_t>::max()) {
     field(name, [&](Record& record) { record.list(values, most); });
   }
-  // All numbers of a field, whatever they mean.
+  // All numbers of a field, without interpretation.
   void numbers(std::string_view name, std::vector<std::uint64_t>& numbers) {
     Field field{.name = prefix_ + std::string(name), .numbers = numbers};
     exchange(field);
     numbers = std::move(field.numbers);
   }
-  // Parts, or pointers to them, each with its number.
+  // Lists parts, or pointers to parts. The index is appended to the name.
   template <typename Parts>
   void parts(std::string_view name, Parts& parts) {
     std::size_t number = 0;
@@ -273,17 +277,17 @@ class Archive {
   }
 
  private:
-  // Saving: appends the field. Loading: fills it by what stands under its name, which must be next.
+  // Saving: appends the field. Loading: reads the next field, whose name must match.
   virtual void exchange(Field& field) = 0;
 
   const bool loads_;
   bool in_run_ = false;
-  std::uint64_t latest_ = std::uint64_t{1} << 54;  // chosen: far above what a board comes to, so low that products fit
+  std::uint64_t latest_ = std::uint64_t{1} << 54;  // chosen: above any simulated time, low enough for products
   emu::TokenLimits* token_limits_ = nullptr;
   std::string prefix_;
 };
 
-// The numbers of one field by themselves.
+// Serialises one field into a vector of numbers.
 class NumbersArchive final : public Archive {
  public:
   NumbersArchive(bool loads, std::vector<std::uint64_t>& numbers) : Archive(loads), numbers_(numbers) {}

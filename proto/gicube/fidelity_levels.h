@@ -1,4 +1,5 @@
-// What the fidelity levels leave out and what they estimate: the table of docs/reference/hardware.md, for the statistics of a run.
+// What each fidelity level omits, and how accurately it estimates the rest. The statistics of a run print this table of
+// docs/reference/hardware.md.
 #pragma once
 
 #include <array>
@@ -10,7 +11,7 @@ namespace gicube {
 inline constexpr unsigned kAtFunctional = 1, kAtApproximate = 2, kAtCycle = 4, kAtEveryLevel = 7;
 
 struct LeftOut {
-  unsigned levels;  // that do not model it
+  unsigned levels;  // the levels that do not model it
   std::string_view what;
 };
 
@@ -33,12 +34,12 @@ inline constexpr std::array kLeftOut{
     LeftOut{kAtEveryLevel, "the timing of the eDRAM's cells"},
 };
 
-// Fields of gicube.v1.BoardConfig that a level has no model of; with a dot or an underscore at the end, all that begin so. They change no
-// value, count or time of rays there.
+// Fields of gicube.v1.BoardConfig that a level does not model. A name that ends with a dot or an underscore is a
+// prefix. On these levels the fields do not change values, counts or times of rays.
 struct UnmodelledField {
   unsigned levels;
   std::string_view field;
-  std::string_view unless = {};  // another field, with which this one is modelled
+  std::string_view unless = {};  // if this field is set, `field` is modelled
 };
 
 inline constexpr std::array kUnmodelledFields{
@@ -65,7 +66,7 @@ inline constexpr std::array kUnmodelledFields{
     UnmodelledField{kAtFunctional, "dsp.overflow_rays"},
 };
 
-// `is_set`: tells of another field whether it is set.
+// `is_set(name)` returns whether another field is set.
 template <typename IsSet>
 constexpr bool is_modelled(unsigned level, std::string_view field, const IsSet& is_set) {
   for (const UnmodelledField& each : kUnmodelledFields) {
@@ -76,11 +77,11 @@ constexpr bool is_modelled(unsigned level, std::string_view field, const IsSet& 
   return true;
 }
 
-// The largest error against the cycle level that was measured for what the approximate level estimates.
+// The largest measured error of the approximate level, compared with the cycle level.
 struct MeasuredError {
   std::string_view quantity;
   double within;
-  bool is_relative;  // or in units of the quantity
+  bool is_relative;  // false: in units of the quantity
   std::string_view measured_on;
   std::string_view source;  // the page that states it
 };

@@ -1,7 +1,7 @@
-// The connections of a server that it owes nothing yet: who has yet to say what it wants, and who waits for it.
+// Pending connections of a server: new ones that have not stated a request yet (silent), and those queued for a board.
 //
-// A newcomer always finds a place, so that whoever is silent can keep nobody out, least of all an owner who comes back:
-// if there is none left, the oldest silent connection makes way. For that the line never takes all places.
+// A new connection is always accepted, so silent clients cannot lock out anyone, least of all an owner who reconnects.
+// If no place is free, the oldest silent connection is closed. Therefore the queue may not fill all places.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +14,19 @@
 
 namespace gicube {
 
-// `Connection` has a host(), by which its peers are told apart. Not locked.
+// `Connection` has a host(), which identifies its peer. Not thread-safe.
 template <typename Connection>
 class Guests {
  public:
   using Connected = std::shared_ptr<Connection>;
 
-  // Places in all and for one peer, each at least two.
+  // The maximum number of connections in total and per peer; each is at least two.
   Guests(std::size_t places, std::size_t places_of_peer) : places_(places), places_of_peer_(places_of_peer) {}
 
-  // One more, silent so far. Returns the one whose place it takes, or null.
+  // Adds a silent connection. Returns the connection that must be closed for it, or null.
   Connected enter(Connected guest) {
     const std::string& host = guest->host();
-    const std::string* crowd = nullptr;  // whose oldest silent connection makes way
+    const std::string* crowd = nullptr;  // the host whose oldest silent connection is closed
     if (count(&host, false) + count(&host, true) >= places_of_peer_) {
       crowd = &host;
     } else if (guests_.size() >= places_) {
@@ -42,7 +42,7 @@ class Guests {
     if (crowd != nullptr) {
       const auto oldest = std::ranges::find_if(
           guests_, [&](const Guest& each) { return !each.in_line && each.connection->host() == *crowd; });
-      out = oldest->connection;  // there is one: the line leaves places
+      out = oldest->connection;  // it exists: the queue leaves places free
       guests_.erase(oldest);
     }
     guests_.push_back({std::move(guest)});
@@ -53,8 +53,8 @@ class Guests {
     std::erase_if(guests_, [&](const Guest& each) { return each.connection == guest; });
     size_ = guests_.size();
   }
-  // It has said what it wants, as a board, and waits for it or has it. Returns why there is no room in the line; empty:
-  // it stands there.
+  // Adds a connection that has requested a board to the queue. Returns an empty string, or the reason why the queue is
+  // full. A connection stays in the queue while it owns the board.
   std::string stand_in_line(const Connected& guest) {
     const auto found = std::ranges::find(guests_, guest, &Guest::connection);
     if (found == guests_.end()) return "another connection has taken its place";
@@ -75,7 +75,7 @@ class Guests {
     for (const Guest& each : guests_) connections.push_back(each.connection);
     return connections;
   }
-  std::size_t size() const { return size_; }  // any thread
+  std::size_t size() const { return size_; }  // thread-safe
 
  private:
   struct Guest {
@@ -83,12 +83,12 @@ class Guests {
     bool in_line = false;
   };
 
-  // How many of so many places the line may take.
+  // The share of the places that the queue may take.
   static std::size_t line_of(std::size_t places) {
     constexpr std::size_t kPartForOthers = 8;  // chosen: an eighth is enough for handshakes, which take milliseconds
     return places - std::max<std::size_t>(1, places / kPartForOthers);
   }
-  // Of this host, or of all.
+  // Counts connections of this host, or of all hosts if null.
   std::size_t count(const std::string* host, bool in_line) const {
     return static_cast<std::size_t>(std::ranges::count_if(guests_, [&](const Guest& each) {
       return each.in_line == in_line && (host == nullptr || each.connection->host() == *host);
@@ -96,7 +96,7 @@ class Guests {
   }
 
   const std::size_t places_, places_of_peer_;
-  std::vector<Guest> guests_;  // in the order of their coming
+  std::vector<Guest> guests_;  // in order of arrival
   std::atomic<std::size_t> size_ = 0;
 };
 

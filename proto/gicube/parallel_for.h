@@ -1,4 +1,4 @@
-// Independent pieces of work on the host's threads.
+// Runs independent pieces of work on the host's threads.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,13 @@
 
 namespace gicube {
 
-// The host's threads to use where `wanted` are asked for; 0: all.
+// Returns `wanted`, or the number of hardware threads if `wanted` is 0.
 inline unsigned thread_count(unsigned wanted) {
   return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// Runs `job(i)` for i in [0, count) on `threads` threads (0: all). What one of them throws ends all, and is thrown again.
+// Runs `job(i)` for i in [0, count) on `threads` threads (0: all). If a job throws, no further jobs start and the first
+// exception is rethrown.
 template <typename Job>
 void parallel_for(std::size_t count, unsigned threads, const Job& job) {
   std::atomic<std::size_t> next{0};
@@ -40,13 +41,13 @@ void parallel_for(std::size_t count, unsigned threads, const Job& job) {
   if (fault) std::rethrow_exception(fault);
 }
 
-// The same for parts that stay together: `job(begin, end)` for runs of `run` of the numbers [0, count).
+// Runs `job(begin, end)` for consecutive ranges of `run` numbers that cover [0, count).
 template <typename Job>
 void parallel_for_runs(std::size_t count, std::size_t run, unsigned threads, const Job& job) {
   parallel_for((count + run - 1) / run, threads, [&](std::size_t i) { job(i * run, std::min(count, (i + 1) * run)); });
 }
 
-// The same for a job that counts: `job(i, counters)`. Returns the sum of all counters.
+// Runs `job(i, counters)` for i in [0, count). Returns the sum of all counters.
 template <typename Counters, typename Job>
 Counters parallel_sum(std::size_t count, unsigned threads, const Job& job) {
   std::mutex sum_mutex;

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a socket's name, "PID" or ".PID"; 0: it is called otherwise.
+// Returns the process id of a socket's name, "PID" or ".PID", or 0 for other names.
 pid_t process_of(std::string_view name) {
   if (name.starts_with('.')) name.remove_prefix(1);
   pid_t process = 0;
@@ -31,7 +31,7 @@ pid_t process_of(std::string_view name) {
 bool listens(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return true;  // as nobody can know
+  if (path.size() >= sizeof address.sun_path) return true;  // unknown, so it is kept
   path.copy(address.sun_path, path.size());
   const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (caller < 0) return true;
@@ -41,8 +41,8 @@ bool listens(const std::string& path) {
   return !refused;
 }
 
-// The folder that a variable of the environment names; empty if it is no folder of this user: a root that has kept a
-// user's environment leaves that user's folder alone.
+// Returns the folder that an environment variable names, or an empty string if it is not a folder of this user. So root
+// with another user's environment does not touch that user's folder.
 std::string own_folder(const char* variable) {
   const char* const path = std::getenv(variable);
   struct stat status {};
@@ -81,7 +81,8 @@ void remove_dead_sockets(const std::string& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const pid_t process = process_of(entry.path().filename().string());
-    // A process that lives may be about to listen. One that can't be seen from here, in another container, listens.
+    // A running process may be about to listen. A process that is not visible here, in another container, counts as
+    // running if it listens.
     const bool is_gone = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
     if (is_gone && entry.is_socket(ignored) && !listens(entry.path())) fs::remove(entry.path(), ignored);
   }

@@ -1,20 +1,23 @@
-// The registry: a folder of each user in which every board process of his has a socket, named by its process id. Whoever connects
-// is told a gicube.v1.BoardProcess (management.proto) and then the end of the stream; nothing is read from him. A socket that does
-// not answer yet is called ".PID"; one on which nobody listens is left from a process that was killed.
+// The registry: one folder per user, with one socket per board process, named after its process id. A client that
+// connects receives a gicube.v1.BoardProcess (management.proto), then the end of the stream; the process reads nothing.
+// A socket that does not answer yet is called ".PID". A socket without a listener is left over from a killed process.
 #pragma once
 
 #include <string>
 
 namespace gicube {
 
-// The folder "gicube" in $XDG_RUNTIME_DIR, if that is a folder of this process's user; otherwise /tmp/gicube-UID; if
-// another user has taken that name, .gicube-HOST in $HOME. HOST is this machine, since others may have the same home.
+// Returns the path of the registry. It is $XDG_RUNTIME_DIR/gicube if that variable names a folder of this process's
+// user, otherwise /tmp/gicube-UID. If another user has taken that name, it is $HOME/.gicube-HOST. HOST is this
+// machine's name, because several machines may share a home folder.
 std::string registry_folder();
 
-// Why this folder can't be trusted, as "expected ..., got ...": it must be this user's, and closed to all others. Empty: it can be.
+// Returns why this folder cannot be trusted, as "expected ..., got ...", or an empty string if it can. It must belong
+// to this user and be closed to all others.
 std::string registry_fault(const std::string& folder);
 
-// Removes the sockets that killed processes have left in this folder: those on which nobody listens, and whose process is no more.
+// Removes sockets that killed processes have left in this folder. They have no listener, and their process does not
+// exist.
 void remove_dead_sockets(const std::string& folder);
 
 }  // namespace gicube

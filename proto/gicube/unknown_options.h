@@ -1,4 +1,4 @@
-// What the errors of a command line say of options that a program does not have.
+// Error messages for command-line options that a program does not have.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace gicube {
 
-// How many characters must be added, removed, changed or exchanged with their neighbour to make one of the other.
+// Returns the edit distance: the number of characters to insert, delete, replace or swap with a neighbour to turn one
+// name into the other.
 inline std::size_t edits_between(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before, last, row(b.size() + 1);
   for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
@@ -26,7 +27,8 @@ inline std::size_t edits_between(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-// The first of the nearest names; empty if none is near: if more than a third of it is wrong, and it does not begin so.
+// Returns the first of the nearest names. It is empty if more than a third of every name is wrong, unless a name begins
+// with the typed text.
 inline std::string nearest_name(std::string_view typed, const std::vector<std::string>& names) {
   std::string nearest;
   std::size_t least = typed.size() / 3 + 1;
@@ -45,9 +47,9 @@ inline std::string joined(const std::vector<std::string>& words, const char* bet
   return text;
 }
 
-// Instead of what a CLI::App says that has thrown a ParseError: the options that it does not have, in the order given, each with the
-// nearest that it has; how the numbers are written that an option got as words of their own; or else what it says, with words that it
-// did not expect in the order given. A number below 0 is no option.
+// Replaces the message of a CLI::App that has thrown a ParseError. Unknown options are listed in the order given, each
+// with the nearest option. If an option received its numbers as separate words, the message shows how to write them.
+// Otherwise it is the original message, with unexpected words in the order given. A negative number is not an option.
 template <typename App>
 std::string usage_fault(const App& app, const std::string& says) {
   std::vector<std::string> names;

@@ -16,13 +16,14 @@ namespace gicube {
 namespace {
 
 constexpr std::size_t kPiece = std::size_t{64} << 10;  // chosen: few system calls, little memory
-constexpr int kMaxNames = 100;                         // chosen: tries of 32 random bits
+constexpr int kMaxNames = 100;                         // chosen: attempts with 32 random bits each
 
 [[noreturn]] void fail(const std::string& what, int error = errno) {
   throw std::system_error(error, std::generic_category(), what);
 }
 
-// This process's own descriptor that the name means, or that a link of the name does, as /dev/stdout is one; -1: none.
+// Returns the file descriptor of this process that the name, or the link of that name (such as /dev/stdout), refers to;
+// -1: none.
 int own_descriptor(const std::filesystem::path& name) {
   std::error_code none;
   for (const std::string& text : {name.string(), std::filesystem::read_symlink(name, none).string()}) {
@@ -37,15 +38,15 @@ int own_descriptor(const std::filesystem::path& name) {
   return -1;
 }
 
-// The file that a name means: where its links lead, also if nothing is there yet.
+// Follows all links of a name. The target need not exist.
 std::filesystem::path followed(std::filesystem::path name) {
   std::error_code none;
   while (std::filesystem::is_symlink(name, none)) name = name.parent_path() / std::filesystem::read_symlink(name, none);
   return name;
 }
 
-// The new file gets the mode, owner and group of the one that it replaces, but gives nobody a right that is not in
-// `mode`. A group that can't be kept loses its rights.
+// Copies mode, owner and group of the replaced file to the new one, but grants no permission that is not in `mode`. If
+// the group cannot be set, it gets no permissions.
 bool take_over(int fd, const struct stat& before, unsigned mode) {
   constexpr unsigned kAll = 0777, kReadWrite = 0666, kGroup = 0070;
   unsigned kept = before.st_mode & kAll & ~(kReadWrite & ~mode);
@@ -118,7 +119,7 @@ void WholeFile::flush() {
 
 void WholeFile::close() {
   flush();
-  // Some file systems of users' programs can't, and say EINVAL.
+  // Some FUSE file systems do not support fsync and return EINVAL.
   if (!part_.empty() && ::fsync(fd_) != 0 && errno != EINVAL) fail(target_.string());
   if (::close(std::exchange(fd_, -1)) != 0) fail(target_.string());
 }

@@ -1,10 +1,11 @@
-// A file that is whole or not there: its bytes go to a temporary file beside the target, NAME.XXXXXXXX.part, which takes the target's
-// name when all of them are on the disk. Until then what the target was stays. Whatever ends the writing before leaves nothing, but
-// for a process that is killed: it leaves the .part.
+// A file that is written completely or not at all. The data goes to a temporary file beside the target,
+// NAME.XXXXXXXX.part. When all of it is on the disk, the temporary file is renamed to the target; until then the target
+// does not change. If writing is abandoned, the temporary file is removed. Only a killed process leaves its .part file.
 //
-// A symbolic link is followed: the file that it names is replaced, or made. A file that is replaced hands on its mode,
-// and its owner and group where that is allowed. One that this user may not write to, or that nobody may (mode 0444),
-// is refused. A pipe, a device, and what this process has open (/dev/stdout, /dev/fd/N) is written to directly.
+// Symbolic links are followed: the file that the link names is replaced or created. A new file takes over the mode of
+// the file that it replaces, and its owner and group where that is permitted. A file that this user may not write, or
+// that nobody may (mode 0444), is refused. Pipes, devices and open descriptors of this process (/dev/stdout, /dev/fd/N)
+// are written directly.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +16,10 @@
 
 namespace gicube {
 
-// All calls throw std::system_error, whose text is "TARGET: REASON"; the object is good for nothing then but to be destroyed.
+// All calls throw std::system_error with the text "TARGET: REASON". After that the object may only be destroyed.
 class WholeFile {
  public:
-  // `mode`: a new file's permissions, from which the umask takes. One that replaces another has no more of them than
-  // these.
+  // `mode`: permissions of a new file, before the umask. A file that replaces another gets no permissions beyond these.
   explicit WholeFile(const std::filesystem::path& target, unsigned mode = 0666);
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
@@ -30,25 +30,25 @@ class WholeFile {
   void write(std::span<Value, N> values) {
     write(std::string_view(reinterpret_cast<const char*>(values.data()), values.size_bytes()));
   }
-  void flush();   // to the operating system
-  void close();   // all is on the disk, under the temporary name; no more is written
-  void commit();  // close(), and the target's name
+  void flush();   // writes the buffer to the operating system
+  void close();   // all data is on the disk, under the temporary name; nothing more can be written
+  void commit();  // close(), then renames the file to the target
 
  private:
   void put(std::string_view bytes);
 
   const std::filesystem::path target_;
-  std::filesystem::path place_;  // where its links lead
+  std::filesystem::path place_;  // the target with its links followed
   std::filesystem::path part_;   // empty: written directly, or committed
   int fd_ = -1;
   std::string waiting_;
 };
 
-// False for a file that a WholeFile refuses since it may not be written to.
+// Returns false for an existing file that WholeFile would refuse.
 bool may_be_written(const std::filesystem::path& file);
 
-// Throws std::system_error unless all that this process has printed got to standard output. For the end of a program, which else ends
-// well with a full disk behind `> FILE`.
+// Throws std::system_error if any output of this process did not reach standard output. Programs call it at their end;
+// otherwise they would report success with a full disk behind `> FILE`.
 void check_standard_output();
 
 }  // namespace gicube

@@ -1,4 +1,4 @@
-// Little-endian words and bit fields in plain byte arrays: the one place where the wire's byte order is decided.
+// Little-endian words and bit fields in byte arrays. The byte order of the wire is defined only here.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace gicube::wire {
 
-// Stores a number or an enumeration at `at`, least significant byte first; floats as the bits of their IEEE 754 form.
+// Stores a number or an enumeration at `at`, least significant byte first. Floats are stored as their IEEE 754 bits.
 template <typename T>
 constexpr void store(std::span<std::uint8_t> bytes, std::size_t at, T value) {
   std::uint64_t word = 0;
@@ -37,12 +37,12 @@ constexpr T load(std::span<const std::uint8_t> bytes, std::size_t at) {
   }
 }
 
-// A record of Words x 64 bits addressed by bit: bit 0 is the least significant bit of byte 0.
+// A record of `Words` 64-bit words, addressed by bit. Bit 0 is the least significant bit of byte 0.
 template <std::size_t Words>
 struct BitRecord {
   std::array<std::uint64_t, Words> words{};
 
-  // The low `width` bits (1..32) of `value`; a field may cross a word boundary.
+  // Stores the low `width` bits (1..32) of `value`. A field may cross a word boundary.
   constexpr void put(unsigned offset, unsigned width, std::uint32_t value) {
     const std::uint64_t bits = value & ((std::uint64_t{1} << width) - 1);
     const unsigned word = offset / 64, shift = offset % 64;
@@ -58,7 +58,7 @@ struct BitRecord {
   }
 };
 
-// Reads a two's-complement field of `width` bits.
+// Converts a two's-complement field of `width` bits.
 constexpr std::int32_t sign_extend(std::uint32_t bits, unsigned width) {
   const std::uint32_t sign = std::uint32_t{1} << (width - 1);
   return static_cast<std::int32_t>((bits ^ sign) - sign);

@@ -1,5 +1,5 @@
-// Captures of a session's bus traffic (docs/guide/capture.md): a header, then records; each but the last is followed by the
-// header and payload of its frame, as they were on the socket (frame.h). README.md has the bytes.
+// Captures of a session's bus traffic (docs/guide/capture.md): a header, then records. Each record except the last is
+// followed by the header and payload of its frame, as sent through the socket (frame.h). README.md defines the bytes.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct CaptureHeader {
 };
 inline constexpr std::size_t kCaptureHeaderBytes = bytes_of<CaptureHeader>();
 
-// Host to board; board to host; the session ended here.
+// Host to board, board to host, end of the session.
 enum class CaptureKind : std::uint64_t { kDown = 0, kUp = 1, kEnd = 2 };
 
 struct CaptureRecord {

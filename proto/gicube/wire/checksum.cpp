@@ -9,10 +9,10 @@ namespace gicube::wire {
 namespace {
 
 constexpr std::size_t kChecksumAt = 44;
-constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // the library counts in int
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // the library's lengths are int
 
-// ISA-L 2.30 leaves values in the upper halves of vector registers. Until they are cleared each SSE instruction of the thread has to merge
-// with them: the making of gradients, for one, takes 1.8 times as long.
+// ISA-L 2.30 leaves values in the upper halves of vector registers. Until these are cleared, every SSE instruction of
+// the thread must merge with them: gradient computation, for example, takes 1.8 times as long.
 #if defined(__x86_64__)
 [[gnu::target("avx")]] void clear_upper_halves() { __builtin_ia32_vzeroupper(); }
 const bool kHasUpperHalves = __builtin_cpu_supports("avx") != 0;
@@ -27,7 +27,7 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before) 
   std::uint32_t crc = ~before;
   while (!bytes.empty()) {
     const auto part = bytes.first(std::min(bytes.size(), kMaxAtOnce));
-    // The library only reads what it takes as a pointer to non-const.
+    // The library does not write to the data, although its parameter is not const.
     crc = crc32_iscsi(const_cast<unsigned char*>(part.data()), static_cast<int>(part.size()), crc);
     bytes = bytes.subspan(part.size());
   }

@@ -8,14 +8,14 @@
 
 namespace gicube::wire {
 
-// Of `bytes`, going on from the checksum of what stands before them; 0 = nothing does.
+// Checksum of `bytes`. `before` is the checksum of the preceding data; 0 if there is none.
 std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
-// What the checksum field of that header must hold, whatever it holds now.
+// Returns the correct checksum for this header and payload. The header's current checksum field is ignored.
 std::uint32_t frame_checksum(std::span<const std::uint8_t, kFrameHeaderBytes> header,
                              std::span<const std::uint8_t> payload);
 
-// encode() with the checksum of header and payload; `header.checksum` is not looked at.
+// encode() with the checksum of header and payload. `header.checksum` is ignored.
 void encode_sealed(const FrameHeader& header, std::span<const std::uint8_t> payload,
                    std::span<std::uint8_t, kFrameHeaderBytes> out);
 

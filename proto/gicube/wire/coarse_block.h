@@ -1,7 +1,8 @@
-// kLoadCoarse: a block of the volume's memory in fewer words than it has. README.md has its bytes.
+// kLoadCoarse: writes a block of the volume from fewer words than it has voxels. README.md defines the bytes.
 //
-// The words of (n / f)^3 cells follow, f = 2^level, packed as a block's (voxel.h), and behind them their colours if the card's voxels
-// have some. The DSP writes each word to the f^3 voxels of its cell. Its completion is empty.
+// The header is followed by the words of (n / f)^3 cells, f = 2^level, packed like a block's (voxel.h), and by their
+// colours if the card's voxels have colours. The DSP writes each word to the f^3 voxels of its cell. The completion is
+// empty.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@ namespace gicube::wire {
 inline constexpr int kMaxCoarseLevel = 3;
 
 struct LoadCoarseHeader {
-  std::uint32_t block = 0;  // of the volume
-  std::uint8_t level = 0;   // 1..kMaxCoarseLevel, and 2^level at most half a block's edge
+  std::uint32_t block = 0;  // number of the block in the volume
+  std::uint8_t level = 0;   // 1..kMaxCoarseLevel; 2^level is at most half a block's edge
 
   constexpr void fields(auto&& list) { list(Opcode::kLoadCoarse, block, level, Reserved<3>{}); }
 };

@@ -1,4 +1,4 @@
-// DSP commands: the payload of kCommand frames, and of the completions that answer them. README.md has their bytes.
+// DSP commands: payloads of kCommand frames and of their completions. README.md defines the bytes.
 #pragma once
 
 #include <algorithm>
@@ -23,13 +23,13 @@ enum class Opcode : std::uint32_t {
   kLoadCoarse = 10
 };
 
-// By opcode, for counters and traces; what is no opcode is called as the first.
+// Names by opcode, for counters and traces. Unknown opcodes use the first name.
 inline constexpr std::array<const char*, 11> kOpcodeNames{"render",    "render",    "trace",      "illuminate",
                                                           "resume",    "verify",    "pairs",      "continue",
                                                           "take rays", "give rays", "load coarse"};
 
-// ---- kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer. Its completion is empty, or a
-// trap list without rays if some of its rays wait for the host.
+// ---- kRender: the DSP generates the viewing rays of one image and accumulates them in the framebuffer. The completion
+// is empty, or a trap list without rays if some rays wait for the host.
 
 enum class Projection : std::uint8_t { kOrthographic = 0, kPerspective = 1 };
 enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };  // kTent: two pixels wide
@@ -39,24 +39,25 @@ inline constexpr int kMaxImageSize = 4095;  // u, v are 12.4 pixels
 // Image point (x, y), pixels from the image's top left corner:
 //   perspective   origin = origin,                 direction = forward + x du + y dv
 //   orthographic  origin = origin + x du + y dv,   direction = forward
-// The DSP checks every field's range and names the one that is wrong; so it does with all commands.
+// The DSP checks the range of every field and reports the faulty one. This holds for all commands.
 //
-// `lamps` records of Lamp follow. They are what scattered rays see: a ray that was scattered and leaves the volume takes the colour
-// of the nearest lamp in its way, times what it still lets through, and is opaque then. Other rays see no lamps, and no ray sees
-// one within the volume, since it is tested from where it leaves on.
+// `lamps` records of type Lamp follow. Scattered rays can hit them: a scattered ray that leaves the volume gets the
+// colour of the nearest lamp along it, multiplied by the remaining transmittance, and becomes opaque. Other rays do not
+// hit lamps. A lamp within the volume is never hit, because the test begins where the ray leaves the volume.
 struct RenderCommand {
   std::uint16_t width = 0;  // pixels
   std::uint16_t height = 0;
   Projection projection = Projection::kPerspective;
-  std::uint8_t samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
+  std::uint8_t samples_per_axis = 1;  // 1, 2 or 4; there are samples_per_axis^2 rays per pixel
   Filter filter = Filter::kBox;
-  std::uint8_t lamps = 0;  // records behind the command, at most kMaxLamps
-  // A card makes part `part` of the picture's `parts`: strips of `strip_rows` rows from the top are dealt to the parts in turn. The
-  // framebuffer has the part's rows, one below the other. 0 parts: the whole picture, and the two others are 0.
+  std::uint8_t lamps = 0;  // number of Lamp records after the command, at most kMaxLamps
+  // The card renders part `part` of the image's `parts`. Strips of `strip_rows` rows, from the top, are assigned to the
+  // parts in turn. The framebuffer holds the rows of this part without gaps. If `parts` is 0, the card renders the
+  // whole image, and the other two are 0.
   std::uint16_t strip_rows = 0;
   std::uint8_t part = 0;
   std::uint8_t parts = 0;
-  std::array<double, 3> origin{};  // voxels, as all below
+  std::array<double, 3> origin{};  // voxels, like all below
   std::array<double, 3> forward{};
   std::array<double, 3> du{};
   std::array<double, 3> dv{};
@@ -69,35 +70,38 @@ struct RenderCommand {
 };
 inline constexpr std::size_t kRenderCommandBytes = bytes_of<RenderCommand>();
 
-// Rows of pixels that a card makes for a command that it takes.
+// Number of pixel rows that a card renders for a valid command.
 constexpr int rows_of(const RenderCommand& command) {
   if (command.parts == 0) return command.height;
   const int strip = command.strip_rows, period = strip * command.parts;
   return command.height / period * strip + std::clamp(command.height % period - command.part * strip, 0, strip);
 }
 
-// ---- kTrace: host rays in, host rays out in its completion, in the order in which they were sent. A TraceHeader, then `count`
-// ray packets (ray.h) with the flag kHostRay alone; of deposit also kLightingRay, and kHighAlbedo as `albedo`.
+// ---- kTrace: traces rays from the host. The completion returns them in the order in which they were sent. The payload
+// is a TraceHeader, then `count` ray packets (ray.h) with only the flag kHostRay; deposit rays also have kLightingRay,
+// and kHighAlbedo according to `albedo`.
 //
-// The colour of a ray packet on its way to the board, 36 bits:
-//   integrate         colour that is gathered already, 3 x 12 bits
-//   first hit         the same, and it stays as it is
-//   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits 0. They start without opacity.
+// The 36 colour bits of a ray packet sent to the board:
+//   integrate         colour that the ray has already gathered, 3 x 12 bits
+//   first hit         the same; it does not change
+//   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits are 0. These rays start with no opacity.
 //   deposit           energy, 24.12 units of the energy words, not 0; at most 255 units of low albedo, 15 of high,
 //                     2^24 - 1 on the wide datapath
-//   integral          length, as a segment
-//   backproject       length, as a segment; the opacity's 24 bits are the amount that each sample leaves: in irradiance
-//                     words 11.12 units, not negative; in sums signed whole units, at least -(2^23 - 1)
-// A segment's step divides its length evenly, and is at most STEP. Its packet has no need for contribution, lifetime,
-// generation and interaction: on the ASIC these 38 bits are the steps that are left and their length.
-// First hit, opacity: no colour comes back. Integral: the colour's 36 bits are the sum of the samples' densities, 12.3
-// each, with no opacity; it leaps over nothing, since an empty block may have density. At most 2^18 samples of 2^15: 33 bits.
-// Deposit, backproject: no ray comes back; their completions are a LightingLedger and a DepositLedger.
+//   integral          length, as for a segment
+//   backproject       length, as for a segment; the opacity's 24 bits are the amount that each sample adds: to irradiance
+//                     words in 11.12 units, not negative; to accumulators in signed whole units, at least -(2^23 - 1)
+// A segment's step divides its length evenly and is at most STEP. Segments do not use contribution, lifetime,
+// generation and interaction: on the ASIC these 38 bits hold the number of remaining steps and their length. First-hit
+// and opacity rays return no colour. For integral rays, the colour's 36 bits are the sum of the samples' densities,
+// 12.3 each, and the opacity is 0. They do not skip empty blocks, which may have density. They take at most 2^18
+// samples of 2^15: 33 bits. Deposit and backproject return no rays. Their completions are a LightingLedger and a
+// DepositLedger.
 //
-// Backproject takes nothing from its rays: each sample leaves the ray's amount, split among the eight voxels around it. In
-// irradiance words by systematic rounding, saturating, as lighting deposits; in sums by halves (board_emu/datapath/trilinear_splat.h).
-// After a command each sum is within +-(2^34 - 1), and what is beyond is clipped and counted. Within a command it can't
-// leave its 36 bits: a command whose rays could move a word by more than 2^34 is refused, by the sum of max_moved().
+// Backprojection does not change its rays. Each sample adds the ray's amount, distributed over the eight voxels around
+// it: to irradiance words with systematic rounding and saturation, like a deposit; to accumulators by repeated halving
+// (board_emu/datapath/trilinear_splat.h). After a command each accumulator is limited to +-(2^34 - 1), and the excess
+// is counted as clipped. Within a command an accumulator cannot exceed its 36 bits, because a command is refused if the
+// sum of max_moved() over its rays is above 2^34.
 
 enum class RayType : std::uint8_t {
   kIntegrate = 0,
@@ -109,14 +113,14 @@ enum class RayType : std::uint8_t {
   kBackproject = 6,
 };
 template <RayType... kTypes>
-constexpr bool is_one_of(RayType type) {  // by a mask: it is asked for each sample
+constexpr bool is_one_of(RayType type) {  // a mask, because it is called for each sample
   return (((1u << static_cast<unsigned>(kTypes)) | ...) >> static_cast<unsigned>(type) & 1) != 0;
 }
-// Between two points, with a length in the packet.
+// Segments run between two points and have a length in the packet.
 constexpr bool is_segment(RayType type) {
   return is_one_of<RayType::kSegment, RayType::kOpacity, RayType::kIntegral, RayType::kBackproject>(type);
 }
-// Ends at the sample that brings it to the opacity asked for.
+// These rays end at the sample at which they reach the requested opacity.
 constexpr bool has_threshold(RayType type) {
   return is_one_of<RayType::kFirstHit, RayType::kSegment, RayType::kOpacity>(type);
 }
@@ -124,29 +128,30 @@ enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };  // kWhole: 
 enum class Albedo : std::uint8_t { kLow = 0, kHigh = 1 };
 enum class EnergyRules : std::uint8_t { kAsPrinted = 0, kConserving = 1 };
 
-inline constexpr std::int32_t kMaxAmount = (1 << 23) - 1;             // that a sample leaves
-inline constexpr int kAmountFractionBits = 12;                        // in irradiance words
+inline constexpr std::int32_t kMaxAmount = (1 << 23) - 1;             // per sample
+inline constexpr int kAmountFractionBits = 12;                        // for irradiance words
 inline constexpr std::int64_t kMaxSum = (std::int64_t{1} << 34) - 1;  // between commands
-inline constexpr std::uint32_t kMaxLength = 4096u << 16;  // of a segment, 16.16 voxels: beyond any volume's diagonal
+inline constexpr std::uint32_t kMaxLength = 4096u << 16;              // 16.16 voxels: exceeds any volume's diagonal
 
 struct TraceHeader {
   std::uint32_t count = 0;
   RayType type = RayType::kIntegrate;
-  Albedo albedo = Albedo::kLow;                 // of deposit; else 0
-  EnergyRules rules = EnergyRules::kAsPrinted;  // the same
-  SumWords words = SumWords::kIrradiance;       // of backproject; else 0
-  std::uint32_t opacity = 0;  // 24 bits, 2^24 - 1 = 1, not 0: at which a first hit, segment or opacity ray ends; else 0
+  Albedo albedo = Albedo::kLow;                 // of deposit; otherwise 0
+  EnergyRules rules = EnergyRules::kAsPrinted;  // of deposit; otherwise 0
+  SumWords words = SumWords::kIrradiance;       // of backproject; otherwise 0
+  std::uint32_t opacity = 0;  // 24 bits, 2^24 - 1 = 1: end of first-hit, segment and opacity rays, not 0; otherwise 0
 
   constexpr void fields(auto&& list) { list(Opcode::kTrace, count, type, albedo, rules, words, opacity); }
   friend constexpr bool operator==(const TraceHeader&, const TraceHeader&) = default;
 };
 inline constexpr std::size_t kTraceHeaderBytes = bytes_of<TraceHeader>();
 
-// The steps that a segment of `length` is divided into, both 16.16 voxels; each is at most `step`.
+// Number of steps of a segment of `length`, both 16.16 voxels. Each step is at most `step`.
 constexpr std::uint32_t steps_of(std::uint32_t length, std::uint32_t step) { return (length + step - 1) / step; }
 
-// The most that a backprojecting ray can add to one word: the samples along it that are less than a voxel from a place
-// on every axis lie on a piece shorter than 2 sqrt(3) voxels, and the weights of a piece of line sum to no more than this.
+// The maximum that a backprojecting ray can add to one word. The samples that are less than a voxel from a point on
+// every axis lie on a piece of the ray that is shorter than 2 sqrt(3) voxels. The weights on such a piece add up to no
+// more than this.
 constexpr std::uint64_t max_moved(std::uint32_t amount_size, std::uint32_t length, std::uint32_t step) {
   const std::uint32_t steps = steps_of(length, step);
   if (steps == 0) return 0;
@@ -155,41 +160,42 @@ constexpr std::uint64_t max_moved(std::uint32_t amount_size, std::uint32_t lengt
   return std::uint64_t{amount_size} * (weight < steps ? weight : steps);
 }
 
-// What a backprojection left, in units of its words: left = kept + clipped.
+// Result of a backprojection in units of its words. The total amount added is kept + clipped.
 struct DepositLedger {
   std::uint64_t rays = 0;
-  std::uint64_t samples = 0;     // that left something or, of amount 0, nothing
-  std::int64_t kept = 0;         // by the words, each voxel counted once
-  std::int64_t clipped = 0;      // by words that were full; of sums: signed, as what was clipped
-  std::uint64_t overflowed = 0;  // sums that were clipped after the command
+  std::uint64_t samples = 0;     // all samples, including those of rays with amount 0
+  std::int64_t kept = 0;         // added to the words, each voxel counted once
+  std::int64_t clipped = 0;      // lost in full words; for accumulators signed, like the excess
+  std::uint64_t overflowed = 0;  // accumulators that were clipped after the command
 
   constexpr void fields(auto&& list) { list(rays, samples, kept, clipped, overflowed); }
   friend constexpr bool operator==(const DepositLedger&, const DepositLedger&) = default;
 };
 inline constexpr std::size_t kDepositLedgerBytes = bytes_of<DepositLedger>();
 
-// ---- kIlluminate: the DSP makes the lighting rays of one light; they leave their energy in the irradiance words. Its
-// completion holds a LightingLedger, and then as kRender's.
+// ---- kIlluminate: the DSP generates the lighting rays of one light, which deposit their energy in the irradiance
+// words. The completion is a LightingLedger, followed by the data of kRender's completion.
 
 enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle = 2, kSphere = 3 };
 
 inline constexpr std::uint32_t kMaxRaysPerVoxel = 4096;
 
-// The volume's faces: x = 0, x = size - 1, y = 0, and so on. A ray that leaves across an edge or a corner leaves by the face
-// whose plane it crosses first; if it crosses several at once, by that of the first axis.
+// The volume's faces: x = 0, x = size - 1, y = 0, and so on. A ray that leaves across an edge or a corner is assigned
+// to the face whose plane it crosses first. If it crosses several at once, the face of the first axis counts.
 inline constexpr std::size_t kFaces = 6;
 
 struct IlluminateCommand {
   LightKind kind = LightKind::kPoint;
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
-  std::uint32_t rays_per_voxel = 1;  // k: rays a face voxel of the whole pass
-  std::uint32_t first = 0;           // of those k, this command sends first .. first + count - 1
+  std::uint32_t rays_per_voxel = 1;  // k: rays per face voxel in the whole pass
+  std::uint32_t first = 0;           // of those k, this command sends rays first .. first + count - 1
   std::uint32_t count = 1;
-  // The light's power, directional: irradiance; units of the energy words, physical lengths in those of the SPACING registers.
+  // Power of the light, or irradiance of a directional one, in units of the energy words. Physical lengths are in the
+  // unit of the SPACING registers.
   double energy = 0;
-  // point: position (voxels). directional: u is towards the light. rectangle: position is a corner, u and v its edges
-  // (physical), it shines along u x v. sphere: position is the centre, u[0] the radius (physical).
+  // point: position (voxels). directional: u points towards the light. rectangle: position is a corner, u and v are the
+  // edges (physical); it shines along u x v. sphere: position is the centre, u[0] the radius (physical).
   std::array<double, 3> position{}, u{}, v{};
 
   constexpr void fields(auto&& list) {
@@ -200,8 +206,9 @@ struct IlluminateCommand {
 };
 inline constexpr std::size_t kIlluminateCommandBytes = bytes_of<IlluminateCommand>();
 
-// What scattered rays of a render command see. kRectangle: `position` is a corner, u and v its edges; it is seen from the side of u x v.
-// kSphere: `position` is the centre, u[0] the radius; it is seen from outside. Units as above.
+// Light sources that scattered rays of a render command can hit. kRectangle: `position` is a corner, u and v are the
+// edges; it is visible from the side of u x v. kSphere: `position` is the centre, u[0] the radius; it is visible from
+// outside. Units as above.
 inline constexpr std::size_t kMaxLamps = 32;  // chosen: their records in the DSP's tables fill half of its data cache
 inline constexpr std::uint16_t kLampsMinor = 3;
 inline constexpr std::uint16_t kPartsMinor = 3;  // RenderCommand::parts
@@ -215,17 +222,17 @@ struct Lamp {
 };
 inline constexpr std::size_t kLampBytes = bytes_of<Lamp>();
 
-// Where the energy of a lighting command went, in units of the energy words:
-// emitted = deposited + escaped + scattered_away + clipped + what rays carry that wait for the host (trap.h).
+// Energy balance of a lighting command, in units of the energy words:
+// emitted = deposited + escaped + scattered_away + clipped + the energy of rays that wait for the host (trap.h).
 struct LightingLedger {
   std::uint64_t rays = 0;
   std::uint64_t emitted = 0;
-  std::uint64_t deposited = 0;       // into irradiance words, each voxel counted once
+  std::uint64_t deposited = 0;       // added to irradiance words, each voxel counted once
   std::uint64_t escaped = 0;         // left the volume
-  std::uint64_t scattered_away = 0;  // by the printed rules, with rays that were given up, by routines
-  std::uint64_t given_up = 0;        // of that, with rays at the end of their lifetime
-  std::uint64_t clipped = 0;         // by saturated irradiance words
-  std::uint64_t light_in_solid = 0;  // 1: the voxels at the light's place are opaque
+  std::uint64_t scattered_away = 0;  // lost by the printed rules, with abandoned rays, or in routines
+  std::uint64_t given_up = 0;        // part of scattered_away: lost at the end of a ray's lifetime
+  std::uint64_t clipped = 0;         // lost in saturated irradiance words
+  std::uint64_t light_in_solid = 0;  // 1: the voxels at the light's position are opaque
   std::array<std::uint64_t, kFaces> escaped_by_face{};  // sum to `escaped`
 
   constexpr void fields(auto&& list) {
@@ -235,7 +242,7 @@ struct LightingLedger {
 };
 inline constexpr std::size_t kLightingLedgerBytes = bytes_of<LightingLedger>();
 
-// What several commands did, as one.
+// Adds the ledger of one command to the sum of several.
 inline void add(const LightingLedger& ledger, LightingLedger& sum) {
   sum.rays += ledger.rays;
   sum.emitted += ledger.emitted;
@@ -248,7 +255,8 @@ inline void add(const LightingLedger& ledger, LightingLedger& sum) {
   for (std::size_t face = 0; face < kFaces; ++face) sum.escaped_by_face[face] += ledger.escaped_by_face[face];
 }
 
-// What a session of that minor version has of a ledger: before 2.2 it ends without `escaped_by_face`, which are 0 then.
+// Size of a ledger in a session of this minor version. Before 2.2 it has no `escaped_by_face`, which are then decoded
+// as 0.
 inline constexpr std::uint16_t kEscapedByFaceMinor = 2;
 constexpr std::size_t lighting_ledger_bytes(std::uint16_t minor) {
   return minor < kEscapedByFaceMinor ? kLightingLedgerBytes - 8 * kFaces : kLightingLedgerBytes;
@@ -259,17 +267,18 @@ inline LightingLedger decode_lighting_ledger(std::span<const std::uint8_t> bytes
   return decode<LightingLedger>(whole);
 }
 
-// ---- kResume: answers for rays of the last kRender or kIlluminate that wait for the host (routine 255), which go on from where
-// they trapped; and asks for more of them. Registers, tables and volume must be as they were. The next kRender or
-// kIlluminate forgets the rays that still wait. A ResumeHeader, then `count` ray packets as trap.h says.
+// ---- kResume: returns host answers for rays of the last kRender or kIlluminate that wait for the host (routine 255),
+// and requests more such rays. The answered rays continue from where they trapped. Registers, tables and volume must be
+// unchanged. The next kRender or kIlluminate discards the rays that still wait. The payload is a ResumeHeader, then
+// `count` ray packets (trap.h).
 //
-// Its completion: after a kIlluminate first a LightingLedger of what these rays did, `emitted` being the energy that they
-// brought back and `rays` those that came to an end; then a trap list: a TrapListHeader, then `count` trapped rays (trap.h),
-// those of one command by their (v, u).
+// The completion after a kIlluminate begins with a LightingLedger of these rays: `emitted` is the energy that they
+// brought back, and `rays` the number that ended. Then follows a trap list: a TrapListHeader and `count` trapped rays
+// (trap.h), in the order of their (v, u) within a command.
 
 struct ResumeHeader {
-  std::uint32_t count = 0;     // at most as many as were handed out and not answered
-  std::uint32_t max_rays = 0;  // that the completion may hold
+  std::uint32_t count = 0;     // at most the number of rays handed out and not yet answered
+  std::uint32_t max_rays = 0;  // maximum number of rays in the completion
 
   constexpr void fields(auto&& list) { list(Opcode::kResume, count, max_rays, Reserved<4>{}); }
 };
@@ -283,9 +292,9 @@ struct TrapListHeader {
 };
 inline constexpr std::size_t kTrapListHeaderBytes = bytes_of<TrapListHeader>();
 
-// ---- kVerify: reads blocks of the volume's memory back and sums them up; of the blocks first .. first + count - 1 that are
-// stored each is read once. Its completion: u32 CRC-32C of each block's n^3 packed words (memory_map.h), those of a block
-// that was never written being zero.
+// ---- kVerify: reads stored blocks of the volume back and computes their checksums. Of the blocks first .. first +
+// count - 1, each stored one is read once. The completion has a u32 CRC-32C for each block's n^3 packed words
+// (memory_map.h). The words of a block that was never written are zero.
 
 inline constexpr std::uint32_t kMaxVerifyBlocks = 65'536;  // chosen: their sums fit the smallest usual payload limit
 
@@ -297,30 +306,33 @@ struct VerifyCommand {
 };
 inline constexpr std::size_t kVerifyCommandBytes = bytes_of<VerifyCommand>();
 
-// ---- kPairs: the DSP makes rays between elements (pair.h), traces them as opacity rays, and sums them up. A PairsHeader, its
-// elements, its pairs; rays of all pairs at most kMaxPairRays. Its completion: a PairResult for each pair.
+// ---- kPairs: the DSP generates rays between elements (pair.h), traces them as opacity rays and sums up the results.
+// The payload is a PairsHeader, the elements and the pairs. All pairs together have at most kMaxPairRays rays. The
+// completion is a PairResult for each pair.
 
-// ---- kContinue: rays that wait for blocks which are no longer absent go on. Registers and tables must be as they were.
+// ---- kContinue: continues rays that waited for blocks which are no longer absent. Registers and tables must be
+// unchanged.
 //
-// A ray waits when it comes to a block whose flag of absent_flags (memory_map.h) is set, unless it leaps over the block. A ray that
-// traps waits for the block of its place, leapt over or not. It goes on with all its bits. Rays wait of kRender, and of kTrace and
-// kIlluminate if the volume has more blocks than the card stores; other commands are refused while a flag is set. The completion of
-// these and of kContinue ends with a WaitingHeader and `blocks` WaitingBlocks, ascending, or with nothing if no ray waits and the host
-// has nothing to deposit.
-// No material may let the host scatter then.
+// A ray waits when it enters a block whose flag in absent_flags (memory_map.h) is set, unless it skips the block. A ray
+// that traps waits for the block at its position, skipped or not. It later continues with all its bits. Rays of kRender
+// can wait; rays of kTrace and kIlluminate only if the volume has more blocks than the card stores. Other commands are
+// refused while a flag is set. The completions of these commands and of kContinue end with a WaitingHeader and `blocks`
+// WaitingBlocks, ascending, or with nothing if no ray waits and the host has nothing to deposit. Materials that the
+// host scatters are not allowed here.
 //
-// The rays of such a kTrace stay in the DSP's memory (kHostRayMemory, memory_map.h) behind those of the kTraces before with the same
-// header but for `count`, at most kMaxHostRays, and its completion holds no rays; those of deposit do not stay. When none waits,
-// all have come to their ends there. kBackproject is refused.
+// The rays of such a kTrace are kept in the DSP's memory (kHostRayMemory, memory_map.h), after those of earlier kTraces
+// with the same header except for `count`, at most kMaxHostRays. The completion holds no rays. Deposit rays are not
+// kept. When no ray waits, all of them have reached their end there. kBackproject is refused.
 //
-// Energy that goes to a block whose flag of dark_flags is set, since the host has its irradiance, is neither deposited nor clipped: the
-// command's completion counts the voxels that got some, and the host reads them from host_deposits before the next command, and
-// adds them to its words. So in all commands of a light, with what the host has deposited and clipped besides, the ledgers' sums
-// are those of a card that stores the whole volume. The ledger of kContinue has emitted nothing; its `rays` are those that came to an end.
+// If a block's flag in dark_flags is set, the host holds its irradiance. Energy for such a block is neither deposited
+// nor clipped. The completion counts the voxels that received some. The host reads these deposits from host_deposits
+// before the next command and adds them to its own words. So over all commands of a light, together with the host's
+// deposits and clipped energy, the ledgers add up to those of a card that stores the whole volume. The ledger of
+// kContinue has emitted nothing; its `rays` are those that ended.
 //
-// The next kRender, kIlluminate or kTrace with another header, and bit 5 of CONTROL, forget all these rays.
+// The next kRender or kIlluminate, a kTrace with another header, and bit 5 of CONTROL discard all these rays.
 
-inline constexpr std::uint16_t kBricksMinor = 3;  // the first minor version with it
+inline constexpr std::uint16_t kBricksMinor = 3;  // the first minor version that supports it
 
 struct ContinueCommand {
   constexpr void fields(auto&& list) { list(Opcode::kContinue, Reserved<4>{}); }
@@ -328,9 +340,9 @@ struct ContinueCommand {
 inline constexpr std::size_t kContinueCommandBytes = bytes_of<ContinueCommand>();
 
 struct WaitingHeader {
-  std::uint32_t blocks = 0;         // that rays wait for
-  std::uint32_t rays = 0;           // in all
-  std::uint32_t host_deposits = 0;  // records, of this command
+  std::uint32_t blocks = 0;         // number of WaitingBlocks
+  std::uint32_t rays = 0;           // total number of waiting rays
+  std::uint32_t host_deposits = 0;  // records of this command
 
   constexpr void fields(auto&& list) { list(blocks, rays, host_deposits, Reserved<4>{}); }
 };
@@ -338,8 +350,8 @@ inline constexpr std::size_t kWaitingHeaderBytes = bytes_of<WaitingHeader>();
 
 struct WaitingBlock {
   std::uint32_t block = 0;
-  std::uint32_t rays = 0;        // that wait for it, not 0
-  std::uint64_t importance = 0;  // the sum of their contributions, 12 bits each, as the sorter counts them
+  std::uint32_t rays = 0;        // rays that wait for this block, not 0
+  std::uint64_t importance = 0;  // sum of their contributions, 12 bits each, as the sorter counts them
 
   constexpr void fields(auto&& list) { list(block, rays, importance); }
   friend constexpr bool operator==(const WaitingBlock&, const WaitingBlock&) = default;
@@ -347,8 +359,8 @@ struct WaitingBlock {
 inline constexpr std::size_t kWaitingBlockBytes = bytes_of<WaitingBlock>();
 
 struct HostDeposit {
-  std::uint64_t word = 0;   // of the irradiance: block * n^3 + voxel of the block, x fastest
-  std::uint64_t units = 0;  // to be added; the word saturates
+  std::uint64_t word = 0;   // index of the irradiance word: block * n^3 + voxel in the block, x fastest
+  std::uint64_t units = 0;  // amount to add; the word saturates
 
   constexpr void fields(auto&& list) { list(word, units); }
   friend constexpr bool operator==(const HostDeposit&, const HostDeposit&) = default;

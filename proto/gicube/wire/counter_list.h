@@ -1,7 +1,8 @@
-// Counters on the data plane: a list of (name, unit, value), the response to kCounters.
+// Counters on the data plane: a list of (name, unit, value), sent in response to kCounters.
 //
-// u32 count, then for each: u8 name length, name, u8 unit length, unit, u64 value. Names are dotted paths such as
-// "bus.down.busy_ps", cut at 255 bytes; every counter only grows within a session, so a window is its end minus its begin.
+// The format is a u32 count, then for each counter: u8 name length, name, u8 unit length, unit, u64 value. Names are
+// dotted paths such as "bus.down.busy_ps", truncated to 255 bytes. Counters never decrease within a session, so the
+// value for an interval is the difference of two readings.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +42,7 @@ inline std::vector<std::uint8_t> encode(std::span<const Counter> counters) {
   return out;
 }
 
-// Nothing if the list is cut short.
+// Returns nothing if the list is truncated.
 inline std::optional<std::vector<Counter>> decode_counters(std::span<const std::uint8_t> in) {
   if (in.size() < 4) return std::nullopt;
   const auto count = load<std::uint32_t>(in, 0);

@@ -1,14 +1,15 @@
-// Rays that wait on one card and go on on another, by way of their hosts: the commands kTakeRays and kGiveRays. README.md has their
-// bytes.
+// Rays that wait on one card and continue on another, sent by their hosts: the commands kTakeRays and kGiveRays.
+// README.md defines their bytes.
 //
-// kTakeRays takes rays off the card that wait for the blocks it names, at most `max_rays` and those by their homes and numbers first;
-// if `ended` is 1, instead those that other cards made and that have come to their ends here. Its completion: a TakenHeader, and the
-// records. Without a block and with `ended` 0 it says nothing but 0.
+// kTakeRays removes rays from the card that wait for the listed blocks, at most `max_rays`, in the order of their homes
+// and numbers. If `ended` is 1, it instead removes rays that other cards made and that have ended here. The completion
+// is a TakenHeader and the records. Without blocks and with `ended` 0 both counts are 0.
 //
-// kGiveRays gives a card ForwardedRays, which wait on as if they had come to wait here, and EndedRays that it made itself (their home
-// is 0), which have come to their ends. Its completion is a WaitingHeader as after kContinue (command.h), without a ledger. They are
-// of one kRender, whose rows this card has begun; or of kTrace or kIlluminate, of which this card may have made no ray: then the
-// header says of which. Registers and tables must be as on the card that made them.
+// kGiveRays adds ForwardedRays to a card, which then wait as if they had begun to wait here. It also adds EndedRays
+// that this card made itself (their home is 0); they have ended. The completion is a WaitingHeader, as after kContinue
+// (command.h), without a ledger. All rays belong to one kRender, which this card has begun; or to a kTrace or
+// kIlluminate, for which this card may have made no ray: then the header identifies it. Registers and tables must be
+// the same as on the card that made the rays.
 #pragma once
 
 #include <array>
@@ -20,12 +21,13 @@
 
 namespace gicube::wire {
 
-// A ray as it waits, with bits that its packet does not have; four times the size of one. Fields as the board's RayState.
+// A waiting ray, with the bits that a ray packet lacks; four times the size of a packet. The fields are those of the
+// board's RayState.
 struct ForwardedRay {
-  std::uint64_t number = 0;  // on the card that made it: (v, u) of a picture's
-  std::uint32_t block = 0;   // that it waits for
-  std::uint16_t home = 0;    // 0: this card made it; else what the hosts call the card that did
-  std::uint8_t trapped = 0;  // 1: it waits for a routine's answer besides
+  std::uint64_t number = 0;  // number on the card that made it: for an image (v, u)
+  std::uint32_t block = 0;   // block that it waits for
+  std::uint16_t home = 0;    // 0: this card made it; otherwise the number that the hosts use for the card that did
+  std::uint8_t trapped = 0;  // 1: it also waits for a routine's answer
   std::array<std::int32_t, 3> position{}, step{};
   std::uint32_t exponent = 0, length = 0, opacity = 0, interacted = 0;
   std::array<std::uint16_t, 3> colour{};
@@ -46,7 +48,7 @@ inline constexpr std::size_t kForwardedRayBytes = bytes_of<ForwardedRay>();
 static_assert(kForwardedRayBytes == 4 * kRayBytes);
 
 struct EndedRay {
-  std::uint64_t number = 0;  // as a ForwardedRay's
+  std::uint64_t number = 0;  // as in ForwardedRay
   std::uint16_t home = 0;
   Ray ray;
 
@@ -56,9 +58,9 @@ struct EndedRay {
 inline constexpr std::size_t kEndedRayBytes = 2 * kRayBytes;
 
 struct TakeRaysHeader {
-  std::uint32_t max_rays = 0;  // that the completion may hold
-  std::uint32_t blocks = 0;    // numbers of 4 bytes that follow, ascending
-  std::uint8_t ended = 0;      // 1: rays that have ended are taken, and no block is named
+  std::uint32_t max_rays = 0;  // maximum number of records in the completion
+  std::uint32_t blocks = 0;    // number of block numbers that follow, 4 bytes each, ascending
+  std::uint8_t ended = 0;      // 1: take rays that have ended; no blocks follow
 
   constexpr void fields(auto&& list) { list(Opcode::kTakeRays, max_rays, blocks, ended, Reserved<3>{}); }
 };
@@ -66,7 +68,7 @@ inline constexpr std::size_t kTakeRaysHeaderBytes = bytes_of<TakeRaysHeader>();
 
 struct TakenHeader {
   std::uint32_t rays = 0;  // records that follow
-  std::uint32_t left = 0;  // such rays that are still on the card
+  std::uint32_t left = 0;  // matching rays that are still on the card
 
   constexpr void fields(auto&& list) { list(rays, left); }
 };
@@ -76,9 +78,9 @@ enum class RaysOf : std::uint8_t { kPicture = 0, kTrace = 1, kLight = 2 };
 
 struct GiveRaysHeader {
   std::uint32_t rays = 0;   // ForwardedRays that follow
-  std::uint32_t ended = 0;  // EndedRays behind them
+  std::uint32_t ended = 0;  // EndedRays after them
   RaysOf of = RaysOf::kPicture;
-  TraceHeader trace{};  // without its count; of kLight: type kDeposit and the rules; of kPicture nobody reads it
+  TraceHeader trace{};  // `count` is unused. kLight: type kDeposit and the rules; kPicture: ignored
 
   constexpr void fields(auto&& list) { list(Opcode::kGiveRays, rays, ended, of, Reserved<3>{}, trace); }
 };

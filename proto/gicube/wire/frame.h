@@ -1,7 +1,8 @@
-// Frames of the data plane: what one socket message between driver and board looks like. A header (its bytes: README.md), then
-// `size` bytes of payload.
+// Frames of the data plane: the format of socket messages between driver and board. A frame has a header (README.md
+// defines its bytes) and `size` bytes of payload.
 //
-// A frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/reference/protocol.md).
+// Frames are an envelope of the emulation, not bus traffic. The bus model only charges payloads
+// (docs/reference/protocol.md).
 #pragma once
 
 #include <cstdint>
@@ -15,11 +16,11 @@ namespace gicube::wire {
 inline constexpr std::uint32_t kFrameMagic = 0x55434947;
 
 enum class FrameType : std::uint16_t {
-  kVersion = 1,       // first in both directions: VersionInfo
-  kCredit = 2,        // posted; the header's credit fields count, and id: the last sequence number that its sender used
-  kConfigRead = 3,    // PCI configuration space: u32 offset -> u32 value
-  kConfigWrite = 4,   // u32 offset, u32 value -> empty
-  kRegisterRead = 5,  // BAR0: u32 offset -> u32 value; unmapped reads give all ones
+  kVersion = 1,        // first in both directions: VersionInfo
+  kCredit = 2,         // posted; uses the header's credit fields, and id: the last sequence number that its sender used
+  kConfigRead = 3,     // PCI configuration space: u32 offset -> u32 value
+  kConfigWrite = 4,    // u32 offset, u32 value -> empty
+  kRegisterRead = 5,   // BAR0: u32 offset -> u32 value; unmapped reads give all ones
   kRegisterWrite = 6,  // posted: u32 offset, u32 value
   kMemoryWrite = 7,    // posted: u64 address, bytes (memory_map.h)
   kMemoryRead = 8,     // u64 address, u64 length -> bytes; the board writes them to the host as bus master
@@ -30,8 +31,8 @@ enum class FrameType : std::uint16_t {
   kPoll = 12,          // -> empty, after every completion not later than time_ps has been pushed
   kCounters = 13,      // -> counter list (counter_list.h)
   kProgress = 14,      // board to host, id = ticket: u32 parts done, u32 parts in all; costs no simulated time
-  kCancel = 15,        // u32 ticket -> u32: 1 = the command's turn had not begun, it will complete with kCancelled; 0
-  kCheckpoint = 16,  // u32 CheckpointStep and what it needs; takes no simulated time, and is no message of a fault plan
+  kCancel = 15,        // u32 ticket -> u32: 1 = the command had not started, it completes with kCancelled; otherwise 0
+  kCheckpoint = 16,    // u32 CheckpointStep and its data; takes no simulated time, not counted by fault plans
 };
 
 enum FrameFlag : std::uint16_t {
@@ -39,12 +40,12 @@ enum FrameFlag : std::uint16_t {
   kPosted = 1 << 1,  // no response will follow
 };
 
-// These take no credit and have no sequence number: they are not sent again when a session is resumed.
+// These frames take no credit and have no sequence number. They are not sent again when a session is resumed.
 constexpr bool is_free(FrameType type) {
   return type == FrameType::kVersion || type == FrameType::kCredit || type == FrameType::kProgress;
 }
 
-// The numbers are stable: they stand in recorded traffic and in applications' logs.
+// The numbers are stable, because recorded traffic and applications' logs contain them.
 enum class ErrorCode : std::uint32_t {
   kNone = 0,
   kProtocol = 1,     // malformed frame; the session is closed
@@ -52,34 +53,35 @@ enum class ErrorCode : std::uint32_t {
   kTooLarge = 3,     // a length beyond the negotiated limit; the session is closed
   kBusy = 4,         // the board has an owner; the session is closed
   kBadAddress = 5,   // no register or memory there
-  kBadValue = 6,     // a field of a command or register out of its range
-  kUnsupported = 7,  // this board or fidelity level can't do that
-  kCancelled = 8,    // the board shuts down
-  kInternal = 9,     // a fault of the board itself
-  kCorrupted = 10,   // a wrong checksum, or a frame is missing; the connection is closed, the session may be resumed
+  kBadValue = 6,     // a field of a command or register is out of range
+  kUnsupported = 7,  // not supported by this board or fidelity level
+  kCancelled = 8,    // the board is shutting down
+  kInternal = 9,     // an internal fault of the board
+  kCorrupted = 10,   // wrong checksum or missing frame; the connection is closed, the session may be resumed
   kDeadline = 11,    // the deadline in device time passed first
   kMemory = 12,      // the RDRAM reported an error that it could not correct
   kTaken = 13,       // another client took the board by force; the session is closed
   kNoSession = 14,   // there is no such session to resume; the connection is closed
-  kForbidden = 15,   // no token, a wrong one, or one without the right; the connection is closed
+  kForbidden = 15,   // the token is missing, wrong or lacks the right; the connection is closed
 };
 
-// What a kCheckpoint frame asks for. The session has one buffer for checkpoints, empty at first; docs/reference/protocol.md has the order.
+// Steps of a kCheckpoint frame. A session has one checkpoint buffer, initially empty. docs/reference/protocol.md gives
+// the order.
 enum class CheckpointStep : std::uint32_t {
   kBegin = 1,  // empties the buffer -> empty
-  kWrite = 2,  // bytes, which are appended to it -> empty
-  kTake = 3,   // what was written is the driver's part: the buffer becomes the board's checkpoint -> u64 its bytes
+  kWrite = 2,  // bytes to append to the buffer -> empty
+  kTake = 3,   // the data was the driver's part; the buffer becomes the board's checkpoint -> u64 its bytes
   kRead = 4,   // u64 offset, u64 length -> bytes of it
   kGoOn =
-      5,  // the board becomes the one that the buffer is a checkpoint of, or if that is empty the one that its process began with
-  // (gicube-board --restore) -> WentOn; the buffer is the driver's part then
+      5,  // restores the board from the checkpoint in the buffer or, if that is empty, from the one that its process
+          // started with (gicube-board --restore) -> WentOn; the buffer then holds the driver's part
 };
 
-// What may differ from the board that was saved.
+// Properties that may differ from those of the saved board.
 struct WentOn {
   std::uint64_t driver_bytes = 0;  // 0: the checkpoint has no driver's part
   std::uint64_t config_hash = 0;
-  std::uint32_t fidelity = 0;  // as the register has it
+  std::uint32_t fidelity = 0;  // value of the register
   std::uint32_t agp = 0;       // 1: the card has an AGP capability
 
   constexpr void fields(auto&& list) { list(driver_bytes, config_hash, fidelity, agp); }
@@ -89,13 +91,13 @@ struct FrameHeader {
   FrameType type{};
   std::uint16_t flags = 0;  // FrameFlag
   std::uint32_t id = 0;     // chosen by the requester; the response carries it back
-  std::uint32_t size = 0;   // of the payload; checked against the negotiated limit before memory is taken
+  std::uint32_t size = 0;   // size of the payload; checked against the negotiated limit before memory is allocated
   ErrorCode error = ErrorCode::kNone;
-  std::uint32_t credit_slots = 0;  // frames that the sender has consumed since it last said so
+  std::uint32_t credit_slots = 0;  // frames that the sender has consumed since its last report
   std::uint64_t time_ps = 0;       // requester: host clock when issued; board: simulated time of the event
-  std::uint64_t credit_bytes = 0;  // payload bytes that the sender has consumed since it last said so
+  std::uint64_t credit_bytes = 0;  // payload bytes that the sender has consumed since its last report
   std::uint32_t sequence = 0;      // counts the frames of one direction that take credit, from 1, modulo 2^32; else 0
-  std::uint32_t checksum = 0;      // of header and payload (checksum.h)
+  std::uint32_t checksum = 0;      // checksum of header and payload (checksum.h)
 
   constexpr void fields(auto&& list) {
     list(std::uint32_t{kFrameMagic}, type, flags, id, size, error, credit_slots, time_ps, credit_bytes, sequence,
@@ -105,7 +107,7 @@ struct FrameHeader {
 };
 inline constexpr std::size_t kFrameHeaderBytes = bytes_of<FrameHeader>();
 
-// Nothing if the magic or the type is wrong: what follows in the stream can't be trusted then.
+// Returns nothing if the magic or the type is wrong. The rest of the stream is then not usable.
 inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8_t, kFrameHeaderBytes> in) {
   const auto header = decode<FrameHeader>(in);
   const bool known = header.type >= FrameType::kVersion && header.type <= FrameType::kCheckpoint;
@@ -113,7 +115,8 @@ inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8
   return header;
 }
 
-// How far `sequence` is after `taken`: 1 = the next, more = frames are missing, 0 or less = a frame that was taken before.
+// Position of `sequence` relative to `taken`: 1 = the next frame, more = frames are missing, 0 or less = a repeated
+// frame.
 constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence) {
   return static_cast<std::int32_t>(sequence - taken);
 }
@@ -121,8 +124,8 @@ constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence
 inline constexpr std::uint16_t kMajorVersion = 2;
 inline constexpr std::uint16_t kMinorVersion = 3;
 inline constexpr std::uint16_t kCheckpointMinor = 3;         // kCheckpoint
-inline constexpr std::uint16_t kColoursMinor = 3;            // VOXEL_FORMAT, IRRADIANCE_WORDS, the regions of colours
-inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before a version is agreed
+inline constexpr std::uint16_t kColoursMinor = 3;            // VOXEL_FORMAT, IRRADIANCE_WORDS, regions of colours
+inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before the version is agreed
 
 enum Capability : std::uint64_t {
   kFunctionalLevel = 1 << 0,
@@ -133,11 +136,12 @@ enum Capability : std::uint64_t {
 };
 
 enum VersionFlag : std::uint32_t {
-  kForce = 1 << 0,  // client: end the session of whoever owns the board, and take it
+  kForce = 1 << 0,  // client: end the current owner's session and take the board
 };
 
-// Payload of kVersion (its bytes: README.md). Behind it a client's access token, if it has one (proto/gicube/access.h). Each side says what it speaks and how much it can take; the smaller minor version,
-// payload limit and the common capabilities hold for the session.
+// Payload of kVersion (README.md defines its bytes). A client's access token follows, if it has one
+// (proto/gicube/access.h). Each side states its version and limits. The smaller minor version, the smaller payload
+// limit and the common capabilities apply to the session.
 struct VersionInfo {
   std::uint16_t major = kMajorVersion;
   std::uint16_t minor = kMinorVersion;
@@ -147,9 +151,9 @@ struct VersionInfo {
   std::uint64_t capabilities = 0;  // Capability
   std::uint32_t flags = 0;         // VersionFlag
   std::uint64_t session = 0;       // client: the session to resume, 0 = a new one; board: the session's token, never 0
-  std::uint32_t taken = 0;         // last sequence number that was taken from the peer in this session; 0 in a new one
-  std::uint32_t consumed = 0;      // last one whose credit the peer may use again, not later than `taken`
-  std::uint32_t wait_ms = 0;       // client: how long it will wait for the board while that has an owner; board: 0
+  std::uint32_t taken = 0;         // last sequence number taken from the peer in this session; 0 in a new one
+  std::uint32_t consumed = 0;      // last sequence number whose credit was returned, not later than `taken`
+  std::uint32_t wait_ms = 0;       // client: how long it waits for the board while that has another owner; board: 0
 
   constexpr void fields(auto&& list) {
     list(major, minor, max_payload_bytes, window_slots, flags, window_bytes, capabilities, session, taken, consumed,
@@ -159,8 +163,9 @@ struct VersionInfo {
 };
 inline constexpr std::size_t kVersionBytes = bytes_of<VersionInfo>();
 
-// What both sides hold to after the handshake; nothing if the majors differ or a peer could never take a frame. A window
-// holds two of the largest frames: credit is due at half a window, so what is not yet due never keeps a frame waiting.
+// Returns the agreed parameters after the handshake, or nothing if the major versions differ or a peer could never
+// accept a frame. A window holds two frames of maximum size: credit is due at half a window, so unreturned credit never
+// blocks a frame.
 inline std::optional<VersionInfo> agree(const VersionInfo& mine, const VersionInfo& theirs) {
   if (mine.major != theirs.major) return std::nullopt;
   VersionInfo agreed = mine;

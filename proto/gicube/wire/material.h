@@ -1,4 +1,5 @@
-// The material table: one record a tag, how rays scatter there [P §2.2]. Colour and opacity are the segmentation LUT's.
+// The material table: one record per tag, which defines how rays scatter [P §2.2]. The segmentation LUT defines colour
+// and opacity.
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@ enum class Bsdf : std::uint8_t {
 
 enum MaterialFlag : std::uint8_t {
   kScattersRenderingRays = 1 << 0,
-  kTrapAtSurface = 1 << 1,  // a trapped ray passes this material until it has been outside of it
+  kTrapAtSurface = 1 << 1,  // a trapped ray is not scattered by this material again until it has left it
 };
 
 inline constexpr std::uint32_t kScatteringOne = 65535;
@@ -29,14 +30,14 @@ inline constexpr int kGlossFractionBits = 12;
 inline constexpr std::size_t kMaterialParameters = 32;
 inline constexpr std::uint8_t kHostRoutine = 255;
 
-// Fields are taken as they come; the board refuses a command while one is out of range.
+// Decoding does not check the fields. The board refuses a command while one is out of range.
 struct Material {
   Bsdf bsdf = Bsdf::kNone;
   std::uint8_t flags = 0;                               // MaterialFlag
   std::uint16_t scattering = 0;                         // Ks, 65535 = 1
   std::uint16_t gloss = 0;                              // beta, unsigned 4.12
-  std::uint8_t routine = 0;                             // of a trap; 255: the host answers
-  std::uint8_t parameter_count = 0;                     // how many of them hold
+  std::uint8_t routine = 0;                             // routine of a trap; 255: the host answers
+  std::uint8_t parameter_count = 0;                     // number of valid parameters
   std::array<float, kMaterialParameters> parameters{};  // for the routine
 
   constexpr void fields(auto&& list) { list(bsdf, flags, scattering, gloss, routine, parameter_count, parameters); }
@@ -44,8 +45,8 @@ struct Material {
 };
 inline constexpr std::size_t kMaterialBytes = bytes_of<Material>();
 
-// With three irradiance words: what a scattering takes away of red, green and blue, 65535 = all of it. `Material::scattering` is
-// that of the colour that is scattered most.
+// With three irradiance words: the share of red, green and blue that a scattering removes, 65535 = all of it.
+// `Material::scattering` is that of the colour that is scattered most.
 struct ScatteringColour {
   std::array<std::uint16_t, 3> lost{};
 

@@ -1,4 +1,4 @@
-// The board's memory as the host sees it through BAR2: what a kMemoryWrite or kMemoryRead address means.
+// The board's memory as mapped to the host through BAR2: the addresses of kMemoryWrite and kMemoryRead.
 #pragma once
 
 #include <array>
@@ -20,10 +20,10 @@ struct MemoryRegion {
   const char* meaning;
 };
 
-// Blocks of the volume: block b = bx + nx * (by + ny * bz), with nx, ny, nz = ceil(size / n), begins at
-// kVolume.base + b * n^3 * 36 / 8. Its n^3 words (x fastest) carry every voxel once; the DSP writes the copies on the
-// shared faces. A block is written whole or in pieces of whole bytes. A block never written is uniformly zero.
-// The card stores (N / n)^3 blocks: the first write into one more sets STATUS.bad_address.
+// Blocks of the volume. Block b = bx + nx * (by + ny * bz), with nx, ny, nz = ceil(size / n), begins at kVolume.base +
+// b * n^3 * 36 / 8. Its n^3 words (x fastest) hold each voxel once; the DSP writes the copies on the shared faces. A
+// block is written as a whole or in pieces of whole bytes. A block that was never written is zero. The card stores (N /
+// n)^3 blocks; the first write to one more sets STATUS.bad_address.
 inline constexpr MemoryRegion kSegmentationLut{"segmentation_lut", 0x0000'0000,
                                                kSegmentationEntries* kSegmentationEntryBytes, true,
                                                "2^14 words of 84 bits, 12 bytes each (lut.h)"};
@@ -47,14 +47,16 @@ inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint
 inline constexpr MemoryRegion kVolume{"volume", 0x1'0000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, true,
                                       "blocks of packed 36-bit voxels"};
 
-// Irradiance of block b's n^3 voxels, x fastest, from kIrradiance.base + 4 b n^3 on: unsigned 32-bit words in units of the
-// energy words; 11 bits of them are used by the paper's datapath. A block that was never reached is uniformly zero.
+// Irradiance of the n^3 voxels of block b, x fastest, begins at kIrradiance.base + 4 b n^3. The words are unsigned
+// 32-bit numbers in units of the energy words; the paper's datapath uses 11 bits of them. A block that no ray has
+// reached is zero.
 inline constexpr std::size_t kIrradianceBytes = 4;
 inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
                                           std::uint64_t{1024} * 1024 * 1024 * kIrradianceBytes, true,
                                           "blocks of 32-bit irradiance words"};
 
-// The same of green and blue, on cards of three irradiance words (IRRADIANCE_WORDS); those above are then red's.
+// Irradiance of green and blue, on cards with three irradiance words (IRRADIANCE_WORDS). The region above then holds
+// red.
 inline constexpr MemoryRegion kGreenIrradiance{"green_irradiance", 0x6'4000'0000, kIrradiance.bytes, true,
                                                "as irradiance, for green (IRRADIANCE_WORDS)"};
 inline constexpr MemoryRegion kBlueIrradiance{"blue_irradiance", 0x7'8000'0000, kIrradiance.bytes, true,
@@ -63,24 +65,26 @@ constexpr const MemoryRegion& irradiance_region(std::size_t word) {
   return word == 0 ? kIrradiance : word == 1 ? kGreenIrradiance : kBlueIrradiance;
 }
 
-// Sums of backprojecting rays (command.h): where the volume's words of the same blocks lie there are signed 36-bit sums, in
-// two's complement. Read in pieces of whole pairs of words, nine bytes. A block that was never reached is zero.
+// Accumulators of backprojecting rays (command.h): signed 36-bit words in two's complement, at the same offsets as the
+// volume's words. Reads must cover whole pairs of words, nine bytes each. A block that no ray has reached is zero.
 inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, false,
                                     "blocks of packed signed 36-bit sums"};
 
-// Colours of block b's n^3 voxels, x fastest, from kColours.base + 3 b n^3 on: red, green, blue, 255 = one. Only of cards whose
-// voxels have them (VoxelFormat), and of blocks that have been written to kVolume. A block never written is black; a volume of which
-// none was written has no colours: all come from the segmentation LUT.
+// Colours of the n^3 voxels of block b, x fastest, begin at kColours.base + 3 b n^3: red, green, blue, 255 = one. Only
+// cards whose voxels have colours (VoxelFormat) have this region, and only blocks that were written to kVolume. A block
+// whose colours were never written is black. If none was written, the volume has no colours: all come from the
+// segmentation LUT.
 inline constexpr MemoryRegion kColours{"colours", 0x5'4000'0000, std::uint64_t{1024} * 1024 * 1024 * kColourBytes, true,
                                        "blocks of colours, 3 bytes a voxel (VOXEL_FORMAT)"};
 
-// The rays of trace commands of a volume with more blocks than the card stores, in the order in which they came (command.h). Read in
-// pieces of whole packets.
+// The rays of trace commands in a volume with more blocks than the card stores, in their order of arrival (command.h).
+// Reads must cover whole packets.
 inline constexpr std::uint32_t kMaxHostRays = 1u << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
 inline constexpr MemoryRegion kHostRayMemory{"host_rays", 0x4000'0000, std::uint64_t{kMaxHostRays} * kRayBytes, false,
                                              "rays of trace commands of a volume in bricks, 32 bytes each (command.h)"};
 
-// What the latest command's rays have left in blocks whose dark flag is set: HostDeposits (command.h), ascending, in pieces of whole records.
+// Deposits of the latest command in blocks whose dark flag is set: HostDeposits (command.h), ascending. Reads must
+// cover whole records.
 inline constexpr MemoryRegion kHostDeposits{
     "host_deposits", 0x8000'0000, std::uint64_t{1} << 30, false,
     "deposits of the latest command in blocks whose dark flag is set (command.h)"};
@@ -90,7 +94,7 @@ inline constexpr std::array<MemoryRegion, 17> kMemoryMap{
     kDarkFlags,       kFramebuffer,     kHostRayMemory,  kHostDeposits, kVolume,      kSums,      kIrradiance,
     kColours,         kGreenIrradiance, kBlueIrradiance};
 
-// The region that holds [address, address + bytes), or null.
+// Returns the region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {
   for (const MemoryRegion& region : kMemoryMap) {
     const bool starts_inside = address >= region.base && address - region.base <= region.bytes;

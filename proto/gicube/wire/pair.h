@@ -1,15 +1,16 @@
-// Pairs of elements between which the DSP makes rays: the heaviest part of a form factor [P §5.6], with one number per pair on
-// the bus instead of two ray packets a ray. README.md has the bytes.
+// Pairs of elements between which the DSP generates rays: the most expensive part of a form factor [P §5.6]. The bus
+// carries one number per pair instead of two ray packets per ray. README.md defines the bytes.
 //
-// The samples of a pair are points of a Sobol' sequence in six dimensions, scrambled by a hash of (id, seed): they fill both elements
-// evenly for any number of them, best for a power of two, and independently of other pairs. The samples of a request are eight runs, one
-// after the other, each of which fills the elements evenly by itself: so the scatter of the runs' means bounds the error of all. The
-// weight of a sample is
+// The samples of a pair are points of a Sobol' sequence in six dimensions, scrambled by a hash of (id, seed). They
+// cover both elements evenly for any number of samples, best for a power of two, and independently of other pairs. The
+// samples of a request form eight consecutive runs. Each run covers the elements evenly by itself, so the variance of
+// the runs' means bounds the error of the total. The weight of a sample is
 //
 //   G = f_a f_b / (pi r^2),  f = the cosine at a flat element, 0 behind it; 1 in a box
 //
-// with r physical, in reference voxel edges, and a ray between the two points finds the transmittance T. Boards before 2.2 have other
-// samples and other errors, and patches and boxes alone: their drivers make the rays themselves.
+// where r is physical, in reference voxel edges. A ray between the two points measures the transmittance T. Boards
+// before 2.2 have other samples and error estimates, and only patches and boxes. Drivers generate the rays for them on
+// the host.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +29,7 @@
 namespace gicube::wire {
 
 inline constexpr std::uint32_t kMaxRaysPerPair = 65'536;
-inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // of one command; chosen: a second of the DSP's work
+inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // per command; chosen: about one second of the DSP's work
 
 inline constexpr std::uint16_t kPairsMinor = 2;
 
@@ -36,12 +37,13 @@ using Vector = std::array<double, 3>;
 
 enum class ElementKind : std::uint32_t { kPatch = 0, kBox = 1, kTriangle = 2, kDisc = 3 };
 
-// In voxels. Flat ones have their front to the side of u x v.
+// Coordinates in voxels. The front of a flat element is on the side of u x v.
 //   patch     origin + s u + t v, 0..1 each; w = 0
 //   box       origin + s u + t v + r w: a part of the volume
-//   triangle  a patch's half with s + t <= 1; w = 0
-//   disc      origin + s u + t v, s^2 + t^2 <= 1: u and v are half-axes, of a circle or an ellipse. Without a hole in its middle that has
-//             the share w[0] of its area, and without the last share w[1] of its turn from u to v; 0..1, not 1 each
+//   triangle  the half of a patch with s + t <= 1; w = 0
+//   disc      origin + s u + t v, s^2 + t^2 <= 1: u and v are half-axes of a circle or an ellipse. w[0] is the share of the
+//             area that a central hole removes, w[1] the share of the turn from u to v that is cut off at its end; both
+//             0..1, but not 1
 struct Element {
   ElementKind kind = ElementKind::kPatch;
   std::array<float, 3> origin{}, u{}, v{}, w{};
@@ -54,10 +56,10 @@ inline constexpr std::size_t kElementBytes = bytes_of<Element>();
 struct PairsHeader {
   std::uint32_t elements = 0;
   std::uint32_t pairs = 0;
-  std::uint32_t rays = 0;   // a pair
-  std::uint32_t first = 0;  // the first of its samples
+  std::uint32_t rays = 0;   // per pair
+  std::uint32_t first = 0;  // index of the first sample
   std::uint32_t seed = 0;
-  std::uint32_t opacity = kOpacityOne;  // 24 bits, not 0: at which a ray ends
+  std::uint32_t opacity = kOpacityOne;  // 24 bits, not 0: opacity at which a ray ends
 
   constexpr void fields(auto&& list) {
     list(Opcode::kPairs, elements, pairs, rays, first, seed, opacity, Reserved<4>{});
@@ -68,14 +70,14 @@ inline constexpr std::size_t kPairsHeaderBytes = bytes_of<PairsHeader>();
 
 struct Pair {
   std::uint32_t a = 0, b = 0;  // elements
-  std::uint32_t id = 0;        // picks its points
+  std::uint32_t id = 0;        // selects the sample points
 
   constexpr void fields(auto&& list) { list(a, b, id); }
   friend constexpr bool operator==(const Pair&, const Pair&) = default;
 };
 inline constexpr std::size_t kPairBytes = bytes_of<Pair>();
 
-// What comes back of a pair.
+// Result of a pair.
 struct PairResult {
   double transported = 0;    // mean of G T
   float geometric = 0;       // mean of G
@@ -86,7 +88,7 @@ struct PairResult {
 };
 inline constexpr std::size_t kPairResultBytes = bytes_of<PairResult>();
 
-// What both sides work out alike, in IEEE operations alone: the same bits on every machine.
+// Driver and board both compute the following. Only IEEE operations are used, so all machines get the same bits.
 
 // SplitMix64 (Steele, Lea, Flood 2014).
 constexpr std::uint64_t mix(std::uint64_t x) {
@@ -96,7 +98,7 @@ constexpr std::uint64_t mix(std::uint64_t x) {
   return x ^ x >> 31;
 }
 
-// Chosen: more of them tell the error better, and are shorter.
+// Number of runs. Chosen: more runs estimate the error better, but are shorter.
 inline constexpr std::uint32_t kPairRuns = 8;
 
 constexpr std::uint32_t bits_reversed(std::uint32_t x) {
@@ -107,7 +109,8 @@ constexpr std::uint32_t bits_reversed(std::uint32_t x) {
   return x << 16 | x >> 16;
 }
 
-// What a bit of the index changes, by coordinate, bits reversed. The first four dimensions are those of two flat elements.
+// Contribution of each index bit to each coordinate, with the bits reversed. Flat elements use the first four
+// dimensions.
 inline constexpr auto kPairColumns = [] {
   constexpr std::array<std::uint32_t, 6> kDimension{0, 1, 4, 2, 3, 5};
   std::array<std::array<std::uint32_t, 6>, 32> columns{};
@@ -117,8 +120,9 @@ inline constexpr auto kPairColumns = [] {
   return columns;
 }();
 
-// Of a number with its bits reversed: each bit of the result depends on those below alone, as Owen's scrambling asks [Laine and Karras,
-// "Stratified sampling for stochastic transparency", EGSR 2011; the constants are Vegdahl's, "Building a better LK hash", 2021].
+// Scrambles a number whose bits are reversed. Each bit of the result depends only on those below it, as Owen's
+// scrambling requires [Laine and Karras, "Stratified sampling for stochastic transparency", EGSR 2011; the constants
+// are Vegdahl's, "Building a better LK hash", 2021].
 constexpr std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3D20ADEAu;
   x += seed;
@@ -128,7 +132,7 @@ constexpr std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-// Sample `index` of a pair, 0..1 on each axis: three of the one element, three of the other.
+// Sample `index` of a pair, 0..1 on each axis: three coordinates for each of the two elements.
 constexpr std::array<double, 6> pair_point(std::uint32_t id, std::uint32_t seed, std::uint32_t index) {
   std::array<std::uint32_t, 6> bits{};
   for (; index != 0; index &= index - 1) {
@@ -146,7 +150,8 @@ constexpr std::array<double, 6> pair_point(std::uint32_t id, std::uint32_t seed,
 struct CosineSine {
   double cosine = 1, sine = 0;
 };
-// Of a share of a whole turn, 0..1: Taylor's series from the nearest quarter on, whose next terms are below 2e-14.
+// Cosine and sine of a fraction of a turn, 0..1: a Taylor series around the nearest quarter. The next terms are below
+// 2e-14.
 constexpr CosineSine cosine_sine(double turn) {
   const int quarter = (static_cast<int>(turn * 8) + 1) / 2;
   const double x = (turn - 0.25 * quarter) * (2 * std::numbers::pi), y = x * x;
@@ -161,7 +166,8 @@ constexpr CosineSine cosine_sine(double turn) {
   }
 }
 
-// The factors of u, v and w at a point of the unit cube. Equal volumes of the cube are equal areas of what is flat.
+// Maps a point of the unit cube to the factors of u, v and w. Equal volumes of the cube map to equal areas of a flat
+// element.
 inline Vector place_in(const Element& element, const Vector& s) {
   if (element.kind == ElementKind::kTriangle) {  // Heitz 2019, "A low-distortion map between triangle and square"
     const double x = s[0] / 2, y = s[1] / 2;
@@ -176,7 +182,7 @@ inline Vector place_in(const Element& element, const Vector& s) {
   return s;
 }
 
-// At a point of the unit cube.
+// Maps a point of the unit cube to a point of the element, in voxels.
 inline Vector point_of(const Element& element, const Vector& s) {
   const Vector at = place_in(element, s);
   Vector point{};
@@ -191,7 +197,7 @@ struct Bounds {
   double low = 0, high = 0;
 };
 
-// Of s u + t v over a disc, by a number of u and v each.
+// Range of s u + t v over a disc, for one coordinate of u and v.
 inline Bounds disc_bounds(double u, double v, double hole, double cut) {
   const double inner = std::sqrt(hole);
   const auto [cosine, sine] = cosine_sine(1 - cut);
@@ -199,7 +205,7 @@ inline Bounds disc_bounds(double u, double v, double hole, double cut) {
   const double end = cosine * u + sine * v;
   bounds.low = std::min({bounds.low, end, inner * end});
   bounds.high = std::max({bounds.high, end, inner * end});
-  const double most = std::sqrt(u * u + v * v);  // in the direction (u, v) of the unit circle, if the turn comes by it
+  const double most = std::sqrt(u * u + v * v);  // in the direction (u, v) of the unit circle, if on the arc
   const double before_end = u * sine - v * cosine;
   const auto comes_by = [&](double sign) {
     const bool after_begin = sign * v >= 0, left = sign * before_end >= 0;
@@ -210,7 +216,8 @@ inline Bounds disc_bounds(double u, double v, double hole, double cut) {
   return bounds;
 }
 
-// Of an element along one axis, by its coordinates there; of a disc w[0] and w[1] are those of its record.
+// Range of an element along one axis, from its coordinates on that axis. `hole` and `cut` are w[0] and w[1] of a disc's
+// record.
 inline Bounds bounds_of(ElementKind kind, double origin, double u, double v, double w, double hole, double cut) {
   switch (kind) {
     case ElementKind::kDisc: {
@@ -230,8 +237,8 @@ inline Bounds bounds_of(const Element& element, std::size_t axis) {
                    static_cast<double>(element.w[0]), static_cast<double>(element.w[1]));
 }
 
-// Whether all its points are places of a volume that ends at `last`, once they are rounded to positions: an element that ends at a face
-// may be a rounding beyond.
+// Whether all points of the element are in a volume that ends at `last`, after rounding to positions. An element at a
+// face may exceed it by a rounding error.
 inline bool lies_within(const Element& element, const Vector& last) {
   constexpr double kRounding = 0.25 / kVoxel;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -244,7 +251,8 @@ inline bool lies_within(const Element& element, const Vector& last) {
   return true;
 }
 
-// Of a flat element, physical; `spacing`: voxel edges in reference lengths. Zero if it has no area.
+// Unit normal of a flat element in physical space. `spacing`: voxel edges in reference lengths. Zero if the element has
+// no area.
 inline Vector normal_of(const Element& patch, const Vector& spacing) {
   Vector u{}, v{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -263,7 +271,7 @@ struct PairSample {
   double weight = 0;    // G; 0: no ray is sent
 };
 
-// `normals`: of the elements that are flat.
+// `normals`: normals of the flat elements.
 inline PairSample pair_sample(const Element& a, const Element& b, const std::array<Vector, 2>& normals,
                               const Vector& spacing, std::uint32_t id, std::uint32_t seed, std::uint32_t index) {
   const std::array<double, 6> s = pair_point(id, seed, index);
@@ -283,15 +291,16 @@ inline PairSample pair_sample(const Element& a, const Element& b, const std::arr
   return sample;
 }
 
-// Means of few rays are skewed, so three standard errors are to hold for 99.9%: Student's of 7 degrees of freedom has them within 5.41.
+// The means of few rays are skewed. With this factor, three standard errors should hold for 99.9%: the limit of
+// Student's distribution with 7 degrees of freedom is 5.41.
 inline constexpr double kStudent = 1.8;
 
-// The samples of one pair, added up in their order.
+// Accumulates the samples of one pair, in their order.
 class PairSum {
  public:
   explicit PairSum(std::uint32_t samples) : samples_(samples) {}
 
-  // Of sample `i`, counted from 0.
+  // Adds sample `i`, counted from 0.
   void add(std::uint32_t i, double weight, double transmittance) {
     geometric_ += weight;
     const std::size_t run = std::uint64_t{i} * kPairRuns / samples_;
@@ -323,7 +332,7 @@ class PairSum {
   std::array<std::uint32_t, kPairRuns> samples_of_{};
 };
 
-// The ray packet of a segment between two points of the volume, rounded as the board holds it.
+// The ray packet of a segment between two points of the volume, rounded like the board's values.
 inline Ray segment_packet(const Vector& from, const Vector& to, std::uint32_t id) {
   Ray ray;
   ray.set_host_id(id);

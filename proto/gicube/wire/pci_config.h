@@ -12,7 +12,7 @@ inline constexpr std::size_t kPciConfigBytes = 256;
 inline constexpr std::uint16_t kVendorId = 0x4749;      // chosen: "GI"; not an assigned PCI-SIG number
 inline constexpr std::uint16_t kDeviceId = 0x0C5B;      // chosen
 inline constexpr std::uint32_t kClassCode = 0x0B4000;   // co-processor
-inline constexpr std::uint32_t kBar0 = 0xE000'0000;     // chosen: as a BIOS would have placed them
+inline constexpr std::uint32_t kBar0 = 0xE000'0000;     // chosen: an address that a BIOS might assign
 inline constexpr std::uint32_t kBar0Bytes = 0x1000;     // registers
 inline constexpr std::uint64_t kBar2 = 0x40'0000'0000;  // 64-bit prefetchable memory (memory_map.h)
 
@@ -36,7 +36,8 @@ inline constexpr std::uint8_t kCapabilityAgp = 0x02;
 
 using PciConfigSpace = std::array<std::uint32_t, kPciConfigBytes / 4>;
 
-// The header after power-up. `agp_rates`: 0 on a PCI card; on AGP the bits 1x = 1, 2x = 2, 4x = 4 that the card can do.
+// The header after power-up. `agp_rates`: 0 for a PCI card; for AGP the bits of the supported rates: 1x = 1, 2x = 2, 4x
+// = 4.
 constexpr PciConfigSpace pci_config_at_reset(std::uint32_t agp_rates) {
   PciConfigSpace space{};
   space[pci::kIds / 4] = std::uint32_t{kDeviceId} << 16 | kVendorId;

@@ -1,7 +1,8 @@
-// The 256-bit ray packet that travels over the host bus, the ray bus, the queues and the links.
-// README.md has its bits.
+// The 256-bit ray packet, used on the host bus, the ray bus, in the queues and on the links. README.md defines its
+// bits.
 //
-// Field list: [P §2.1 and Figure 2]; widths: the figure's are lost, so chosen (docs/reference/hardware.md).
+// Field list: [P §2.1 and Figure 2]. The widths are chosen, because those of the figure are lost
+// (docs/reference/hardware.md).
 #pragma once
 
 #include <array>
@@ -20,22 +21,22 @@ inline constexpr std::uint32_t kOpacityOne = (1u << 24) - 1;
 inline constexpr std::uint32_t kLifetimeMax = 1023;
 
 enum RayFlag : std::uint8_t {
-  kLightingRay = 1 << 0,  // else a rendering ray
+  kLightingRay = 1 << 0,  // otherwise a rendering ray
   kHighAlbedo = 1 << 1,
   kIrradianceCarrier = 1 << 2,
   kTrapped = 1 << 3,     // waits for a scattering routine on the DSP
   kOverflowed = 1 << 4,  // came back because its queue was full
-  kHostRay = 1 << 5,     // made by the host: (v, u) is its id and it returns over the bus
+  kHostRay = 1 << 5,     // made by the host: (v, u) is its id, and it returns over the bus
 };
 
 struct Ray {
-  std::uint16_t u = 0, v = 0;               // image column and row, unsigned 12.4 pixels; host ray: its id
+  std::uint16_t u = 0, v = 0;               // image column and row, unsigned 12.4 pixels; host ray: id
   std::array<std::uint32_t, 3> position{};  // unsigned 10.14 voxels
   std::array<std::int16_t, 3> direction{};  // signed 1.14, unit length in voxels
-  std::array<std::uint16_t, 3> colour{};    // premultiplied red green blue; lighting ray: its energy
+  std::array<std::uint16_t, 3> colour{};    // premultiplied red green blue; lighting ray: energy
   std::uint32_t opacity = 0;
-  std::uint16_t contribution = kColourOne;  // what the ray can still add to the image, 4095 = 1
-  std::uint16_t lifetime = kLifetimeMax;    // flights that are left; counted down at each scattering
+  std::uint16_t contribution = kColourOne;  // the maximum that the ray can still add to the image, 4095 = 1
+  std::uint16_t lifetime = kLifetimeMax;    // remaining path segments; decremented at each scattering
   std::uint8_t generation = 0;              // scatterings so far, saturating
   std::uint16_t interaction = 0;            // opacity at which a scattered ray next interacts, 4095 = 1
   std::uint8_t flags = 0;                   // RayFlag
@@ -57,7 +58,7 @@ struct Ray {
     u = static_cast<std::uint16_t>(id);
     v = static_cast<std::uint16_t>(id >> 16);
   }
-  // The colour's bits as one word: a lighting ray's energy, a segment's length (command.h).
+  // The colour's bits as one word: a lighting ray's energy or a segment's length (command.h).
   constexpr std::uint64_t colour_word() const {
     return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24;
   }
@@ -66,20 +67,21 @@ struct Ray {
   }
   friend constexpr bool operator==(const Ray&, const Ray&) = default;
 };
-// [P §3.6]. Every bit pattern is a ray; whether it makes sense (unit direction, position in the volume) is the DSP's to check.
+// [P §3.6]. Every bit pattern is a ray. The DSP checks whether it is valid (unit direction, position in the volume).
 inline constexpr std::size_t kRayBytes = bytes_of<Ray>();
 
-// How far the position of a ray on the paper's datapath can drift from its line on each axis, in voxels, after a way of `voxels` in
-// steps of `step` (16.16): a position is the start plus a whole number of one rounded step. The direction's rounding adds at most half
-// a unit for each voxel, and the step's half a unit for each step, or nothing where steps are whole voxels. On the wide datapath
-// steps are not rounded, and positions only once: voxels / 2^15, and half a unit.
+// Maximum deviation of a ray's position from its line on each axis, in voxels, on the paper's datapath, after `voxels`
+// voxels in steps of `step` (16.16). A position is the start plus a multiple of one rounded step. Rounding the
+// direction adds at most half a unit per voxel. Rounding the step adds half a unit per step, or nothing if steps are
+// whole voxels. On the wide datapath steps are not rounded and positions only once: the limit there is voxels / 2^15
+// plus half a unit.
 constexpr double max_drift(double voxels, std::uint32_t step) {
   constexpr double kOne = 1 << 16;
   const double by_steps = step % (1u << 16) == 0 ? 0 : kOne / step;
   return voxels * (1 + by_steps) / (2 * kVoxel);
 }
 
-// The nearest whole number to x, 0..2^30: what rounds a position or a direction into its word, without a library call.
+// Rounds x, 0..2^30, to the nearest integer without a library call. Used for the words of positions and directions.
 constexpr std::uint32_t to_nearest(double x) { return (static_cast<std::uint32_t>(2 * x) + 1) / 2; }
 
 }  // namespace gicube::wire

@@ -1,12 +1,12 @@
-// Records of the wire. A record lists its fields once, in the order of their bytes or bits; its size, encode() and decode()
-// follow from the list. README.md has the bytes.
+// Records of the wire protocol. A record lists its fields once, in the order of their bytes or bits. Its size, encode()
+// and decode() follow from the list. README.md defines the bytes.
 //
 //   struct Pair {
 //     std::uint32_t a = 0, b = 0, id = 0;
 //     constexpr void fields(auto&& list) { list(a, b, id); }   // or bits(): list(16, u, v); list(24, position);
 //   };
 //
-// A value in the list that is no member, as an opcode or Reserved<4>{}, is written, and skipped when the record is read.
+// A listed value that is not a member, such as an opcode or Reserved<4>{}, is written, and skipped on reading.
 #pragma once
 
 #include <cstddef>
@@ -51,7 +51,7 @@ constexpr std::size_t count_of() {
   }
 }
 
-// Calls take() for the value, or for each of an array.
+// Calls take() for the value, or for each element of an array.
 template <typename T>
 constexpr void for_each(T& value, const auto& take) {
   if constexpr (Array<T>) {
@@ -63,7 +63,7 @@ constexpr void for_each(T& value, const auto& take) {
 
 }  // namespace detail
 
-// Of a record or of one field.
+// Size of a record or a field in bytes.
 template <typename T>
 constexpr std::size_t bytes_of() {
   std::size_t size = 0;
@@ -80,7 +80,7 @@ constexpr std::size_t bytes_of() {
   return size;
 }
 
-// Writes the first bytes_of<T>() of `out`.
+// Writes the first bytes_of<T>() bytes of `out`.
 template <Record T>
 constexpr void encode(T record, std::span<std::uint8_t> out) {
   std::size_t at = 0;
@@ -109,7 +109,8 @@ constexpr void encode(T record, std::span<std::uint8_t> out) {
   }
 }
 
-// Reads the first bytes_of<T>() of `in`, which has them. Values are taken as they come: who acts on them checks them.
+// Reads the first bytes_of<T>() bytes of `in`, which must be that long. The values are not checked; their users must do
+// that.
 template <Record T>
 constexpr T decode(std::span<const std::uint8_t> in) {
   T record;
@@ -143,7 +144,7 @@ constexpr T decode(std::span<const std::uint8_t> in) {
   return record;
 }
 
-// The record's bytes behind those that are there.
+// Appends the record's bytes.
 template <Record T>
 void append(std::vector<std::uint8_t>& bytes, const T& record) {
   bytes.resize(bytes.size() + bytes_of<T>());

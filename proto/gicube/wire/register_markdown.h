@@ -1,4 +1,4 @@
-// The register table and the memory map as Markdown: what docs/reference/protocol.md holds and `gicube-board --registers` prints.
+// The register table and the memory map as Markdown, for docs/reference/protocol.md and `gicube-board --registers`.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace gicube::wire {
 
-inline constexpr std::array<const char*, 3> kAccessNames{"read", "read/write", "write"};  // by Access
+inline constexpr std::array<const char*, 3> kAccessNames{"read", "read/write", "write"};  // indexed by Access
 
-// "0x" and at least `digits` upper-case hex digits.
+// Returns "0x" and at least `digits` upper-case hexadecimal digits.
 inline std::string hex_text(std::uint64_t value, int digits) {
   std::array<char, 24> text{};
   std::snprintf(text.data(), text.size(), "0x%0*llX", digits, static_cast<unsigned long long>(value));
   return text.data();
 }
 
-// One row a register, in the table's order; ends with a newline.
+// One row per register, in the table's order; ends with a newline.
 inline std::string register_markdown() {
   std::string out = "| offset | name | access | reset | meaning |\n|---|---|---|---|---|\n";
   for (const RegisterInfo& info : kRegisterTable) {
@@ -31,7 +31,7 @@ inline std::string register_markdown() {
   return out;
 }
 
-// One row a region, in the order of addresses; ends with a newline.
+// One row per region, in the order of addresses; ends with a newline.
 inline std::string memory_markdown() {
   std::string out = "| address | bytes | region | access | meaning |\n|---|---|---|---|---|\n";
   for (const MemoryRegion& region : kMemoryMap) {

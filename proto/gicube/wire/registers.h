@@ -1,8 +1,8 @@
-// The register table of BAR0: one list that driver, board, tests and docs/reference/protocol.md share.
+// The register table of BAR0, shared by driver, board, tests and docs/reference/protocol.md.
 //
-// Registers are 32 bits wide at multiples of 4. Unmapped reads give all ones, unmapped or read-only writes set
-// STATUS.bad_address and leave everything else as it was, values out of range set STATUS.bad_value. A write refused for want of
-// memory sets STATUS.no_memory beside the one of both that tells what it was.
+// Registers are 32 bits wide and lie at multiples of 4. Reads of unmapped addresses return all ones. Writes to unmapped
+// or read-only addresses set STATUS.bad_address and change nothing else. Values out of range set STATUS.bad_value. A
+// write that is refused for lack of memory sets STATUS.no_memory, together with bad_address or bad_value.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gicube::wire {
 
 enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
 
-// Where a read-only register's value comes from the configuration, `reset` is 0 and the meaning says so.
+// If the value of a read-only register comes from the configuration, `reset` is 0 and `meaning` says so.
 struct RegisterInfo {
   std::uint32_t offset;
   std::string_view name;
@@ -65,7 +65,7 @@ inline constexpr std::uint32_t kLightBlue = 0x108;
 inline constexpr std::uint32_t kIdValue = 0x42434947;  // "GICB"
 inline constexpr std::uint32_t kUnmappedRead = 0xFFFF'FFFF;
 inline constexpr std::uint32_t kMaxCutPlanes = 6;
-inline constexpr std::uint32_t kMaxVolumeEdge = 1024;  // voxels: of the memory map, and of a position's bits
+inline constexpr std::uint32_t kMaxVolumeEdge = 1024;  // voxels: limit of the memory map and of a position's bits
 
 enum StatusBit : std::uint32_t {
   kStatusBadAddress = 1 << 0,
@@ -96,7 +96,7 @@ enum class Fidelity : std::uint32_t { kFunctional = 1, kApproximate = 2, kCycle 
 enum class Datapath : std::uint32_t { kPaper = 1, kWide = 2 };
 
 inline constexpr std::uint32_t kStepOne = 1u << 16;       // STEP of one voxel
-inline constexpr std::uint32_t kStepMin = kStepOne / 64;  // below that a step's fixed-point error passes 1% (HARDWARE)
+inline constexpr std::uint32_t kStepMin = kStepOne / 64;  // below it a step's fixed-point error exceeds 1% (HARDWARE)
 inline constexpr std::uint32_t kStepMax = 16 * kStepOne;
 inline constexpr std::uint32_t kLifetimeReset = 32;
 inline constexpr std::uint32_t kLightColourReset = 65535;

@@ -1,8 +1,8 @@
-// One end of the bus's reliable traffic, the same for driver and board: numbered frames come once, in order and whole, over as
-// many connections as it takes (docs/reference/protocol.md).
+// One end of the bus's reliable transport, for driver and board. Numbered frames are delivered exactly once, in order
+// and complete, over any number of connections (docs/reference/protocol.md).
 //
-// What is sent is kept until the peer has given its credit back. If the connection breaks, the handshake of the next one says
-// what each side has taken, and resume() sends the rest again. Nothing here is locked.
+// Sent frames are kept until the peer returns their credit. If the connection breaks, the handshake of the next one
+// states what each side has taken, and resume() sends the rest again. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace gicube::wire {
 
-// The bytes of a frame, shared by those that may have to send it again. Never null.
+// Payload of a frame, shared by all that may have to send it again. Never null.
 using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 inline Payload share(std::vector<std::uint8_t> bytes) {
@@ -24,7 +24,7 @@ inline Payload share(std::vector<std::uint8_t> bytes) {
 }
 
 inline const Payload& no_payload() {
-  // Never destroyed: a board may be closed by the destructor of an application's static object.
+  // Never destroyed: the destructor of an application's static object may close a board.
   static const Payload& kNone = *new Payload(share({}));
   return kNone;
 }
@@ -36,13 +36,13 @@ inline Payload version_payload(const VersionInfo& info, std::string_view token =
   return share(std::move(bytes));
 }
 
-// Credits of one direction. A sender may have at most the receiver's window in flight: `slots` frames and `bytes` of payload. The
-// receiver hands credits back once it has consumed a frame, on any header it sends. kVersion and kCredit frames are free, so
-// credit can always return; a request's response always has room because the requester reserved it. So neither side can be
-// flooded and neither can wait for the other for ever.
+// Credits of one direction. A sender may have at most the receiver's window in flight: `slots` frames and `bytes` of
+// payload. After consuming a frame, the receiver returns its credit in any header that it sends. kVersion and kCredit
+// frames need no credit, so credit can always be returned. The response to a request always has room, because the
+// requester reserved it. So neither side can be flooded, and deadlock is impossible.
 struct Credit {
   std::uint32_t slots = 0;  // frames
-  std::uint64_t bytes = 0;  // of their payloads
+  std::uint64_t bytes = 0;  // of the frames' payloads
 
   constexpr void operator+=(const Credit& more) {
     slots += more.slots;
@@ -59,7 +59,7 @@ class SendCredits {
   constexpr explicit SendCredits(const Credit& window) : left_(window) {}
 
   constexpr bool can_send(std::uint64_t payload) const { return left_.slots > 0 && payload <= left_.bytes; }
-  // Only after can_send().
+  // Call only after can_send().
   constexpr void take(std::uint64_t payload) { left_ -= {1, payload}; }
   constexpr void give_back(const Credit& credit) { left_ += credit; }
 
@@ -71,7 +71,7 @@ class ReceiveCredits {
  public:
   constexpr explicit ReceiveCredits(const Credit& window) : window_(window) {}
 
-  // False if the peer sent more than it was granted: a protocol error.
+  // Returns false if the peer sent more than its credit, which is a protocol error.
   constexpr bool accept(std::uint64_t payload) {
     if (used_.slots + 1 > window_.slots || used_.bytes + payload > window_.bytes) return false;
     used_ += {1, payload};
@@ -79,14 +79,14 @@ class ReceiveCredits {
   }
   constexpr void consume(std::uint64_t payload) { consumed_ += {1, payload}; }
 
-  // True when half the window waits to be returned: then a kCredit frame is due even if nothing else is sent.
+  // True when half the window is waiting to be returned. A kCredit frame is then due even if nothing else is sent.
   constexpr bool due() const {
     return 2 * std::uint64_t{consumed_.slots} >= window_.slots || 2 * consumed_.bytes >= window_.bytes;
   }
   constexpr const Credit& consumed() const { return consumed_; }
   constexpr const Credit& window() const { return window_; }
 
-  // What the next header carries back; the window is open again by that much.
+  // Returns the credit for the next header, and reopens the window by as much.
   constexpr Credit give_back() {
     used_ -= consumed_;
     return std::exchange(consumed_, {});
@@ -103,17 +103,17 @@ class ReliableWindow {
     Payload payload;
   };
 
-  // `mine`: what this side lets its peer send.
+  // `mine`: the limits that this side grants its peer.
   explicit ReliableWindow(const VersionInfo& mine) : receive_({mine.window_slots, mine.window_bytes}) {}
 
-  // ---- sending. Only with what the peer's version says, from open() on.
+  // ---- sending, after open() with the peer's version
 
   void open(const VersionInfo& theirs) {
     peer_ = {theirs.window_slots, theirs.window_bytes};
     send_ = SendCredits(peer_);
   }
   bool can_send(std::uint64_t payload) const { return send_.can_send(payload); }
-  // Takes credit for a frame, numbers it and keeps it. Only after can_send().
+  // Takes credit for a frame, assigns its number and keeps it. Call only after can_send().
   Sent keep(FrameHeader header, Payload payload) {
     send_.take(payload->size());
     header.sequence = ++sent_;
@@ -121,14 +121,14 @@ class ReliableWindow {
     kept_.push_back({header, std::move(payload)});
     return kept_.back();
   }
-  // Gives the peer all the credit that it has earned, by a header that is about to be sent.
+  // Returns all consumed credit to the peer, in a header that is about to be sent.
   void put_credit(FrameHeader& header) {
     const auto returned = receive_.give_back();
     returned_ += returned.slots;
     header.credit_slots = returned.slots;
     header.credit_bytes = returned.bytes;
   }
-  // The frame that carries nothing but credit, and the last number that was used.
+  // A frame that carries only credit and the last number used.
   FrameHeader credit_frame(std::uint16_t flags) {
     FrameHeader header{FrameType::kCredit, flags, sent_};
     put_credit(header);
@@ -141,28 +141,30 @@ class ReliableWindow {
   // ---- receiving
 
   enum class Arrival { kNext, kAgain, kGap };
-  // By its number. A frame without one is kNext; a credit frame tells the last number that was used before it.
+  // Classifies a frame by its number. A frame without one is kNext. A credit frame carries the last number used before
+  // it.
   Arrival arrival(const FrameHeader& header) const {
     if (header.type == FrameType::kCredit) return sequence_step(taken_, header.id) > 0 ? Arrival::kGap : Arrival::kNext;
     if (is_free(header.type)) return Arrival::kNext;
     const std::int32_t step = sequence_step(taken_, header.sequence);
     return step == 1 ? Arrival::kNext : step < 1 ? Arrival::kAgain : Arrival::kGap;
   }
-  // The next numbered frame has come.
+  // Call when the next numbered frame has arrived.
   void take() { ++taken_; }
   std::uint32_t taken() const { return taken_; }
 
-  // False if the peer sent more than it has credit for.
+  // Returns false if the peer sent more than its credit.
   bool accept(std::uint64_t payload) { return receive_.accept(payload); }
   void consume(std::uint64_t payload) { receive_.consume(payload); }
-  // Credit waits to be given back: so much that it should go by itself, any, or so much that a payload might not fit.
+  // Whether credit is waiting to be returned: enough for a separate frame; any; so much that `payload` might not fit.
   bool credit_is_due() const { return receive_.due(); }
   bool owes_credit() const { return receive_.consumed().slots > 0; }
   bool may_keep_out(std::uint64_t payload) const {
     return receive_.consumed().bytes + payload > receive_.window().bytes;
   }
 
-  // Credit comes back in the order of sending, so it says which frames need not be kept. False if it is for more than was sent.
+  // Credit returns in the order of sending, so the acknowledged frames need not be kept. Returns false if it exceeds
+  // what was sent.
   bool take_credit(const FrameHeader& header) {
     if (header.credit_slots > kept_.size() || header.credit_bytes != bytes_of(header.credit_slots)) return false;
     forget(header.credit_slots);
@@ -177,20 +179,20 @@ class ReliableWindow {
 
   // ---- resuming
 
-  // Says in a version frame what has been taken; the credit for it counts as given back.
+  // Writes into a version frame what has been taken. The credit for it counts as returned.
   void announce(VersionInfo& mine) {
     returned_ += receive_.give_back().slots;
     mine.taken = taken_;
     mine.consumed = returned_;
   }
-  // The last number whose credit has come back.
+  // The last number whose credit has been returned.
   std::uint32_t forgotten() const { return sent_ - static_cast<std::uint32_t>(kept_.size()); }
-  // What the peer has not taken is still there.
+  // Whether all frames that the peer has not taken are still kept.
   bool fits(const VersionInfo& theirs) const {
     return sequence_step(forgotten(), theirs.consumed) >= 0 && sequence_step(theirs.consumed, theirs.taken) >= 0 &&
            sequence_step(theirs.taken, sent_) >= 0;
   }
-  // Only if it fits: sends each frame again that the peer has not taken, by `send(header, payload)`.
+  // Sends each frame that the peer has not taken again, by `send(header, payload)`. Call only if fits().
   template <typename Send>
   void resume(const VersionInfo& theirs, const Send& send) {
     forget(theirs.consumed - forgotten());
@@ -208,14 +210,14 @@ class ReliableWindow {
     }
   }
 
-  Credit peer_;  // its window
+  Credit peer_;  // the peer's window
   SendCredits send_{Credit{}};
   ReceiveCredits receive_;
-  std::deque<Sent> kept_;  // the peer has not given their credit back: they may have to be sent again
+  std::deque<Sent> kept_;  // frames whose credit the peer has not returned; they may have to be sent again
   std::uint64_t kept_bytes_ = 0;
-  std::uint32_t sent_ = 0;      // numbers: the last one that was used,
-  std::uint32_t taken_ = 0;     // that was taken,
-  std::uint32_t returned_ = 0;  // whose credit was given back
+  std::uint32_t sent_ = 0;      // last number that was used
+  std::uint32_t taken_ = 0;     // last number that was taken
+  std::uint32_t returned_ = 0;  // last number whose credit was returned
 };
 
 }  // namespace gicube::wire

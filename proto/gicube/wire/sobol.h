@@ -1,4 +1,5 @@
-// Sobol's sequence, which fills the unit hypercube evenly: any first 2^m points, and any 2^m that follow on a multiple of 2^m.
+// Sobol' sequence. It fills the unit hypercube evenly: the first 2^m points do, and so do any 2^m that begin at a
+// multiple of 2^m.
 #pragma once
 
 #include <array>
@@ -10,11 +11,11 @@ namespace gicube::wire {
 
 inline constexpr std::uint32_t kSobolDimensions = 6;
 
-// By dimension and bit of the index [Joe and Kuo, "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci.
-// Comput. 2008].
+// Direction numbers by dimension and bit of the index [Joe and Kuo, "Constructing Sobol sequences with better
+// two-dimensional projections", SIAM J. Sci. Comput. 2008].
 inline constexpr auto kSobolDirections = [] {
-  // Of a primitive polynomial x^degree + ... + 1 over GF(2): `inner` holds the coefficients between the first and the last, `first` the
-  // odd numbers to start from.
+  // A primitive polynomial x^degree + ... + 1 over GF(2): `inner` holds the coefficients between the first and the
+  // last, `first` the odd initial numbers.
   struct Polynomial {
     std::uint32_t degree, inner;
     std::array<std::uint32_t, 4> first;
@@ -22,7 +23,7 @@ inline constexpr auto kSobolDirections = [] {
   constexpr std::array<Polynomial, kSobolDimensions - 1> kPolynomials{
       {{1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}}};
   std::array<std::array<std::uint32_t, 32>, kSobolDimensions> directions{};
-  for (std::uint32_t i = 0; i < 32; ++i) directions[0][i] = 1u << (31 - i);  // van der Corput's
+  for (std::uint32_t i = 0; i < 32; ++i) directions[0][i] = 1u << (31 - i);  // van der Corput sequence
   for (std::uint32_t d = 1; d < kSobolDimensions; ++d) {
     const auto& [degree, inner, first] = kPolynomials[d - 1];
     auto& v = directions[d];

@@ -23,18 +23,18 @@ namespace gicube::wire {
 inline constexpr int kVoxelBits = 36;
 inline constexpr std::uint16_t kDensityMax = 4095;
 inline constexpr std::uint16_t kGradientCodes = 2048;
-inline constexpr std::uint16_t kNoGradient = 0;  // the code kept for voxels without a gradient
+inline constexpr std::uint16_t kNoGradient = 0;  // reserved for voxels without a gradient
 inline constexpr int kTags = 4;
 
-// What a card stores of a voxel. Beyond the paper's 36 bits [P §5.6, future work: an expanded voxel format].
+// Stored format of a voxel. The colours exceed the paper's 36 bits [P §5.6, future work: an expanded voxel format].
 enum class VoxelFormat : std::uint32_t {
   kDensity = 1,  // the word below
-  kRgb = 2,      // and a colour of kColourBytes, red first; the segmentation LUT gives its opacity by the density
-  kRgba = 3,     // the same, and the density is the colour's alpha: colours are interpolated premultiplied by it
+  kRgb = 2,      // also a colour of kColourBytes, red first; the segmentation LUT gives its opacity by the density
+  kRgba = 3,     // like kRgb, but the density is the colour's alpha: colours are interpolated premultiplied by it
 };
 inline constexpr std::size_t kColourBytes = 3;
 constexpr bool has_colours(VoxelFormat format) { return format != VoxelFormat::kDensity; }
-inline constexpr int kIrradianceBits = 11;  // of the paper's datapath
+inline constexpr int kIrradianceBits = 11;  // on the paper's datapath
 // `irradiance_words`: 1, or 3 for red, green and blue.
 constexpr int voxel_bits(VoxelFormat format, std::uint32_t irradiance_words) {
   return kVoxelBits + (has_colours(format) ? 8 * static_cast<int>(kColourBytes) : 0) +
@@ -63,7 +63,7 @@ constexpr Voxel to_voxel(std::uint64_t word) {
 // Bytes of `count` packed 36-bit words; an odd count is padded by half a byte.
 constexpr std::size_t packed36_bytes(std::size_t count) { return (count * kVoxelBits + 7) / 8; }
 
-// Word `index` of a stream of 36-bit words; also the framebuffer's pixels travel so.
+// Word `index` of a stream of 36-bit words. Framebuffer pixels use the same packing.
 constexpr void store36(std::span<std::uint8_t> bytes, std::size_t index, std::uint64_t word) {
   const std::size_t at = index / 2 * 9;
   if (index % 2 == 0) {
@@ -76,7 +76,8 @@ constexpr void store36(std::span<std::uint8_t> bytes, std::size_t index, std::ui
 }
 
 constexpr std::uint64_t load36(std::span<const std::uint8_t> bytes, std::size_t index) {
-  // Both of a pair lie in eight of its nine bytes, the first in the lower and the second in the upper ones.
+  // Both words of a pair lie in eight of its nine bytes: the first one in the lower eight, the second one in the upper
+  // eight.
   const std::size_t second = index % 2, at = index / 2 * 9 + second;
   std::uint64_t eight = 0;
   if (std::is_constant_evaluated() || std::endian::native != std::endian::little || at + 8 > bytes.size()) {
