@@ -111,7 +111,7 @@ Aperture::Bytes Aperture::bytes_of_write(std::uint64_t address, std::uint64_t le
 
 std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int block_voxels,
                                         std::size_t irradiance_words) {
-  constexpr std::uint64_t kBytesOfCell = 12;  // at most what the functional level has of 4^3 voxels (functional/simd)
+  constexpr std::uint64_t kBytesOfCell = 12;  // maximum data of the functional level for 4^3 voxels (functional/simd)
   std::uint64_t blocks = 1;
   for (const int edge : size) blocks *= static_cast<std::uint64_t>((edge + block_voxels - 1) / block_voxels);
   const auto cells = static_cast<std::uint64_t>(block_voxels / 4);
@@ -123,7 +123,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
   const wire::MemoryRegion* region = wire::find_region(address, length);
   if (region == nullptr) return std::nullopt;
   const std::uint64_t offset = address - region->base;
-  // Of memory that is read in pieces of `unit` bytes.
+  // Reads a memory that allows only multiples of `unit` bytes.
   const auto read_from = [&](auto& memory, std::uint64_t unit) -> std::optional<std::vector<std::uint8_t>> {
     if (offset + length > memory.bytes() || offset % unit != 0 || length % unit != 0) return std::nullopt;
     std::vector<std::uint8_t> out(static_cast<std::size_t>(length));

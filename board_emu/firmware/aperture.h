@@ -1,4 +1,5 @@
-// The host's window into the board's memory (BAR2): tables, empty flags, volume, framebuffer, each behind its addresses.
+// The board's memory as mapped to the host (BAR2): tables, flags, volume, irradiance, framebuffer and others, each at
+// its addresses.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@
 
 namespace gicube::emu {
 
-// A LUT as the host wrote it, byte by byte, and as the pipeline reads it, word by word.
+// A LUT: bytes as the host writes them, and decoded words as the pipeline reads them.
 template <typename Word, std::size_t WordBytes>
 class Table {
  public:
@@ -56,15 +57,16 @@ class Table {
 
 class Aperture {
  public:
-  // `irradiance_words`: of a voxel, 1 or 3. `max_irradiance`: at which one saturates.
+  // `irradiance_words`: number per voxel, 1 or 3. `max_irradiance`: value at which a word saturates.
   Aperture(int block_voxels, wire::VoxelFormat format, std::size_t irradiance_words, std::uint32_t max_irradiance);
 
-  // False, and nothing written, if no writable memory is there.
+  // Returns false, and writes nothing, if the range is not in writable memory.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);
-  // Nothing if no memory is there. The framebuffer has as many bytes as its image.
+  // Returns nothing if the range is not in memory. The framebuffer is as long as its image.
   std::optional<std::vector<std::uint8_t>> read(std::uint64_t address, std::uint64_t length);
 
-  // Memory of the host's: of the volume, of the image; what a write would add to the volume, and at most to the irradiance.
+  // Host memory in bytes: used for the volume; used for the image; added by a write to the volume, and at most to the
+  // irradiance.
   std::uint64_t volume_bytes() const {
     return bytes_of_blocks(volume_.size(), volume_.block_voxels(), irradiance_.size()) + volume_.memory_bytes();
   }
@@ -73,18 +75,18 @@ class Aperture {
     std::uint64_t volume = 0, irradiance = 0;
   };
   Bytes bytes_of_write(std::uint64_t address, std::uint64_t length) const;
-  // Of a volume before anything is stored in it, and of an image while it is resolved.
+  // Host memory in bytes for an empty volume, and for an image while it is resolved.
   static std::uint64_t bytes_of_blocks(const std::array<int, 3>& size, int block_voxels, std::size_t irradiance_words);
   static std::uint64_t bytes_of_image(std::uint64_t pixels) {
     return pixels * (Framebuffer::kBytesPerPixel + 2 * wire::kVoxelBits / 8);
   }
 
-  // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
+  // Discards the volume and its flags. `size` as in VolumeMemory::resize.
   void resize_volume(const std::array<int, 3>& size);
-  // Forget what all blocks hold, or one, and their irradiance.
+  // Discard the voxels and the irradiance of all blocks, or of one.
   void drop_blocks();
   void drop_block(std::size_t block);
-  // Makes the decoded form of what is read of the volume current.
+  // Updates the decoded form of the parts of the volume that `reads` lists.
   void decode(unsigned threads, const VolumeReads& reads);
   bool empty(std::size_t block) const { return flag(empty_flags_, block); }
   bool absent(std::size_t block) const { return flag(absent_flags_, block); }
@@ -92,18 +94,18 @@ class Aperture {
   bool any_absent() const;
 
   const VolumeMemory& volume() const { return volume_; }
-  // An RDRAM error: no write, so what a cache holds stays as it is.
+  // Simulates an RDRAM error. It is not a write, so caches keep their contents.
   void flip(const VolumeMemory::BitPlace& place) { volume_.flip(place); }
-  // Counts writes into the volume: what was cached of it before is old.
+  // Number of writes to the volume. When it changes, cached data of the volume is out of date.
   std::uint64_t volume_writes() const { return volume_writes_; }
   std::uint64_t segmentation_writes() const { return segmentation_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
   std::span<const wire::Material> materials() const { return materials_.words(); }
   std::span<const wire::ScatteringColour> scattering_colours() const { return scattering_colours_.words(); }
-  // For each irradiance word of a voxel.
+  // One memory for each irradiance word of a voxel.
   std::span<IrradianceMemory> irradiance() { return irradiance_; }
   std::uint64_t stored_irradiance_bytes() const;
-  // What energy that comes to `blocks` blocks at most may add to that.
+  // Upper limit of the additional bytes if energy reaches at most `blocks` blocks.
   std::uint64_t free_irradiance_bytes(std::uint64_t blocks) const;
   void clear_irradiance();
   void expect_deposits();
@@ -111,10 +113,10 @@ class Aperture {
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
   HostDeposits& host_deposits() { return *host_deposits_; }
-  // Of trace commands, while the volume is in bricks.
+  // Rays of trace commands, if the volume is out of core.
   std::vector<wire::Ray>& host_rays() { return host_rays_; }
   std::uint64_t host_rays_bytes() const { return host_rays_.capacity() * sizeof(wire::Ray); }
-  // After a rendering: what the host will read.
+  // Call after rendering: prepares the pixels for the host's reads.
   void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
   void state(Archive& archive);
 
@@ -126,7 +128,7 @@ class Aperture {
 
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
-  const IrradianceMemory* irradiance_of(const wire::MemoryRegion& region) const;  // null: the card has no such words
+  const IrradianceMemory* irradiance_of(const wire::MemoryRegion& region) const;  // null: not on this card
 
   Table<wire::Material, wire::kMaterialBytes> materials_;
   Table<wire::ScatteringColour, wire::kScatteringColourBytes> scattering_colours_;

@@ -8,14 +8,14 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr double kMinSolidAngle = 1e-4;  // chosen: the arc cosines below are good to about 1e-8
+constexpr double kMinSolidAngle = 1e-4;  // chosen: the arc cosines below are accurate to about 1e-8
 
-// The angle between two planes through the origin with these normals (not unit), 0..pi.
+// The angle between two planes through the origin, 0..pi. The normals need not be unit vectors.
 double angle(const Vector& a, const Vector& b) {
   return std::acos(std::clamp(-dot(a, b) / (length(a) * length(b)), -1.0, 1.0));
 }
 
-// Van Oosterom and Strackee 1983, twice the half angle of the triangle a b c whose triple product is `product`.
+// Solid angle of the triangle a b c whose triple product is `product` [Van Oosterom and Strackee 1983].
 double triangle(const Vector& a, const Vector& b, const Vector& c, double product) {
   const double la = length(a), lb = length(b), lc = length(c);
   return 2 * std::atan2(product, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
@@ -32,14 +32,14 @@ double mix(double a, double b, double t) { return a + t * (b - a); }
 
 double solid_angle(const SeenRectangle& seen) {
   const auto [a, b, c, d] = corners(seen, seen.height);
-  // Both triangles' triple product: the height times twice their area.
+  // The triple product of both triangles is the height times twice their area.
   const double product = seen.height * (seen.high[0] - seen.low[0]) * (seen.high[1] - seen.low[1]);
   return triangle(a, b, c, product) + triangle(a, c, d, product);
 }
 
 std::array<double, 2> point_seen(const SeenRectangle& seen, double s, double t) {
   const std::array<double, 2> plain{mix(seen.low[0], seen.high[0], s), mix(seen.low[1], seen.high[1], t)};
-  const auto corner = corners(seen, -seen.height);  // below the origin, as the publication has it
+  const auto corner = corners(seen, -seen.height);  // below the origin, as in the publication
   const Vector below = cross(corner[0], corner[1]), right = cross(corner[1], corner[2]),
                above = cross(corner[2], corner[3]), left = cross(corner[3], corner[0]);
   const double rest = 2 * std::numbers::pi - angle(above, left) - angle(left, below);

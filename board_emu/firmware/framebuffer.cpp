@@ -46,7 +46,7 @@ void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) 
 void Framebuffer::add(const wire::Ray& ray) {
   const int u = ray.u, v = ray.v;
   if (filter_ == wire::Filter::kBox) return add(u / kSubPixels, v / kSubPixels, 1, ray);
-  // Tent: the four pixels whose centres, at 8/16, are less than a pixel away.
+  // Tent filter: the four pixels whose centres, at 8/16, are less than a pixel away.
   const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
   for (int y = top; y <= top + 1; ++y) {
     for (int x = left; x <= left + 1; ++x) {
@@ -93,7 +93,7 @@ void Framebuffer::add_alone(const wire::Ray& ray) {
 
 wire::Pixel Framebuffer::resolve(const Sum& sum) {
   if (sum.weight == 0) return {};
-  // Of one ray, as most are: then it is a constant that divides, which takes no division.
+  // Most pixels have one ray. The divisor is then a constant, and the compiler avoids the division.
   const auto resolved = [&sum](std::uint64_t value, std::uint64_t from, std::uint64_t to) {
     return sum.weight == 1 ? rescale(value, 1, from, to) : rescale(value, sum.weight, from, to);
   };

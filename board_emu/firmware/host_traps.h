@@ -1,5 +1,4 @@
-// Rays that wait on the DSP for the host application's scattering routine, from the command that made them until the host
-// has fetched them.
+// Rays that wait on the DSP for the host's scattering routine, until the host has fetched them.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +21,7 @@ class HostTraps : public HostTrapQueue {
  public:
   static constexpr std::size_t kMax = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
 
-  // Forgets all rays; `light` tells what the rays of the command to come are, and `rules` holds for lighting rays.
+  // Discards all rays. `light`: whether the next command has lighting rays. `rules`: for lighting rays.
   void begin(bool light, wire::EnergyRules rules) {
     added_.clear();
     waiting_.clear();
@@ -42,16 +41,15 @@ class HostTraps : public HostTrapQueue {
     added_.push_back(ray);
   }
 
-  // The others: between commands, or steps of one.
-  // Puts what was added in its order, which does not depend on threads and time: no two rays of a command have the same
-  // (v, u).
+  // Only add() may be called during a command or step. settle() sorts the added rays, so that their order does not
+  // depend on threads and time: no two rays of a command have the same (v, u).
   void settle() {
     std::ranges::sort(added_, {}, [](const wire::TrappedRay& trapped) { return trapped.ray.host_id(); });
     waiting_.insert(waiting_.end(), added_.begin(), added_.end());
     added_ = {};
   }
   std::size_t waiting() const { return waiting_.size(); }
-  // The first of those that wait; they are then out.
+  // Removes the first waiting rays and counts them as sent to the host.
   std::vector<wire::TrappedRay> take(std::size_t max_rays) {
     const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(max_rays, waiting_.size()));
     std::vector<wire::TrappedRay> first(waiting_.begin(), end);
@@ -59,7 +57,7 @@ class HostTraps : public HostTrapQueue {
     out_ += first.size();
     return first;
   }
-  // Rays that the host has and has not answered.
+  // Rays that were sent to the host and are not answered yet.
   std::uint64_t out() const { return out_; }
   void answered(std::uint64_t rays) { out_ -= rays; }
   void state(Archive& archive) {
@@ -82,7 +80,7 @@ class HostTraps : public HostTrapQueue {
     }
   }
 
-  std::mutex mutex_;  // of added_
+  std::mutex mutex_;  // for added_
   std::vector<wire::TrappedRay> added_;
   std::deque<wire::TrappedRay> waiting_;
   std::uint64_t out_ = 0;

@@ -1,4 +1,4 @@
-// The rows of a picture that a card makes: all of them, or strips that are dealt to several cards in turn.
+// The rows of an image that a card renders: all, or every n-th strip.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@ inline constexpr int kSubPixels = 16;  // u and v of a ray are 12.4 pixels
 
 class ImageRows {
  public:
-  // All of an image of that height.
+  // All rows of an image of this height.
   ImageRows(int height = 0) : height_(height), count_(height), strip_(std::max(height, 1)) {}
-  // Of a command with a strip that the image reaches.
+  // The rows of a command. At least one strip must be in the image.
   explicit ImageRows(const wire::RenderCommand& command) : ImageRows(command.height) {
     if (command.parts == 0) return;
     count_ = wire::rows_of(command);
@@ -45,7 +45,7 @@ class ImageRows {
       count_ = wire::rows_of(command);
     });
   }
-  // Where a row of the image stands among them; -1 if it does not.
+  // Index of an image row among the card's rows; -1 if it is not one of them.
   int place(int row) const {
     if (row < 0 || row >= height_) return -1;
     if (parts_ == 1) return row;
@@ -53,8 +53,8 @@ class ImageRows {
     return strip % parts_ == part_ ? strip / parts_ * strip_ + row % strip_ : -1;
   }
 
-  // The image's rows of samples, from the top, that have a part in these rows of pixels. By a tent some do that lie in the rows next to a
-  // strip.
+  // The sample rows of the image, from the top, that contribute to these pixel rows. With a tent filter this includes
+  // samples in the rows next to a strip.
   std::vector<std::uint16_t> sample_rows(int samples_per_axis, wire::Filter filter) const {
     std::vector<std::uint16_t> rows;
     const int spacing = kSubPixels / samples_per_axis;
@@ -73,9 +73,9 @@ class ImageRows {
     return v != middle && place(v < middle ? own - 1 : own + 1) >= 0;
   }
 
-  int height_ = 0;  // of the whole image
-  int count_ = 0;   // of them here
-  int strip_ = 1;   // rows
+  int height_ = 0;  // rows of the whole image
+  int count_ = 0;   // rows of this card
+  int strip_ = 1;   // rows per strip
   int part_ = 0;
   int parts_ = 1;
 };

@@ -1,4 +1,5 @@
-// The lamps that scattered rays see where they leave the volume [P §3.4]: a table of rectangles and spheres in the DSP's memory.
+// Light sources that scattered rays can hit after they leave the volume [P §3.4]: rectangles and spheres in the DSP's
+// memory.
 #pragma once
 
 #include <array>
@@ -16,31 +17,33 @@
 
 namespace gicube::emu {
 
-// A ray with what is asked of it before the first lamp: place and direction in physical lengths (3 products of 16 by 16 bits, 3 shifts,
-// 3 sums), what it lets through times a colour (3 products of 32 by 16 bits, each 2 multiplications and 2 operations), 3 sums and 3
-// bounds; 2 operations tell whether it was scattered and has left. 4 words of the ray and 3 of the colour are read.
+// A ray, and its work before the first lamp. Position and direction in physical lengths (3 products of 16 by 16 bits, 3
+// shifts, 3 sums); its transmittance times a colour (3 products of 32 by 16 bits, each 2 multiplications and 2
+// operations), 3 sums and 3 bounds. 2 operations test whether it was scattered and has left. 4 words of the ray and 3
+// of the colour are read.
 inline constexpr DspLoop kLookForLamps{"ray that looks for lamps", 3 + 6, 3 + 3 + 6 + 3 + 3 + 2, 4 + 3};
-// A lamp, by the dearer of the two kinds. Rectangle: from its corner to the ray's place (3 sums); that and the direction along its normal
-// (6 products, 4 sums); a reciprocal by table and one step of Newton's (normalisation 4, 1 access, 2 products); the distance (1
-// product); the place where it meets the plane (3 products, 3 sums); that along the two edges (6 products, 4 sums); 7 comparisons:
-// side, distance, nearest, two a coordinate. 18 products of 32 by 16 bits, each 2 multiplications and 2 operations; a record of 16
-// words. A sphere takes 13 products and a root in the reciprocal's place.
+// One lamp, at the cost of the more expensive kind. Rectangle: from its corner to the ray's position (3 sums); that and
+// the direction along its normal (6 products, 4 sums); a reciprocal by table and one Newton step (normalisation 4, 1
+// access, 2 products); the distance (1 product); the intersection with the plane (3 products, 3 sums); its coordinates
+// along the two edges (6 products, 4 sums); 7 comparisons: side, distance, nearest, two per coordinate. 18 products of
+// 32 by 16 bits, each 2 multiplications and 2 operations; a record of 16 words. A sphere takes 13 products, and a root
+// instead of the reciprocal.
 inline constexpr DspLoop kTestLamp{"lamp", 18 * 2, 18 * 2 + 3 + 4 + 4 + 3 + 4 + 7, 16 + 1};
 
 class Lamps {
  public:
   Lamps() = default;
-  // `spacing` as Frame::spacing; of records without a fault.
+  // `spacing` as in Frame::spacing. The records must be valid.
   Lamps(std::span<const wire::Lamp> lamps, const std::array<std::uint32_t, 3>& spacing);
 
-  // What is wrong with a record, if anything is.
+  // Returns the error of a record, or nothing if it is valid.
   static std::optional<std::string> fault(const wire::Lamp& lamp);
 
   bool empty() const { return lamps_.empty(); }
-  // What it costs to look for the lamp that a returned ray sees; of a ray that sees none, having been scattered never or not having
-  // left, nothing.
+  // Cost of finding the lamp that a returned ray hits. It is zero if the ray was not scattered or has not left the
+  // volume.
   DspTask task(const wire::Ray& ray) const;
-  // A returned ray with the light of the lamp that it sees.
+  // Returns the ray with the light of the lamp that it hits.
   wire::Ray seen_by(wire::Ray ray) const;
   void state(Archive& archive) {
     archive.list("shapes", lamps_, wire::kMaxLamps);
@@ -51,7 +54,7 @@ class Lamps {
   struct Shape {
     bool sphere = false;
     Vector colour{};  // 4095 = full
-    Vector place{};   // physical: a corner, or the centre
+    Vector place{};   // physical: a corner or the centre
     Vector normal{}, along_u{}, along_v{};
     double radius = 0;
 
@@ -59,7 +62,7 @@ class Lamps {
   };
 
   static bool looks(const wire::Ray& ray) { return ray.generation != 0 && ray.contribution != 0; }
-  // How far along `direction` the shape is met from `start`; negative: it is not.
+  // Distance from `start` along `direction` to the shape; negative: no hit.
   static double distance(const Shape& shape, const Vector& start, const Vector& direction);
 
   std::vector<Shape> lamps_;

@@ -15,17 +15,17 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kFarthest = 1e9;    // chosen: squares and products of coordinates stay far from the doubles' ends
+constexpr double kFarthest = 1e9;    // chosen: squares and products of coordinates stay far from the limits of doubles
 constexpr double kMinLength = 1e-6;  // chosen
-constexpr double kNearEdges = 4;     // chosen: eq. 1's error for a whole cell is about (edge / r)^2 / 2 there
-constexpr double kInFace = 1e-9;     // chosen: a light that close to a face's plane lies in it
-constexpr std::uint64_t kRoundingStream = 1;  // tells the hashes of roundings from those of points
+constexpr double kNearEdges = 4;     // chosen: the error of eq. 1 for a whole cell is about (edge / r)^2 / 2 there
+constexpr double kInFace = 1e-9;     // chosen: a light this close to a face's plane is in the face
+constexpr std::uint64_t kRoundingStream = 1;  // separates the hashes of roundings from those of points
 
 bool all_within(const Vector& v, double limit) {
-  return std::all_of(v.begin(), v.end(), [limit](double x) { return std::abs(x) <= limit; });  // false for a NaN
+  return std::all_of(v.begin(), v.end(), [limit](double x) { return std::abs(x) <= limit; });  // false for NaN
 }
 
-// Of any finite length but 0.
+// The vector may have any finite length except 0.
 Vector unit(const Vector& v) {
   const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   const Vector moderate{v[0] / largest, v[1] / largest, v[2] / largest};
@@ -88,7 +88,7 @@ LightingRays::LightingRays(const wire::IlluminateCommand& command, const Point& 
       extent_(extent),
       max_energy_(static_cast<double>((std::uint64_t{1} << energy_bits) - 1)),
       seed_(seed) {
-  // The lights of a pass share its seed and must not share its random numbers.
+  // The lights of a pass share its seed, but must have different random numbers.
   for (const Vector& v : {command.position, command.u, command.v}) {
     for (const double x : v) seed_ = hash(seed_, std::bit_cast<std::uint64_t>(x));
   }
@@ -191,7 +191,7 @@ bool LightingRays::is_behind(const FaceCell& cell) const {
   const Vector middle = on_cell(cell, {(cell.at[0] + 0.5) * spacing_[b], (cell.at[1] + 0.5) * spacing_[c]});
   const double above = dot(difference(middle, position_), normal_);
   const double reach = (std::abs(normal_[b]) * spacing_[b] + std::abs(normal_[c]) * spacing_[c]) / 2;
-  return above + reach < -1e-6 * length(box_);  // of what rounding may do to a place
+  return above + reach < -1e-6 * length(box_);  // rounding error of a position
 }
 
 std::array<double, 2> LightingRays::Draws::in_cell() const {

@@ -1,16 +1,17 @@
-// The DSP's making of lighting rays: k rays for each cell of the volume's faces, that together carry what a light sends
-// into the volume [P §2.2, eq. 1]. docs/reference/hardware.md has the rules side by side.
+// Generation of lighting rays by the DSP: k rays for each cell of the volume's faces, which together carry the energy
+// that a light sends into the volume [P §2.2, eq. 1]. docs/reference/hardware.md compares the rules.
 //
-// A ray starts where its line enters the volume, or on the light if that is inside, and runs through a point of its cell.
-// Positions are in voxels; distances, angles and areas are physical. A light in a face shines into the volume with half
-// its power, in an edge with a quarter, in a corner with an eighth.
+// A ray starts where its line enters the volume, or on a light inside it, and passes through a point of its cell.
+// Positions are in voxels; distances, angles and areas are physical. A light in a face sends half its power into the
+// volume, in an edge a quarter, in a corner an eighth.
 //
-// Energy of a ray, E the command's, A the cell's area, theta against the face's normal, psi against the light's:
+// Energy of a ray, where E is the command's, A the cell's area, theta the angle to the face's normal, psi to the
+// light's:
 //   directional             E cos(theta) A / k
 //   point, conserving       E omega / (4 pi k), omega the cell's exact solid angle
 //   point, as printed       E cos(theta) A / (k pi r^2): four times too much; r at least half a cell's longest edge
-//   rectangle, sphere       E cos(theta) cos(psi) A / (k pi r^2), each ray from another point of the light; less than
-//                           four cell edges away E cos(psi) omega / (k pi), uniform in solid angle, so bounded
+//   rectangle, sphere       E cos(theta) cos(psi) A / (k pi r^2), each ray from another point of the light;
+//                           less than four cell edges away: E cos(psi) omega / (k pi), uniform in solid angle, so bounded
 #pragma once
 
 #include <array>
@@ -26,33 +27,34 @@
 
 namespace gicube::emu {
 
-// In words of 32 bits. Two numbers of a scrambled sequence (each 4 products of 32 by 32 bits, 3 multiplications, and 20 operations); a point
-// of the cell (2 products of 2); the flight to it, its length and unit (3 squares of 3, root as a viewing ray's, 3 products of
-// 2); the cell's solid angle (8 products of 3, an arc tangent by table: 4 operations, 6 accesses); the energy's rounding (a hash of 4
-// products, 16 operations). 12 operations put the packet together, 8 accesses send it.
+// In words of 32 bits. Two numbers of a scrambled sequence (each 4 products of 32 by 32 bits, 3 multiplications, and 20
+// operations); a point of the cell (2 products of 2); the path to it, its length and unit vector (3 squares of 3, root
+// as for a viewing ray, 3 products of 2); the cell's solid angle (8 products of 3, an arc tangent by table: 4
+// operations, 6 accesses); rounding of the energy (a hash of 4 products, 16 operations). 12 operations assemble the
+// packet, 8 accesses send it.
 inline constexpr DspLoop kMakeLightingRay{"lighting ray", 2 * 4 * 3 + 2 * 2 + 3 * 3 + 5 + 3 * 2 + 8 * 3 + 4 * 3,
                                           2 * 20 + 4 + 3 + 2 + 7 + 6 + 8 * 2 + 4 + 16 + 12, 2 + 1 + 6 + 8};
 
 class LightingRays {
  public:
-  // What is wrong with a command for a volume of `extent` (size - 1, 10.14 voxels), naming the field; nothing if it can
-  // be carried out. The constructor takes such commands alone.
+  // Returns the error of a command for a volume of `extent` (size - 1, 10.14 voxels), with the field's name, or nothing
+  // if it is valid. The constructor requires a valid command.
   static std::optional<std::string> fault(const wire::IlluminateCommand& command, const Point& extent);
 
-  // The same of kind, position, u and v alone.
+  // Like fault(), but only for kind, position, u and v.
   static std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command);
 
   // `spacing`: voxel edges, 16.16. `energy_bits`: whole bits of the rays' energy words, 1..24.
   LightingRays(const wire::IlluminateCommand& command, const Point& extent, const std::array<std::uint32_t, 3>& spacing,
                unsigned energy_bits, std::uint32_t seed);
 
-  // Rays of this command that there may be: `command.count` for each face cell.
+  // Maximum number of rays of this command: `command.count` for each face cell.
   std::uint64_t count() const { return cells_.count() * command_.count; }
 
-  // Ray i < count(), in any order and from any thread; nothing where the light does not shine or where the energy was
-  // rounded to none. Its (v, u) is the ray's number in the whole pass, cell * k + first + ..., its energy word has 12
-  // fraction bits, all 0; lifetime and interaction are the caller's. Energy is rounded to a whole unit up or down at
-  // random, right in the mean; what is above full scale is cut off.
+  // Returns ray i < count(), in any order and from any thread; nothing where the light does not shine or where the
+  // energy is rounded to zero. (v, u) is the ray's number in the whole pass, cell * k + first + ... The energy word has
+  // 12 fraction bits, all 0. The caller sets lifetime and interaction. The energy is rounded up or down to a whole unit
+  // at random, with the correct mean, and clipped at full scale.
   std::optional<wire::Ray> make(std::uint64_t i) const;
 
   // The energy of ray i before rounding.
@@ -61,14 +63,14 @@ class LightingRays {
  private:
   struct Aim {
     Vector start{}, through{};  // physical
-    double energy = 0;          // 0: there is no such ray
+    double energy = 0;          // 0: no such ray
     std::uint32_t number = 0;
   };
   struct Emitter {
     Vector at{}, normal{};  // physical; a point light has no normal
   };
 
-  // A ray's random numbers, 0..1.
+  // Random numbers of a ray, 0..1.
   struct Draws {
     std::uint32_t ray;
     std::uint64_t seed;
@@ -79,7 +81,7 @@ class LightingRays {
   Aim aim(std::uint64_t i) const;
   Aim aim_directional(const FaceCell& cell, const Draws& draws) const;
   Aim aim_from(const Emitter& emitter, const FaceCell& cell, const Draws& draws) const;
-  // Whether the whole cell lies behind the rectangle that emits.
+  // Whether the whole cell is behind the emitting rectangle.
   bool is_behind(const FaceCell& cell) const;
   Emitter emitter(const Draws& draws) const;
   bool is_inside(const Vector& physical) const;

@@ -8,8 +8,8 @@ namespace {
 
 using Directions = std::array<std::uint32_t, kSobolBits>;
 
-// The direction numbers of a primitive polynomial x^degree + ... + 1 over GF(2): `inner` holds the coefficients between
-// the first and the last, `first` the odd numbers m_1 ... m_degree to start from.
+// Direction numbers of a primitive polynomial x^degree + ... + 1 over GF(2). `inner` holds the coefficients between the
+// first and the last, `first` the odd initial numbers m_1 ... m_degree.
 constexpr Directions directions(std::uint32_t degree, std::uint32_t inner, const std::array<std::uint32_t, 3>& first) {
   Directions v{};
   for (std::uint32_t i = 0; i < kSobolBits; ++i) {
@@ -34,8 +34,8 @@ constexpr Directions van_der_corput() {
 constexpr std::array<Directions, kSobolDimensions> kDirections{van_der_corput(), directions(1, 0, {1}),
                                                                directions(2, 1, {1, 3}), directions(3, 1, {1, 3, 1})};
 
-// A bit of a coordinate is flipped or not by a coin that belongs to the bits before it. One hash is the coins of six
-// bits: the nodes of a binary tree of that depth, counted level by level.
+// Whether a bit of a coordinate is flipped depends on a random bit selected by the more significant bits. One hash
+// provides the random bits for six bits: the nodes of a binary tree of that depth, numbered level by level.
 constexpr std::uint32_t kTreeDepth = 6;
 static_assert(kSobolBits == 2 * kTreeDepth);
 
@@ -65,9 +65,9 @@ double scrambled_sobol(std::uint32_t index, std::uint32_t dimension, std::uint64
   const std::uint64_t key = hash(seed, dimension);
   const std::uint32_t scrambled =
       scramble_tree(high, hash(key, 0)) << kTreeDepth | scramble_tree(low, hash(key, 1 + high));
-  // No two points share all bits so far, so what follows is one uniform number for each.
+  // No two points share all bits so far, so the remaining bits are one uniform number each.
   const double rest = to_unit(hash(key, (std::uint64_t{1} << 32) + x));
-  // 52 bits in all: the sum is exact, so it stays below 1.
+  // There are 52 bits in total, so the sum is exact and stays below 1.
   const double fine = static_cast<double>(static_cast<std::uint64_t>(rest * 0x1p40)) * 0x1p-40;
   return (scrambled + fine) / kSobolPoints;
 }

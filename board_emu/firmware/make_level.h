@@ -1,4 +1,4 @@
-// The one place that names the fidelity levels.
+// Creates the fidelity level. Only this part includes the single levels.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,8 @@ namespace gicube::emu {
 
 class Observer;
 
-// The level that `config` asks for. `observer` sees the cycles of levels that have them; null for none. Both must outlive it.
+// Creates the level selected by `config`. `observer` observes the cycles of levels that have cycles; may be null. Both
+// must outlive the level.
 std::unique_ptr<Level> make_level(const v1::BoardConfig& config, Observer* observer);
 
 }  // namespace gicube::emu

@@ -1,4 +1,4 @@
-// The rays of one pixel of a picture, for whoever asked for them.
+// The rays of one pixel of an image, for a debugging report.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@ namespace gicube::emu {
 
 struct PixelLife {
   std::uint16_t x = 0, y = 0;
-  std::string refused;        // why there are no rays; empty: there are
-  std::vector<RayLife> rays;  // that the pixel is made of, in the DSP's order
-  wire::Pixel explained;      // what they make
-  wire::Pixel pixel;          // what the framebuffer has
-  // Of the frame, to show numbers in the host's units.
+  std::string refused;        // reason if there are no rays; otherwise empty
+  std::vector<RayLife> rays;  // rays that contribute to the pixel, in the DSP's order
+  wire::Pixel explained;      // pixel computed from these rays
+  wire::Pixel pixel;          // pixel in the framebuffer
+  // Frame data for showing numbers in the host's units.
   std::array<std::uint32_t, 3> blocks{};
 };
 
 struct ExplainedPixel {
   std::uint16_t x = 0, y = 0;                    // from the left, from the top
-  std::function<void(const PixelLife&)> tell{};  // with each picture, before its completion
+  std::function<void(const PixelLife&)> tell{};  // called for each image, before its completion
 };
 
 }  // namespace gicube::emu

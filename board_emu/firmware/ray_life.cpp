@@ -8,7 +8,7 @@ namespace gicube::emu {
 
 namespace {
 
-// What the sample at the ray's place is; `exponent`: of the step that it stands for.
+// Records the sample at the ray's position. `exponent`: of the step that it represents.
 void look_at_sample(RayPass& pass, std::uint32_t exponent, const Frame& frame) {
   const Sample sample = sample_at(pass.position, frame);
   pass.tag = sample.tag;
@@ -24,7 +24,7 @@ void look_at_sample(RayPass& pass, std::uint32_t exponent, const Frame& frame) {
   }
 }
 
-// Scatters a trapped ray by a routine of the board. What becomes of it: kWaits if the host must.
+// Scatters a trapped ray by a routine of the board. Returns kWaits if the host must do it.
 Termination scatter_by_routine(RayState& ray, const Frame& frame, RayCounters& counters) {
   if (frame.materials[ray.flags >> kTrapTagShift].routine == wire::kHostRoutine) return Termination::kWaits;
   const auto trap = trap_of(ray, frame);
@@ -33,7 +33,7 @@ Termination scatter_by_routine(RayState& ray, const Frame& frame, RayCounters& c
   return ends ? Termination::kAbsorbed : Termination::kNot;
 }
 
-// One pass of a ray that has not ended.
+// One iteration of a ray that has not ended.
 Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const Point low = grid.low(ray.position);
@@ -46,7 +46,7 @@ Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCount
   const Cell at = cell(ray.position, low);
   const BlockView view = frame.volume->view(pass.block);
   const SampleSite site{at, view, pass.block, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
-  RayState drawn = ray;  // with the step that the pass will draw
+  RayState drawn = ray;  // with the step that the iteration will draw
   jitter_step(drawn, frame);
   look_at_sample(pass, drawn.exponent, frame);
   if (frame.plain()) {

@@ -1,6 +1,6 @@
-// What happens to one ray from its start to its end, pass by pass: for gicube-render --explain-pixel.
+// History of one ray, iteration by iteration, for gicube-render --explain-pixel.
 //
-// The passes are those of interaction.h, which every fidelity level takes, so the values are the levels' own to the last bit.
+// It uses the functions of interaction.h, like all fidelity levels, so the values are identical to theirs.
 #pragma once
 
 #include <array>
@@ -15,31 +15,31 @@
 
 namespace gicube::emu {
 
-// One pass through the pipeline.
+// One iteration of a ray through the pipeline.
 struct RayPass {
-  Point position{};       // at which it begins
-  std::size_t block = 0;  // there
-  std::int32_t leap = 0;  // steps that a leap took; 0: the pass took a sample, of which is what follows up to `alpha`
+  Point position{};       // at the beginning
+  std::size_t block = 0;  // block of this position
+  std::int32_t leap = 0;  // steps that were skipped; 0: a sample was taken, and the fields up to `alpha` describe it
   unsigned tag = 0;
-  std::array<std::int16_t, 4> channels{};   // density and gradient; without shading no gradient is read
-  std::uint32_t entry = 0;                  // of the segmentation LUT
+  std::array<std::int16_t, 4> channels{};   // density and gradient; the gradient is only read for shading
+  std::uint32_t entry = 0;                  // entry of the segmentation LUT
   Colour12 colour{};                        // classified, and shaded if the frame shades
   std::uint32_t alpha = 0;                  // opacity for the step's length, 2^24 - 1 = one
-  bool scattered = false;                   // the ray goes on in another direction
-  std::array<std::uint16_t, 3> gathered{};  // after the pass, premultiplied, 4095 = one
-  std::uint32_t opacity = 0;                // likewise, 2^24 - 1 = one
+  bool scattered = false;                   // the ray continues in another direction
+  std::array<std::uint16_t, 3> gathered{};  // after the iteration, premultiplied, 4095 = one
+  std::uint32_t opacity = 0;                // after the iteration, 2^24 - 1 = one
 };
 
 struct RayLife {
-  std::uint64_t number = 0;  // in its source
-  wire::Ray ray;             // as it ends
+  std::uint64_t number = 0;  // number in its source
+  wire::Ray ray;             // at its end
   std::vector<RayPass> passes;
-  // "left", "opaque", "absorbed"; "missed": it met no voxel; "host": it waits for the host's routine.
+  // "left", "opaque", "absorbed"; "missed": the ray missed the volume; "host": it waits for the host's routine.
   const char* end = "";
 };
 
-// Follows a rendering ray of a frame that is not in bricks, whose voxels are decoded. Nothing of the board changes. Throws
-// RoutineFault.
+// Traces a rendering ray. The frame must not be out of core, and its voxels must be decoded. The board does not change.
+// Throws RoutineFault.
 RayLife follow(const wire::Ray& ray, const Frame& frame);
 
 }  // namespace gicube::emu

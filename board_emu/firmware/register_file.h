@@ -1,6 +1,7 @@
-// BAR0 and the PCI configuration space as storage: access rules of the shared register table, sticky status bits.
+// Storage of BAR0 and the PCI configuration space, with the access rules of the shared register table and sticky status
+// bits.
 //
-// What a register's value means is the board's business; this only keeps words and refuses what the table forbids.
+// It does not interpret values; the board does.
 #pragma once
 
 #include <array>
@@ -18,23 +19,23 @@ class RegisterFile {
  public:
   RegisterFile() { reset(); }
 
-  // Read-write registers and STATUS back to their reset values; what set_fixed() set stays.
+  // Resets the read-write registers and STATUS. Values of set_fixed() stay.
   void reset() {
     for (const wire::RegisterInfo& info : wire::kRegisterTable) {
       if (!is_fixed(info)) words_[info.offset / 4] = info.reset;
     }
   }
 
-  // A read-only register whose value comes from the configuration.
+  // Sets a read-only register whose value comes from the configuration.
   void set_fixed(std::uint32_t offset, std::uint32_t value) { words_[offset / 4] = value; }
 
-  // The host's read: all ones where no readable register is.
+  // Read by the host: all ones if there is no readable register.
   std::uint32_t read(std::uint32_t offset) const {
     const wire::RegisterInfo* info = wire::find_register(offset);
     if (info == nullptr || info->access == wire::Access::kWriteOnly) return wire::kUnmappedRead;
     return words_[offset / 4];
   }
-  // The host's write of a read-write register; anything else sets bad_address and returns false. STATUS_CLEAR works.
+  // Write by the host to a read-write register. Others set bad_address and return false, except STATUS_CLEAR.
   bool write(std::uint32_t offset, std::uint32_t value) {
     if (offset == wire::reg::kStatusClear) {
       words_[wire::reg::kStatus / 4] &= ~value;
@@ -54,7 +55,7 @@ class RegisterFile {
     words_[wire::reg::kStatus / 4] |= bit;
     words_[wire::reg::kErrorAddress / 4] = address;
   }
-  // But for what follows from the configuration.
+  // Does not include registers whose values come from the configuration.
   void state(Archive& archive) {
     for (const wire::RegisterInfo& info : wire::kRegisterTable) {
       const bool is_last_refusal = info.offset == wire::reg::kMemoryAsked;
@@ -71,8 +72,8 @@ class RegisterFile {
   std::array<std::uint32_t, wire::kBar0Bytes / 4> words_{};
 };
 
-// Reads give all ones beyond the 256 bytes or off a dword. Writes reach COMMAND, the BARs (whose size bits are fixed, so
-// that writing ones sizes them) and the interrupt line.
+// Reads beyond the 256 bytes or not at a dword return all ones. Writes affect COMMAND, the BARs (their size bits are
+// fixed, so that writing ones determines the size) and the interrupt line.
 class PciConfigFile {
  public:
   explicit PciConfigFile(std::uint32_t agp_rates) : space_(wire::pci_config_at_reset(agp_rates)) {}
@@ -95,7 +96,7 @@ class PciConfigFile {
       default: break;
     }
   }
-  // What write() reaches.
+  // The registers that write() can change.
   void state(Archive& archive) {
     namespace pci = wire::pci;
     for (const auto offset :

@@ -1,4 +1,4 @@
-// Vectors of three doubles, as far as lighting rays and scattering routines need them.
+// Vectors of three doubles, for lighting rays and scattering routines.
 #pragma once
 
 #include <array>
@@ -23,7 +23,8 @@ inline Vector along(const Vector& a, double s, const Vector& b) {
   return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
 }
 
-// The unit vector at an angle with that cosine to the unit vector `axis`, `turn` (0..1) of a full turn about it.
+// The unit vector at an angle with this cosine to the unit vector `axis`, rotated about it by `turn` (0..1) of a full
+// turn.
 inline Vector around(const Vector& axis, double cosine, double turn) {
   // Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017
   const double sign = std::copysign(1.0, axis[2]);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kUnitsPerVoxel = wire::kVoxel;
 constexpr double kPlaneUnits = static_cast<double>(std::int64_t{1} << kPlaneFractionBits);
 
-// Cuts [begin, end] to where value + t * slope >= 0.
+// Restricts [begin, end] to value + t * slope >= 0.
 void cut(Interval& interval, double value, double slope) {
   if (slope > 0) {
     interval.begin = std::max(interval.begin, -value / slope);
@@ -22,7 +22,7 @@ void cut(Interval& interval, double value, double slope) {
   }
 }
 
-// use(value, slope) of each half space that is kept: along the line it is where value + t * slope >= 0.
+// Calls use(value, slope) for each kept half space. On the line it is the range with value + t * slope >= 0.
 template <typename Use>
 void each_half_space(const Line& line, const Point& extent, std::span<const Plane> planes, const Use& use) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -40,7 +40,7 @@ void each_half_space(const Line& line, const Point& extent, std::span<const Plan
   }
 }
 
-// std::round() of what a long holds, without a call or a branch.
+// std::round() for values in the range of a long, without a call or a branch.
 std::int64_t rounded(double value) {
   const auto whole = static_cast<std::int64_t>(value);
   const double rest = value - static_cast<double>(whole);

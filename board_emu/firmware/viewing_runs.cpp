@@ -7,7 +7,7 @@ namespace gicube::emu {
 
 namespace {
 
-// The greatest distance of three points from being equally spaced, along an axis.
+// The maximum deviation of three points from equal spacing, along an axis.
 double second_difference(const std::array<double, 3>& a, const std::array<double, 3>& b,
                          const std::array<double, 3>& c) {
   double most = 0;
@@ -52,14 +52,14 @@ class RunMaker {
   }
 
  private:
-  static constexpr std::uint64_t kLeast = 4;  // a shorter run costs the DSP more than its rays do
+  static constexpr std::uint64_t kLeast = 4;  // a shorter run costs the DSP more than its single rays
 
   std::optional<Entry> at(std::uint64_t i) const { return entry(line_(i), extent_, planes_); }
-  // Of the volume: no ray goes further, voxels.
+  // Diagonal of the volume in voxels: the maximum length of a ray.
   double diagonal() const { return std::hypot(extent_[0], extent_[1], extent_[2]) / wire::kVoxel; }
 
-  // Rays of a run whose increments change from ray to ray as at the samples a, b and c: a chord of n steps lies a second difference
-  // times n^2 / 8 from its curve.
+  // Maximum number of rays in a run whose increments change as at the samples a, b and c. A chord of n steps deviates
+  // from its curve by the second difference times n^2 / 8.
   std::uint64_t longest(std::uint64_t a, std::uint64_t b, std::uint64_t c) const {
     const auto first = at(a), second = at(b), third = at(c);
     if (!second || second->face != first->face) return 1;
@@ -70,8 +70,8 @@ class RunMaker {
     return 1 + static_cast<std::uint64_t>(std::min(std::sqrt(8 * error / bend), 1e6));
   }
 
-  // Its last ray enters by that face, and there too the increments change so little. In between they do not change more: along a face
-  // they only grow or only shrink.
+  // Whether the run's last ray enters by this face, and the increments there also change little enough. In between they
+  // do not change more, because along a face the change is monotonic.
   bool reaches(const ViewingRun& run, int face) const {
     const std::uint64_t rays = run.end - run.begin;
     if (rays == 1) return true;

@@ -1,4 +1,5 @@
-// Deposits of one command that the host must make, in the DSP's memory, until the next command.
+// Deposits of one command for blocks whose irradiance is on the host. They stay in the DSP's memory until the next
+// command.
 #pragma once
 
 #include <algorithm>
@@ -32,8 +33,8 @@ class HostDeposits : public HostDepositList {
     sums_[word] += units;
     if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of other blocks got energy in one command");
   }
-  // The others: between commands.
-  // Lists what was added; the order does not depend on threads.
+  // Only add() may be called during a command. settle() lists the added deposits in an order that does not depend on
+  // threads.
   void settle() {
     for (const auto& [word, units] : sums_) list_.push_back({word, units});
     sums_.clear();
@@ -41,7 +42,7 @@ class HostDeposits : public HostDepositList {
   }
   std::size_t count() const { return list_.size(); }
   std::uint64_t memory_bytes() const { return list_.capacity() * sizeof(wire::HostDeposit); }
-  // In pieces of whole records.
+  // Offset and length must be multiples of a record.
   std::optional<std::vector<std::uint8_t>> read(std::uint64_t offset, std::uint64_t length) const {
     constexpr std::uint64_t kEach = wire::kHostDepositBytes;
     if (offset % kEach != 0 || length % kEach != 0 || (offset + length) / kEach > list_.size()) return std::nullopt;
@@ -52,7 +53,7 @@ class HostDeposits : public HostDepositList {
     }
     return out;
   }
-  // Also of a command in work.
+  // Also valid during a command.
   void state(Archive& archive) {
     std::vector<wire::HostDeposit> sums;
     for (const auto& [word, units] : sums_) sums.push_back({word, units});
@@ -71,7 +72,7 @@ class HostDeposits : public HostDepositList {
   }
 
  private:
-  std::mutex mutex_;  // of sums_
+  std::mutex mutex_;  // for sums_
   std::unordered_map<std::uint64_t, std::uint64_t> sums_;
   std::vector<wire::HostDeposit> list_;
 };

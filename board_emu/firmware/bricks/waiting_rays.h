@@ -1,4 +1,4 @@
-// Rays that wait in the DSP's memory for blocks which are not on the card.
+// Rays in the DSP's memory that wait for blocks which are not on the card.
 #pragma once
 
 #include <algorithm>
@@ -16,25 +16,25 @@
 
 namespace gicube::emu {
 
-// Of which commands. The rays of one kRender, of one kIlluminate, or of the kTraces since the last command of another kind.
+// The commands that made the rays: one kRender, one kIlluminate, or the kTraces since the last command of another kind.
 enum class WaitingKind : std::uint8_t { kPicture, kHostRays, kLight };
 
 class WaitingRays : public WaitingRayQueue {
  public:
   static constexpr std::size_t kMax = std::size_t{1} << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
 
-  // Of the host's memory for each ray, at most: a growing list is there twice, the longer one half empty, and rays that go on are
-  // there besides.
+  // Upper limit of host memory per ray. While a list grows, it exists twice, and the larger copy is half empty.
+  // Continued rays are in another list as well.
   static constexpr std::uint64_t kBytesOfRay = 4 * sizeof(WaitingRay);
 
-  // So many bytes of the host's memory are left for rays.
+  // Sets how many bytes of host memory are available for rays.
   void set_room(std::uint64_t bytes) { max_ = std::min<std::uint64_t>(bytes / kBytesOfRay, kMax); }
   std::uint64_t memory_bytes() const {
     return (waiting_.capacity() + continued_.capacity()) * sizeof(WaitingRay) +
            ended_.capacity() * sizeof(wire::EndedRay);
   }
 
-  // Forgets all rays. `header`: of kHostRays; of kLight its type and rules.
+  // Discards all rays. `header`: for kHostRays the command's; for kLight its type and rules.
   void begin(WaitingKind kind, const wire::TraceHeader& header = {}) {
     waiting_ = {};
     continued_ = {};
@@ -45,18 +45,18 @@ class WaitingRays : public WaitingRayQueue {
     header_.count = 0;
     seen_.clear();
   }
-  // The next command's source has `count` rays, which follow on those that were numbered before.
+  // The source of the next command has `count` rays; their numbers follow those of earlier commands.
   void number(std::uint64_t count) {
     continued_ = {};
     before_ = waiting_.size();
     first_ = next_;
     next_ += count;
   }
-  // Of the command that number() was last called for.
+  // Number of the first ray of the command for which number() was last called.
   std::uint64_t first() const { return first_; }
   WaitingKind kind() const { return kind_; }
   const wire::TraceHeader& header() const { return header_; }
-  // Whether a trace command with this header adds to the rays.
+  // Whether a trace command with this header adds to the present rays.
   bool go_on_with(wire::TraceHeader header) const {
     header.count = 0;
     return kind_ == WaitingKind::kHostRays && header == header_;
@@ -70,12 +70,12 @@ class WaitingRays : public WaitingRayQueue {
       added.number = before->number;
       added.home = before->home;
     } else if (kind_ == WaitingKind::kPicture) {
-      added.number = std::uint32_t{ray.ray_state.v} << 16 | ray.ray_state.u;  // no two rays share it
+      added.number = std::uint32_t{ray.ray_state.v} << 16 | ray.ray_state.u;  // no two rays have the same (v, u)
     } else {
       added.number = first_ + index;
     }
   }
-  // A ray of another card's has come to its end. From several threads.
+  // Adds a ray of another card that has ended. Thread-safe.
   void add_ended(const wire::EndedRay& ray) {
     const std::lock_guard lock(mutex_);
     ended_.push_back(ray);
@@ -84,8 +84,8 @@ class WaitingRays : public WaitingRayQueue {
     return continued_.empty() ? nullptr : &continued_[static_cast<std::size_t>(index)];
   }
 
-  // The others: between commands.
-  // Takes those out whose blocks are no longer absent, by their numbers: so their order does not depend on threads and time.
+  // Only add(), add_ended() and find() may be called during a command. take_ready() removes the rays whose blocks are
+  // no longer absent. They are sorted by number, so their order does not depend on threads and time.
   std::span<const WaitingRay> take_ready(const Frame& frame) {
     const auto waits = [&frame](const WaitingRay& ray) {
       return ray.trapped ? is_absent_for_routine(ray.block, frame) : is_absent(ray.block, frame);
@@ -97,12 +97,12 @@ class WaitingRays : public WaitingRayQueue {
     std::ranges::sort(continued_, {}, order_of<WaitingRay>);
     return continued_;
   }
-  // Of the latest call.
+  // The rays of the latest take_ready().
   std::span<const WaitingRay> continued() const { return continued_; }
-  // Takes rays out, the first by home and number of those that wait for `blocks`, ascending, and at most `most` of them.
+  // Removes at most `most` rays that wait for `blocks` (ascending), in the order of home and number.
   std::vector<WaitingRay> take(std::span<const std::uint32_t> blocks, std::size_t most) {
     continued_ = {};
-    std::ranges::sort(waiting_, {}, order_of<WaitingRay>);  // in which threads have not added them
+    std::ranges::sort(waiting_, {}, order_of<WaitingRay>);  // threads add them in any order
     std::vector<WaitingRay> out;
     std::erase_if(waiting_, [&](const WaitingRay& ray) {
       const bool taken = out.size() < most && std::ranges::binary_search(blocks, ray.block);
@@ -123,14 +123,14 @@ class WaitingRays : public WaitingRayQueue {
     return static_cast<std::size_t>(std::ranges::count_if(
         waiting_, [&](const WaitingRay& ray) { return std::ranges::binary_search(blocks, ray.block); }));
   }
-  // Rays that have waited elsewhere; their number is bounded as add()'s.
+  // Adds rays that waited on another card. Their number has the same limit as in add().
   void give(std::span<const WaitingRay> rays) {
     continued_ = {};
     expect_room(rays.size());
     waiting_.insert(waiting_.end(), rays.begin(), rays.end());
     before_ = waiting_.size();
   }
-  // The materials' tags of those that are trapped, one bit each.
+  // Material tags of the trapped rays, one bit each.
   std::uint32_t trapped_tags() const {
     std::uint32_t tags = 0;
     for (const WaitingRay& ray : waiting_) tags |= ray.trapped ? 1u << (ray.ray_state.flags >> kTrapTagShift) : 0;
@@ -150,11 +150,11 @@ class WaitingRays : public WaitingRayQueue {
     }
     return out;
   }
-  // Blocks that rays have waited for since begin(), and whose words came to the card since: each had to be sent once at least. Both
-  // return whether that makes it one.
+  // Record that a ray has waited for a block, or that its words were sent to the card, since begin(). A block with both
+  // had to be sent at least once. Both return whether this call completes the pair.
   bool note_wait(std::uint32_t block, std::size_t blocks) { return note(block, blocks, kWaitedFor); }
   bool note_load(std::size_t block, std::size_t blocks) { return note(block, blocks, kLoaded); }
-  // Of a volume with `blocks`, whose rays are in `extent`; `kept`: host rays in the DSP's memory.
+  // `blocks`: number in the volume. `extent`: positions of the rays. `kept`: number of host rays in the DSP's memory.
   void state(Archive& archive, std::size_t blocks, const Point& extent, std::size_t kept) {
     archive.at_most("kind", kind_, WaitingKind::kLight);
     archive.field("commands", [this](Archive::Record& record) {
@@ -208,16 +208,16 @@ class WaitingRays : public WaitingRayQueue {
     return before != seen_[block] && seen_[block] == (kWaitedFor | kLoaded);
   }
 
-  std::mutex mutex_;  // of waiting_ and ended_
+  std::mutex mutex_;  // for waiting_ and ended_
   std::vector<WaitingRay> waiting_;
-  std::vector<WaitingRay> continued_;  // of the command in work
-  std::vector<wire::EndedRay> ended_;  // of other cards, for their hosts to fetch
-  std::size_t before_ = 0;             // rays that wait on
-  std::size_t max_ = kMax;             // rays
+  std::vector<WaitingRay> continued_;  // rays of the current command
+  std::vector<wire::EndedRay> ended_;  // rays of other cards, until their hosts fetch them
+  std::size_t before_ = 0;             // number of rays that continue to wait
+  std::size_t max_ = kMax;             // maximum number of rays
   WaitingKind kind_ = WaitingKind::kPicture;
   wire::TraceHeader header_;
-  std::uint64_t first_ = 0, next_ = 0;  // numbers of the command in work, and beyond it
-  std::vector<std::uint8_t> seen_;      // one a block
+  std::uint64_t first_ = 0, next_ = 0;  // first number of the current command, and first unused number
+  std::vector<std::uint8_t> seen_;      // one per block
 };
 
 }  // namespace gicube::emu

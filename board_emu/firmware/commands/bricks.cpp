@@ -1,4 +1,5 @@
-// Volumes with more blocks than the card stores: rays wait for blocks, and go on when the host has written them.
+// Out-of-core volumes, with more blocks than the card stores. Rays wait for blocks, and continue when the host has
+// written them.
 #include "command_fault.h"
 #include "commands.h"
 #include "firmware/ray_sources/continued_rays.h"
@@ -9,7 +10,8 @@ namespace gicube::emu {
 
 namespace {
 
-// A voxel of a coarse block: its word, which stays in a register along a cell's row, shifted to its place among 36-bit words and stored.
+// One voxel of a coarse block. Its word stays in a register along a row of the cell; it is shifted to its position
+// among 36-bit words and stored.
 constexpr DspLoop kCopyVoxel{"voxel of a coarse block", 0, 3, 2};
 
 }  // namespace
@@ -80,7 +82,7 @@ void DspCommands::drop_rays() {
   aperture_.host_rays() = {};
 }
 
-// Lets the frame's rays wait, if there is anything that they could wait for, and deposits in dark blocks go to the host.
+// Allows the frame's rays to wait if blocks may be absent. Deposits in dark blocks go to the host.
 void DspCommands::set_bricks(Frame& frame) {
   if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) {
     expect(frame.light_words == 1, "IRRADIANCE_WORDS", "1 for light in a volume with more blocks than the card stores",
@@ -113,7 +115,8 @@ void DspCommands::set_dark(Frame& frame) {
   if (!goes_on_) aperture_.host_deposits().begin();
 }
 
-// Lists the blocks that rays wait for behind the result, and what the host must deposit; nothing if there is neither.
+// Appends the blocks for which rays wait and the number of host deposits to the result. Appends nothing if there are
+// none.
 void DspCommands::add_waiting(CommandResult& result) {
   HostDeposits& deposits = aperture_.host_deposits();
   deposits.settle();
@@ -133,7 +136,7 @@ void DspCommands::add_waiting(CommandResult& result) {
   if (config_.ideal().dsp() == 0 && result.asic_ps == 0) result.dsp_cycles += added * kPassRay.interval();
 }
 
-// As the frame of the commands whose rays wait.
+// The frame of the commands whose rays wait.
 Frame DspCommands::continued_frame() {
   if (waiting_rays_.kind() == WaitingKind::kHostRays) return trace_frame(waiting_rays_.header());
   Frame frame = this->frame();

@@ -1,4 +1,4 @@
-// What is wrong with a command.
+// Errors of commands.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@
 
 namespace gicube::emu {
 
-// Thrown where a command ends without a result.
+// Thrown to end a command without a result.
 struct CommandFault {
   wire::ErrorCode error = wire::ErrorCode::kBadValue;
-  std::string text;  // of the error completion
+  std::string text;  // text of the error completion
 };
 
 [[noreturn]] inline void refuse(const std::string& text) { throw CommandFault{.text = text}; }
@@ -27,7 +27,7 @@ inline void expect(bool good, const char* field, const char* range, std::uint64_
     refuse(field, range, got);
 }
 
-// Checks the `number`-th of a command's parts, whose faults are then told with it: "ray 7: ...".
+// Checks one of a command's parts and prefixes its errors with the number: "ray 7: ...".
 template <typename Check>
 void check_part(const char* what, std::size_t number, const Check& check) {
   try {
@@ -45,7 +45,7 @@ inline void check_ray(const wire::Ray& ray, const Point& extent) {
   if (!inside(position, extent)) refuse("position: expected a point of the volume");
   const Point d{ray.direction[0], ray.direction[1], ray.direction[2]};
   const double length = std::sqrt(static_cast<double>(dot(d, d))) / (1 << wire::kDirectionFractionBits);
-  // A shorter direction could round to a step of nothing.
+  // The step of a shorter direction could round to zero.
   if (!(std::abs(length - 1) < 0.01)) refuse("direction: expected a unit vector to within 1%");
 }
 

@@ -65,7 +65,7 @@ void DspCommands::reset() {
   host_traps_.begin(false, {});
   drop_rays();
   memory_errors_.clear();
-  aperture_.resize_volume({});  // first: there may be no memory for both
+  aperture_.resize_volume({});  // done first, because there may not be memory for both
   words_bytes_ = 0;
   aperture_ = make_aperture(config_);
   wide_depths_of_ = ~std::uint64_t{0};
@@ -81,7 +81,7 @@ RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& 
   return ran;
 }
 
-// Whether the register's value is one that it may have.
+// Checks the range of a register's value.
 Acceptance DspCommands::range_of(std::uint32_t offset) const {
   const std::uint32_t value = registers_.value(offset);
   const auto within = [value](std::uint32_t low, std::uint32_t high) {
@@ -157,7 +157,7 @@ Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std:
     const std::uint64_t rest = aperture_.volume_bytes() + aperture_.image_bytes() + rays_bytes() + volume + irradiance;
     const bool more = volume + irradiance > 0;
     if (more && rest + words_bytes_ > max_memory_bytes_) {
-      words_bytes_ = stored_words();  // of writes before this one more was expected than came of them
+      words_bytes_ = stored_words();  // earlier writes reserved more than they needed
       if (!fits(rest + words_bytes_)) return Acceptance::kTooMuchMemory;
     }
     words_bytes_ += irradiance;
@@ -166,7 +166,7 @@ Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std:
   return aperture_.write(address, bytes) ? Acceptance::kTaken : Acceptance::kOutOfRange;
 }
 
-// Whether the card stores what would be written; counts the blocks that come to it.
+// Returns whether the card can store the written blocks. Counts newly loaded blocks.
 bool DspCommands::has_room(std::uint64_t address, std::uint64_t length) {
   const VolumeMemory& volume = aperture_.volume();
   const std::uint64_t offset = address - wire::kVolume.base;
@@ -311,7 +311,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   const bool known = opcode >= 1 && opcode < wire::kOpcodeNames.size();
   goes_on_ = level_.in_run();
   const Finally ended{[this] {
-    if (level_.in_run()) level_.reset();  // of a checkpoint, and the command was not the one that had begun it
+    if (level_.in_run()) level_.reset();  // the checkpoint's command was not this one
   }};
   try {
     if (known && !memory_errors_.empty()) meet_memory_error();
@@ -341,7 +341,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
     return error(ErrorCode::kInternal, stall.what());
   } catch (const std::runtime_error& fault) {
     if (!goes_on_) throw;
-    return error(ErrorCode::kInternal, fault.what());  // CheckpointFault, or what a ray of a made-up checkpoint led to
+    return error(ErrorCode::kInternal, fault.what());  // CheckpointFault, or caused by a ray of a forged checkpoint
   }
 }
 

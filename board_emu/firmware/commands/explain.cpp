@@ -1,4 +1,4 @@
-// The life of a pixel's rays: made again from the picture's command, and followed through the datapath.
+// History of a pixel's rays: they are generated again from the image's command and traced through the datapath.
 #include <algorithm>
 
 #include "commands.h"
@@ -33,7 +33,7 @@ void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& 
   Framebuffer own;
   const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
   ImageRays rays(command, frame, own, runs, lamps_);
-  // The tent of a pixel reaches to the middle of its neighbours.
+  // The tent filter of a pixel extends to the centres of its neighbours.
   const int reach = command.filter == wire::Filter::kTent ? 1 : 0, samples = command.samples_per_axis;
   const auto first = [&](int at) { return std::max(at - reach, 0) * samples; };
   const auto last = [&](int at, int edge) { return std::min(at + reach + 1, edge) * samples; };

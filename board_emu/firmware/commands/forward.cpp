@@ -1,4 +1,4 @@
-// Rays that go on on another card: taken off this one, and given to it (wire/forwarded_ray.h).
+// Rays that continue on another card: removed from this one, and added to it (wire/forwarded_ray.h).
 #include <bit>
 #include <cstring>
 
@@ -63,7 +63,7 @@ WaitingRay of_record(const wire::ForwardedRay& ray) {
   return out;
 }
 
-// A number between 0 and `most`; not NaN.
+// True for a number from 0 to `most`; false for NaN.
 bool is_within(std::uint32_t bits, float most) {
   const float value = std::bit_cast<float>(bits);
   return value >= 0 && value <= most;
@@ -72,7 +72,7 @@ bool is_within(std::uint32_t bits, float most) {
 void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) refuse("position: expected a point of the volume");
   expect(ray.block < frame.empty.size(), "block", "one of the volume", ray.block);
-  if (frame.segments()) {  // counted steps, of any length
+  if (frame.segments()) {  // steps are counted, so any step vector is valid
     constexpr std::uint32_t kMost = wire::steps_of(wire::kMaxLength, wire::kStepMin);
     expect(ray.interacted <= kMost, "interacted", "at most 262144 steps of a segment", ray.interacted);
   } else if (ray.step == Point{}) {
@@ -128,7 +128,7 @@ CommandResult DspCommands::take_rays(std::span<const std::uint8_t> payload) {
   return result;
 }
 
-// The rays are of the commands whose rays wait here; or of those that begin here with them.
+// The rays belong to the commands whose rays wait here, or start a new series.
 void DspCommands::begin_given(const wire::GiveRaysHeader& header) {
   if (header.of == wire::RaysOf::kPicture) {
     const bool begun = waiting_rays_.kind() == WaitingKind::kPicture && aperture_.framebuffer().width() > 0;

@@ -1,4 +1,4 @@
-// The illuminate command: the rays of one light leave their energy in the volume.
+// The illuminate command: deposits the energy of one light's rays in the volume.
 #include "command_fault.h"
 #include "commands.h"
 #include "datapath/interaction.h"
@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-// Opaque where the light is: all it sends out stays there.
+// True if the volume is opaque at the light's position. All its energy then stays there.
 bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) {
   if (command.kind == wire::LightKind::kDirectional) return false;
   Point at{};
@@ -27,15 +27,15 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
 
 }  // namespace
 
-// A command whose rays leave their energy in the volume.
+// Configures the frame of a command whose rays deposit energy.
 void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
   aperture_.expect_deposits();
   frame.type = wire::RayType::kDeposit;
-  frame.lit_by_irradiance = false;              // of rendering rays, whatever PIPELINE has
-  frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
+  frame.lit_by_irradiance = false;              // applies to rendering rays, whatever PIPELINE says
+  frame.opacity_threshold = wire::kOpacityOne;  // it ends gathering rays only
   frame.rules = rules;
   if (rules == wire::EnergyRules::kAsPrinted) return;
-  frame.jitter = false;  // it hides the places of samples; a part's depth does not depend on them
+  frame.jitter = false;  // it hides sample positions; the depth of an interval does not depend on them
   if (!depths_ || depths_of_ != frame.segmentation_writes) depths_.emplace(frame.segmentation);
   depths_of_ = frame.segmentation_writes;
   frame.depths = &*depths_;

@@ -1,4 +1,5 @@
-// The DSP looks after the volume's memory: it reads blocks back, and a command that meets an error is not carried out.
+// Checks of the volume's memory: the DSP reads blocks back, and a command that encounters a memory error is not
+// executed.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -21,7 +22,7 @@ void DspCommands::add_memory_error(const MemoryError& error) {
   if (place) aperture_.flip(*place);
 }
 
-// chosen: the error strikes the first word that the command reads, so nothing has been changed.
+// chosen: the first word that the command reads has the error, so nothing has changed.
 void DspCommands::meet_memory_error() {
   const MemoryError error = memory_errors_.front();
   memory_errors_.pop_front();
@@ -62,14 +63,14 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload, Progres
   return result;
 }
 
-// Every channel streams the stored blocks of its processors, a tile of four voxels at a time.
+// Each channel streams the stored blocks of its processors, one tile of four voxels at a time.
 Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) const {
   constexpr std::uint64_t kTileVoxels = 4;
   const dram::Standard memory = memory_standard(config_);
   const VolumeMemory& volume = aperture_.volume();
   const unsigned processors = config_.asic().processors(), sharing = memory.sharing;
   const Partition partition(config_.asic(), volume.blocks());
-  std::vector<std::uint64_t> blocks(processors);  // by channel
+  std::vector<std::uint64_t> blocks(processors);  // per channel
   for (std::size_t block = first; block < first + count; ++block) {
     if (volume.is_stored(block)) ++blocks[partition.home(block).processor / sharing];
   }

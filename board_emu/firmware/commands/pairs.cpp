@@ -1,4 +1,4 @@
-// Rays that the DSP makes between pairs of elements, and the sums that it makes of them [P §5.6].
+// Rays that the DSP generates between pairs of elements, and the sums of their results [P §5.6].
 #include <algorithm>
 #include <limits>
 #include <utility>

@@ -1,4 +1,4 @@
-// The render command: a picture by whole rays, or by their segments, into the framebuffer.
+// The render command: renders an image into the framebuffer, with whole rays or with segments.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace gicube::emu {
 
 namespace {
 
-// That the card makes.
+// Number of pixels that the card renders.
 std::uint64_t pixels_of(const wire::RenderCommand& command) {
   return std::uint64_t{command.width} * static_cast<std::uint64_t>(ImageRows(command).count());
 }

@@ -1,4 +1,4 @@
-// Rays that only the host can scatter: they go to it, come back, and go on.
+// Rays that only the host can scatter: they are sent to it, returned, and continued.
 
 #include "command_fault.h"
 #include "commands.h"
@@ -36,7 +36,7 @@ wire::LightingLedger ledger_of(std::size_t word, const RayCounters& counts, bool
 
 }  // namespace
 
-// One for each irradiance word.
+// Adds one ledger for each irradiance word.
 void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const {
   for (std::size_t word = 0; word < config_.asic().irradiance_words(); ++word) {
     const std::vector<std::uint8_t> bytes = wire::encoded(ledger_of(word, counts, light_in_solid));
@@ -46,7 +46,7 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   result.up_bytes = result.payload.size();
 }
 
-// Hands at most `max_rays` of the waiting rays out. Without any that wait there is no list.
+// Sends at most `max_rays` of the waiting rays to the host. If none waits, no list is appended.
 void DspCommands::add_trap_list(CommandResult& result, std::size_t max_rays) {
   host_traps_.settle();
   if (host_traps_.waiting() == 0) return;

@@ -1,4 +1,4 @@
-// Rays that the host made [P §3.5, §3.6]: what it asks of them, and how they go back to it.
+// Host rays [P §3.5, §3.6]: their types, and how they are returned.
 #include <algorithm>
 #include <cstdlib>
 
@@ -18,7 +18,7 @@ constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;
 
 bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
 
-// A byte of the header that only rays of one type have: 0 or 1, of others 0.
+// Checks a header byte that only one ray type uses: 0 or 1, or 0 for other types.
 void check_choice(const char* name, unsigned value, bool has) {
   expect(value <= (has ? 1u : 0u), name, has ? "0 or 1" : "0", value);
 }
@@ -44,7 +44,7 @@ std::uint8_t flags_of(const wire::TraceHeader& header) {
                                    (header.albedo == wire::Albedo::kHigh ? wire::kHighAlbedo : 0));
 }
 
-// As many bits as a ray's energy has [P §4.2].
+// Limited by the bits of a ray's energy [P §4.2].
 std::uint64_t max_energy_of(const wire::TraceHeader& header, bool wide) {
   const unsigned bits = wide ? 24 : header.albedo == wire::Albedo::kHigh ? 4 : 8;
   return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
@@ -67,7 +67,7 @@ void check_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uin
   }
 }
 
-// How far the rays can move one sum.
+// Maximum change of one accumulator by these rays.
 std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
   std::uint64_t sum = 0;
   for (const wire::Ray& ray : rays) {
@@ -77,7 +77,7 @@ std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
   return sum;
 }
 
-// What of the frame is otherwise for rays of this type, which do not deposit.
+// Configures the frame for rays of this type, which must not deposit.
 void set_type(Frame& frame, const wire::TraceHeader& header) {
   frame.type = header.type;
   if (header.type == RayType::kIntegrate) return;
@@ -87,10 +87,10 @@ void set_type(Frame& frame, const wire::TraceHeader& header) {
   if (!frame.segments()) return;
   frame.jitter = false;
   frame.cut_planes.clear();
-  if (frame.integral() || frame.backprojects()) frame.leap = false;  // an empty block is one without opacity
+  if (frame.integral() || frame.backprojects()) frame.leap = false;  // blocks without opacity may have density
 }
 
-// The completion of a backprojection: `overflow` is what of its sums had to be clipped.
+// The completion of a backprojection. `overflow`: the excess that was clipped from the accumulators.
 void add_deposits(CommandResult& result, const RayCounters& counts, const Overflow& overflow) {
   wire::DepositLedger ledger;
   ledger.rays = counts.rays;
@@ -112,7 +112,7 @@ Frame DspCommands::trace_frame(const wire::TraceHeader& header) {
   Frame frame = this->frame();
   if (header.type == RayType::kDeposit) {
     set_light(frame, header.rules);
-    frame.cut_planes.clear();  // they cut what the eye sees
+    frame.cut_planes.clear();  // cut planes only affect viewing
   } else {
     set_type(frame, header);
   }
@@ -120,7 +120,7 @@ Frame DspCommands::trace_frame(const wire::TraceHeader& header) {
   return frame;
 }
 
-// Of a volume in bricks: the rays stay in the DSP's memory, behind those of the commands before. Those that deposit go.
+// Adds the rays to those in the DSP's memory, for an out-of-core volume. Deposit rays are not kept.
 std::span<wire::Ray> DspCommands::take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays) {
   std::vector<wire::Ray>& all = aperture_.host_rays();
   const bool stay = comes_back(header.type);

@@ -1,4 +1,5 @@
-// Rays that have waited for a block and go on: into the framebuffer, back to the host's rays, or leaving only what they deposit.
+// Rays that continue after waiting for a block. They end in the framebuffer, in the host's rays, or only with their
+// deposits.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace gicube::emu {
 
 class ContinuedRays : public RayByRaySource {
  public:
-  // Where rays go that come to their ends: into one of these, or nowhere. Those of other cards go to `others`, if it is not null.
+  // Destination of rays that end: one of these, or none. If `others` is not null, it receives rays of other cards.
   struct Ends {
     Framebuffer* framebuffer = nullptr;
     const Lamps* lamps = nullptr;  // with a framebuffer
@@ -23,7 +24,7 @@ class ContinuedRays : public RayByRaySource {
     WaitingRays* others = nullptr;
   };
 
-  // All must outlive this.
+  // All parameters must outlive this object.
   ContinuedRays(std::span<const WaitingRay> rays, const Frame& frame, const Ends& ends)
       : rays_(rays), frame_(frame), ends_(ends) {}
 
@@ -45,7 +46,7 @@ class ContinuedRays : public RayByRaySource {
     return ends_.lamps != nullptr ? ends_.lamps->task(ray) : DspTask{};
   }
 
-  // As it stands: the level has its other bits from the frame's WaitingRayQueue.
+  // Returns the packet. The level gets the remaining bits from the frame's WaitingRayQueue.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override { return pack(rays_[i].ray_state, frame_); }
   void take(std::uint64_t i, const wire::Ray& ray) override {
     if (rays_[i].home != 0) {

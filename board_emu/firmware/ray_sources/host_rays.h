@@ -1,4 +1,4 @@
-// Rays that the host made, in the DSP's memory: they go back into their places, or leave only what they deposit.
+// Host rays in the DSP's memory. They are returned to their slots, or only deposit.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,11 @@
 
 namespace gicube::emu {
 
-// A cut plane: two scalar products, a reciprocal and its product; what it leaves of the ray.
+// A cut plane: two scalar products, a reciprocal and its product, and the remaining part of the ray.
 inline constexpr DspLoop kCutHostRay{"cut plane of a host ray", 2 * 3 * 2 + 4 + 2, 2 * 8 + 8 + 6, 4};
 
-// What the host gets back in the place of its ray: all but its flags and interaction is the board's.
+// Writes the result for the host into the slot of its ray. The flags and the interaction value stay as the host sent
+// them.
 inline void put_back(const wire::Ray& ray, wire::Ray& place) {
   const std::uint8_t flags = place.flags;
   const std::uint16_t interaction = place.interaction;
@@ -28,8 +29,8 @@ inline void put_back(const wire::Ray& ray, wire::Ray& place) {
 
 class HostRays : public RaySource {
  public:
-  // `come_back`: into their places in `rays`; else what stands there afterwards is of no use. A ray that lies behind a cut
-  // plane stays as it is. Both must outlive this.
+  // `come_back`: results are written to `rays`; otherwise their contents are undefined afterwards. A ray behind a cut
+  // plane is unchanged. Both parameters must outlive this object.
   HostRays(std::span<wire::Ray> rays, const Frame& frame, bool come_back)
       : rays_(rays), frame_(frame), come_back_(come_back) {}
 
@@ -70,7 +71,7 @@ class HostRays : public RaySource {
     batch_rays_ = std::max<std::size_t>(rays, 1);
     return (rays_.size() + batch_rays_ - 1) / batch_rays_;
   }
-  // Rays are traced where they stand, unless some of them do not enter, or may wait.
+  // Rays are traced in place, unless some do not enter or may wait.
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
     auto batch = std::make_unique<RayBatch>();
     const std::size_t begin = b * batch_rays_, count = std::min(batch_rays_, rays_.size() - begin);

@@ -1,4 +1,5 @@
-// The viewing rays of an image, which end in the framebuffer: rows of samples from the top, or tiles of pixels in batches.
+// The viewing rays of an image, which end in the framebuffer: in rows of samples from the top, or in tiles of pixels
+// for batches.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace gicube::emu {
 
 class ImageRays : public RaySource {
  public:
-  // Clears the framebuffer, unless it `goes_on` with an image that was begun. All must outlive this.
+  // Clears the framebuffer, unless `goes_on` continues an image. All parameters must outlive this object.
   ImageRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
             const RunRules& rules = {}, const Lamps& lamps = {}, bool goes_on = false)
       : command_(command),
@@ -78,7 +79,7 @@ class ImageRays : public RaySource {
       if (ray) {
         batch->room.push_back(*ray);
       } else {
-        framebuffer_.add_alone(miss);  // tiles share no pixel
+        framebuffer_.add_alone(miss);  // tiles share no pixels
       }
     };
     for (std::size_t row = top; row < bottom; ++row) {
@@ -101,22 +102,21 @@ class ImageRays : public RaySource {
 
  private:
   static constexpr std::uint32_t kBeginRowCycles = kBeginRow.setup() + kBeginRow.interval();
-  static constexpr int kTile =
-      16;  // pixels an edge; chosen: the rays of a tile share the voxels that fit a core's cache
+  static constexpr int kTile = 16;  // pixels per edge; chosen: the voxels of a tile's rays fit into a core's cache
 
-  // Runs of some samples of a row; no run goes beyond them.
+  // Runs for a range of samples in a row. No run crosses its ends.
   struct Runs {
     std::uint64_t row = ~std::uint64_t{0};
     std::uint64_t begin = 0, end = 0;
     std::vector<ViewingRun> runs;
   };
 
-  // Of samples in a tile.
+  // Rows of samples in a tile.
   std::size_t tile_rows() const { return static_cast<std::size_t>(kTile) * command_.samples_per_axis; }
 
   bool in_runs() const { return rules_.rays > 1; }
 
-  // Runs begin anew at each multiple of their greatest length, so that a tile needs no more of a row than it has.
+  // New runs start at each multiple of their maximum length, so that a tile does not depend on the rest of the row.
   std::vector<ViewingRun> runs_of(std::uint16_t v, std::uint64_t begin) const {
     const std::uint64_t end = std::min(across_, begin + rules_.rays);
     const auto line = [&](std::uint64_t i) {
@@ -144,14 +144,14 @@ class ImageRays : public RaySource {
     }
   }
 
-  // Of a sample along u or v, 12.4 pixels.
+  // Position of a sample along u or v, 12.4 pixels.
   std::uint16_t place(std::uint64_t sample) const {
     return static_cast<std::uint16_t>(sample * static_cast<unsigned>(spacing_) + static_cast<unsigned>(spacing_) / 2);
   }
 
   std::uint16_t place_of_row(std::uint64_t row) const { return place(rows_[row]); }
 
-  // The ray of a place of the image, 12.4 pixels; else `miss` is what the framebuffer gets for it.
+  // The ray for an image position, 12.4 pixels. If there is none, `miss` is what the framebuffer receives.
   std::optional<wire::Ray> viewing_ray_at(std::uint16_t u, std::uint16_t v, wire::Ray& miss) const {
     const Line line = viewing_line(command_, u / double{kSubPixels}, v / double{kSubPixels});
     return placed(viewing_ray(line, u, v, frame_.extent, frame_.cut_planes), u, v, miss);
@@ -172,9 +172,9 @@ class ImageRays : public RaySource {
   const wire::RenderCommand& command_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  std::uint64_t across_;             // rays in a row
-  int spacing_;                      // between samples, in sub-pixels
-  std::vector<std::uint16_t> rows_;  // of samples
+  std::uint64_t across_;             // rays per row
+  int spacing_;                      // distance between samples, in sub-pixels
+  std::vector<std::uint16_t> rows_;  // sample rows
   int tiles_across_;
   RunRules rules_;
   Lamps lamps_;

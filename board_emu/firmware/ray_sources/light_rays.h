@@ -1,4 +1,4 @@
-// The lighting rays of an illumination: they leave their energy in the volume, and nothing of them is kept.
+// The lighting rays of an illumination. They deposit their energy in the volume and are then discarded.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 class LightRays : public RayByRaySource {
  public:
-  // All must outlive this.
+  // All parameters must outlive this object.
   LightRays(const LightingRays& rays, const Frame& frame) : rays_(rays), frame_(frame) {}
 
   std::uint64_t count() const override { return rays_.count(); }

@@ -1,4 +1,4 @@
-// Rays that the DSP makes between pairs of elements, and the sums that it makes of them [P §5.6].
+// Rays that the DSP generates between pairs of elements, and the sums of their results [P §5.6].
 #pragma once
 
 #include <algorithm>
@@ -15,22 +15,23 @@ namespace gicube::emu {
 struct PairJob {
   wire::PairsHeader header;
   std::vector<wire::Element> elements;
-  std::vector<wire::Vector> normals;  // of the elements
+  std::vector<wire::Vector> normals;  // one per element
   std::vector<wire::Pair> pairs;
   wire::Vector spacing{};
 };
 
-// In words of 32 bits. Four numbers of a scrambled sequence (as a lighting ray's); two points (each 3 products of 3 with two edges); the
-// segment, its length and reciprocal; two cosines (3 products of 2 each), their product with the area's share. Packet as a lighting ray's.
+// In words of 32 bits. Four numbers of a scrambled sequence (as for a lighting ray); two points (each 3 products of 3
+// with two edges); the segment, its length and reciprocal; two cosines (3 products of 2 each), their product with the
+// area's share. The packet as for a lighting ray.
 inline constexpr DspLoop kMakePairRay{"ray of a pair", 4 * 4 * 3 + 2 * 6 * 3 + 3 * 3 + 5 + 2 * 6 + 4,
                                       4 * 20 + 2 * 9 + 3 + 2 + 7 + 2 * 4 + 12, 4 + 2 * 9 + 1 + 8};
-// Its opacity and weight; a product of 32 by 32 bits, and the sums of it and of its square.
+// Opacity and weight of the ray; a product of 32 by 32 bits, and the sums of it and of its square.
 inline constexpr DspLoop kAddToPair{"sum of a pair", 2 * 3, 12, 6};
 
-// Samples without weight are not sent.
+// Rays of samples with weight 0 are not sent.
 class PairRays : public RaySource {
  public:
-  // Writes wire::kPairResultBytes of each pair to `out`. All must outlive this.
+  // Writes wire::kPairResultBytes per pair to `out`. All parameters must outlive this object.
   PairRays(const PairJob& job, std::span<std::uint8_t> out) : job_(job), out_(out) {}
 
   std::uint64_t count() const override { return job_.pairs.size() * std::uint64_t{job_.header.rays}; }
@@ -116,9 +117,9 @@ class PairRays : public RaySource {
 
  private:
   static constexpr std::uint64_t kRaysAtOnce = 65'536;  // chosen: rays in the DSP's memory between two runs of the ASIC
-  static constexpr std::size_t kBatchRays = 2'048;      // chosen: in a thread's cache
+  static constexpr std::size_t kBatchRays = 2'048;      // chosen: fit into a thread's cache
 
-  static constexpr std::uint32_t kElementBytes = 64;  // in the SDRAM, with its normal
+  static constexpr std::uint32_t kElementBytes = 64;  // in the SDRAM, including the normal
 
   // Whole pairs, with the weights of all samples.
   struct Batch : RayBatch {
@@ -136,7 +137,7 @@ class PairRays : public RaySource {
   void write(std::size_t pair, const wire::PairSum& sum) const {
     wire::encode(sum.result(), out_.subspan(pair * wire::kPairResultBytes));
   }
-  // Rays come back in any order, and sums of doubles are made in the samples' order.
+  // Rays return in any order, but sums of doubles must be computed in the samples' order.
   void write_if_complete() {
     if (dealt_with_ < measured_.size()) return;
     std::size_t pair = static_cast<std::size_t>(begin_ / job_.header.rays), at = 0;
@@ -155,7 +156,7 @@ class PairRays : public RaySource {
   std::span<std::uint8_t> out_;
   std::size_t batch_pairs_ = 1;
 
-  // One by one: the rays of the run in hand, from `begin_` on.
+  // Ray by ray: the rays of the current run, from `begin_` on.
   struct Measured {
     double weight = 0;
     std::uint32_t opacity = 0;
@@ -164,7 +165,7 @@ class PairRays : public RaySource {
   };
   std::uint64_t begin_ = 0;
   std::vector<Measured> measured_;
-  std::uint64_t dealt_with_ = 0;  // of them
+  std::uint64_t dealt_with_ = 0;  // number of completed rays
 };
 
 }  // namespace gicube::emu

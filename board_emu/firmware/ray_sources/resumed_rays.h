@@ -1,4 +1,4 @@
-// Rays that the host has scattered (trap.h) and that go on: lighting rays, or rendering rays into the framebuffer.
+// Rays that the host has scattered (trap.h) and that continue: lighting rays, or rendering rays into the framebuffer.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace gicube::emu {
 
 class ResumedRays : public RayByRaySource {
  public:
-  // All must outlive this.
+  // All parameters must outlive this object.
   ResumedRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const Lamps& lamps)
       : answers_(answers), frame_(frame), framebuffer_(framebuffer), lamps_(lamps) {}
 
@@ -26,7 +26,7 @@ class ResumedRays : public RayByRaySource {
   }
   DspTask looking(const wire::Ray& ray) const override { return lamps_.task(ray); }
 
-  // A ray that ends by its answer goes no further. What answers bring and take counts.
+  // A ray may end with its answer; it is then taken here. The energy returned and removed by answers is counted.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
     wire::Ray ray = answers_[i];
     if (!take_answer(ray, frame_, counters)) return ray;

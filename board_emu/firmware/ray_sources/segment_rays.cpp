@@ -10,11 +10,11 @@ namespace gicube::emu {
 
 namespace {
 
-// Planes whose normals are one unit long keep whole positions: x >= from, and x < to.
+// Planes with a normal of length one unit give exact positions: x >= from, and x < to.
 Plane from_plane(std::int32_t from) { return {{1, 0, 0}, from}; }
 Plane below_plane(std::int32_t to) { return {{-1, 0, 0}, 1 - std::int64_t{to}}; }
 
-// The least number of steps after which x is past a border on its way.
+// The minimum number of steps after which x is beyond a border.
 std::int64_t steps_past(std::int32_t x, std::int32_t step, std::int32_t border) {
   const std::int64_t way = std::int64_t{border} - x;
   return step > 0 ? (way + step - 1) / step : (x - std::int64_t{border}) / -step + 1;
@@ -103,7 +103,7 @@ DspTask SegmentRays::making(std::uint64_t i) const {
   return task;
 }
 
-// After take(): the last of a ray's parts composites all of them.
+// Called after take(): the last segment of a ray composites all of them.
 DspTask SegmentRays::taking(std::uint64_t i) const {
   const std::uint64_t sample = sample_of(i), parts = first_[sample + 1] - first_[sample];
   const auto use = [&](std::uint64_t part, std::uint64_t of, SdramUse::Kind kind) {
@@ -153,7 +153,7 @@ void SegmentRays::composite(std::uint64_t sample) {
   framebuffer_.add(whole);
 }
 
-// A batch is what some samples have in one slab.
+// A batch holds the segments of some samples in one slab.
 std::size_t SegmentRays::divide(std::size_t rays) {
   batch_samples_ = rays;
   return (static_cast<std::size_t>(samples()) + rays - 1) / rays * frames_.size();

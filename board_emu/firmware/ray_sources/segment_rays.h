@@ -1,9 +1,11 @@
-// The viewing rays of an image in segments: each processor's part of a ray is a ray of its own, so that all parts of a ray are cast at the
-// same time. The DSP keeps what comes back in its SDRAM and composites the parts of a ray in their order [P §5.4, untested there].
+// The viewing rays of an image in segments. The segment of each processor is a separate ray, so that all segments of a
+// ray are traced at the same time. The DSP stores the results in its SDRAM and composites the segments of a ray in
+// order [P §5.4, untested there].
 //
-// Parts lie between slabs. Without jitter a part's samples are those that the whole ray takes there; it is composited in words, so
-// that a pixel may differ by roundings from that of whole rays. A part does not know what lies before it, so that opaque parts
-// end no others. With jitter each part begins at a place where the ray would be without.
+// Segments lie between slab boundaries. Without jitter, a segment takes the same samples as the whole ray there.
+// Compositing uses words, so that a pixel may differ from that of whole rays by rounding. A segment cannot be ended by
+// opaque segments in front of it. With jitter, each segment begins at a position that the ray would have without
+// jitter.
 #pragma once
 
 #include <atomic>
@@ -20,20 +22,22 @@
 
 namespace gicube::emu {
 
-// A part of a ray: the increment to the next border times a reciprocal gives the steps (1 product of 32 by 16 bits), three products the
-// place (each 2 multiplications and 2 operations); 12 operations put the packet together, 8 accesses send it.
+// One segment. The distance to the next border times a reciprocal gives the steps (1 product of 32 by 16 bits). The
+// position takes three products (each 2 multiplications and 2 operations). 12 operations assemble the packet, 8
+// accesses send it.
 inline constexpr DspLoop kMakePart{"segment of a viewing ray", 2 + 3 * 2, 4 + 3 * 2 + 12, 8};
-// A part that comes back: its 60 bits of colour and opacity are put together and kept.
+// A returned segment: its 60 bits of colour and opacity are assembled and stored.
 inline constexpr DspLoop kKeepPart{"returned segment", 0, 12, 4 + 2};
-// The last of a ray: each part is read, and is weighted by what the ones before let through (4 products of 24 by 24 bits, each 4
-// multiplications and 4 operations).
+// The last segment of a ray. Each segment is read and weighted by the transmittance of those before it (4 products of
+// 24 by 24 bits, each 4 multiplications and 4 operations).
 inline constexpr DspLoop kCompositePart{"segment into its ray", 16, 16 + 8, 2};
 
 class SegmentRays : public RaySource {
  public:
   static constexpr std::uint64_t kBytesPerPart = 8;
 
-  // Clears the framebuffer, unless it `goes_on` with an image that was begun. `borders`: where slabs meet along x, in position units, rising. All must outlive this.
+  // Clears the framebuffer, unless `goes_on` continues an image. `borders`: slab boundaries along x, in position units,
+  // ascending. All parameters must outlive this object.
   SegmentRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
               std::vector<std::int32_t> borders, bool goes_on = false);
 
@@ -59,11 +63,11 @@ class SegmentRays : public RaySource {
     wire::Ray ray;
   };
 
-  // Of all samples of pixels in rows from the top.
+  // Segments of a sample. Samples are numbered in rows from the top.
   std::vector<Part> parts_of(std::uint64_t sample) const;
   std::uint64_t sample_of(std::uint64_t part) const;
   std::size_t slab_of(std::int32_t x) const;
-  // A part has come back, or there is none.
+  // Stores the result of a segment, or of a sample that misses.
   void keep(std::uint64_t sample, std::uint64_t part, const wire::Ray& ray);
   void composite(std::uint64_t sample);
   std::uint16_t place(std::uint64_t sample) const {
@@ -73,15 +77,15 @@ class SegmentRays : public RaySource {
   const wire::RenderCommand& command_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  std::uint64_t across_;             // samples in a row
-  std::uint64_t spacing_;            // between samples, in sub-pixels
-  std::vector<std::uint16_t> rows_;  // of samples
+  std::uint64_t across_;             // samples per row
+  std::uint64_t spacing_;            // distance between samples, in sub-pixels
+  std::vector<std::uint16_t> rows_;  // sample rows
   std::vector<std::int32_t> borders_;
-  std::vector<Frame> frames_;  // by slab: rays end at its borders
+  std::vector<Frame> frames_;  // per slab: rays end at its borders
   std::vector<std::uint64_t>
-      first_;  // by sample, of its parts; a ray that misses the volume has one, which is never made
-  std::vector<std::uint64_t> kept_;      // by part: colour and opacity
-  std::vector<std::uint8_t> waits_for_;  // by sample: parts
+      first_;  // per sample: its first segment; a ray that misses the volume has one, which is never made
+  std::vector<std::uint64_t> kept_;      // per segment: colour and opacity
+  std::vector<std::uint8_t> waits_for_;  // per sample: segments that have not returned
   std::size_t batch_samples_ = 1;
 };
 
