@@ -1,8 +1,9 @@
-// One GI-Cube board: everything behind the bus connector, values and simulated time, without sockets.
+// One GI-Cube board: everything behind the bus connector, with values and simulated time, without sockets.
 //
-// What enters: transactions of the data plane in the order in which the host issued them, each stamped with the host's
-// clock. What leaves: replies and completions stamped with simulated time. Values are computed as a transaction arrives;
-// time is computed when it can no longer change: up to the stamp of the latest transaction, or up to what the host waits for.
+// Input: transactions of the data plane in the order in which the host issued them, each with a timestamp of the host's
+// clock. Output: replies and completions with timestamps in simulated time. Values are computed when a transaction
+// arrives. Time is computed when it is final: up to the timestamp of the latest transaction, or up to the event that
+// the host waits for.
 #pragma once
 
 #include <atomic>
@@ -26,23 +27,24 @@ namespace gicube::emu {
 struct Reply {
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::uint64_t time_ps = 0;
-  std::vector<std::uint8_t> payload{};  // with an error: its text
+  std::vector<std::uint8_t> payload{};  // after an error: its text
 };
 
-// The answer to a kCommand, in simulated-time order.
+// The result of a kCommand, in order of simulated time.
 struct Completion {
   std::uint32_t ticket = 0;
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::uint64_t time_ps = 0;
-  std::vector<std::uint8_t> payload;  // traced rays; with an error: its text
-  bool can_be_cancelled = false;      // it leaves nothing on the board
+  std::vector<std::uint8_t> payload;  // traced rays; after an error: its text
+  bool can_be_cancelled = false;      // it has no effect on the board
 };
 
-// What one transaction brought about. Completions go to the host before the reply.
+// Result of one transaction. Completions are sent to the host before the reply.
 struct TransactionResult {
   std::vector<Completion> completions;
   std::optional<Reply> reply;  // nothing for posted transactions
-  // A command came with the ticket of one that is under way: nothing was done, and no completion will tell the two apart.
+  // A command has the ticket of one in progress. Nothing was done, because the two completions could not be
+  // distinguished.
   bool ticket_in_use = false;
 };
 
@@ -53,47 +55,51 @@ class Routines;
 
 class Board {
  public:
-  // `config`: resolved and checked; the hash is its own (config.h). `observer`: of this board alone, or null. `routines`: for
-  // materials that trap; null: the built-in ones. Both must outlive the board. `max_memory_bytes`: what volume, words and image
-  // may take of the host's memory; what would take more is refused. A new board is as at power-up, its time and counters at 0.
+  // `config`: resolved and checked; the hash is its own (config.h). `observer`: for this board only, or null.
+  // `routines`: for materials that trap; null: the built-in ones. Both must outlive the board. `max_memory_bytes`:
+  // limit of the host memory for volume, words and image; requests beyond it are refused. A new board is in its
+  // power-up state, with time and counters at 0.
   Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer = nullptr,
         const Routines* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
   ~Board();
 
-  // The minor version of the data plane that the host speaks, before its first transaction; otherwise this board's own.
+  // Sets the host's minor version of the data plane; default: the board's own. Call before the first transaction.
   void set_minor_version(std::uint16_t minor);
 
-  // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
-  // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits. Throws std::bad_alloc
-  // where the system has less memory than the board may take: it must not be used any more then.
+  // Executes one transaction of type kConfigRead .. kCounters except kCompletion. Not thread-safe. Input from the host
+  // never throws: errors become error replies, error completions, or for posted writes STATUS bits. Throws
+  // std::bad_alloc if the system has less memory than the board may use; the board must not be used after that.
   TransactionResult transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
 
-  // Carries out the rest of a command that a checkpoint had under way, if there is one; transact() and add_memory_error() do so first.
-  // Called like transact().
+  // Executes the rest of a command that a checkpoint had in progress, if any. transact() and add_memory_error() do this
+  // first. May be called when transact() may be.
   void go_on(Progress& work);
 
-  // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
-  // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.
+  // May be called when transact() may be. Detected errors: the next command that reads the volume fails with
+  // ErrorCode::kMemory and changes nothing. Silent errors: the bit is wrong until it is written again; there is no
+  // effect without a volume.
   void add_memory_error(const MemoryError& error);
 
-  // Hands all that the board is to an archive that saves; or makes a board on which nothing was done what an archive that loads has,
-  // which throws CheckpointFault: the board must not be used any more then. The level's own state is loaded if `with_level`; else the
-  // level is as at power-up. Called like transact(), or in a command from a job of at_next_moment(), from Observer::see(), and
-  // from BoardObserver::begin_command(). The board that loads has the command then, and goes on with it by go_on().
+  // Saves the complete state, or loads it into a board on which nothing was done. Loading may throw CheckpointFault;
+  // the board must not be used after that. The level's state is loaded only if `with_level`; otherwise the level is in
+  // its power-up state. May be called when transact() may be; also within a command from a job of at_next_moment(),
+  // from Observer::see(), and from BoardObserver::begin_command(). The loading board then holds the command and
+  // continues it in go_on().
   void state(Archive& archive, bool with_level = true);
-  // Whether a command is carried out, or will be by go_on(). Called like state().
+  // Whether a command is in progress, or will be continued by go_on(). May be called when state() may be.
   bool in_command() const;
-  // Calls `job` once, on the thread of the command that is carried out, or of a later one, at a moment at which state() may be
-  // called; perhaps never. It must not throw. Any thread.
+  // Calls `job` once, on the thread of the current or a later command, when state() may be called; perhaps never. It
+  // must not throw. Thread-safe.
   void at_next_moment(std::function<void()> job);
   const v1::BoardConfig& config() const;
 
-  // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
+  // Memory in bytes of data that the host has not fetched: results, and records of transactions in progress. May be
+  // called when transact() may be.
   std::uint64_t held_bytes() const;
 
-  // After the latest transaction. While the cycle level carries out a command: as it stood soon after the last call of this function.
-  // The machine is looked at only for a call: soon after it and again at the end of that command, or else at the end of the next
-  // transaction. Any thread.
+  // State after the latest transaction. While the cycle level executes a command: state shortly after the last call of
+  // this function. The machine is only inspected after a call: shortly after it and at the end of that command,
+  // otherwise at the end of the next transaction. Thread-safe.
   struct Snapshot {
     std::uint64_t simulated_ps = 0;
     std::vector<wire::Counter> counters;
@@ -105,7 +111,7 @@ class Board {
     return published_;
   }
   std::vector<wire::Counter> counters() const { return snapshot().counters; }
-  // Memory of the host's, as `max_memory_bytes` counts it; 0 without that limit.
+  // Host memory in bytes, as `max_memory_bytes` counts it; 0 without that limit.
   std::uint64_t memory_bytes() const {
     const std::lock_guard lock(published_mutex_);
     return published_memory_;
@@ -128,10 +134,10 @@ class Board {
   }
 
   std::unique_ptr<Parts> parts_;
-  mutable std::atomic<bool> is_asked_ = false;  // since they were published
+  mutable std::atomic<bool> is_asked_ = false;  // since the last publish()
   bool is_watched_ = false;                     // in this transaction
   std::atomic<bool> has_jobs_ = false;
-  std::mutex jobs_mutex_;  // of jobs_
+  std::mutex jobs_mutex_;  // for jobs_
   std::vector<std::function<void()>> jobs_;
   mutable std::mutex published_mutex_;
   Snapshot published_;

@@ -25,7 +25,7 @@ using google::protobuf::io::CodedOutputStream;
 constexpr const char* kFormat = "gicube checkpoint";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint8_t kHeaderTag = 1 << 3 | 2, kFieldTag = 2 << 3 | 2, kChecksumTag = 3 << 3 | 5;
-constexpr std::size_t kChecksumBytes = 5;  // with its tag
+constexpr std::size_t kChecksumBytes = 5;  // including its tag
 constexpr std::string_view kLevel = "level.", kAround = "host.";
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -68,7 +68,7 @@ class SavingArchive : public Archive {
   std::uint32_t checksum_ = 0;
 };
 
-// Takes one message off the front of `rest`.
+// Removes one message from the front of `rest`.
 template <typename Message>
 Message take(std::string_view& rest, std::uint8_t tag, const char* what) {
   Message message;
@@ -91,7 +91,7 @@ class LoadingArchive : public Archive {
  public:
   explicit LoadingArchive(std::string_view fields) : Archive(true), rest_(fields) {}
 
-  // The next field is one of what stood around the board.
+  // Whether the next field belongs to the surroundings of the board.
   bool is_around() const {
     std::string_view rest = rest_;
     return !rest.empty() && take<v1::StateField>(rest, kFieldTag, "fields").name().starts_with(kAround);
@@ -99,7 +99,7 @@ class LoadingArchive : public Archive {
   void skip_around() {
     while (is_around()) take<v1::StateField>(rest_, kFieldTag, "fields");
   }
-  // All was asked for, but perhaps for the level.
+  // Checks that all fields were read, except possibly those of the level.
   void end(bool with_level) {
     while (!rest_.empty()) {
       const auto message = take<v1::StateField>(rest_, kFieldTag, "fields");
@@ -200,7 +200,7 @@ Checkpoint::Checkpoint(std::string bytes) : bytes_(std::move(bytes)) {
 }
 
 Checkpoint Checkpoint::read(const std::filesystem::path& file) {
-  const auto size = static_cast<std::size_t>(std::filesystem::file_size(file));  // of a regular file only
+  const auto size = static_cast<std::size_t>(std::filesystem::file_size(file));  // fails unless it is a regular file
   std::string bytes(size, '\0');
   std::ifstream in(file, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) {

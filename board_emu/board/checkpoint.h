@@ -1,4 +1,4 @@
-// A board's state as a file: gicube.v1.Checkpoint.
+// Files of a board's state: gicube.v1.Checkpoint.
 #pragma once
 
 #include <cstdint>
@@ -14,40 +14,41 @@
 
 namespace gicube::emu {
 
-// Saves or loads what stands around a board, such as its driver's state: fields whose names begin with "host.".
+// Saves or loads state around a board, such as that of its driver, in fields whose names begin with "host.".
 using Surroundings = std::function<void(Archive& archive)>;
 
-// Hands the file's bytes to `sink`, piece by piece. Called like Board::state(); nothing changes.
+// Passes the bytes of the file to `sink`, piece by piece. May be called when Board::state() may be. The board does not
+// change.
 void save_checkpoint(Board& board, const std::function<void(std::string_view)>& sink, const Surroundings& around = {});
-// To a file that is whole or not there. Throws std::system_error.
+// Writes a file completely or not at all. Throws std::system_error.
 void save_checkpoint(Board& board, const std::filesystem::path& file, const Surroundings& around = {});
 
-// What differs between two resolved configurations and shapes a board's state, so that a board of `wanted` can't go on from a
-// checkpoint of `saved`. Free are fidelity, threads, pace, the bus, the links, the queue policy, and how the DSP makes rays;
-// in a command the bus, threads and pace alone.
+// Lists the differences between two resolved configurations that prevent a board of `wanted` from continuing a
+// checkpoint of `saved`. Fidelity, threads, pace, the bus, the links, the queue policy and the DSP's ray generation may
+// differ; within a command only the bus, threads and pace.
 std::vector<Diagnostic> fork_faults(const v1::BoardConfig& saved, const v1::BoardConfig& wanted,
                                     bool in_command = false);
 
-// A checkpoint that is whole.
+// A valid checkpoint.
 class Checkpoint {
  public:
-  // Throws CheckpointFault if the bytes are no checkpoint, are damaged, or of a version that this board does not know.
+  // Throws CheckpointFault if the bytes are not a checkpoint, are damaged, or have an unsupported version.
   explicit Checkpoint(std::string bytes);
-  // Throws std::system_error besides, if the file can't be read.
+  // Also throws std::system_error if the file cannot be read.
   static Checkpoint read(const std::filesystem::path& file);
 
   const v1::CheckpointHeader& header() const { return header_; }
-  // Makes a new board what was saved. Of another fidelity than the saved one its level is as at power-up. Throws CheckpointFault;
-  // the board must not be used then.
+  // Restores the saved state in a new board. If its fidelity differs from the saved one, its level is in the power-up
+  // state. May throw CheckpointFault; the board must not be used after that.
   void restore(Board& board) const;
-  // Loads what stood around that board; `around` is not called if nothing of it was saved. Throws CheckpointFault.
+  // Loads the state around the board. `around` is not called if none was saved. Throws CheckpointFault.
   void surroundings(const Surroundings& around) const;
 
  private:
   std::string_view fields() const;
 
   std::string bytes_;
-  std::size_t first_field_ = 0;  // where it begins
+  std::size_t first_field_ = 0;  // its offset
   v1::CheckpointHeader header_;
 };
 

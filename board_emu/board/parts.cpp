@@ -17,7 +17,7 @@ using wire::ErrorCode;
 using wire::FrameType;
 namespace reg = wire::reg;
 
-// As the card's configuration space has them; a faster card can also go slower.
+// AGP rates in the card's configuration space. A card also supports the slower rates.
 std::uint32_t agp_rates(const v1::BusConfig& config) {
   const std::uint32_t rate = BusTiming(config).agp_rate;
   return rate == 0 ? 0 : 2 * rate - 1;
@@ -27,7 +27,7 @@ Reply refuse_payload(const char* expected, std::span<const std::uint8_t> payload
   return refusal_of(ErrorCode::kBadValue, fmt::format("payload: expected {}, got {} bytes", expected, payload.size()));
 }
 
-// A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
+// Accesses of a processor, in dwords on the bus. A memory read is requested with its address and length.
 constexpr BusTransaction kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
 constexpr BusTransaction kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
 constexpr std::uint64_t kReadRequestBytes = 16;
@@ -128,7 +128,7 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
   auto bytes = commands.aperture().read(address, length);
   if (!bytes)
     return refusal_of(ErrorCode::kBadAddress, fmt::format("no memory of {} bytes at address {}", length, address));
-  // The DSP sends the bytes as bus master once the commands before are done.
+  // The DSP sends the bytes as bus master when all earlier commands are done.
   const BusTransaction transaction{.kind = TransferKind::kRegisterWrite,
                                    .down_bytes = kReadRequestBytes,
                                    .dsp = true,
@@ -150,7 +150,8 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
   registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
 }
 
-// Beside the bit that says which write it was, so that a driver that does not know this one sees that it was refused.
+// Set in addition to the bit for the refused write, so that drivers that do not support this bit also detect the
+// refusal.
 void Board::Parts::lack_memory() {
   registers.set_fixed(reg::kMemoryAsked, commands.memory_asked_mib());
   registers.raise(wire::kStatusNoMemory, 0);
@@ -204,7 +205,7 @@ Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
   return late;
 }
 
-// A processor's access, as a register's; the DSP looks through its list meanwhile.
+// Costs a processor's access, like that of a register. Meanwhile the DSP searches its list.
 Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (payload.size() != 4) return refuse_payload("a ticket", payload);
   const auto found = tickets.find(wire::load<std::uint32_t>(payload, 0));

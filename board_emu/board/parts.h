@@ -1,4 +1,4 @@
-// What stands on a board, and what transactions do with it.
+// The parts of a board, and the execution of its transactions.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@
 
 namespace gicube::emu {
 
-// A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
+// Later timestamps are refused, so that no sum of times can overflow: 2^62 ps are 53 days.
 inline constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
-// chosen: above what the maps and queues take of a transaction that is under way, and of a command's completion besides.
+// chosen: above the size of a transaction's records in the maps and queues, and of a command's completion in addition.
 inline constexpr std::uint64_t kBytesOfTransaction = 256, kBytesOfCompletion = 768;
 
-// A reply with an error and its text.
+// Makes a reply with an error and its text.
 Reply refusal_of(wire::ErrorCode error, const std::string& text);
 
-// What stands on the board.
+// The parts of a board.
 struct Board::Parts {
   Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, BoardObserver* board_observer,
         const Routines* routines, std::uint64_t max_memory_bytes);
@@ -33,7 +33,7 @@ struct Board::Parts {
   Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
-  // False, and nothing done, if a command under way has that ticket.
+  // Returns false, and does nothing, if a command in progress has this ticket.
   bool command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
   Reply wait(std::span<const std::uint8_t> payload);
   Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
@@ -60,15 +60,15 @@ struct Board::Parts {
   DspCommands commands;
   Timeline timeline;
   std::uint64_t next_transaction = 1;
-  std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction
+  std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction id
   std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction
-  std::uint64_t result_bytes = 0;                            // of the payloads in under_way
+  std::uint64_t result_bytes = 0;                            // size of the payloads in under_way
 
-  // A command that is carried out, or of a checkpoint.
+  // A command in progress, perhaps from a checkpoint.
   struct Carried {
     wire::FrameHeader header;
     std::span<const std::uint8_t> payload;
-    std::vector<std::uint8_t> loaded{};  // where that of a checkpoint is
+    std::vector<std::uint8_t> loaded{};  // storage for a payload from a checkpoint
   };
   std::optional<Carried> carried;
 };

@@ -1,4 +1,4 @@
-// What of a board is in a checkpoint, and what it counts.
+// Checkpoint fields and counters of a board.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -14,7 +14,7 @@ void Board::Parts::state(Archive& archive, bool with_level) {
   archive("timeline", timeline);
   archive("next_transaction", next_transaction);
   archive.expect(!timeline.has_from(next_transaction), "next_transaction", "a number that none has", next_transaction);
-  std::vector<std::uint64_t> ids;  // of commands
+  std::vector<std::uint64_t> ids;  // ids of commands
   for (const auto& [id, completion] : under_way) ids.push_back(id);
   std::ranges::sort(ids);
   archive.list("under_way", ids);

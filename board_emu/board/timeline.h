@@ -1,7 +1,8 @@
-// Simulated time of the functional level: host bus and DSP, with an ASIC that takes none.
+// Simulated time of the host bus and the DSP, for all fidelity levels.
 //
-// A transaction goes down the bus, through the DSP in the order of arrival, and up the bus. It can be taken back until its turn
-// at the DSP begins. Time advances only as far as it can no longer change: nothing older than the host's latest stamp follows.
+// A transaction is sent down the bus, passes through the DSP in the order of arrival, and returns up the bus. It can be
+// cancelled until its turn at the DSP begins. Time advances only as far as it is final: no transaction before the
+// host's latest timestamp follows.
 #pragma once
 
 #include <algorithm>
@@ -29,18 +30,18 @@ struct BusTransaction {
   TransferKind kind = TransferKind::kBulk;
   Cargo cargo = Cargo::kRegister;
   std::uint64_t down_bytes = 0;
-  bool dsp = false;              // waits for its turn at the DSP, even with no cycles of its own
-  std::uint64_t dsp_cycles = 0;  // in which the DSP is busy
-  Picoseconds asic_ps = 0;       // the turn lasts at least as long, since the ASIC works
+  bool dsp = false;              // waits for its turn at the DSP, even without cycles of its own
+  std::uint64_t dsp_cycles = 0;  // busy time of the DSP
+  Picoseconds asic_ps = 0;       // minimum length of the turn: the working time of the ASIC
   std::uint64_t up_bytes = 0;
   Cargo up_cargo = Cargo::kCompletion;
-  bool watched = false;   // somebody wants to know when it has finished
-  const char* name = "";  // of its turn at the DSP, in a trace: its command, or kReadMemory
+  bool watched = false;   // finish() or take_finished() will ask for its end
+  const char* name = "";  // name of its turn at the DSP in a trace: its command, or kReadMemory
 
   void state(Archive::Record& record);
 };
 
-// The one thing besides commands that the DSP does.
+// The only work of the DSP besides commands.
 inline constexpr const char* kReadMemory = "read memory";
 
 inline void BusTransaction::state(Archive::Record& record) {
@@ -53,7 +54,7 @@ inline void BusTransaction::state(Archive::Record& record) {
   record.at_most(up_bytes, kMostBytes);
   record.at_most(up_cargo, Cargo::kCompletion);
   record(watched);
-  // Its opcode, the number behind the last of them for kReadMemory, 0 for none.
+  // Saved as the opcode; kReadMemory as the number after the last opcode; no name as 0.
   constexpr auto& kNames = wire::kOpcodeNames;
   const std::string_view now = name;
   std::size_t which = now == kReadMemory ? kNames.size() : 0;
@@ -62,7 +63,7 @@ inline void BusTransaction::state(Archive::Record& record) {
   name = which == 0 ? "" : which == kNames.size() ? kReadMemory : kNames[which];
 }
 
-// A time of a transaction: of its arrival at the DSP, of its end.
+// A time of a transaction: its arrival at the DSP or its end.
 struct TimeOf {
   std::uint64_t id = 0;
   Picoseconds time_ps = 0;
@@ -77,7 +78,7 @@ class Timeline {
  public:
   Timeline(const BusTiming& bus, std::uint64_t dsp_khz) : bus_(bus), dsp_khz_(dsp_khz) {}
 
-  // The host issues a transaction at `stamp` and names it `id` (unique). First advances to `stamp`.
+  // Adds a transaction that the host issues at `stamp`, with a unique id. First advances to `stamp`.
   void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& transaction) {
     advance(stamp);
     under_way_.emplace(id, Issued{transaction, std::max(stamp, now_ps_)});
@@ -85,7 +86,7 @@ class Timeline {
                  {id, transaction.kind, transaction.cargo, transaction.down_bytes, std::max(stamp, now_ps_)});
   }
 
-  // When the turn at the DSP of a transaction like this will begin if it is added at `stamp`, unless one before is taken back.
+  // When the DSP turn of a transaction would begin if it were added at `stamp` and no earlier one is cancelled.
   Picoseconds turn_of(Picoseconds stamp, const BusTransaction& transaction) const {
     constexpr std::uint64_t kAhead = ~std::uint64_t{0};
     Timeline ahead = *this;
@@ -106,7 +107,8 @@ class Timeline {
     now_ps_ = std::max(now_ps_, horizon);
   }
 
-  // Lets time pass until that watched transaction, which was not taken yet, is finished: when; nothing if not by `deadline`.
+  // Advances until this watched transaction, which was not taken yet, is finished. Returns its time, or nothing if it
+  // is after `deadline`.
   std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline) {
     const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };
     auto found = std::find_if(finished_.begin(), finished_.end(), is_it);
@@ -124,7 +126,8 @@ class Timeline {
   }
   Picoseconds finish(std::uint64_t id) { return *finish(id, kNever); }
 
-  // Takes a transaction back at `stamp`: it costs the DSP nothing, and only a completion word goes up. False: it is too late.
+  // Cancels a transaction at `stamp`: the DSP spends no time on it, and only a completion word is sent up. Returns
+  // false if it is too late.
   bool take_back(Picoseconds stamp, std::uint64_t id) {
     advance(stamp);
     const auto found = under_way_.find(id);
@@ -140,7 +143,7 @@ class Timeline {
     return true;
   }
 
-  // The watched transactions that have finished by now and were not taken yet, in the order of their time.
+  // Returns the watched transactions that have finished by now and were not taken yet, in the order of their times.
   std::vector<TimeOf> take_finished() {
     const auto later = std::stable_partition(finished_.begin(), finished_.end(),
                                              [this](const TimeOf& finished) { return finished.time_ps <= now_ps_; });
@@ -151,20 +154,20 @@ class Timeline {
     return taken;
   }
 
-  // Transactions that were added and have not finished, or were not taken yet.
+  // Number of transactions that were added and have not finished, or were not taken yet.
   std::size_t under_way() const { return under_way_.size() + finished_.size(); }
   Picoseconds now() const { return now_ps_; }
   Picoseconds dsp_busy_ps() const { return dsp_busy_ps_; }
-  // Time in which the DSP had nothing to do while a command for it was on its way down the bus.
+  // Idle time of the DSP while a command for it was on its way down the bus.
   Picoseconds host_bus_wait_ps() const { return host_bus_wait_ps_; }
   const HostBus& bus() const { return bus_; }
-  // Whether a transaction of that number or a later one is under way, or was not taken yet.
+  // Whether a transaction with this number or a later one is in progress, or was not taken yet.
   bool has_from(std::uint64_t id) const {
     const auto is_later = [id](const auto& each) { return each.first >= id; };
     const auto has_finished = [id](const TimeOf& each) { return each.id >= id; };
     return std::ranges::any_of(under_way_, is_later) || std::ranges::any_of(finished_, has_finished);
   }
-  // Whether finish() would find that transaction.
+  // Whether finish() would find this transaction.
   bool has_watched(std::uint64_t id) const {
     const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };
     const auto found = under_way_.find(id);
@@ -176,8 +179,8 @@ class Timeline {
  private:
   static constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
 
-  // The next thing that happens, if it does by `horizon`. The end of a turn comes first: what it sends up competes with what
-  // is on its way down.
+  // Executes the next event by `horizon`, if there is one. The bus advances only to the end of the current turn, because
+  // the data that the turn then sends up competes with transfers on the way down.
   bool step(Picoseconds horizon) {
     const Picoseconds turn_ends = in_turn_ ? dsp_free_ps_ : kNever;
     if (const auto delivery = bus_.next_delivery(std::min(horizon, turn_ends))) {
@@ -243,12 +246,12 @@ class Timeline {
     }
   };
   std::unordered_map<std::uint64_t, Issued> under_way_;
-  std::deque<TimeOf> dsp_queue_;          // those that wait for their turns
+  std::deque<TimeOf> dsp_queue_;          // transactions that wait for their turns
   std::optional<std::uint64_t> in_turn_;  // the transaction at the DSP, until dsp_free_ps_
   std::vector<TimeOf> finished_;
 };
 
-// Each transaction that is under way stands in one place.
+// Each transaction in progress is in exactly one place.
 inline void Timeline::state(Archive& archive) {
   archive("bus", bus_);
   archive.field("times", [this](Archive::Record& record) {
@@ -274,7 +277,7 @@ inline void Timeline::state(Archive& archive) {
   std::ranges::sort(places);
   std::ranges::sort(ids);
   archive.expect(places == ids, "under_way", "each transaction in one place", places.size());
-  // One by one they fit, but their sums decide how long the board is at work.
+  // Single values are within their limits, but their sum decides how long the board works.
   std::uint64_t bytes = 0;
   Picoseconds span = 0;
   for (const auto& [id, each] : issued) {

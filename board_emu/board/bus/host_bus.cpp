@@ -18,7 +18,8 @@ void HostBus::enqueue(BusDirection direction, const BusTransfer& transfer) {
   if (to.queue.size() == 1) to.dwords_left = to_dwords(transfer.bytes);
 }
 
-// Full-length bursts that the head can send before `limit`, but its last: a long transfer that is alone costs one step.
+// Number of full-length bursts that the head can send before `limit`, except its last. So a long transfer without
+// contention takes one step.
 std::uint64_t HostBus::bursts_alone(BusDirection direction, Picoseconds start, Picoseconds limit) const {
   const Side& from = side(direction);
   const TransferKind kind = from.queue.front().kind;

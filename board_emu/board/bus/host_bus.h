@@ -1,8 +1,8 @@
-// The host bus: one half-duplex bus, two ordered directions, burst by burst.
+// The host bus: one half-duplex bus with two ordered directions, simulated burst by burst.
 //
-// What enters: transfers, each with the time at which its first byte is ready. What leaves: their times of delivery.
-// Arbitration is hidden; when both directions ask they take turns, and a running burst ends at the latency timer or
-// when the other begins to ask, whichever is later [C, docs/reference/hardware.md].
+// Input: transfers, each with the time at which its first byte is ready. Output: delivery times. Arbitration is hidden.
+// When both directions request the bus, they take turns. A running burst ends at the latency timer or when the other
+// direction requests the bus, whichever is later [C, docs/reference/hardware.md].
 #pragma once
 
 #include <algorithm>
@@ -22,26 +22,26 @@ enum class BusDirection : std::uint8_t { kDown, kUp };  // to the board, to the 
 
 enum class TransferKind : std::uint8_t {
   kBulk,           // memory writes and commands down, results and images up
-  kRegisterWrite,  // a processor's write of a few dwords
-  kRegisterRead,   // the round trip of a processor's read
+  kRegisterWrite,  // write of a few dwords by a processor
+  kRegisterRead,   // round trip of a processor's read
 };
 
 inline constexpr std::uint32_t kPciOverheadClocks = 3;
 inline constexpr std::uint32_t kAgpRequestDwords = 64;
-inline constexpr std::uint32_t kAgpRequestOverheadClocks = 2;  // chosen: meets 50-80% of peak on short reads
+inline constexpr std::uint32_t kAgpRequestOverheadClocks = 2;  // chosen: gives 50-80% of peak on short reads
 inline constexpr Picoseconds kPciClockPs = 30'000;             // 33 1/3 MHz
 inline constexpr Picoseconds kAgpClockPs = 15'000;             // 66 2/3 MHz
 
-// How long one burst of dwords holds the bus, in closed forms.
+// Duration of one burst of dwords, in closed form.
 //
 // PCI, 33 1/3 MHz, 32 bit: a write burst of n dwords takes n + 3 clocks, a read n + 3 + L (address, turnaround, target
-// latency). A burst is at most `max_burst_dwords` long, and at most `latency_timer_clocks` once somebody else asks.
-// AGP: the card reads host memory in pipelined requests of up to 64 dwords (256 bytes, AGP 2.0's long read), each
-// ceil(n / rate) + 2 clocks of 66 2/3 MHz: half the peak at 16 bytes and 80% at 64 bytes on 2x. What it writes to the
-// host runs as PCI writes at the AGP clock, and so do register accesses (docs/reference/hardware.md, host bus).
+// latency). A burst has at most `max_burst_dwords`, and at most `latency_timer_clocks` after another request. AGP: the
+// card reads host memory in pipelined requests of up to 64 dwords (256 bytes, AGP 2.0's long read). Each takes ceil(n /
+// rate) + 2 clocks of 66 2/3 MHz: on 2x this is half the peak at 16 bytes and 80% at 64 bytes. Writes to the host and
+// register accesses run as PCI transfers at the AGP clock (docs/reference/hardware.md, host bus).
 struct BusTiming {
   Picoseconds clock_ps = kPciClockPs;
-  std::uint32_t agp_rate = 0;  // dwords a clock of an AGP read: 1, 2, 4; 0 on PCI
+  std::uint32_t agp_rate = 0;  // dwords per clock of an AGP read: 1, 2, 4; 0 on PCI
   std::uint32_t max_burst_dwords;
   std::uint32_t latency_timer_clocks;
   std::uint32_t read_latency_clocks;
@@ -63,7 +63,7 @@ struct BusTiming {
     return agp_rate != 0 && direction == BusDirection::kDown && kind == TransferKind::kBulk;
   }
 
-  // The longest burst of that kind when nobody else asks for the bus.
+  // The longest burst of that kind without contention.
   std::uint32_t longest_burst(BusDirection direction, TransferKind kind) const {
     return agp_read(direction, kind) ? std::min(kAgpRequestDwords, max_burst_dwords) : max_burst_dwords;
   }
@@ -74,7 +74,7 @@ struct BusTiming {
     return dwords + kPciOverheadClocks + latency;
   }
 
-  // How many dwords fit into a burst of at most `clocks`; at least one, as a granted burst moves something.
+  // Number of dwords in a burst of at most `clocks`; at least one, because a granted burst transfers something.
   std::uint32_t dwords_within(BusDirection direction, TransferKind kind, std::uint64_t clocks) const {
     const std::uint64_t overhead = burst_clocks(direction, kind, 1) - 1;
     const std::uint64_t data_clocks = clocks > overhead ? clocks - overhead : 1;
@@ -83,13 +83,13 @@ struct BusTiming {
   }
 };
 
-// What a transfer carries: its time is counted by this.
+// Contents of a transfer, for which its time is counted.
 enum class Cargo : std::uint8_t { kRegister, kTable, kVolume, kCommand, kRays, kImage, kCompletion };
 inline constexpr std::array<const char*, 7> kCargoNames{"register", "table", "volume",    "command",
                                                         "rays",     "image", "completion"};
 
-// What a checkpoint may have (chosen: far above what a board comes to, so low that sums do not overflow and that the bus is through with
-// the bytes under way in seconds, burst by burst).
+// Limits of a checkpoint. chosen: far above real values, and low enough for sums not to overflow and for the bus to
+// transfer the bytes in progress within seconds, burst by burst.
 inline constexpr Picoseconds kMostTime = Picoseconds{1} << 62, kMostSpan = Picoseconds{1} << 60;
 inline constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 36;
 
@@ -97,7 +97,7 @@ struct BusTransfer {
   std::uint64_t id = 0;
   TransferKind kind = TransferKind::kBulk;
   Cargo cargo = Cargo::kRegister;
-  std::uint64_t bytes = 0;  // 0 takes no time, but keeps its place in its direction
+  std::uint64_t bytes = 0;  // 0 takes no time, but keeps its position in its direction
   Picoseconds ready_ps = 0;
 
   void state(Archive::Record& record) {
@@ -113,7 +113,7 @@ struct BusDelivery {
   std::uint64_t id = 0;
   BusDirection direction = BusDirection::kDown;
   Picoseconds time_ps = 0;
-  Picoseconds begin_ps = 0;  // of its first burst; no earlier than the delivery before it in its direction
+  Picoseconds begin_ps = 0;  // of its first burst; not before the previous delivery in its direction
   Cargo cargo = Cargo::kRegister;
   std::uint64_t bytes = 0;
 };
@@ -123,17 +123,16 @@ struct BusCounters {
   std::uint64_t transfers = 0;
   std::uint64_t bursts = 0;
   Picoseconds busy_ps = 0;
-  Picoseconds wait_ps = 0;  // ready transfers at the head of their direction that had to wait for the bus
+  Picoseconds wait_ps = 0;  // time that ready transfers at the head of their direction waited for the bus
 
   void state(Archive::Record& record) { record(bytes, transfers, bursts, busy_ps, wait_ps); }
 };
 
-// Of one cargo, both directions.
+// Counters of one cargo in both directions.
 struct CargoCounters {
   std::uint64_t bytes = 0;
   std::uint64_t transfers = 0;
-  Picoseconds time_ps =
-      0;  // each transfer from its turn in its direction to its delivery: what it waited and what it took
+  Picoseconds time_ps = 0;  // from a transfer's turn in its direction to its delivery: waiting and transfer
 
   void state(Archive::Record& record) { record(bytes, transfers, time_ps); }
 };
@@ -155,11 +154,12 @@ class HostBus {
     return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
   }
 
-  // Within one direction transfers are served in this order, whatever their ready times.
+  // Within one direction, transfers are served in the order of these calls, regardless of their ready times.
   void enqueue(BusDirection direction, const BusTransfer& transfer);
 
-  // Runs until the next delivery not later than `horizon`, and returns it; nothing if there is none. Only bursts that end
-  // by `horizon` are decided, so a transfer enqueued later with ready_ps >= horizon still meets the bus as it would have.
+  // Advances to the next delivery not later than `horizon` and returns it; nothing if there is none. Only bursts that
+  // end by `horizon` are decided, so the result does not depend on whether a transfer with ready_ps >= horizon is
+  // enqueued before or after.
   std::optional<BusDelivery> next_delivery(Picoseconds horizon);
 
   const BusCounters& counters(BusDirection direction) const { return side(direction).counters; }
@@ -177,7 +177,7 @@ class HostBus {
     std::uint64_t dwords_left = 0;  // of the head
     bool head_started = false;
     Picoseconds head_begin_ps = 0;
-    Picoseconds last_delivery_ps = 0;  // also when the head's turn began, if it was ready by then
+    Picoseconds last_delivery_ps = 0;  // also the begin of the head's turn, if it was ready by then
     BusCounters counters;
 
     void state(Archive& archive) {
@@ -194,7 +194,7 @@ class HostBus {
 
   Side& side(BusDirection direction) { return sides_[static_cast<std::size_t>(direction)]; }
   const Side& side(BusDirection direction) const { return sides_[static_cast<std::size_t>(direction)]; }
-  // When the head of a direction could take the bus; kNever without one.
+  // Earliest time at which the head of a direction can use the bus; kNever if it is empty.
   Picoseconds head_ready(BusDirection direction) const {
     const Side& from = side(direction);
     return from.queue.empty() ? kNever : from.queue.front().ready_ps;

@@ -124,7 +124,7 @@ constexpr bool is_segment(RayType type) {
 constexpr bool has_threshold(RayType type) {
   return is_one_of<RayType::kFirstHit, RayType::kSegment, RayType::kOpacity>(type);
 }
-enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };  // kWhole: sums, all 36 bits of a voxel's word
+enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };  // kWhole: accumulators of 36 bits
 enum class Albedo : std::uint8_t { kLow = 0, kHigh = 1 };
 enum class EnergyRules : std::uint8_t { kAsPrinted = 0, kConserving = 1 };
 
