@@ -16,9 +16,9 @@ constexpr std::array kNames{"connected", "refused", "unknown",    "forbidden",  
                             "resumed",   "forced",  "closed",     "configured", "reset",
                             "traced",    "saved",   "faults_set", "debugged",   "limit_reached"};
 
-// In one line, whatever the bytes are.
+// Shortens the text to one printable line.
 std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 300;  // chosen: a refusal in words
+  constexpr std::size_t kLongest = 300;  // chosen: length of a refusal message
   std::string out;
   for (const char c : text.substr(0, kLongest)) out += c < ' ' || c > '~' ? '?' : c;
   return out;
@@ -44,7 +44,7 @@ Audit::Audit(const Options& options) : options_(options) {
 
 Audit::~Audit() = default;
 
-// Lines come back one by one, up to the burst.
+// A token bucket: lines are refilled one by one, up to the burst.
 bool Audit::takes_line(Kind& kind) const {
   const auto now = Clock::now();
   const auto earned = options_.refill.count() > 0 ? (now - kind.since) / options_.refill : 0;

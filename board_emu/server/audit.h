@@ -1,7 +1,8 @@
-// What people and programs did to this process's boards: who came, was refused, forced, configured, traced; one line each, and counts.
+// Audit log of actions on this process's boards: connections, refusals, takeovers, changes, traces; one line per event,
+// and counters.
 //
-// Neither the file nor a flood of lines is without a bound: each kind of event has so many lines, and gets new ones with time, so that a flood
-// of one kind hides no other. What is left out is counted.
+// The file and the rate of lines are limited. Each kind of event has its own limit, so that a flood of one kind does
+// not hide others. Omitted lines are counted.
 #pragma once
 
 #include <array>
@@ -22,40 +23,40 @@ namespace gicube::emu {
 
 enum class AuditEvent {
   kConnected,
-  kRefused,     // a place in line, a board that has an owner, frames that are none
-  kUnknown,     // no token, or a wrong one
-  kForbidden,   // a token without the right
-  kOpened,      // a board: a session begins
-  kResumed,     // a session
-  kForced,      // another session to end
+  kRefused,     // of a place in the queue, of a board that has an owner, of invalid frames
+  kUnknown,     // a missing or wrong token
+  kForbidden,   // a token that lacks the right
+  kOpened,      // a session has begun
+  kResumed,     // a session has been resumed
+  kForced,      // another session was ended by force
   kClosed,      // a session has ended
-  kConfigured,  // and what follows: by the management plane
+  kConfigured,  // this and the following ones: by the management plane
   kReset,
   kTraced,
   kSaved,
   kFaultsSet,
   kDebugged,
-  kLimitReached,  // of results, or of the time of a command
+  kLimitReached,  // for results, or for the time of a command
 };
 
 class Audit {
  public:
   struct Options {
-    std::string file{};                     // empty: the lines go to the process's log
-    std::size_t max_file_bytes = 8u << 20;  // chosen: with FILE.1, the former one, some hundred thousand lines
-    unsigned burst = 100;                   // chosen: lines of a kind at once
-    std::chrono::milliseconds refill{100};  // chosen: until there is one more
+    std::string file{};                     // empty: lines go to the process's log
+    std::size_t max_file_bytes = 8u << 20;  // chosen: with FILE.1, the previous file, some hundred thousand lines
+    unsigned burst = 100;                   // chosen: lines of one kind at once
+    std::chrono::milliseconds refill{100};  // chosen: interval until one more line is allowed
   };
 
   Audit();
-  // Throws std::runtime_error: the file can't be written.
+  // Throws std::runtime_error if the file cannot be written.
   explicit Audit(const Options& options);
   ~Audit();
 
   Audit(const Audit&) = delete;
   Audit& operator=(const Audit&) = delete;
 
-  // Any thread. `who`: a peer; `what`: of which board, why. Both may have any bytes.
+  // Thread-safe. `who`: the peer. `what`: the board and the reason. Both may contain any bytes.
   void note(AuditEvent event, std::string_view who, std::string_view what);
 
   struct Count {
@@ -70,14 +71,14 @@ class Audit {
 
   struct Kind {
     std::uint64_t count = 0, left_out = 0;
-    unsigned lines = 0;       // that it still has
-    Clock::time_point since;  // when it had them
+    unsigned lines = 0;       // lines that are still allowed
+    Clock::time_point since;  // time of the last refill
   };
   bool takes_line(Kind& kind) const;
 
   const Options options_;
   std::shared_ptr<spdlog::logger> file_;  // null: the process's log
-  mutable std::mutex mutex_;              // guards what follows
+  mutable std::mutex mutex_;              // guards kinds_
   std::array<Kind, kEvents> kinds_{};
 };
 

@@ -21,7 +21,7 @@ EndOnSignals::~EndOnSignals() {
     gone_ = true;
   }
   changed_.notify_all();
-  // Wakes it, if it still waits for the first one, which is blocked and ends nothing.
+  // Wakes the thread if it still waits for a signal. The signal is blocked, so it does not end the process.
   ::pthread_kill(thread_.native_handle(), SIGTERM);  // NOLINT(bugprone-bad-signal-to-kill-thread)
   thread_.join();
 }

@@ -1,7 +1,7 @@
-// Ends the process on a signal within kMaxEnding, whatever its threads do.
+// Ends the process within kMaxEnding of a signal, whatever its threads do.
 //
-// First in good order. What then still works, as a routine of others or a file system that does not answer, is broken off: a
-// trace may lack its end.
+// It first tries an orderly shutdown. Work that is still running after that, such as a plug-in routine or a file system
+// that does not respond, is aborted; a trace may then lack its end.
 #pragma once
 
 #include <signal.h>
@@ -16,34 +16,35 @@
 
 namespace gicube::emu {
 
-// chosen: with what else has to be done, the process ends within a second.
+// chosen: including the remaining work, the process ends within a second.
 inline constexpr std::chrono::milliseconds kMaxEnding{900};
 
 class EndOnSignals {
  public:
-  // Before any other thread begins: threads inherit who takes a signal. Until set_stop() a signal ends the process at once.
+  // Must be called before other threads start, because they inherit the signal mask. Until set_stop(), a signal ends
+  // the process at once.
   explicit EndOnSignals(const std::vector<int>& signals);
-  // In good order before kMaxEnding.
+  // Orderly end before kMaxEnding.
   ~EndOnSignals();
 
   EndOnSignals(const EndOnSignals&) = delete;
   EndOnSignals& operator=(const EndOnSignals&) = delete;
 
-  // What the first signal calls, on a thread of its own. Replaces the former one.
+  // Sets the function that the first signal calls, on a separate thread. Replaces the previous one.
   void set_stop(std::function<void()> stop);
-  // A socket file that nobody else removes if the process is broken off.
+  // A file to remove if the process is aborted.
   void add_file(const std::string& path);
 
  private:
   void watch();
 
   sigset_t signals_{};
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the following
   std::condition_variable changed_;
   std::function<void()> stop_;
   std::vector<std::string> files_;
   bool gone_ = false;
-  std::thread thread_;  // last: it sees all of the others
+  std::thread thread_;  // last, because it uses all members above
 };
 
 }  // namespace gicube::emu

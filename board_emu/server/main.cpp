@@ -1,6 +1,7 @@
 // gicube-board: one process, one or more emulated boards.
 //
-// Exit codes: 0 ended by a signal or with its private session, 1 no socket or file, 2 faults in flags or configuration.
+// Exit codes: 0 = ended by a signal or with its private session; 1 = socket or file error; 2 = error in options or
+// configuration.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -39,7 +40,7 @@
 namespace gicube::emu {
 namespace {
 
-// Scripts wait for these lines.
+// Scripts wait for these lines, so their format is fixed.
 void say_ready(const std::string& what, const Endpoint& endpoint) {
   std::fputs(fmt::format("gicube-board: {} ready on {}\n", what, to_string(endpoint)).c_str(), stdout);
   std::fflush(stdout);
@@ -47,7 +48,7 @@ void say_ready(const std::string& what, const Endpoint& endpoint) {
 
 // Throws PlugInFault.
 void load_routines(const Options& options, RoutineTable& routines) {
-  // Routines run as this user: so the kernel keeps their processes from this one's memory.
+  // Routines run as this user. This setting prevents their processes from reading this process's memory.
   if (!options.bsdf_files.empty()) ::prctl(PR_SET_DUMPABLE, 0);
   for (const std::string& file : options.bsdf_files) routines.add(PlugIn::load(file, options.is_boxed));
   for (const RoutineInfo& routine : routines.list()) {
@@ -57,7 +58,7 @@ void load_routines(const Options& options, RoutineTable& routines) {
   }
 }
 
-// A terminal that goes takes the process with it, unless that was started by nohup.
+// A closed terminal ends the process, unless it was started with nohup.
 std::vector<int> signals_to_end_on() {
   std::vector<int> signals{SIGINT, SIGTERM};
   struct sigaction hang_up {};
@@ -70,12 +71,12 @@ std::string folder_of(const std::string& file) {
   return folder.empty() ? "." : folder;
 }
 
-// What the process opens, makes and removes from now on; `made`: files that it takes away when it ends. What --trace, --vcd and
-// --fault-log name is open.
+// The files that the process still opens, creates and removes. `made`: files that it removes at its end. The files of
+// --trace, --vcd and --fault-log are already open.
 Box box_of(const Options& options, const std::vector<std::string>& tokens, const std::vector<std::string>& made) {
   using enum Box::Access;
   Box box;
-  // Before it removes a token it looks whether that is still its own.
+  // Before removing a token file, the process checks that it is still its own.
   for (const std::string& file : tokens) box.places.push_back({file, kRead});
   for (const std::string& file : made) box.places.push_back({folder_of(file), kRemove});
   if (!options.audit_log_file.empty()) box.places.push_back({folder_of(options.audit_log_file), kWrite});
@@ -85,7 +86,7 @@ Box box_of(const Options& options, const std::vector<std::string>& tokens, const
   return box;
 }
 
-// Does not fail: the boards can be used without a box, or with half of it, where the kernel has no more.
+// Never fails: without kernel support, the boards run without the sandbox or with a part of it.
 void enter(const Box& box) {
   const Boxed boxed = enter_box(box);
   const bool is_fault = boxed.files == Boxed::Part::kFailed || boxed.calls == Boxed::Part::kFailed;
@@ -93,7 +94,7 @@ void enter(const Box& box) {
 }
 
 void serve(const Options& options, const RoutineTable& routines) {
-  std::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads ends no board
+  std::signal(SIGPIPE, SIG_IGN);  // a closed log pipe must not end the process
   EndOnSignals ending(signals_to_end_on());
   Audit::Options log;
   log.file = options.audit_log_file;
@@ -105,7 +106,7 @@ void serve(const Options& options, const RoutineTable& routines) {
                                                 options.max_memory_bytes, options.checkpoint));
     FaultPoint& faults = slots.back()->faults();
     if (!options.fault_plan.empty())
-      faults.set_plan(options.fault_plan);  // has been checked; else a checkpoint's goes on
+      faults.set_plan(options.fault_plan);  // already checked; without one, a checkpoint's plan continues
     const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);
     if (!options.fault_log_file.empty()) faults.append_log_to(options.fault_log_file + suffix);
     boards.push_back(slots.back().get());
@@ -126,7 +127,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   ending.set_stop([&server] { server.stop(); });
   const Finally server_goes{[&ending] { ending.set_stop([] {}); }};
   std::vector<Endpoint> endpoints;
-  std::vector<std::string> made;  // files that go with this process
+  std::vector<std::string> made;  // files that are removed at the end of the process
   const auto add_made = [&](const std::string& path) {
     made.push_back(path);
     ending.add_file(path);
@@ -140,7 +141,7 @@ void serve(const Options& options, const RoutineTable& routines) {
       if (endpoint.kind == EndpointKind::kUnix) made.push_back(endpoint.path);
     }
   }
-  // After the server in this scope: so it is gone before the sockets and the boards are.
+  // Declared after the server, so that it is destroyed before the sockets and the boards.
   std::unique_ptr<Management> management;
   if (options.management) {
     ManagementOptions at = *options.management;
@@ -155,7 +156,7 @@ void serve(const Options& options, const RoutineTable& routines) {
     if (management) all.push_back(management->endpoint());
     token_files.emplace(all, own.token);
     for (const std::string& path : token_files->paths()) add_made(path);
-  } catch (const std::runtime_error& error) {  // who has a token of --token-file gets in all the same
+  } catch (const std::runtime_error& error) {  // tokens of --token-file still work
     if (options.token_file.empty()) throw;
     spdlog::warn("programs of this user will need a token: {}", error.what());
   }
@@ -164,7 +165,7 @@ void serve(const Options& options, const RoutineTable& routines) {
     registration.emplace(management ? to_string(management->endpoint()) : "", boards, &audit,
                          [&server] { return server.quotas(); });
     add_made(registration->path());
-  } catch (const std::runtime_error& error) {  // the boards can be used all the same
+  } catch (const std::runtime_error& error) {  // the boards are usable without it
     spdlog::warn("gicube-smi will not find this process: {}", error.what());
   }
   if (options.is_boxed) enter(box_of(options, token_files ? token_files->paths() : std::vector<std::string>(), made));
@@ -177,8 +178,7 @@ void serve(const Options& options, const RoutineTable& routines) {
 
 int run(int argc, const char* const* argv) {
   const CommandLine line = parse_command_line(argc, argv);
-  constexpr std::size_t kMaxErrors =
-      50;  // chosen: two screens; a file of another kind is at fault in each of its lines
+  constexpr std::size_t kMaxErrors = 50;  // chosen: two screens; a file of another format has an error in every line
   for (const std::string& error : line.errors | std::views::take(kMaxErrors))
     fmt::print(stderr, "gicube-board: {}\n", error);
   const std::size_t more = line.errors.size() - std::min(line.errors.size(), kMaxErrors) + line.errors_left_out;
@@ -201,7 +201,7 @@ int run(int argc, const char* const* argv) {
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
   spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
-  RoutineTable routines;  // never unloaded while a board is there
+  RoutineTable routines;  // not unloaded while a board exists
   try {
     load_routines(line.options, routines);
   } catch (const PlugInFault& fault) {
@@ -216,9 +216,9 @@ int run(int argc, const char* const* argv) {
 }  // namespace gicube::emu
 
 int main(int argc, char** argv) {
-  ::umask(S_IRWXG | S_IRWXO);  // socket files are their owner's alone
-  // Chosen: results of a command are of a few megabytes and come again and again; what is given back to the system for each
-  // costs its pages anew, a tenth of the time of host rays. Up to 128 MiB stay with the process.
+  ::umask(S_IRWXG | S_IRWXO);  // socket files are accessible only to their owner
+  // Chosen: results of commands have a few megabytes and recur. Returning their memory to the system each time would
+  // cost a tenth of the time of host rays for new pages. Up to 128 MiB are kept.
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 128 << 20);
   try {

@@ -15,10 +15,10 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::uint64_t kBytesOfMib = std::uint64_t{1} << 20;
-constexpr std::uint32_t kMaxConnections = 400;  // chosen: with as many that leave, and 64 boards, below 1,024 files
+constexpr std::uint32_t kMaxConnections = 400;  // chosen: with as many closing ones and 64 boards below 1,024 files
 constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 
-// Those flags that are options only once they have been read.
+// Flags that need conversion before they become options.
 struct Flags {
   std::string listen, management, config_file, restore_file;
   std::vector<std::string> overrides;
@@ -143,7 +143,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--management", flags.management, "ENDPOINT", "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT");
 }
 
-// Empty without a file. No more is read than tells that the text is too long, as of /dev/zero.
+// Returns an empty text without a file. Reads at most one byte more than the limit, so that /dev/zero can be named.
 std::string read_file(const char* flag, const std::string& path, std::vector<std::string>& errors) {
   if (path.empty()) return {};
   std::ifstream file(path, std::ios::binary);
@@ -165,7 +165,7 @@ void read_checkpoint(const Flags& flags, Options& options, std::vector<std::stri
   }
 }
 
-// After read_checkpoint().
+// Call after read_checkpoint().
 v1::BoardConfig read_config(const Flags& flags, const Options& options, std::vector<std::string>& errors,
                             std::size_t& left_out) {
   ParsedConfig parsed = parse_config(read_file("--config", flags.config_file, errors));
@@ -245,7 +245,7 @@ void read_listen(const Flags& flags, Options& options, std::vector<std::string>&
   }
 }
 
-// Whoever may use the socket of a user is that user, and writes no file here that he could not write himself.
+// Callers at a user's socket are that user, so they cannot write files here that they could not write anyway.
 std::string read_trace_folder(const Flags& flags, const Endpoint& management, std::vector<std::string>& errors) {
   const bool is_given = !flags.trace_dir.empty();
   if (!is_given && management.kind != EndpointKind::kUnix) return {};
@@ -307,7 +307,7 @@ void read_trace_window(const Flags& flags, Options& options, std::vector<std::st
   options.observation.trace_window = window.value_or(CycleWindow{});
 }
 
-// After read_config().
+// Call after read_config().
 void read_observation(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   options.observation = {.trace_file = flags.trace_file, .vcd_file = flags.vcd_file};
   read_trace_window(flags, options, errors);

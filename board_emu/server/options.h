@@ -17,29 +17,29 @@
 
 namespace gicube::emu {
 
-inline constexpr std::uint32_t kMaxBoards = 64;  // chosen: each has a thread of its own
+inline constexpr std::uint32_t kMaxBoards = 64;  // chosen: each has its own thread
 
 struct Options {
   Endpoint listen;
   std::optional<ManagementOptions> management;
   v1::BoardConfig config;                        // resolved and checked
-  std::shared_ptr<const Checkpoint> checkpoint;  // that boards begin with; null: none
+  std::shared_ptr<const Checkpoint> checkpoint;  // initial state of the boards; null: none
   std::uint32_t boards = 1;
   ObservationOptions observation;
-  std::string fault_plan;               // its text; empty: no faults
+  std::string fault_plan;               // plan text; empty: no faults
   std::string fault_log_file;           // empty: none
   std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
   std::chrono::milliseconds resume_limit = BusOptions().resume_limit;
-  std::uint64_t max_memory_bytes = kUnlimitedMemory;  // of each board
+  std::uint64_t max_memory_bytes = kUnlimitedMemory;  // per board
   std::uint64_t max_results_bytes = BusOptions().max_held_bytes;
   std::uint32_t max_connections = static_cast<std::uint32_t>(BusOptions().max_unowned);
   std::uint32_t max_connections_of_peer = static_cast<std::uint32_t>(BusOptions().max_unowned_of_peer);
   std::chrono::milliseconds max_wait = BusOptions().max_wait;
   std::chrono::milliseconds max_command_time{0};
-  std::string audit_log_file;              // empty: its lines go to the process's log
-  std::string certificate_file, key_file;  // of TLS; empty: plain TCP
-  std::string token_file;                  // of clients over TCP; empty: this process's own token only
-  bool is_boxed = true;                    // where the kernel can
+  std::string audit_log_file;              // empty: lines go to the process's log
+  std::string certificate_file, key_file;  // for TLS; empty: plain TCP
+  std::string token_file;                  // for clients over TCP; empty: only this process's own token
+  bool is_boxed = true;                    // if the kernel supports it
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;
@@ -47,16 +47,16 @@ struct Options {
   bool print_registers = false;
   bool print_hardware_cost = false;
 
-  // Something to standard output, and runs no board.
+  // Whether the program only prints and runs no board.
   bool prints_only() const { return print_config || explain_config || print_registers || print_hardware_cost; }
 };
 
-// What the command line asks for, or what there is to print instead.
+// The parsed command line, or text to print instead.
 struct CommandLine {
   Options options;
   std::optional<std::string> text;  // help or version, for stdout
-  std::vector<std::string> errors;  // for stderr, one a line
-  std::size_t errors_left_out = 0;  // faults of files beyond those
+  std::vector<std::string> errors;  // for stderr, one per line
+  std::size_t errors_left_out = 0;  // number of further errors in files
 };
 
 CommandLine parse_command_line(int argc, const char* const* argv);

@@ -1,4 +1,4 @@
-// A limit of this process and how much of it is taken: for who watches it (docs/reference/security.md, limits).
+// A limit of this process and its current use, for monitoring (docs/reference/security.md, limits).
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 namespace gicube::emu {
 
 struct Quota {
-  const char* name = "";                 // with its unit, as a metric's
-  std::optional<std::uint32_t> board{};  // none: of the whole process
+  const char* name = "";                 // with its unit, like a metric's name
+  std::optional<std::uint32_t> board{};  // none: for the whole process
   std::uint64_t used = 0;
   std::uint64_t limit = 0;
 };
 
-// What they are now; any thread.
+// Returns the current values. Thread-safe.
 using Quotas = std::function<std::vector<Quota>()>;
 
 }  // namespace gicube::emu

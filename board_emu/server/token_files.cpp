@@ -15,7 +15,7 @@ TokenFiles::TokenFiles(const std::vector<Endpoint>& endpoints, std::string token
   const std::string folder = registry_folder();
   for (const Endpoint& endpoint : endpoints) {
     if (endpoint.kind != EndpointKind::kTcp) continue;
-    ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
+    ::mkdir(folder.c_str(), S_IRWXU);  // registry_fault() reports an error
     if (const std::string fault = registry_fault(folder); !fault.empty()) throw std::runtime_error(fault);
     paths_.push_back(token_file(folder, endpoint.address, endpoint.port));
     write_token(paths_.back(), token_);
@@ -26,7 +26,7 @@ TokenFiles::~TokenFiles() {
   for (const std::string& path : paths_) {
     try {
       if (right_of(read_tokens(path), token_)) ::unlink(path.c_str());
-    } catch (const std::runtime_error&) {  // it has gone
+    } catch (const std::runtime_error&) {  // the file was removed
     }
   }
 }

@@ -1,4 +1,4 @@
-// The files by which this user's programs find this process's token (proto/gicube/access.h).
+// Files through which this user's programs find this process's token (proto/gicube/access.h).
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@ namespace gicube::emu {
 
 class TokenFiles {
  public:
-  // One for each endpoint of TCP; makes the registry's folder if it is not there. Throws std::runtime_error.
+  // Writes one file per TCP endpoint; creates the registry's folder if necessary. Throws std::runtime_error.
   TokenFiles(const std::vector<Endpoint>& endpoints, std::string token);
-  // Removes those that are still ours.
+  // Removes the files that still contain this token.
   ~TokenFiles();
 
   TokenFiles(const TokenFiles&) = delete;

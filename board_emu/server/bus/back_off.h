@@ -1,5 +1,5 @@
-// When the next of something may happen that is not to happen often: after each one twice as late as before, up to a limit. It begins
-// anew once nothing has happened for as long as that limit. Not locked.
+// Exponential back-off for an event: after each event the pause doubles, up to a limit. It starts again when there was
+// no event for as long as the limit. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class BackOff {
   BackOff(Duration first, Duration longest) : first_(first), longest_(longest) {}
 
   bool allows(Clock::time_point now) const { return now >= next_; }
-  // How long it is not allowed yet; 0: it is.
+  // Remaining pause; 0 if the event is allowed.
   Duration left(Clock::time_point now) const {
     return allows(now) ? Duration{0} : std::chrono::ceil<Duration>(next_ - now);
   }

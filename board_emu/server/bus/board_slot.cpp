@@ -16,9 +16,9 @@
 namespace gicube::emu {
 namespace {
 
-// chosen: work looks at its cancel flag many times a second, so a session that takes longer hangs.
+// chosen: work checks its cancel flag many times per second, so a session that takes longer is stuck.
 constexpr std::chrono::seconds kReleaseTimeout{10};
-constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: how late a cancelled call is noticed
+constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: latency for detecting a cancelled call
 
 bool is_true(const Cancelled& cancelled) { return cancelled && cancelled(); }
 
@@ -137,7 +137,7 @@ Claim BoardSlot::claim(const Claimant& who) {
 }
 
 void BoardSlot::ask_to_end(wire::ErrorCode error, const std::string& text) {
-  if (!end_session_) return;  // it is asked already
+  if (!end_session_) return;  // it was already asked to end
   releasing_ = true;
   debugger_.let_go();
   std::exchange(end_session_, nullptr)(error, text);
@@ -153,7 +153,7 @@ bool BoardSlot::wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& 
   return true;
 }
 
-// A session whose client is away makes way.
+// A session whose client is away yields the board.
 bool BoardSlot::take_for_management(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled) {
   const auto is_free = [this] { return owner_ == Owner::kNone; };
   if (owner_ == Owner::kSession && away_) {
@@ -197,7 +197,7 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   if (is_true(cancelled)) return Configured::kCancelled;
   if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   lock.unlock();
-  // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
+  // Building a large board takes a while, so the lock is not held. The claim keeps others out.
   const Finally released{[this] { release(); }};
   std::unique_ptr<Board> rebuilt;
   try {
@@ -226,7 +226,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   const v1::BoardConfig config = config_;
   lock.unlock();
-  // As in configure(). The board is gone before what it speaks to, and both before the release.
+  // See configure(). The board is destroyed before its observation, and both before the release.
   const Finally released{[this] { release(); }};
   std::unique_ptr<Observation> observation;
   std::unique_ptr<Board> board;
@@ -251,12 +251,13 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   return Configured::kDone;
 }
 
-// The file is written on the board's own thread: between two transactions, in a command, or where the debugger holds one. A caller who gives up while that is done finds it all the same.
+// The file is written on the board's own thread: between two transactions, within a command, or while the debugger
+// pauses one. It is also written if the caller gives up meanwhile.
 BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std::string& reason,
                                       const Cancelled& cancelled) {
   struct Answer {
     std::atomic<bool> unwanted{false};
-    std::atomic<bool> is_taken{false};  // the first of three ways to the board's thread
+    std::atomic<bool> is_taken{false};  // set by the first of three paths to the board's thread
     Saved saved;
     std::string reason;
     std::promise<Configured> done;
@@ -300,7 +301,7 @@ BoardSlot::Configured BoardSlot::power_reset(std::string& reason, const Cancelle
   std::unique_lock lock(mutex_);
   const std::uint64_t session = sessions_;
   if (owner_ == Owner::kSession) ask_to_end(wire::ErrorCode::kCancelled, "the management plane has reset the board");
-  // A session that ends leaves a new board; one that came after it has found it so.
+  // A session that ends leaves a new board. A session that started after it already has that board.
   const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
   if (!wait_until(lock, cancelled, ended)) return is_true(cancelled) ? Configured::kCancelled : Configured::kInUse;
   if (owner_ != Owner::kNone) return Configured::kDone;

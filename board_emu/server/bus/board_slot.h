@@ -1,11 +1,11 @@
-// One board of this process with its configuration and its owner: what the bus server and the management plane share.
+// One board of this process with its configuration and its owner, shared by the bus server and the management plane.
 //
-// A board has at most one owner, either a session or the management plane while it resets or rebuilds the board. Only
-// the owner touches the board's state; counters can be read at any time. Who wants a board that has an owner stands in
-// line. An owner whose client is away makes way for the first in line. All calls from any thread.
+// A board has at most one owner: a session, or the management plane while it resets or rebuilds the board. Only the
+// owner accesses the board's state; counters can be read at any time. Clients that request an owned board wait in a
+// queue. An owner whose client is away yields the board to the first in the queue. All calls are thread-safe.
 //
-// Each owner has a new board: the last one's is gone, with its memory, before the next is built. If that fails the slot has no
-// board, and the next owner's first act is to try again.
+// Each owner gets a new board. The previous board and its memory are released before the next one is built. If building
+// fails, the slot has no board, and the next owner tries again first.
 #pragma once
 
 #include <atomic>
@@ -31,26 +31,26 @@
 
 namespace gicube::emu {
 
-// kSoonFree: the owner is about to let go. kForced: the same, and it was made to just now.
+// kSoonFree: the owner is about to release the board. kForced: likewise, because this call forced it to.
 enum class Claim { kGranted, kBusy, kSoonFree, kForced };
 
-// Asked now and then by calls that may take a while. True: nobody waits for their answer any more.
+// Polled by calls that may take long. True: the caller no longer waits for the result.
 using Cancelled = std::function<bool()>;
 
-// Asks a session to end, with what its client is told. Must not block.
+// Asks a session to end, with an error and a text for its client. Must not block.
 using EndSession = std::function<void(wire::ErrorCode error, std::string text)>;
 
 struct Claimant {
   EndSession end_session{};  // called at most once, from any thread
-  std::string name{};        // as others are told who owns the board
-  std::uint64_t place = 0;   // in line; 0 = beside it, which is only good if nobody stands there
+  std::string name{};        // shown to others as the board's owner
+  std::uint64_t place = 0;   // place in the queue; 0 = outside it, which is only valid while the queue is empty
   bool force = false;        // take the board from its owner
 };
 
-// What a checkpoint of a served board has beside the board.
+// State that a checkpoint of a served board contains in addition to the board.
 struct SavedSurroundings {
   SavedFaults faults{};
-  // What the driver itself must remember of its board (driver/src/board/saved_state.cpp); empty: nothing.
+  // The driver's own state of its board (driver/src/board/saved_state.cpp); may be empty.
   std::vector<std::uint8_t> driver{};
 
   void state(Archive& archive) {
@@ -61,9 +61,9 @@ struct SavedSurroundings {
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here. `observation`: of this board alone. Throws as Observation's constructor. `start`: what
-  // each new board is at its power-up, which `config` must fit (fork_faults()); null: nothing. The rest: as Board's. Throws
-  // CheckpointFault.
+  // `config` must be checked; it is resolved here. `observation`: for this board only. `start`: state of each new board
+  // at power-up, which must be compatible with `config` (fork_faults()); may be null. Other parameters: see Board.
+  // Throws CheckpointFault, and the exceptions of Observation's constructor.
   BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const ObservationOptions& observation = {},
             const RoutineTable* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory,
             std::shared_ptr<const Checkpoint> start = nullptr);
@@ -74,7 +74,7 @@ class BoardSlot {
 
   std::uint32_t index() const { return index_; }
 
-  // A place in line, at its end or at its head; it must be left again.
+  // Enters the queue, at its end or at its head. leave_line() must be called later.
   std::uint64_t stand_in_line(bool at_head) {
     const std::lock_guard lock(mutex_);
     const std::uint64_t place = ++last_place_;
@@ -85,21 +85,21 @@ class BoardSlot {
     const std::lock_guard lock(mutex_);
     std::erase(line_, place);
   }
-  // For a session.
+  // Claims the board for a session.
   Claim claim(const Claimant& who);
-  // The owner, and since when; empty if there is none.
+  // The owner and since when; empty if there is none.
   std::string owner() const;
-  // The session's client is away, or back again. While it is away the board counts as free.
+  // Call when the session's client disconnects or returns. While it is away, the board counts as free.
   void set_away(bool away) {
     const std::lock_guard lock(mutex_);
     away_ = away && owner_ == Owner::kSession;
   }
-  // The session still owns the board, but will release it as soon as the running work has ended.
+  // The session still owns the board, but will release it when the running work has ended.
   void announce_release() {
     const std::lock_guard lock(mutex_);
     releasing_ = true;
   }
-  // What it left on the board must be gone: renew(), drop_board().
+  // The session's state must have been removed by renew() or drop_board().
   void release() {
     const std::lock_guard lock(mutex_);
     owner_ = Owner::kNone;
@@ -109,29 +109,30 @@ class BoardSlot {
     released_.notify_all();
   }
 
-  // Only for the owner, and only from work on compute().
+  // Only for the owner, in jobs of compute().
   Board& board() { return *board_; }
-  // Ends the board and builds a new one. If that fails it is logged, `why` says so, and there is none.
+  // Destroys the board and builds a new one. If that fails, the error is logged and returned in `why`, and there is no
+  // board.
   void renew(std::string& why);
-  // Only for the owner, from work on compute(): hands out a checkpoint with the driver's part.
+  // Only for the owner, in jobs of compute(): writes a checkpoint that includes the driver's part.
   void save(std::vector<std::uint8_t> driver, const std::function<void(std::string_view)>& sink);
-  // Only for the owner, from work on compute(): the board goes on from a checkpoint, and so does the fault plan if it is that of the
-  // checkpoint. Another plan is taken over if `takes_plan`, or else refused if the checkpoint has one. Returns the driver's part.
-  // Throws CheckpointFault, std::bad_alloc: all is as before.
+  // Only for the owner, in jobs of compute(): continues from a checkpoint. The fault plan is also restored if it is the
+  // same, or if `takes_plan`; otherwise a checkpoint with another plan is refused. Returns the driver's part. Throws
+  // CheckpointFault or std::bad_alloc; nothing has changed then.
   std::vector<std::uint8_t> restore(const Checkpoint& checkpoint, bool takes_plan);
-  // The same with what each new board begins with, which must not be null; `is_new`: it is that board still. Its fault plan counts only
-  // if it is in force.
+  // Like restore(), from the `start` checkpoint, which must not be null. `is_new`: the board is still in that state.
+  // The checkpoint's fault plan is restored only if it is the current one.
   std::vector<std::uint8_t> restore_start(bool is_new);
   bool has_start() const { return start_ != nullptr; }
-  // Only for the owner, while nothing works on compute().
+  // Only for the owner, while compute() is idle.
   void drop_board();
   bool has_board() const {
     const std::lock_guard lock(mutex_);
     return board_ != nullptr;
   }
-  // The thread on which all of this board's work is done.
+  // The thread that executes all work of this board.
   boost::asio::thread_pool& compute() { return compute_; }
-  // Returns when all work given to compute() so far has ended. Not from compute() itself.
+  // Waits until all jobs posted to compute() so far have ended. Must not be called on compute().
   void settle();
 
   void set_endpoint(std::string endpoint) {
@@ -139,26 +140,26 @@ class BoardSlot {
     endpoint_ = std::move(endpoint);
   }
 
-  // What a session's client has not fetched, bytes; any thread.
+  // Bytes of results that the session's client has not fetched. Thread-safe.
   void set_held(std::uint64_t bytes) { held_bytes_ = bytes; }
   std::uint64_t held_bytes() const { return held_bytes_; }
-  // What counts towards the limit of its memory, and the limit; kUnlimitedMemory: none.
+  // Memory that counts towards the limit, and the limit; kUnlimitedMemory: none.
   std::uint64_t memory_bytes() const {
     const std::lock_guard lock(mutex_);
     return board_ ? board_->memory_bytes() : 0;
   }
   std::uint64_t max_memory_bytes() const { return max_memory_bytes_; }
 
-  // Answers are held back until the wall clock has come to their simulated time.
+  // Whether answers are delayed until the wall clock has reached their simulated time.
   bool realtime() const {
     const std::lock_guard lock(mutex_);
     return config_.pace() == v1::realtime;
   }
 
-  // Of this board; any thread.
+  // Thread-safe.
   Debugger& debugger() { return debugger_; }
 
-  // What goes wrong between a driver and this board; any thread.
+  // Fault injection between driver and board. Thread-safe.
   FaultPoint& faults() { return faults_; }
 
   struct Info {
@@ -178,34 +179,33 @@ class BoardSlot {
     return board_ ? board_->snapshot() : Board::Snapshot();
   }
 
-  // The calls of the management plane. On anything but kDone nothing has changed; `reason` says why it is kFaulty or kFailed.
-  // kFailed: a board could not be built, as for want of memory.
+  // Calls of the management plane. Unless the result is kDone, nothing has changed. `reason` explains kFaulty and
+  // kFailed. kFailed: a board could not be built, for example for lack of memory.
   enum class Configured { kDone, kInUse, kFaulty, kFailed, kCancelled };
-  // Merges configuration text and builds the board anew.
+  // Merges configuration text and rebuilds the board.
   Configured configure(std::string_view text, std::string& reason, const Cancelled& cancelled = {});
 
-  // The file that the board writes its trace to; empty: none.
+  // Trace file of the board; empty: none.
   std::string trace_file() const {
     const std::lock_guard lock(mutex_);
     return observation_->options().trace_file;
   }
-  // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
-  // completed.
+  // Rebuilds the board so that it writes its trace to a new file; empty: no trace. The previous file is completed.
   Configured set_trace_file(const std::string& file, std::string& reason, const Cancelled& cancelled = {});
 
-  // Writes a checkpoint to a file that is not there yet, between two transactions of the session: once the command in work is
-  // done. `saved`: what it then was.
+  // Writes a checkpoint to a new file, between two transactions of the session or at the next safe point of the current
+  // command. `saved`: simulated time and size of the checkpoint.
   struct Saved {
     std::uint64_t simulated_ps = 0, bytes = 0;
   };
   Configured save(const std::string& file, Saved& saved, std::string& reason, const Cancelled& cancelled = {});
 
-  // The power button: ends the owning session and resets the board. kInUse: the session did not end in time. After kInUse and
-  // kCancelled it ends all the same, as soon as it can; after kFailed there is no board.
+  // Power button: ends the owning session and resets the board. kInUse: the session did not end in time. After kInUse
+  // and kCancelled the session still ends as soon as possible; after kFailed there is no board.
   Configured power_reset(std::string& reason, const Cancelled& cancelled = {});
 
  protected:
-  // Virtual for tests, in which it fails. Throws what there is no memory for.
+  // Virtual for tests, where it fails. Throws if there is not enough memory.
   virtual std::unique_ptr<Board> build(const v1::BoardConfig& config, Observation* observation) const;
 
  private:
@@ -214,24 +214,24 @@ class BoardSlot {
   std::unique_ptr<Board> build_from(const Checkpoint* start, const v1::BoardConfig& config,
                                     Observation* observation) const;
 
-  // True once `free()` is, false if that takes too long or nobody waits for it.
+  // Waits for `free()`. Returns false on a timeout or if the caller has cancelled.
   bool wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled, const std::function<bool()>& free);
   bool take_for_management(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled);
   void log_fault(const Observation* observation) const;
   void ask_to_end(wire::ErrorCode error, const std::string& text);
 
   const std::uint32_t index_;
-  mutable std::mutex mutex_;  // guards everything below but faults_ and compute_
+  mutable std::mutex mutex_;  // guards everything below except faults_ and compute_
   std::condition_variable released_;
   Owner owner_ = Owner::kNone;
   bool releasing_ = false;
   bool away_ = false;
   std::string owner_name_;
-  std::chrono::system_clock::time_point owner_since_;  // as people read it
-  std::chrono::steady_clock::time_point owner_began_;  // for how long: the other clock may be set
+  std::chrono::system_clock::time_point owner_since_;  // for display
+  std::chrono::steady_clock::time_point owner_began_;  // for durations, because the system clock may be changed
   std::deque<std::uint64_t> line_;
   std::uint64_t last_place_ = 0;
-  std::uint64_t sessions_ = 0;  // so far
+  std::uint64_t sessions_ = 0;  // total number
   EndSession end_session_;
   std::string endpoint_;
   v1::BoardConfig config_;
@@ -239,11 +239,11 @@ class BoardSlot {
   const std::uint64_t max_memory_bytes_;
   const std::shared_ptr<const Checkpoint> start_;
   std::atomic<std::uint64_t> held_bytes_ = 0;
-  Debugger debugger_;                         // has a lock of its own
-  std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
+  Debugger debugger_;                         // thread-safe
+  std::unique_ptr<Observation> observation_;  // used only by the owner's board
   std::unique_ptr<Board> board_;
-  std::mutex saving_;  // keeps board_ where it is; taken before mutex_
-  FaultPoint faults_;  // has a lock of its own
+  std::mutex saving_;  // prevents replacement of board_; locked before mutex_
+  FaultPoint faults_;  // thread-safe
   boost::asio::thread_pool compute_{1};
 };
 

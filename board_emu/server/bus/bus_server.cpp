@@ -26,10 +26,10 @@ using wire::FrameType;
 
 namespace {
 
-constexpr milliseconds kBusyPatience{200};   // chosen: an owner may just be closing its socket
+constexpr milliseconds kBusyPatience{200};   // chosen: the owner may be about to close its socket
 constexpr milliseconds kClaimInterval{10};   // chosen
-constexpr milliseconds kTokenPauseLook{50};  // chosen: how late the end of the server is noticed
-constexpr milliseconds kLastWords{300};      // chosen: what clients get to read them before the process ends
+constexpr milliseconds kTokenPauseLook{50};  // chosen: latency for detecting the end of the server
+constexpr milliseconds kLastWords{300};      // chosen: time for clients to read the final message
 
 std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire::VersionInfo& ours) {
   if (incoming.fault && incoming.fault->error == ErrorCode::kTooLarge) return incoming.fault;
@@ -115,7 +115,7 @@ awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, boo
   if (is_private) stop_now();
 }
 
-// Those that have heard their last word and do not close are waited for only while there are few of them.
+// Adds a connection. If too many refused connections do not close, the oldest ones are closed.
 void BusServer::add(const std::shared_ptr<Connection>& connection) {
   std::erase_if(connections_, [](const auto& each) { return each.expired(); });
   std::vector<std::shared_ptr<Connection>> leaving;
@@ -135,7 +135,7 @@ void BusServer::run() {
     if (const auto connection = each.lock()) connection->close();
   }
   io_.run();
-  // A compute thread may still be on its way out of telling this io context so.
+  // A compute thread may still be posting to this io context.
   for (BoardSlot* slot : slots_) slot->settle();
 }
 
@@ -163,7 +163,7 @@ void BusServer::stop_now() {
   for (const auto& [token, session] : sessions) session->end(word.error, word.text);
 }
 
-// ---- clients: their version frame, their place in line for a board, their session
+// ---- clients: version frame, queue for a board, session
 
 awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume,
                                    bool wants_token) {
@@ -202,7 +202,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
     slot.release();
     co_return;
   }
-  session->attach(connection, id, theirs);  // the board is ours, even if the client has gone
+  session->attach(connection, id, theirs);  // the session owns the board, even if the client has gone
   if (stopped_) session->end(ErrorCode::kCancelled, "the board shuts down");
   co_await session->run(can_resume);
   sessions_.erase(token);
@@ -236,8 +236,8 @@ awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& i
   co_return true;
 }
 
-// Refuses a client without the right. One whose token is wrong has to wait for that, so that tokens are guessed slowly; its place can be
-// taken meanwhile.
+// Refuses a client without the right. If the token is wrong, the refusal is delayed, to slow down guessing. Meanwhile
+// another connection can take its place.
 awaitable<bool> BusServer::may_use(Connection& connection, std::uint32_t id, const wire::VersionInfo& theirs,
                                    const std::string& token) {
   const std::optional<Right> right = right_of(options_.tokens, token);
@@ -279,8 +279,8 @@ void BusServer::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, 
   found->second->attach(std::move(connection), id, theirs);
 }
 
-// Stands in line. An owner that is about to leave is waited for; one that stays, as long as the client wants. Who may not use force
-// yet is a client like others.
+// Waits in the queue. If the owner is about to release the board, the client waits; if not, for as long as the client
+// wants. A client that may not use force yet is treated like others.
 awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
                                  BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs) {
   Claimant who;
@@ -325,7 +325,7 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
   co_return false;
 }
 
-// Not to be guessed by other clients, for whom it would be the key to this one's session.
+// Random, because other clients could otherwise guess it and take over the session.
 std::uint64_t BusServer::new_token() const {
   std::random_device random;
   for (;;) {

@@ -1,4 +1,5 @@
-// The data plane's sockets, on one io thread: gives each client a session with a board of this process, or a last word.
+// Sockets of the data plane, on one io thread. Each client gets a session with a board of this process, or an error
+// message.
 #pragma once
 
 #include <memory>
@@ -20,27 +21,28 @@ namespace gicube::emu {
 class BusServer {
  public:
   explicit BusServer(BusOptions options = {});
-  // Only before run() or after it has returned.
+  // Must be called before run() or after it has returned.
   ~BusServer();
 
   BusServer(const BusServer&) = delete;
   BusServer& operator=(const BusServer&) = delete;
 
-  // Before run(). Serves `slot`, which must outlive this; returns the endpoint with its port. Throws std::runtime_error. fd:N is
-  // an is_listening() socket: the endpoint is its path, and its file stays when this goes.
+  // Call before run(). Serves `slot`, which must outlive this object; returns the endpoint with its port. Throws
+  // std::runtime_error. fd:N must be an is_listening() socket: the endpoint is its path, and its file is not removed.
   Endpoint listen(BoardSlot& slot, const Endpoint& endpoint);
 
-  // Before run(). Serves `slot` over one connected stream socket; with `is_private` its end stops the server.
+  // Call before run(). Serves `slot` over one connected stream socket. With `is_private`, its end stops the server.
   void adopt(BoardSlot& slot, int fd, bool is_private);
 
-  // Serves until stop(); returns when every session has ended and its client had time to read why, with the socket files removed.
+  // Serves until stop(). Returns after all sessions have ended and their clients had time to read the reason. Socket
+  // files are then removed.
   void run();
 
-  // Any thread.
+  // Thread-safe.
   void stop();
 
-  // Memory of boards that have a limit, results that clients have not fetched, connections without a board. After listen() and adopt();
-  // any thread.
+  // Memory of boards with a limit, results that clients have not fetched, connections without a board. Call after
+  // listen() and adopt(). Thread-safe.
   std::vector<Quota> quotas() const;
 
  private:
@@ -50,8 +52,9 @@ class BusServer {
   void add(const std::shared_ptr<Connection>& connection);
   awaitable<void> serve(Connection::Socket socket, BoardSlot& slot, bool is_private, bool wants_token);
 
-  // Serves one connection. If it opens a session, returns when that has ended and the board is free again; `can_resume`:
-  // the session may go on over other connections. If it resumes one, or is refused, returns at once.
+  // Serves one connection. If it opens a session, this returns when the session has ended and the board is free again.
+  // If it resumes one, or is refused, this returns at once. `can_resume`: the session may continue over other
+  // connections.
   awaitable<void> receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume, bool wants_token);
   awaitable<bool> read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs,
                                std::string& token);
@@ -65,7 +68,7 @@ class BusServer {
   void note(AuditEvent event, const Connection& connection, const std::string& what) const {
     if (options_.audit != nullptr) options_.audit->note(event, connection.peer(), what);
   }
-  // Says why, and notes it.
+  // Sends the reason to the client and notes it in the audit log.
   void turn_away(Connection& connection, const LastWord& word, AuditEvent event = AuditEvent::kRefused) const {
     note(event, connection, word.text);
     connection.refuse(word);
@@ -73,13 +76,13 @@ class BusServer {
 
   const BusOptions options_;
   bool stopped_ = false;
-  std::vector<std::weak_ptr<Connection>> connections_;  // all of them
+  std::vector<std::weak_ptr<Connection>> connections_;  // all connections
   Guests<Connection> guests_{options_.max_unowned, options_.max_unowned_of_peer};
   BackOff wrong_tokens_{options_.token_pause, options_.longest_token_pause};
-  std::unordered_map<const BoardSlot*, BackOff> forces_;                  // of boards that were taken by force
+  std::unordered_map<const BoardSlot*, BackOff> forces_;                  // for boards that were taken by force
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
   asio::io_context io_{1};
-  std::vector<BoardSlot*> slots_;  // those that were served
+  std::vector<BoardSlot*> slots_;  // all slots that are served
   std::vector<std::unique_ptr<Listener>> listeners_;
 };
 

@@ -19,7 +19,7 @@ using wire::FrameHeader;
 
 namespace {
 
-constexpr std::chrono::seconds kLinger{1};  // chosen: what a client gets to read the last word
+constexpr std::chrono::seconds kLinger{1};  // chosen: time for the client to read the final message
 
 Connection::Incoming damaged_frame(std::uint32_t id, std::string text) {
   Connection::Incoming incoming;
@@ -37,7 +37,7 @@ Connection::Connection(Socket socket, Tls* tls)
 
 Connection::~Connection() = default;
 
-// False: the client does not speak TLS, or not ours.
+// Returns false if the client does not use TLS, or not a supported version.
 awaitable<bool> Connection::secure() {
   if (!tls_ || tls_->is_up) co_return true;
   error_code error;
@@ -159,7 +159,7 @@ awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
       co_await asio::async_write(self->socket_, buffers, into(error));
     }
     self->in_flight_.clear();
-    if (error) self->close();  // the reader sees it end
+    if (error) self->close();  // the reader detects the end
   }
   self->writing_ = false;
   error_code ignored;
@@ -168,7 +168,7 @@ awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
 
 void Connection::refuse(const LastWord& word) {
   if (closing_) return;
-  if (tls_ && !tls_->is_up) return close();  // nothing can be said yet
+  if (tls_ && !tls_->is_up) return close();  // not possible before the handshake
   FrameHeader header{wire::FrameType::kVersion, wire::kResponse, word.id};
   header.error = word.error;
   send(header, wire::share({word.text.begin(), word.text.end()}));
@@ -177,7 +177,7 @@ void Connection::refuse(const LastWord& word) {
   linger_.async_wait([self = shared_from_this()](const error_code& cancelled) {
     if (!cancelled) self->close();
   });
-  if (reading_) return;  // its reader drops what still comes
+  if (reading_) return;  // the reader then discards further input
   asio::co_spawn(
       executor(), [self = shared_from_this()]() { return self->drop_input(); }, asio::detached);
 }
@@ -185,7 +185,7 @@ void Connection::refuse(const LastWord& word) {
 awaitable<void> Connection::drop_input() {
   const auto self = shared_from_this();
   std::vector<std::uint8_t> scrap(std::size_t{16} << 10);
-  // Asio waits for ever when it is asked once more after the end.
+  // Asio never returns if it is asked again after the end.
   while (!ended_ && socket_.is_open()) {
     error_code error;
     co_await socket_.async_read_some(asio::buffer(scrap), into(error));

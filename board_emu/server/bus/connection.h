@@ -1,6 +1,6 @@
-// One socket of the data plane, whatever session it serves: whole, undamaged frames in, frames out.
+// One socket of the data plane, independent of sessions: receives complete, undamaged frames, and sends frames.
 //
-// What is queued goes out in as few writes as the socket allows, payloads uncopied. Only for the server's io thread.
+// Queued frames are sent in as few writes as possible, without copying payloads. Only for the server's io thread.
 #pragma once
 
 #include <array>
@@ -21,7 +21,8 @@ namespace gicube::emu {
 
 struct TlsStream;
 
-// What a client is told before its connection is closed: a frame kVersion | kResponse with the id of the frame at fault.
+// Final message to a client before its connection is closed: a frame kVersion | kResponse with the id of the faulty
+// frame.
 struct LastWord {
   wire::ErrorCode error{};
   std::uint32_t id = 0;
@@ -33,7 +34,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Socket = asio::generic::stream_protocol::socket;
   using Executor = Socket::executor_type;
 
-  // `tls`: null for plain bytes; must outlive this.
+  // `tls`: null for plain TCP; must outlive this object.
   explicit Connection(Socket socket, Tls* tls = nullptr);
   ~Connection();
 
@@ -41,20 +42,21 @@ class Connection : public std::enable_shared_from_this<Connection> {
     wire::FrameHeader header;
     std::vector<std::uint8_t> payload;
   };
-  // Neither of both: the connection has ended.
+  // If both are empty, the connection has ended.
   struct Incoming {
     std::optional<Frame> frame;
-    std::optional<LastWord> fault;  // what came is no frame, too large or damaged: nothing after it can be read
+    std::optional<LastWord> fault;  // not a frame, too large or damaged: the rest of the stream is not usable
   };
-  // One reader at a time.
+  // Only one reader at a time.
   awaitable<Incoming> read(std::uint32_t max_payload);
 
-  // Queues a frame; `size` and `checksum` are set. With `flipped_bit` it is damaged on its way.
+  // Queues a frame and sets `size` and `checksum`. With `flipped_bit`, it is sent damaged.
   void send(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   bool idle() const { return queued_.empty() && !writing_; }
   std::size_t waiting_frames() const { return queued_.size() + in_flight_.size(); }
 
-  // Says why, and closes once the client has closed or its time is up: closing on unread bytes could lose the last word.
+  // Sends the reason, and closes when the client has closed or after a timeout. Closing with unread input could lose
+  // the message.
   void refuse(const LastWord& word);
   void close() {
     closing_ = true;
@@ -63,16 +65,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
     error_code ignored;
     socket_.close(ignored);
   }
-  // From now on nothing passes any more, in either direction, until the client closes.
+  // Blocks all traffic in both directions until the client closes.
   void hang() { hanging_ = true; }
   bool is_open() const { return !closing_; }
-  // Reads and forgets until the client closes, then closes too.
+  // Reads and discards input until the client closes, then closes too.
   awaitable<void> drop_input();
-  // True if the client has closed its end: found without reading.
+  // Returns true if the client has closed its end. Does not consume input.
   bool client_has_left();
 
   Executor executor() { return socket_.get_executor(); }
-  // Who is at the other end, as "process 1234" or "127.0.0.1:5678"; and on which machine or in which process, as "127.0.0.1".
+  // The peer, for example "process 1234" or "127.0.0.1:5678"; and its process or machine, for example "127.0.0.1".
   const std::string& peer() const { return peer_.name; }
   const std::string& host() const { return peer_.host; }
 
@@ -92,16 +94,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
   static awaitable<void> write_queued(std::shared_ptr<Connection> self);
 
   Socket socket_;
-  std::unique_ptr<TlsStream> tls_;  // null: plain
+  std::unique_ptr<TlsStream> tls_;  // null: plain TCP
   asio::steady_timer linger_;
   const Peer peer_;
   std::deque<Outgoing> queued_;
   std::deque<Outgoing> in_flight_;
   bool writing_ = false;
   bool reading_ = false;
-  bool closing_ = false;  // the last word is queued, or the socket is closed
+  bool closing_ = false;  // the final message is queued, or the socket is closed
   bool hanging_ = false;
-  bool ended_ = false;  // the client sends no more
+  bool ended_ = false;  // the client sends nothing more
 };
 
 }  // namespace gicube::emu

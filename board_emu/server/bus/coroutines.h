@@ -1,4 +1,4 @@
-// What the coroutines of the sockets use of Asio.
+// Asio helpers for the coroutines of the sockets.
 #pragma once
 
 #include <chrono>
@@ -19,10 +19,10 @@ namespace asio = boost::asio;
 using asio::awaitable;
 using boost::system::error_code;
 
-// Has an operation return its error instead of throwing it.
+// Makes an operation return its error instead of throwing it.
 inline auto into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
 
-// Shorter if somebody cancels the timer.
+// Ends early if the timer is cancelled.
 inline awaitable<void> sleep(asio::steady_timer& timer, std::chrono::steady_clock::duration duration) {
   timer.expires_after(duration);
   error_code ignored;

@@ -111,7 +111,7 @@ bool is_listening(int fd) {
 
 void remove_stale_socket(const std::string& path) {
   struct stat status {};
-  if (::lstat(path.c_str(), &status) != 0) return;  // nothing there; bind() reports everything else
+  if (::lstat(path.c_str(), &status) != 0) return;  // not found; bind() reports other errors
   if (!S_ISSOCK(status.st_mode))
     throw std::runtime_error(fmt::format("unix:{}: expected a free path, got a file", path));
   if (answers(path)) throw std::runtime_error(fmt::format("unix:{}: another process is listening there", path));

@@ -1,4 +1,4 @@
-// A socket at which the bus server listens. bus_server.cpp alone includes this.
+// A listening socket of the bus server. Included only by bus_server.cpp.
 #pragma once
 
 #include <fcntl.h>
@@ -25,18 +25,19 @@
 
 namespace gicube::emu {
 
-inline constexpr std::chrono::milliseconds kAcceptPause{100};  // chosen: until descriptors may be free again
+inline constexpr std::chrono::milliseconds kAcceptPause{100};  // chosen: until file descriptors may be available again
 
-// Which file is at `path`, so that one that has taken our place is left alone.
+// Identity of the file at `path`, so that a file that has replaced ours is not removed.
 inline std::pair<dev_t, ino_t> identity(const std::string& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return {};
   return {status.st_dev, status.st_ino};
 }
 
-// Small frames go at once, and a client that has gone without a word, as with its machine, is noticed.
+// Disables the delay of small frames, and enables detection of clients that have disappeared without closing, for
+// example with their machine.
 inline void prepare(Connection::Socket& socket) {
-  constexpr int kIdleSeconds = 30, kIntervalSeconds = 10, kProbes = 3;  // chosen: gone for a minute is gone
+  constexpr int kIdleSeconds = 30, kIntervalSeconds = 10, kProbes = 3;  // chosen: a client is gone after a minute
   error_code ignored;
   socket.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket.set_option(asio::socket_base::keep_alive(true), ignored);
@@ -46,7 +47,7 @@ inline void prepare(Connection::Socket& socket) {
   }
 }
 
-// Unix and tcp sockets as those of a generic protocol: once they are bound they do not differ.
+// Unix and TCP sockets with a generic protocol, because they do not differ after binding.
 class BusServer::Listener {
  public:
   Listener(BusServer& server, BoardSlot& slot, const Endpoint& endpoint)
@@ -99,7 +100,7 @@ class BusServer::Listener {
     socklen_t size = sizeof address;
     ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
     const std::string path(address.sun_path, ::strnlen(address.sun_path, sizeof address.sun_path));
-    if (!path.empty()) endpoint_ = {EndpointKind::kUnix, path, "", 0, -1};  // else without a name, or an abstract one
+    if (!path.empty()) endpoint_ = {EndpointKind::kUnix, path, "", 0, -1};  // otherwise unnamed or abstract
   }
 
   awaitable<void> accept() {
@@ -122,7 +123,7 @@ class BusServer::Listener {
   BusServer& server_;
   BoardSlot& slot_;
   Endpoint endpoint_;
-  std::optional<std::pair<dev_t, ino_t>> file_;  // to be removed
+  std::optional<std::pair<dev_t, ino_t>> file_;  // to be removed at the end
   asio::basic_socket_acceptor<asio::generic::stream_protocol> acceptor_{server_.io_};
   asio::steady_timer pause_;
 };

@@ -51,7 +51,8 @@ awaitable<std::string> Session::prepare() {
 
 // ---- connections
 
-// Their numbers must fit what is kept here: what they have not taken must still be there.
+// The client's sequence numbers must be consistent with the kept frames: those that it has not taken must still be
+// here.
 std::string Session::resume_fault(const wire::VersionInfo& theirs) const {
   if (window_.fits(theirs)) return {};
   return fmt::format("expected {} <= consumed <= taken <= {}, got {} and {}", window_.forgotten(), window_.sent(),
@@ -59,7 +60,7 @@ std::string Session::resume_fault(const wire::VersionInfo& theirs) const {
 }
 
 void Session::attach(Connected connection, std::uint32_t id, const wire::VersionInfo& theirs) {
-  if (connection_) connection_->close();  // it has left that one, whether or not we have noticed
+  if (connection_) connection_->close();  // the client has left it, even if that was not detected
   absence_.cancel();
   slot_.set_away(false);
   const bool is_new = peer_.empty();
@@ -77,7 +78,7 @@ void Session::attach(Connected connection, std::uint32_t id, const wire::Version
   wake_.cancel();
 }
 
-// The connection is of no more use. The session goes on without one for a while.
+// The connection is no longer usable. The session continues without one for a while.
 void Session::lose(const Connected& connection, const std::optional<LastWord>& word) {
   if (word) {
     connection->refuse(*word);
@@ -93,7 +94,7 @@ void Session::lose(const Connected& connection, const std::optional<LastWord>& w
     const auto self = weak.lock();
     if (self && !cancelled && !self->connection_) self->stop();
   });
-  slot_.set_away(true);  // last: it may be taken from us at once
+  slot_.set_away(true);  // done last, because the board may be taken immediately
 }
 
 // ---- end
@@ -116,7 +117,7 @@ awaitable<void> Session::give_board_back() {
       slot_.renew(logged);
     };
     co_await run_on_compute(std::move(renew), false);
-  } catch (const std::bad_alloc&) {  // not even for the job: no work is under way, so it can be done here
+  } catch (const std::bad_alloc&) {  // not even for the job; no work is running, so it is done here
     slot_.drop_board();
   }
   slot_.release();
@@ -130,7 +131,7 @@ void Session::end_for_its_time(std::chrono::milliseconds limit) {
 }
 
 awaitable<void> Session::pause(std::chrono::microseconds duration) {
-  constexpr std::chrono::milliseconds kLook{50};  // chosen: how late the end of the session is noticed
+  constexpr std::chrono::milliseconds kLook{50};  // chosen: latency for detecting the end of the session
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + duration;
   asio::steady_timer timer(wake_.get_executor());
@@ -145,7 +146,7 @@ awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job,
   const auto end = Clock::now() + (limit.count() > 0 ? limit : kUntilWoken);
   job_done_ = false;
   std::exception_ptr fault;
-  // The session goes back to the io thread with the news: only there may it end.
+  // The session is passed back to the io thread, because it may only be destroyed there.
   auto run_it = [self = shared_from_this(), executor = wake_.get_executor(), job = std::move(job), &fault]() mutable {
     try {
       job();

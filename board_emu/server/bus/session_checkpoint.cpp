@@ -1,5 +1,5 @@
-// kCheckpoint frames: a client takes its board's checkpoint, or has the board go on from one (docs/reference/protocol.md). All goes
-// over the connection: no client makes this process read or write a file.
+// kCheckpoint frames: a client reads a checkpoint of its board, or continues from one (docs/reference/protocol.md). All
+// data is sent over the connection, so clients cannot make this process read or write files.
 #include <fmt/format.h>
 
 #include <new>
@@ -13,7 +13,7 @@ using wire::ErrorCode;
 
 namespace {
 
-// A request that can't be carried out, in words for the client.
+// Throws the error message for a request that cannot be executed.
 [[noreturn]] void refuse(const char* field, const std::string& expected, const std::string& got) {
   throw CheckpointFault(field, expected, got);
 }
@@ -43,7 +43,7 @@ awaitable<TransactionResult> Session::checkpoint(const Frame& frame) {
   co_return result;
 }
 
-// Throws CheckpointFault: the board is as before, and the buffer empty.
+// Throws CheckpointFault; the board is then unchanged and the buffer empty.
 void Session::checkpoint_step(std::span<const std::uint8_t> payload, Reply& reply) {
   const std::uint64_t max_bytes = options_.max_held_bytes;
   const auto limit = [max_bytes] { return fmt::format("at most {} bytes (gicube-board --max-results)", max_bytes); };

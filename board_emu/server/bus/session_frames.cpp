@@ -1,4 +1,4 @@
-// The owned part of a session: frames in, the board's work, frames out.
+// Data transfer of a session: incoming frames, execution on the board, outgoing frames.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using Arrival = wire::ReliableWindow::Arrival;
 
 namespace {
 
-constexpr std::uint64_t kBytesOfFrame = 256;  // chosen: above what the queues take of one beside its payload
+constexpr std::uint64_t kBytesOfFrame = 256;  // chosen: more than the queues need per frame in addition to the payload
 
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
 
@@ -31,7 +31,7 @@ Manner manner_of(FrameType type) {
   return from_host ? Manner::kNonPosted : Manner::kNotFromHost;
 }
 
-// The length that a kMemoryRead asks for; 0 if its payload is malformed, which the board reports.
+// The length that a kMemoryRead requests; 0 if its payload is malformed, which the board reports.
 std::uint64_t requested_bytes(const FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (header.type != FrameType::kMemoryRead || payload.size() != 16) return 0;
   return wire::load<std::uint64_t>(payload, 8);
@@ -46,7 +46,7 @@ awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected co
     bool more = true;
     while (more && !self->stopped_) {
       Connection::Incoming incoming = co_await connection->read(self->agreed_.max_payload_bytes);
-      if (self->connection_ != connection) co_return;  // another one has taken its place, or the session has ended
+      if (self->connection_ != connection) co_return;  // another connection has replaced it, or the session has ended
       if (!incoming.frame) {
         self->lose(connection, incoming.fault);
         co_return;
@@ -60,7 +60,7 @@ awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected co
   }
 }
 
-// False once nothing more is to be read from this connection. Throws LastWord for what ends the session.
+// Returns false if nothing more may be read from this connection. Throws LastWord to end the session.
 awaitable<bool> Session::take(const Connected& connection, Connection::Frame frame) {
   const FrameHeader header = frame.header;
   if (!wire::is_free(header.type)) {
@@ -68,7 +68,7 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
     co_return more;
   }
   if (header.type == FrameType::kVersion && header.flags == wire::kPosted && header.error == ErrorCode::kNone) {
-    stop();  // the client's goodbye
+    stop();  // the client closes the session
     co_return false;
   }
   admit(header);
@@ -78,7 +78,7 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
                   fmt::format("expected the frame number {}, it was sent and did not come", window_.taken() + 1)});
     co_return false;
   }
-  // A client that waits in vain asks what we have sent. While something is on its way it need not know.
+  // A client that waits too long asks what was sent. No answer is needed while a frame is being sent.
   if (header.flags != wire::kPosted && connection->idle() && !delivering_) {
     connection_->send(window_.credit_frame(wire::kResponse), wire::no_payload());
   }
@@ -96,7 +96,7 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
     co_return false;
   }
   FaultAction action;
-  const bool is_planned = header.type != FrameType::kCheckpoint;  // else a run would change by being saved
+  const bool is_planned = header.type != FrameType::kCheckpoint;  // otherwise saving a checkpoint would change a run
   if (is_planned && wire::sequence_step(judged_, header.sequence) > 0) {
     judged_ = header.sequence;
     action = slot_.faults().taken(wire::kFrameHeaderBytes + header.size);
@@ -131,7 +131,7 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
   co_return true;
 }
 
-// Judges a whole frame by its header.
+// Checks a complete frame by its header.
 void Session::admit(const FrameHeader& header) {
   const Manner manner = manner_of(header.type);
   const bool is_credit = header.type == FrameType::kCredit;
@@ -144,7 +144,7 @@ void Session::admit(const FrameHeader& header) {
                                              static_cast<std::uint32_t>(header.error)));
   }
   const unsigned flags = manner == Manner::kPosted ? unsigned{wire::kPosted} : 0u;
-  // Credit has no flags to tell apart: it is always posted.
+  // The flags of credit frames carry no information; they are always posted.
   if (header.flags != flags && !is_credit) {
     refuse(ErrorCode::kProtocol,
            fmt::format("expected flags {} on a frame of type {}, got {}", flags, type, header.flags));
@@ -193,14 +193,14 @@ awaitable<void> Session::work() {
   }
 }
 
-// For the client, at this moment.
+// Bytes currently held for the client.
 std::uint64_t Session::held() const {
   const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
   return held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
 }
 
-// Throws LastWord if the client piles up results that it never fetches, answers that it never takes, or credit that it never
-// reads. Its own window does not bound that: it may be as large as the client likes.
+// Throws LastWord if the client accumulates results that it never fetches, answers that it never takes, or credit that
+// it never reads. The client's own window is no limit, because the client chooses its size.
 void Session::check_held(const FrameHeader& header) const {
   const std::uint64_t bytes = held();
   if (bytes <= options_.max_held_bytes) return;
@@ -216,7 +216,7 @@ awaitable<TransactionResult> Session::transact(const Frame& frame) {
   has_worked_ = true;
   progress_.all = progress_.done = 0;
   progress_.ticket = frame.header.id;
-  std::uint64_t held_bytes = 0;  // the session reads its own meanwhile, on another thread
+  std::uint64_t held_bytes = 0;  // separate, because the session reads held_bytes_ on another thread
   std::function<void()> job = [this, &frame, &result, &held_bytes] {
     if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
     result = slot_.board().transact(frame.header, frame.payload, progress_);
@@ -245,7 +245,7 @@ awaitable<void> Session::send_result(const FrameHeader& request, TransactionResu
   co_await send(header, std::move(result.reply->payload));
 }
 
-// A board in real time says nothing before its simulated time has come.
+// In real-time mode, delays an answer until its simulated time.
 awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
   if (!realtime_) co_return;
   const auto due = begin_ + std::chrono::nanoseconds(time_ps / 1000);
@@ -265,13 +265,13 @@ void Session::send_progress() {
   put(header, wire::share(std::move(payload)));
 }
 
-// Most credit travels on other frames. It goes by itself when half the window waits, when the client could not send its
-// largest frame without it, or when it may be waiting for our credit as we are for its.
+// Credit is usually returned in other frames. It is sent separately if half the window is waiting, if the client could
+// not send its largest frame without it, or if both sides might be waiting for each other's credit.
 void Session::return_credit() {
   if (connection_ && window_.owes_credit()) connection_->send(window_.credit_frame(wire::kPosted), wire::no_payload());
 }
 
-// Waits until the client has room, or the session ends instead.
+// Waits until the client has room, or until the session ends.
 awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payload) {
   if (payload.size() > agreed_.max_payload_bytes) {
     throw LastWord{ErrorCode::kInternal, header.id,
@@ -286,7 +286,7 @@ awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
   co_await deliver(frame);
 }
 
-// Sends a frame for the first time. If the connection ends, the next one will bring it.
+// Sends a frame for the first time. If the connection has ended, the next one will send it.
 awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
   const bool is_planned = frame.header.type != FrameType::kCheckpoint;
   const FaultAction action =
@@ -294,7 +294,7 @@ awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
   const Connected connection = connection_;
   if (action.any()) {
     delivering_ = true;
-    // What was sent before must not be lost with the process: the log would not be that of the plan and the traffic.
+    // Earlier frames must not be lost with the process, because the log would then not match the plan and the traffic.
     while (!stopped_ && action.kill && connection && !connection->idle()) co_await pause(std::chrono::milliseconds(1));
     if (action.kill) ::raise(SIGKILL);
     co_await pause(action.pause);
@@ -308,7 +308,7 @@ awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
   if (action.twice) put(frame.header, frame.payload);
 }
 
-// Queues one frame, with all the credit that the client has earned.
+// Queues one frame, with all credit that is to be returned.
 void Session::put(FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit) {
   if (!connection_) return;
   window_.put_credit(header);

@@ -1,4 +1,4 @@
-// TLS of the data plane, the board's end. What it is made of, only tls_stream.h knows.
+// TLS of the data plane on the board's side. The implementation is hidden in tls_stream.h.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,8 @@ namespace gicube::emu {
 
 class Tls;
 
-// With this certificate and its private key, PEM files. Throws std::runtime_error that names the file that is no good.
+// Loads the certificate and its private key from PEM files. Throws std::runtime_error with the name of the invalid
+// file.
 std::shared_ptr<Tls> make_tls(const std::string& certificate_file, const std::string& key_file);
 
 }  // namespace gicube::emu

@@ -1,4 +1,4 @@
-// What tls.h promises, with OpenSSL: heavy headers, for few sources.
+// OpenSSL implementation of tls.h. Its headers are heavy, so only few sources include it.
 #pragma once
 
 #include <boost/asio/generic/stream_protocol.hpp>
@@ -17,7 +17,7 @@ struct TlsStream {
   TlsStream(boost::asio::generic::stream_protocol::socket& socket, Tls& tls) : stream(socket, tls.context) {}
 
   boost::asio::ssl::stream<boost::asio::generic::stream_protocol::socket&> stream;
-  bool is_up = false;  // the handshake of TLS is done
+  bool is_up = false;  // the TLS handshake has succeeded
 };
 
 }  // namespace gicube::emu

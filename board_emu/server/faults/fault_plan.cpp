@@ -17,10 +17,10 @@ using google::protobuf::Message;
 using v1::PlannedFault;
 using v1::RandomFaults;
 
-// Names that a plan of an earlier release may have.
+// Field names of earlier releases.
 constexpr std::array kRenamed{RenamedField{"most_faults", "max_faults"}, RenamedField{"most_delay_ms", "max_delay_ms"}};
 
-// A field that some kinds use, and must have unless `may_be_left_out`, in the messages that have it.
+// A field that is used by some kinds of faults. They require it, unless `may_be_left_out`.
 struct Parameter {
   const char* field;
   bool may_be_left_out;
@@ -48,7 +48,7 @@ class Check {
         {where + "." + field, std::move(expected), std::move(got), line == lines_.end() ? 0 : line->second});
   }
 
-  // False, and reported, if the field is missing, or holds no value of its kind or range.
+  // Returns false, and reports it, if the field is missing or its value is invalid.
   bool need(const std::string& where, const Message& message, const char* name) {
     const FieldDescriptor& field = *message.GetDescriptor()->FindFieldByName(name);
     if (message.GetReflection()->HasField(message, &field)) return in_range(where, message, name);
@@ -62,7 +62,7 @@ class Check {
     return !what;
   }
 
-  // Every parameter that `kinds` use must be there, and no other.
+  // Requires the parameters of `kinds` and no others.
   void need_parameters(const std::string& where, const Message& message, const std::set<PlannedFault::Kind>& kinds) {
     for (const Parameter& parameter : kParameters) {
       const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(parameter.field);
@@ -120,10 +120,10 @@ void check_random(const std::string& where, const RandomFaults& random, Check& c
   check.need_parameters(where, random, kinds);
 }
 
-// SplitMix64's numbers [Steele, Lea, Flood, OOPSLA 2014].
+// SplitMix64 [Steele, Lea, Flood, OOPSLA 2014].
 std::uint64_t mix(std::uint64_t x) { return mix64(x + 0x9E3779B97F4A7C15u); }
 
-// What is drawn for a message: whether, which kind, and its parameters are independent of one another.
+// Random decisions for a message. Whether it is affected, the kind and the parameters are independent.
 enum class Purpose : std::uint64_t { kHit, kKind, kFirst, kSecond };
 
 std::uint64_t chance(std::uint64_t stream, std::uint64_t message, Purpose purpose) {
@@ -139,7 +139,7 @@ bool is_memory_fault(PlannedFault::Kind kind) {
 ParsedFaultPlan parse_fault_plan(std::string_view text) {
   ParsedFaultPlan parsed;
   static_cast<TextReading&>(parsed) = read_text(text, parsed.plan, kRenamed);
-  if (!parsed.diagnostics.empty()) return parsed;  // what could not be read would be missed once more
+  if (!parsed.diagnostics.empty()) return parsed;  // unreadable fields would also be reported as missing
   Check check(parsed.lines);
   std::set<std::pair<int, std::uint64_t>> taken;
   for (int i = 0; i < parsed.plan.fault_size(); ++i) {
@@ -175,7 +175,7 @@ FaultEngine::FaultEngine(const v1::FaultPlan& plan) {
     ++part;
     for (const PlannedFault::Direction direction : {PlannedFault::down, PlannedFault::up}) {
       if (rule.has_direction() && rule.direction() != direction) continue;
-      // Parts with one seed, and the directions of one part, are independent of one another.
+      // Rules with the same seed, and both directions of a rule, are independent.
       const std::uint64_t stream = mix(mix(mix(rule.seed()) ^ part) ^ static_cast<std::uint64_t>(direction));
       Random random{rule, stream, {}};
       for (int i = 0; i < rule.kinds_size(); ++i) {
@@ -209,7 +209,7 @@ std::optional<PlannedFault> FaultEngine::next(PlannedFault::Direction direction,
   Lane& lane = lanes_[this->lane(direction)];
   const std::uint64_t message = ++lane.message;
   std::optional<PlannedFault> hit;
-  // Each draws for itself, so that a named fault or another part does not move what comes later.
+  // All rules draw for each message, so that a planned fault or another rule does not change later draws.
   for (Random& random : lane.random) {
     auto drawn = draw(random, direction, message);
     if (drawn && !hit) hit = std::move(drawn);

@@ -77,7 +77,7 @@ FaultPoint::Log FaultPoint::log(bool clear) {
 
 void FaultPoint::append_log_to(const std::string& path) {
   std::ofstream file;
-  file.rdbuf()->pubsetbuf(nullptr, 0);  // each line is one write, so that a process that is killed has written it
+  file.rdbuf()->pubsetbuf(nullptr, 0);  // unbuffered, so that lines written before a SIGKILL are in the file
   file.open(path, std::ios::app);
   if (!file) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
   const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-// What may be seen of a board from outside, as messages of the management plane. Any thread.
+// Fills messages of the management plane with a board's public state. Thread-safe.
 #pragma once
 
 #include "gicube/v1/management.pb.h"

@@ -18,10 +18,10 @@
 namespace gicube::emu {
 namespace {
 
-constexpr std::chrono::milliseconds kShutdownGrace{200};  // chosen: with the last words to clients less than kMaxEnding
-constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what a configuration text may have
-constexpr int kMaxThreads = 48;                           // chosen: three times the watches; each call has one
-constexpr int kMaxCallsOfConnection = 32;                 // chosen: twice the watches; more wait for these
+constexpr std::chrono::milliseconds kShutdownGrace{200};  // chosen: with the final messages to clients below kMaxEnding
+constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice the maximum size of a configuration text
+constexpr int kMaxThreads = 48;                           // chosen: three times the watches; each call needs one
+constexpr int kMaxCallsOfConnection = 32;                 // chosen: twice the watches; further calls wait
 constexpr std::size_t kMaxMemoryBytes = std::size_t{64} << 20;  // chosen: a configuration for each of 32 calls
 
 std::string read_pem(const std::string& path) {
@@ -30,7 +30,7 @@ std::string read_pem(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// `check`: of callers over TCP.
+// `check`: for callers over TCP.
 std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& options,
                                                      const std::shared_ptr<TokenCheck>& check) {
   if (options.endpoint.kind == EndpointKind::kUnix) return grpc::InsecureServerCredentials();
@@ -83,7 +83,7 @@ std::string trace_path(const std::string& folder, const std::string& file) {
   const std::filesystem::path path(file);
   const std::string name = path.filename().string();
   const bool is_there = !path.has_parent_path() || path.parent_path() == folder;
-  // With a zero byte the file that is written would have another name than the one that is noted.
+  // With a zero byte, the name in the log would differ from the name of the written file.
   const bool is_text = std::ranges::none_of(file, [](unsigned char c) { return c < ' ' || c == 0x7f; });
   if (!is_text) throw std::invalid_argument("file: expected a name without control characters, got one with them");
   if (!is_there || name.empty() || name.starts_with('.')) {
@@ -94,7 +94,7 @@ std::string trace_path(const std::string& folder, const std::string& file) {
 
 struct Management::Parts {
   Endpoint endpoint;
-  std::shared_ptr<TokenCheck> tokens;  // null at a Unix socket, whose file is its owner's alone
+  std::shared_ptr<TokenCheck> tokens;  // null for a Unix socket, whose file only its owner can access
   Service service;
   std::unique_ptr<grpc::Server> server;
 
@@ -114,15 +114,15 @@ Management::Management(const ManagementOptions& options, std::vector<BoardSlot*>
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  // Without that a second process would silently share the port.
+  // Otherwise a second process would silently share the port.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  // Calls beyond that end with RESOURCE_EXHAUSTED.
+  // Calls beyond these limits end with RESOURCE_EXHAUSTED.
   grpc::ResourceQuota quota("management");
   quota.SetMaxThreads(kMaxThreads);
   quota.Resize(kMaxMemoryBytes);
   builder.SetResourceQuota(quota);
-  builder.SetSyncServerOption(grpc::ServerBuilder::NUM_CQS, 1);  // else one a core, with threads of its own
+  builder.SetSyncServerOption(grpc::ServerBuilder::NUM_CQS, 1);  // default: one per core, with its own threads
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsOfConnection);
   int port = 0;
   const std::string text = to_string(options.endpoint);

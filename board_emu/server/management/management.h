@@ -15,32 +15,33 @@ namespace gicube::emu {
 
 struct ManagementOptions {
   Endpoint endpoint;
-  // PEM files, and that of tokens (proto/gicube/access.h). Needed where other machines can reach the endpoint.
+  // PEM files, and the token file (proto/gicube/access.h). Required if other machines can reach the endpoint.
   std::string certificate_file, key_file, token_file;
-  std::vector<AccessToken> tokens{};  // beside those of the file: one of all these is asked of each caller over TCP
-  Audit* audit = nullptr;             // must outlive the plane; null: there is none
-  std::string trace_folder{};         // where SetTrace may create files; empty: nowhere
+  std::vector<AccessToken> tokens{};  // in addition to the file's; each caller over TCP needs one of all these
+  Audit* audit = nullptr;             // must outlive the management plane; may be null
+  std::string trace_folder{};         // folder in which SetTrace may create files; empty: none
 };
 
-// Why these options are refused, by flag; empty if they are good. Reads no file.
+// Checks the options without reading files. Returns the errors by flag.
 std::vector<Diagnostic> check(const ManagementOptions& options);
 
-// The token of a header that is "Bearer " and a token; else nothing, which is nobody's token.
+// Returns the token of a header "Bearer TOKEN", otherwise an empty text, which is never a valid token.
 std::string_view bearer_token(std::string_view authorization);
 
-// The file that SetTrace is asked to write: one in `folder`, by its name or its whole path. Throws std::invalid_argument.
+// Returns the path of the file for SetTrace, which must be in `folder`; `file` is a name or full path. Throws
+// std::invalid_argument.
 std::string trace_path(const std::string& folder, const std::string& file);
 
 class Management {
  public:
-  // Serves the boards, which must outlive this, on gRPC's threads. Throws std::runtime_error that names what is at fault.
+  // Serves the boards, which must outlive this object, on gRPC's threads. Throws std::runtime_error with the reason.
   Management(const ManagementOptions& options, std::vector<BoardSlot*> boards);
   ~Management();
 
   Management(const Management&) = delete;
   Management& operator=(const Management&) = delete;
 
-  // With the port that it got.
+  // The endpoint with the actual port.
   const Endpoint& endpoint() const;
 
  private:

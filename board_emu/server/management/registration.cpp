@@ -17,19 +17,20 @@
 namespace gicube::emu {
 namespace {
 
-constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
+constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until file descriptors may be available again
 
 }  // namespace
 
 Registration::Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit, Quotas quotas)
     : management_(std::move(management)), boards_(std::move(boards)), audit_(audit), quotas_(std::move(quotas)) {
   const std::string folder = registry_folder();
-  ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
+  ::mkdir(folder.c_str(), S_IRWXU);  // registry_fault() reports an error
   const std::string fault = registry_fault(folder);
   if (!fault.empty()) throw std::runtime_error(fault);
   remove_dead_sockets(folder);
   path_ = folder + '/' + std::to_string(::getpid());
-  // Gets its name once it answers: a reader takes a socket that refuses him for a dead process's.
+  // The socket is renamed when it answers, because readers assume that a socket that refuses connections belongs to a
+  // dead process.
   const std::string unnamed = folder + "/." + std::to_string(::getpid());
   const auto fail = [&unnamed](const std::string& path, const std::error_code& error) {
     ::unlink(unnamed.c_str());

@@ -1,4 +1,5 @@
-// This process's socket in its user's registry (proto/gicube/registry.h), by which gicube-smi finds it, management plane or not.
+// This process's socket in its user's registry (proto/gicube/registry.h). gicube-smi finds the process by it, also
+// without a management plane.
 #pragma once
 
 #include <string>
@@ -17,9 +18,10 @@ namespace gicube::emu {
 
 class Registration {
  public:
-  // Makes the folder if it is not there, and tells callers about the boards, which must outlive this, from a thread of its own.
-  // `management`: the endpoint of their management plane, or empty. Throws std::runtime_error that says why nobody will see them.
-  // `audit`: whose counts are told too; null: none. `quotas`: what to tell of limits; empty: nothing.
+  // Creates the folder if necessary, and reports the boards, which must outlive this object, to clients from a separate
+  // thread. `management`: endpoint of the management plane, or empty. `audit`: source of event counts; may be null.
+  // `quotas`: source of limits; may be empty. Throws std::runtime_error with the reason if the socket cannot be
+  // created.
   Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit = nullptr,
                Quotas quotas = {});
   // Removes the socket.

@@ -1,4 +1,4 @@
-// The calls of the management plane. gRPC's headers are heavy: management.cpp alone includes this.
+// The calls of the management plane. Included only by management.cpp, because gRPC's headers are heavy.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,15 +27,15 @@ using grpc::ServerContext;
 using grpc::Status;
 using grpc::StatusCode;
 
-inline constexpr int kMaxWatchers = 16;  // chosen: each holds a thread
+inline constexpr int kMaxWatchers = 16;  // chosen: each occupies a thread
 inline constexpr std::uint32_t kMinIntervalMs = 10, kMaxIntervalMs = 60'000, kDefaultIntervalMs = 1000;
-inline constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: how late a cancelled watch is noticed
+inline constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: latency for detecting a cancelled watch
 
 class Service final : public v1::BoardManagement::Service {
  public:
   using DebugStream = grpc::ServerReaderWriter<v1::DebugAnswer, v1::DebugRequest>;
 
-  // `tokens`: null if nobody is asked for one.
+  // `tokens`: null if callers do not need one.
   Service(std::vector<BoardSlot*> boards, const ManagementOptions& options, std::shared_ptr<const TokenCheck> tokens)
       : boards_(std::move(boards)),
         trace_folder_(options.trace_folder),
@@ -167,7 +167,7 @@ class Service final : public v1::BoardManagement::Service {
     return noted(AuditEvent::kSaved, context, slot, Status::OK, path);
   }
 
-  // The line "checkpoint FILE" of a debugger.
+  // Executes the line "checkpoint FILE" of a debugger.
   Debugger::Answer save_in_debug(const ServerContext& context, BoardSlot& slot, const std::string& file) {
     v1::CheckpointInfo info;
     const Status status = save(context, slot, file, info);
@@ -191,7 +191,7 @@ class Service final : public v1::BoardManagement::Service {
       const Debugger::Answer said = request.line().starts_with(kCheckpoint)
                                         ? save_in_debug(context, slot, request.line().substr(kCheckpoint.size()))
                                         : debugger.carry_out(request.line(), given_up(context));
-      // What changes values on the board is in the log.
+      // Commands that change values on the board are logged.
       if (!said.is_fault && request.line().starts_with("set ")) {
         noted(AuditEvent::kDebugged, context, slot, Status::OK, request.line().substr(0, 80));
       }
@@ -207,7 +207,7 @@ class Service final : public v1::BoardManagement::Service {
   void note(AuditEvent event, const ServerContext& context, const std::string& what) const {
     if (audit_ != nullptr) audit_->note(event, "management caller " + context.peer(), what);
   }
-  // What a call of this kind has come to.
+  // Logs the result of a call.
   Status noted(AuditEvent event, const ServerContext& context, const BoardSlot& slot, const Status& status,
                const std::string& what = "") const {
     const std::string result = status.ok() ? "done" : "refused: " + status.error_message();
@@ -215,7 +215,7 @@ class Service final : public v1::BoardManagement::Service {
     return status;
   }
 
-  // Why a caller may not do what needs this right.
+  // Returns an error if the caller lacks this right.
   Status lacks(const ServerContext& context, Right needed) const {
     if (!tokens_) return Status::OK;
     const std::optional<Right> right = tokens_->right_in(context.client_metadata());
@@ -226,14 +226,14 @@ class Service final : public v1::BoardManagement::Service {
                         right ? name_of(*right) : "nothing")};
   }
 
-  // Has `work` do what a request asks of the board that it names.
+  // Calls `work` with the board that the request names.
   template <typename Request, typename Work>
   Status on_board(const Request& request, const Work& work) const {
     if (request.board() < boards_.size()) return work(*boards_[request.board()]);
     return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, request.board())};
   }
 
-  // What one may see of the board that a request names.
+  // Fills a message with the public state of the board that the request names.
   template <typename Request, typename Message>
   Status show(const Request* request, Message* out) const {
     return on_board(*request, [&](BoardSlot& slot) { return shown(slot, *out); });
@@ -249,7 +249,7 @@ class Service final : public v1::BoardManagement::Service {
     }
   }
 
-  // gRPC refuses metadata of more than 8 KiB, in which a status travels percent-encoded.
+  // gRPC refuses metadata above 8 KiB, in which a status is sent percent-encoded.
   static std::string in_short(std::string text) {
     constexpr std::size_t kMaxBytes = 4096;  // chosen
     if (text.size() <= kMaxBytes) return text;
@@ -287,14 +287,14 @@ class Service final : public v1::BoardManagement::Service {
     return {StatusCode::UNAVAILABLE, "the board process ends"};
   }
 
-  // What one may see of the board: describe.h has it all.
+  // Fills a message with the public state of a board (describe.h).
   template <typename Slot, typename Message>
   static Status shown(Slot& slot, Message& out) {
     describe(slot, out);
     return Status::OK;
   }
 
-  // False if the call was cancelled or the service stops before that.
+  // Returns false if the call is cancelled or the service stops before that time.
   bool sleep_until(std::chrono::steady_clock::time_point time, const ServerContext& context) {
     std::unique_lock lock(mutex_);
     while (!stopping_ && !context.IsCancelled()) {

@@ -1,4 +1,4 @@
-// Who may call the management plane over TCP.
+// Authentication of callers of the management plane over TCP.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -16,15 +16,15 @@
 
 namespace gicube::emu {
 
-// Asks every call for a token, those of health and reflection too. Who has a wrong one waits for the refusal, each time longer, so that
-// tokens are guessed slowly; only a few do, since each of them holds a thread.
+// Requires a token for each call, including health and reflection. Refusals of wrong tokens are delayed with increasing
+// pauses, to slow down guessing. Only a few are delayed at a time, because each occupies a thread.
 class TokenCheck final : public grpc::AuthMetadataProcessor {
  public:
   TokenCheck(std::vector<AccessToken> tokens, Audit* audit) : tokens_(std::move(tokens)), audit_(audit) {}
 
   bool IsBlocking() const override { return true; }
 
-  // The token stays in the call's metadata: what it lets its holder do is asked for each call by right_in().
+  // The token stays in the call's metadata. Each call checks its right with right_in().
   grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) override {
     if (right_in(metadata)) return grpc::Status::OK;
     hold_back(metadata.find(kHeader) != metadata.end());
