@@ -18,7 +18,8 @@ constexpr bool kHasSanitizers = __has_feature(address_sanitizer) || __has_featur
 constexpr bool kHasSanitizers = false;
 #endif
 
-// What the libraries read when they need it, and what is no secret: the number of processors, and for the log the time zone.
+// Files that libraries read on demand, and that are not secret: the number of processors, and the time zone for the
+// log.
 const std::vector<Box::Place> kLibraries{{"/sys/devices/system/cpu", Box::Access::kRead},
                                          {"/etc/localtime", Box::Access::kRead}};
 

@@ -1,8 +1,10 @@
-// The box that a board process puts itself into once it has all that it needs. From then on its threads may ask of the kernel
-// what a running board asks, and no more: whoever gets code into the process, by a fault of ours or of a library or as a scattering
-// routine, reads no file, starts no program and reaches no other process or machine. docs/reference/security.md lists what is allowed.
+// The sandbox ("box") that a board process enters when it has opened all that it needs. After that, its threads may
+// only make the system calls that a running board needs. If an attacker gets code into the process, through a
+// vulnerability of the board or of a library or as a scattering routine, this code cannot read files, start programs,
+// or reach other processes or machines. docs/reference/security.md lists what is allowed.
 //
-// Two parts, each where the kernel has it: Landlock for files and TCP, and a filter of system calls (seccomp).
+// It has two parts, each used if the kernel supports it: Landlock for files and TCP, and a system call filter
+// (seccomp).
 #pragma once
 
 #include <string>
@@ -12,28 +14,29 @@ namespace gicube::emu {
 
 struct Box {
   enum class Access {
-    kRead,    // a file, or the files of a folder
-    kRemove,  // files of a folder
-    kWrite,   // make, write, rename and remove files of a folder
+    kRead,    // read a file, or the files of a folder
+    kRemove,  // remove files of a folder
+    kWrite,   // create, write, rename and remove files of a folder
   };
-  // A folder stands for all that is below it.
+  // A folder includes everything below it.
   struct Place {
     std::string path;
     Access access = Access::kRead;
   };
-  std::vector<Place> places{};  // that may still be used; none: no file is opened, renamed or removed any more
-  bool has_clients = true;      // takes new connections at the sockets that listen
+  std::vector<Place> places{};  // files that may still be used; empty: no file can be opened, renamed or removed
+  bool has_clients = true;      // accepts new connections at listening sockets
 };
 
-// What of a box is in force.
+// The parts of the box that are in force.
 struct Boxed {
   enum class Part { kMissing, kFailed, kInForce };
   Part files = Part::kMissing, calls = Part::kMissing;
-  std::string text;  // says so, for the log
+  std::string text;  // description for the log
 };
 
-// For good, and for all threads: those that run and those that they will start. What is open stays open. Whatever comes of it, the process
-// gains no rights by what it executes. With sanitizers there is no box: they look at the process in ways that it refuses.
+// Applies to all current and future threads and cannot be undone. Open files stay open. In any case the process gains
+// no privileges from programs that it executes. With sanitizers there is no box, because they need refused system
+// calls.
 Boxed enter_box(const Box& box);
 
 }  // namespace gicube::emu

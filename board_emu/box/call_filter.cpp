@@ -22,7 +22,7 @@
 namespace gicube::emu {
 namespace {
 
-// Calls by their numbers; what another processor family does not have, libseccomp leaves out.
+// System call numbers. libseccomp ignores those that a processor architecture does not have.
 using Calls = std::initializer_list<int>;
 
 constexpr Calls kComputing{
@@ -37,11 +37,11 @@ constexpr Calls kComputing{
     SCMP_SYS(nanosleep), SCMP_SYS(pause), SCMP_SYS(restart_syscall), SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask),
     SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigtimedwait), SCMP_SYS(sigaltstack), SCMP_SYS(time), SCMP_SYS(timer_create),
     SCMP_SYS(timer_delete), SCMP_SYS(timer_getoverrun), SCMP_SYS(timer_gettime), SCMP_SYS(timer_settime),
-    // What the libraries ask about this process and the machine
+    // Queries of the libraries about this process and the machine
     SCMP_SYS(getcpu), SCMP_SYS(getegid), SCMP_SYS(geteuid), SCMP_SYS(getgid), SCMP_SYS(getrandom), SCMP_SYS(getrusage),
     SCMP_SYS(getuid), SCMP_SYS(sysinfo), SCMP_SYS(uname)};
 
-// With what is open, and to wait for it. Libraries ask for an open file's status by newfstatat.
+// Use of open files, and waiting for them. Libraries query the status of an open file with newfstatat.
 // clang-format off
 constexpr Calls kOpenFiles{
     SCMP_SYS(close), SCMP_SYS(epoll_create1), SCMP_SYS(epoll_ctl), SCMP_SYS(epoll_pwait), SCMP_SYS(epoll_wait),
@@ -54,13 +54,13 @@ constexpr Calls kOpenFiles{
 constexpr Calls kClients{SCMP_SYS(accept),      SCMP_SYS(accept4),    SCMP_SYS(getpeername),
                          SCMP_SYS(getsockname), SCMP_SYS(getsockopt), SCMP_SYS(setsockopt)};
 
-// By name; Landlock says which files, but not of whose status one may ask.
+// Files by name. Landlock restricts the files, but not status queries.
 constexpr Calls kNamedFiles{SCMP_SYS(access),    SCMP_SYS(faccessat), SCMP_SYS(faccessat2), SCMP_SYS(lstat),
                             SCMP_SYS(open),      SCMP_SYS(openat),    SCMP_SYS(rename),     SCMP_SYS(renameat),
                             SCMP_SYS(renameat2), SCMP_SYS(stat),      SCMP_SYS(statx),      SCMP_SYS(unlink),
                             SCMP_SYS(unlinkat)};
 
-// No library of the process calls these: whoever does has taken it over, and is not given a second attempt.
+// No library of the process makes these calls. A process that does has been compromised and is killed.
 // clang-format off
 constexpr Calls kHostile{
     SCMP_SYS(add_key), SCMP_SYS(bpf), SCMP_SYS(chroot), SCMP_SYS(delete_module), SCMP_SYS(execve), SCMP_SYS(execveat),
@@ -71,19 +71,19 @@ constexpr Calls kHostile{
     SCMP_SYS(umount2), SCMP_SYS(unshare), SCMP_SYS(userfaultfd)};
 // clang-format on
 
-// What libseccomp returns: 0 or an error below it.
+// Checks a result of libseccomp: 0, or a negative error.
 void check(int result) {
   if (result != 0) throw std::system_error(-result, std::generic_category(), "seccomp");
 }
 
 class Filter {
  public:
-  // Whatever it does not name ends with EPERM.
+  // All calls without a rule return EPERM.
   Filter() : context_(::seccomp_init(SCMP_ACT_ERRNO(EPERM)), &::seccomp_release) {
     if (!context_) check(-ENOMEM);
     set(SCMP_FLTATR_CTL_TSYNC, 1);
-    set(SCMP_FLTATR_CTL_OPTIMIZE, 2);  // found in a tree, not one after the other
-    set(SCMP_FLTATR_API_SYSRAWRC, 1);  // the kernel's own errors
+    set(SCMP_FLTATR_CTL_OPTIMIZE, 2);  // binary tree instead of a linear search
+    set(SCMP_FLTATR_API_SYSRAWRC, 1);  // report the kernel's own errors
   }
 
   void add(std::uint32_t action, Calls calls) {
@@ -91,7 +91,7 @@ class Filter {
   }
   void allow(Calls calls) { add(SCMP_ACT_ALLOW, calls); }
 
-  // An argument that has this value in the bits of the mask; one that has this value.
+  // Conditions on an argument: its masked bits, or all of it, equal a value.
   static scmp_arg_cmp bits(unsigned argument, std::uint64_t mask, std::uint64_t value) {
     return {argument, SCMP_CMP_MASKED_EQ, mask, value};
   }
@@ -112,20 +112,20 @@ class Filter {
   std::unique_ptr<void, void (*)(void*)> context_;
 };
 
-// Nothing that is written can be executed.
+// Writable memory can never be executed.
 void allow_memory(Filter& filter) {
   for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)}) filter.allow_if(call, {Filter::bits(2, PROT_EXEC, 0)});
 }
 
-// Threads, but no processes and no namespaces.
+// Allows new threads, but no processes and no namespaces.
 void allow_threads(Filter& filter) {
   constexpr std::uint64_t kNamespaces =
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow_if(SCMP_SYS(clone), {Filter::bits(0, CLONE_THREAD | kNamespaces, CLONE_THREAD)});
-  filter.add(SCMP_ACT_ERRNO(ENOSYS), {SCMP_SYS(clone3)});  // its flags can't be seen: libc then calls the other one
+  filter.add(SCMP_ACT_ERRNO(ENOSYS), {SCMP_SYS(clone3)});  // its flags cannot be checked; libc then uses clone
   filter.allow_if(SCMP_SYS(prctl), {Filter::equals(0, PR_SET_NAME)});
   filter.allow_if(SCMP_SYS(tgkill), {Filter::equals(0, static_cast<std::uint64_t>(::getpid()))});
-  filter.allow_if(SCMP_SYS(prlimit64), {Filter::equals(0, 0), Filter::equals(2, 0)});  // asks, for itself
+  filter.allow_if(SCMP_SYS(prlimit64), {Filter::equals(0, 0), Filter::equals(2, 0)});  // reads its own limits
 }
 
 void allow_modes_of_descriptors(Filter& filter) {

@@ -1,10 +1,10 @@
-// The system calls that this process may make, by seccomp.
+// Restricts the system calls of this process with seccomp.
 #pragma once
 
 namespace gicube::emu {
 
-// For every thread of the process. `uses_files`: opens, renames and removes files; `has_clients`: takes connections. False: the kernel has
-// no such filters. Throws std::system_error.
+// Applies to all threads of the process. `uses_files`: opens, renames and removes files. `has_clients`: accepts
+// connections. Returns false if the kernel has no such filters. Throws std::system_error.
 bool filter_calls(bool uses_files, bool has_clients);
 
 }  // namespace gicube::emu

@@ -18,10 +18,10 @@
 namespace gicube::emu {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};         // chosen: a thousand times what a thread takes on a busy machine
-constexpr std::chrono::milliseconds kLookAgain{10};  // chosen: whether a thread that does not answer has ended
+constexpr std::chrono::seconds kPatience{5};         // chosen: a thousand times the response time under load
+constexpr std::chrono::milliseconds kLookAgain{10};  // chosen: interval for checking whether a thread has ended
 
-// What a thread is asked for, and its answer. One thread at a time.
+// The call for one thread, and its result. One thread at a time.
 struct Asked {
   int (*call)(int) = nullptr;
   int argument = 0;
@@ -50,7 +50,7 @@ std::vector<pid_t> threads() {
   return found;
 }
 
-// Until it has answered or ended.
+// Waits until the thread has answered or ended.
 void ask(pid_t thread, int signal) {
   if (::tgkill(::getpid(), thread, signal) != 0) return;
   using std::chrono::steady_clock;
@@ -60,7 +60,7 @@ void ask(pid_t thread, int signal) {
     const timespec time{seconds.count(), (until - seconds).count()};
     if (::sem_clockwait(&asked.answered, CLOCK_MONOTONIC, &time) == 0) return;
     if (::tgkill(::getpid(), thread, 0) == 0) continue;
-    ::sem_trywait(&asked.answered);  // it may have answered just before its end
+    ::sem_trywait(&asked.answered);  // it may have answered just before it ended
     return;
   }
   fail(ETIMEDOUT, "a thread does not answer");
@@ -68,14 +68,15 @@ void ask(pid_t thread, int signal) {
 
 }  // namespace
 
-// A thread takes after the one that starts it. So once a whole list, made after the last answer, has no thread that has not answered,
-// there is none. A thread that did not answer in time may still do so: the handler stays then.
+// A new thread inherits the settings of the thread that starts it. So when a list made after the last answer contains
+// only threads that have answered, all threads are done. After a timeout, the handler stays, because the thread may
+// still receive the signal.
 void on_every_thread(int (*call)(int), int argument) {
   asked.call = call;
   asked.argument = argument;
   asked.fault = 0;
   ::sem_init(&asked.answered, 0, 0);
-  const int signal = SIGRTMIN + 5;  // chosen: one that no library of the process uses
+  const int signal = SIGRTMIN + 5;  // chosen: not used by any library of the process
   struct sigaction action {};
   struct sigaction before {};
   action.sa_handler = answer;

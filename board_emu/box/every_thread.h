@@ -1,11 +1,12 @@
-// Calls that the kernel takes for one thread only, made for the whole process.
+// Makes system calls that apply to one thread on all threads of the process.
 #pragma once
 
 namespace gicube::emu {
 
-// Makes the call on every thread: on those of others in a handler of the signal SIGRTMIN + 5, on the caller's last. A thread that
-// starts meanwhile is found too. What is called returns 0 or an errno, and must be fit for a signal handler. Not for several threads at
-// once. Throws std::system_error: a call failed, or a thread did not answer within five seconds; the other threads have made it.
+// Makes the call on every thread: on other threads in a handler of the signal SIGRTMIN + 5, on the caller last. Threads
+// that start meanwhile are included. `call` returns 0 or an errno, and must be async-signal-safe. Not thread-safe.
+// Throws std::system_error if a call failed or a thread did not answer within five seconds; the other threads have then
+// made the call.
 void on_every_thread(int (*call)(int), int argument);
 
 }  // namespace gicube::emu

@@ -18,18 +18,18 @@
 namespace gicube::emu {
 namespace {
 
-// Of later versions than the header of Debian 12 (Documentation/userspace-api/landlock.rst of Linux 6.10).
+// Constants of later versions than the header of Debian 12 (Documentation/userspace-api/landlock.rst of Linux 6.10).
 constexpr std::uint64_t kTruncate = 1u << 14;       // version 3
 constexpr std::uint64_t kIoctlOfDevice = 1u << 15;  // version 5
 constexpr std::uint64_t kBindTcp = 1u << 0, kConnectTcp = 1u << 1;
 constexpr int kVersionOfMoves = 2, kVersionOfTruncate = 3, kVersionOfTcp = 4, kVersionOfIoctl = 5;
 
-struct RulesetAttributes {  // landlock_ruleset_attr of version 4; before, only its first field
+struct RulesetAttributes {  // landlock_ruleset_attr of version 4; earlier versions have only the first field
   std::uint64_t files = 0;
   std::uint64_t tcp = 0;
 };
 
-// What is refused where no place allows it: all that a version knows.
+// All rights of a version. They are refused unless a place allows them.
 std::uint64_t known_rights(int version) {
   std::uint64_t rights = (std::uint64_t{LANDLOCK_ACCESS_FS_MAKE_SYM} << 1) - 1;  // all of version 1
   if (version >= kVersionOfMoves) rights |= LANDLOCK_ACCESS_FS_REFER;
@@ -61,7 +61,7 @@ void add(int ruleset, const Box::Place& place, std::uint64_t known) {
   if (::syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) fail_at(place.path);
 }
 
-// On the thread that it is called by; inside a signal handler. Returns errno, or 0.
+// Restricts the calling thread. Runs in a signal handler. Returns errno or 0.
 int restrict_thread(int ruleset) {
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
   return ruleset < 0 || ::syscall(SYS_landlock_restrict_self, ruleset, 0) == 0 ? 0 : errno;

@@ -1,4 +1,4 @@
-// Files and TCP of this process, bounded by the kernel's Landlock.
+// Restricts the files and TCP of this process with the kernel's Landlock.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace gicube::emu {
 
-// Leaves every thread of the process these places, nothing to execute, and no TCP port to bind or connect to as far as the kernel's
-// Landlock knows ports. What is not there is left out. Returns Landlock's version; 0: the kernel has none, and the threads are only
-// kept from new rights. Throws std::system_error.
+// Restricts all threads of the process to these places. Executing programs is not allowed, nor binding or connecting
+// TCP ports if Landlock supports ports. Places that do not exist are ignored. Returns Landlock's version; 0: the kernel
+// has none, and the threads only cannot gain privileges. Throws std::system_error.
 int restrict_files(const std::vector<Box::Place>& places);
 
 }  // namespace gicube::emu

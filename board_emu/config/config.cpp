@@ -41,7 +41,7 @@ void fill_in(Message& message) {
   }
 }
 
-// Every number beyond its range in the schema, and every enumeration without a value.
+// Reports all numbers out of the range in the schema, and all enumerations without a value.
 void check_fields(const Message& message, const std::string& path, const FieldLines& lines,
                   std::vector<Diagnostic>& found) {
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
@@ -55,7 +55,7 @@ void check_fields(const Message& message, const std::string& path, const FieldLi
   }
 }
 
-// What no field can tell by itself.
+// Checks conditions that involve several fields.
 void check_fields_together(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
   const auto report = [&](const char* field, std::string expected, std::string got) {
     found.push_back({field, std::move(expected), std::move(got), line_of(lines, field)});
@@ -87,12 +87,12 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
       report("cache.irradiance", "with_voxels with asic.voxel_format=rgb or rgba", "in_cells");
     if (config.asic().irradiance_words() > 1)
       report("cache.irradiance", "with_voxels with asic.irradiance_words=3", "in_cells");
-    if (config.cache().miss_packets() < 16) {  // of a sample's voxels and their irradiance
+    if (config.cache().miss_packets() < 16) {  // voxels of a sample and their irradiance
       report("cache.miss_packets", "at least 16 with cache.irradiance=in_cells",
              std::to_string(config.cache().miss_packets()));
     }
   }
-  // chosen: more often, and the channel does little else.
+  // chosen: with shorter intervals, the channel would do little else.
   const std::uint32_t rdram = config.rdram().refresh_interval(), ddr = config.ddr().refresh_interval(),
                       sdram = config.sdram().refresh_interval();
   if (rdram > 0 && rdram < 64) report("rdram.refresh_interval", "0 or at least 64 tCYCLE", std::to_string(rdram));

@@ -1,6 +1,6 @@
-// The board's configuration: protobuf text and overrides in, a complete and checked BoardConfig out.
+// The board's configuration: reads protobuf text and overrides, returns a complete and checked BoardConfig.
 //
-// Nothing is guessed and nothing is ignored: everything wrong is collected, named by its field, and reported together.
+// There are no guesses and no ignored fields. All errors are collected with their field names and reported together.
 #pragma once
 
 #include <cstdint>
@@ -13,31 +13,32 @@
 
 namespace gicube::emu {
 
-struct ParsedConfig : TextReading {  // ranges are check()'s
-  v1::BoardConfig config;            // only what the text sets
+struct ParsedConfig : TextReading {  // does not check ranges; check() does
+  v1::BoardConfig config;            // only the fields set by the text
 };
 
-// Reads protobuf text, as read_text(): one call finds all faulty values.
+// Reads protobuf text (see read_text()) and reports all invalid values at once.
 ParsedConfig parse_config(std::string_view text);
 
-// Sets one field from "asic.processors=8". If that is wrong the configuration stays as it was.
+// Sets one field from text such as "asic.processors=8". On an error the configuration does not change.
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment);
 
-// The same configuration with every field present, defaults included.
+// Returns the configuration with all fields set, including defaults.
 v1::BoardConfig resolve(const v1::BoardConfig& config);
 
-// Every value out of its range and every contradiction; fields that are not set count with their defaults.
+// Reports all values out of range and all contradictions. Fields that are not set count with their defaults.
 std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& lines = {});
 
-// 64-bit FNV-1a of the resolved configuration's text, `threads` left out: equal hashes mean equal results.
+// 64-bit FNV-1a hash of the resolved configuration's text without `threads` and `pace`. Equal hashes mean equal
+// results.
 std::uint64_t config_hash(const v1::BoardConfig& config);
 std::string config_hash_text(const v1::BoardConfig& config);
 
-// Every field that results or times depend on, a line each: name, value, what a number may be, whether the level does not model it, its
-// default if it has another, and where the default comes from.
+// All fields that affect results or times, one per line: name, value, range of a number, a note if the level does not
+// model it, the default if the value differs, and the source of the default.
 std::string explained(const v1::BoardConfig& config);
 
-// The resolved configuration as protobuf text, which parse_config() reads back.
+// The resolved configuration as protobuf text that parse_config() can read.
 std::string config_text(const v1::BoardConfig& config);
 
 }  // namespace gicube::emu

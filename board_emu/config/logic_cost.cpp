@@ -20,14 +20,14 @@ constexpr Count kSram = 6, kAdder = 28, kAnd = 6, kRegister = 24, kMultiplexer =
 
 constexpr Count multiplier(Count a, Count b) { return a * b * (kAnd + kAdder); }
 constexpr Count divider(Count quotient, Count divisor) { return quotient * divisor * (kAdder + kMultiplexer); }
-// a + (b - a) w of words of the pipeline (words/words.h).
+// a + (b - a) w for the pipeline's words (words/words.h).
 constexpr Count kInterpolator = multiplier(16, 15) + 2 * 16 * kAdder;
-constexpr Count kTrilinear = 7;     // interpolators of a channel [P §3.4]
+constexpr Count kTrilinear = 7;     // interpolators per channel [P §3.4]
 constexpr Count kChannels = 4 + 1;  // density, gradient, irradiance
 constexpr Count kPlaceBits = 8 * wire::kRayBytes;
-constexpr Count kFifosOfProcessor = 9;  // of whole rays, in cycle/processor.h
+constexpr Count kFifosOfProcessor = 9;  // FIFOs of whole rays, in cycle/processor.h
 
-// What both of a pipeline's ends and middle compute, one processor's (datapath/).
+// Logic of one processor's pipeline (datapath/).
 constexpr Count kOpacity = multiplier(15, 6) + multiplier(28, 20) +
                            multiplier(14, 14) +  // two tables of slopes, the power between
                            5 * 24 * kMultiplexer + 2 * 1024 * 24 * kRom;
@@ -37,31 +37,31 @@ constexpr Count kShade = multiplier(8, 15) + 3 * multiplier(12, 18) + 3 * 18 * k
                          multiplier(15, 16) + multiplier(31, 32);  // irradiance by gain and exposure
 constexpr Count kOver = multiplier(24, 24) + 3 * multiplier(12, 24) + 4 * 24 * kAdder;
 constexpr Count kStep = 3 * multiplier(16, 24) + (3 + 6) * 24 * kAdder;  // three axes; six faces to compare with
-constexpr Count kTint = 3 * multiplier(12, 12);                          // by the LUT's colour
+constexpr Count kTint = 3 * multiplier(12, 12);                          // multiplication by the LUT's colour
 constexpr Count kPremultiply = 8 * 3 * multiplier(8, 12) + 3 * divider(12, 15);  // eight voxels, and back at the sample
 constexpr Count kLeap = 3 * divider(10, 24);
 constexpr Count kSplit = 4 * multiplier(14, 14) + 8 * multiplier(28, 14) + 8 * multiplier(12, 28);  // weights, shares
-constexpr Count kPart = 2 * kTrilinear * kInterpolator + divider(24, 24);                           // a lighting ray's
+constexpr Count kPart = 2 * kTrilinear * kInterpolator + divider(24, 24);                           // for lighting rays
 
-// The single queue of [P §5.1] is sorted by nothing.
+// The single queue of [P §5.1] needs no sorter.
 void add_queues(std::vector<LogicItem>& items, const v1::BoardConfig& config) {
   const v1::AsicConfig& asic = config.asic();
   const Count across = std::max(1u, asic.max_volume_voxels() / asic.block_voxels());
   const bool single = config.sorter().queues() == v1::single;
   const Count queues = single ? asic.processors() : across * across * across;
   const Count pointer = std::bit_width(asic.queue_rays() - 1u), number = std::bit_width(queues - 1);
-  const Count item = number + pointer + 1;  // a queue and how important it is
-  // Two buffers a rank; each takes its own, the other's, the neighbour's above or below.
+  const Count item = number + pointer + 1;  // a queue and its importance
+  // Two buffers per rank. Each selects its own item, the other's, or the neighbour's above or below.
   if (!single)
     items.push_back({"Queues", "ranks of the sorters", queues, item * (2 * kRegister + kAdder + 4 * kMultiplexer)});
-  // Places that are read and written next, and how many are taken.
+  // Read and write positions, and the number of rays.
   items.push_back({"Queues", "pointers", queues, (3 * pointer + 1) * (kRegister + kAdder)});
 }
 
 void add_cache(std::vector<LogicItem>& items, const v1::BoardConfig& config) {
   const Count processors = config.asic().processors(), edge = config.asic().block_voxels() / 2 + 1;
   const Count across = std::max(1u, config.asic().max_volume_voxels() / config.asic().block_voxels());
-  const Count tag = std::bit_width(across * across * across - 1) + 1;  // a block, or nothing
+  const Count tag = std::bit_width(across * across * across - 1) + 1;  // a block, or none
   items.push_back(
       {"Volume cache", "bits of tags", processors * edge * edge * (config.asic().block_voxels() + 1) * tag, kSram});
   items.push_back(
@@ -89,7 +89,7 @@ std::vector<LogicItem> logic_cost(const v1::BoardConfig& config) {
     items.push_back({"Pipeline", "interpolators of colours", processors * kTrilinear * 3, kInterpolator});
     items.push_back({"Pipeline", "colours", processors, kTint + alpha * kPremultiply});
   }
-  if (config.asic().irradiance_words() > 1) {  // two words more of each: rays and samples have three
+  if (config.asic().irradiance_words() > 1) {  // two more words each, because rays and samples have three
     items.push_back({"Pipeline", "interpolators of irradiance", processors * kTrilinear * 2, kInterpolator});
     items.push_back({"Pipeline", "splats of green and blue", processors * 2, kSplit});
   }
