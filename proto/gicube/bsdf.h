@@ -1,5 +1,5 @@
 /* Interface of scattering routines for the board's DSP, as shared objects that `gicube-board --bsdf FILE.so` loads. It is
- * plain C and needs no library:
+ * plain C, and only this file is needed to build one:
  *
  *   cc -shared -fPIC -O2 -I proto my_bsdf.c -o my_bsdf.so -lm
  *   gicube-board --bsdf ./my_bsdf.so ...     (the first FILE.so is routine 8, the next 9, and so on)

@@ -1,5 +1,6 @@
 /* Event records of a board at fidelity=cycle. `gicube-board --events` writes them; an observer receives them. An observer
- * is a shared object that `gicube-board --observer FILE.so` loads. The interface is plain C and needs no library:
+ * is a shared object that `gicube-board --observer FILE.so` loads. The interface is plain C, and
+ * only this file is needed to build one:
  *
  *   cc -shared -fPIC -O2 -I proto my_observer.c -o my_observer.so
  *
