@@ -35,8 +35,8 @@ class FirstError : public google::protobuf::io::ErrorCollector {
 
 class Reader {
  public:
-  Reader(std::string_view text, std::span<const RenamedField> renamed, TextReading& result)
-      : stream_(text.data(), static_cast<int>(text.size())), renamed_(renamed), result_(result) {
+  Reader(std::string_view text, TextReading& result)
+      : stream_(text.data(), static_cast<int>(text.size())), result_(result) {
     tokens_.set_comment_style(Tokenizer::SH_COMMENT_STYLE);
     tokens_.set_require_space_after_number(false);
     tokens_.set_allow_multiline_strings(true);
@@ -62,7 +62,7 @@ class Reader {
       }
       const int line = tokens_.current().line + 1;
       const std::string name = take();
-      const FieldDescriptor* field = find(*message.GetDescriptor(), name, path, line);
+      const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(name);
       const bool has_colon = accept(":");
       if (field == nullptr) {
         report(path + name, expected_names(*message.GetDescriptor()), fmt::format("\"{}\"", name), line);
@@ -117,21 +117,6 @@ class Reader {
     return is_message ? "a message" : text;
   }
 
-  // Nothing if the schema has no such field.
-  const FieldDescriptor* find(const google::protobuf::Descriptor& type, const std::string& name,
-                              const std::string& path, int line) {
-    if (const FieldDescriptor* field = type.FindFieldByName(name)) return field;
-    for (const RenamedField& each : renamed_) {
-      const FieldDescriptor* field = each.was == name ? type.FindFieldByName(std::string(each.now)) : nullptr;
-      if (field == nullptr) continue;
-      if (result_.notes.size() < kMaxDiagnostics)
-        result_.notes.push_back(fmt::format(
-            "line {}: {}{} is now called {}; the old name will go with the next release", line, path, name, each.now));
-      return field;
-    }
-    return nullptr;
-  }
-
   bool at_end() { return tokens_.current().type == Tokenizer::TYPE_END; }
   bool opens_message() { return tokens_.current().text == "{" || tokens_.current().text == "<"; }
 
@@ -184,7 +169,6 @@ class Reader {
   google::protobuf::io::ArrayInputStream stream_;
   FirstError errors_;
   Tokenizer tokens_{&stream_, &errors_};
-  const std::span<const RenamedField> renamed_;
   TextReading& result_;
   std::map<std::string, int> instances_;  // of repeated fields
   int depth_ = 0;                         // of brackets before the current token
@@ -266,14 +250,14 @@ bool read_value(const std::string& text, const FieldDescriptor& field, Message& 
   return parser.ParseFieldValueFromString(text, &field, &message);
 }
 
-TextReading read_text(std::string_view text, Message& message, std::span<const RenamedField> renamed) {
+TextReading read_text(std::string_view text, Message& message) {
   TextReading result;
   if (text.size() > kMaxTextBytes) {
     result.diagnostics.push_back(
         {"", fmt::format("at most {} bytes of text", kMaxTextBytes), std::to_string(text.size())});
     return result;
   }
-  Reader(text, renamed, result).read(message);
+  Reader(text, result).read(message);
   return result;
 }
 

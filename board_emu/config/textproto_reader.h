@@ -37,22 +37,15 @@ std::string to_string(std::span<const Diagnostic> diagnostics);
 // Where a text sets each field: dotted path -> line from 1.
 using FieldLines = std::map<std::string, int, std::less<>>;
 
-// A field's name of an earlier release, which is read as `now` for this one.
-struct RenamedField {
-  std::string_view was, now;
-};
-
 struct TextReading {
   FieldLines lines;
   std::vector<Diagnostic> diagnostics;  // of syntax, names and types
-  std::vector<std::string> notes;       // of names that should be others: for a log
   std::size_t left_out = 0;             // faulty values beyond the first hundred
 };
 
 // Reads protobuf text into `message`, which then has what the text sets. A faulty value is reported and skipped, so that
 // one call finds all of them. Text whose structure is broken ends the search at that line.
-TextReading read_text(std::string_view text, google::protobuf::Message& message,
-                      std::span<const RenamedField> renamed = {});
+TextReading read_text(std::string_view text, google::protobuf::Message& message);
 
 // What a schema says, in words for faults: "one of processors, block_voxels, ...".
 std::string expected_names(const google::protobuf::Descriptor& type);

@@ -17,9 +17,6 @@ using google::protobuf::Message;
 using v1::PlannedFault;
 using v1::RandomFaults;
 
-// Field names of earlier releases.
-constexpr std::array kRenamed{RenamedField{"most_faults", "max_faults"}, RenamedField{"most_delay_ms", "max_delay_ms"}};
-
 // A field that is used by some kinds of faults. They require it, unless `may_be_left_out`.
 struct Parameter {
   const char* field;
@@ -138,7 +135,7 @@ bool is_memory_fault(PlannedFault::Kind kind) {
 
 ParsedFaultPlan parse_fault_plan(std::string_view text) {
   ParsedFaultPlan parsed;
-  static_cast<TextReading&>(parsed) = read_text(text, parsed.plan, kRenamed);
+  static_cast<TextReading&>(parsed) = read_text(text, parsed.plan);
   if (!parsed.diagnostics.empty()) return parsed;  // unreadable fields would also be reported as missing
   Check check(parsed.lines);
   std::set<std::pair<int, std::uint64_t>> taken;

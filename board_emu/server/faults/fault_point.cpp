@@ -18,7 +18,6 @@ using v1::PlannedFault;
 std::vector<Diagnostic> FaultPoint::set_plan(std::string_view text) {
   ParsedFaultPlan parsed = parse_fault_plan(text);
   if (!parsed.diagnostics.empty()) return std::move(parsed.diagnostics);
-  for (const std::string& note : parsed.notes) spdlog::warn("fault plan: {}", note);
   const std::lock_guard lock(mutex_);
   plan_text_ = text;
   engine_ = FaultEngine(parsed.plan);

@@ -52,16 +52,6 @@ TEST(FaultPlan, EveryKindCanBeWrittenAndReadBack) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(again.fault(i).SerializeAsString(), read.fault(i).SerializeAsString());
 }
 
-TEST(FaultPlan, ReadsNamesOfTheFormerReleaseAndSaysWhatReplacesThem) {
-  const ParsedFaultPlan parsed =
-      parse_fault_plan("random { kinds: delay mean_messages: 9\n most_faults: 3\n most_delay_ms: 7 }\n");
-  EXPECT_EQ(to_string(parsed.diagnostics), "");
-  EXPECT_EQ(parsed.plan.random(0).max_faults(), 3u);
-  EXPECT_EQ(parsed.plan.random(0).max_delay_ms(), 7u);
-  EXPECT_THAT(parsed.notes, ElementsAre(HasSubstr("line 2: random[0].most_faults is now called max_faults"),
-                                        HasSubstr("line 3: random[0].most_delay_ms is now called max_delay_ms")));
-}
-
 TEST(FaultPlan, AnEmptyTextIsNoFaults) { EXPECT_THAT(faults_of("# nothing\n"), IsEmpty()); }
 
 TEST(FaultPlan, ReportsEveryUnreadableFieldByItsPlace) {
