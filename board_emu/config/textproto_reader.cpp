@@ -104,16 +104,19 @@ class Reader {
     }
   }
 
-  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words.
+  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words. It does not
+  // recurse, so that no text can exhaust the stack: read_fields() goes only as deep as the schema.
   std::string skip_value() {
     const bool is_message = opens_message();
-    const int outside = depth_;
     std::string text;
+    int depth = 0;  // of brackets
     do {
       if (at_end()) break_off("a value");
-      if (depth_ == outside && bracket() < 0) return "nothing";
+      const int step = bracket();
+      if (depth + step < 0) return "nothing";
+      depth += step;
       text += take();
-    } while (depth_ > outside || text == "-");
+    } while (depth > 0 || text == "-");
     return is_message ? "a message" : text;
   }
 
@@ -122,23 +125,14 @@ class Reader {
 
   std::string take() {
     std::string text = tokens_.current().text;
-    next();
+    tokens_.Next();
     return text;
   }
 
   bool accept(std::string_view text) {
     if (at_end() || tokens_.current().text != text) return false;
-    next();
-    return true;
-  }
-
-  void next() {
-    depth_ += bracket();
-    if (depth_ > kMaxTextDepth) {
-      throw Diagnostic{"", fmt::format("at most {} brackets in one another", kMaxTextDepth), "more",
-                       tokens_.current().line + 1};
-    }
     tokens_.Next();
+    return true;
   }
 
   // 1 at one that opens, -1 at one that closes.
@@ -171,7 +165,6 @@ class Reader {
   Tokenizer tokens_{&stream_, &errors_};
   TextReading& result_;
   std::map<std::string, int> instances_;  // of repeated fields
-  int depth_ = 0;                         // of brackets before the current token
 };
 
 std::vector<std::uint64_t> numbers_in(std::string_view text) {

@@ -19,9 +19,8 @@ class Message;
 
 namespace gicube::emu {
 
-// A text that is longer is not looked at; one whose brackets are nested deeper is not read on from there.
+// A longer text is refused unread.
 inline constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 faults 1 MB
-inline constexpr int kMaxTextDepth = 16;               // chosen: the schemas have two
 
 struct Diagnostic {
   std::string field;  // dotted path, as "asic.processors" or "fault[3].kind"; empty where the text can't be read at all

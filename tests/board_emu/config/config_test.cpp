@@ -82,21 +82,16 @@ TEST(Config, RefusesAHugeText) {
               testing::ElementsAre(HasSubstr("at most")));
 }
 
-TEST(Config, RefusesATextThatIsNestedTooDeepWhereverThatIs) {
-  const auto nested = [](const std::string& before, const std::string& one, int levels) {
-    std::string text = before;
-    for (int i = 0; i < levels; ++i) text += one;
-    return texts(parse_config(text).diagnostics);
-  };
+TEST(Config, RefusesATextThatIsNestedDeepWhereverThatIs) {
   const std::pair<const char*, const char*> kinds[] = {
       {"", "a{"}, {"", "a: <"}, {"asic { processors: ", "["}, {"fidelity: ", "[{"}, {"asik ", "{a "}, {"", "asic {"}};
   for (const auto& [before, one] : kinds) {
-    EXPECT_THAT(nested(before, one, 120'000),
-                testing::Contains(HasSubstr("expected at most 16 brackets in one another, got more")))
+    std::string text = before;
+    for (int i = 0; i < 120'000; ++i) text += one;
+    EXPECT_THAT(texts(parse_config(text).diagnostics),
+                testing::Contains("line 1: expected a value, got the end of the text"))
         << before << one;
   }
-  EXPECT_THAT(nested("\n\n", "asic {\n", 17), testing::Contains(HasSubstr("line 19: expected at most 16 brackets")));
-  EXPECT_THAT(nested("", "asic {", 16), testing::Not(testing::Contains(HasSubstr("brackets"))));
 }
 
 TEST(Config, AFaultShowsTheBeginningOfALongValue) {
