@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "approximate/traced_passes.h"
 #include "asic/latencies.h"
 #include "asic/raybus/ray_bus.h"
 #include "dsp/count_dsp.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked o
 
 }  // namespace
 
-RayPrefetcher::RayPrefetcher(PassRaySource& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
+RayPrefetcher::RayPrefetcher(TracedPasses& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
 
 void RayPrefetcher::begin_chunk() {
   coming_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, work_.count() - begun_)));
@@ -143,7 +144,7 @@ void PassMachine::launch(PassRay& ray, std::uint64_t index, std::uint32_t run, b
 }
 
 // The next that goes to the ASIC: those that are not made cost nothing.
-void PassMachine::make_ray_that_is_there(PassRaySource& work) {
+void PassMachine::make_ray_that_is_there(TracedPasses& work) {
   while (engine_.made < count_) {
     PassRay& ray = maker_->next();
     const std::uint64_t index = engine_.made++;
@@ -156,7 +157,7 @@ void PassMachine::make_ray_that_is_there(PassRaySource& work) {
 }
 
 // One ray, or a run of them.
-void PassMachine::make_rays(PassRaySource& work) {
+void PassMachine::make_rays(TracedPasses& work) {
   if (work.misses_are_free()) return make_ray_that_is_there(work);
   const std::uint64_t places = may_be_under_way_ - engine_.under_way;
   const std::uint64_t last = std::min(work.run_end(engine_.made), engine_.made + places);
@@ -177,7 +178,7 @@ void PassMachine::send_again() {
   run_bus();
 }
 
-void PassMachine::take_back(PassRaySource& work) {
+void PassMachine::take_back(TracedPasses& work) {
   const Arrival back = up_.pop(engine_.now);
   processors_[back.processor]->taken_from_tree(engine_.now);
   if (back.kind == Arrival::Kind::kSlot) {
@@ -223,7 +224,7 @@ bool PassMachine::scatter(std::uint32_t handle) {
 
 // What comes back goes first, then overflowed rays that have a slot, then new ones, as many as it makes in a batch. False if there
 // is nothing to be done yet.
-bool PassMachine::dsp_acts(PassRaySource& work) {
+bool PassMachine::dsp_acts(TracedPasses& work) {
   const bool bus_is_full = sends_ > kOnTheWay;
   if (!bus_is_full && engine_.batch > 0 && !up_.is_full(engine_.now) &&
       (engine_.sends_again ? store_.has_ready() : may_make())) {
@@ -255,7 +256,7 @@ bool PassMachine::send_first(Cycle before) {
   return false;
 }
 
-RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead) {
+RunResult PassMachine::run(TracedPasses& work, const Frame& frame, Progress& progress, bool ahead) {
   if (std::exchange(caches_sums_, frame.sums != nullptr) != caches_sums_) invalidate_caches();
   const Cycle begin = now_;
   const std::uint64_t busy = dsp_.counters().busy(), taken = engine_.taken;

@@ -10,7 +10,6 @@
 #include <future>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "asic/partition.h"
@@ -22,32 +21,18 @@
 
 namespace gicube::emu {
 
-// Rays whose values are known, and what they cost the DSP.
-class PassRaySource {
- public:
-  virtual ~PassRaySource() = default;
+class TracedPasses;
 
-  virtual std::uint64_t count() const = 0;
-  // Rays [begin, begin + out.size()) with their positions in the volume, called once for each, in order. One without steps is made, but not sent.
-  virtual void make(std::uint64_t begin, std::span<PassRay> out) = 0;
-  // As RaySource.
-  virtual std::uint64_t run_end(std::uint64_t i) const = 0;
-  virtual std::uint64_t max_under_way() const = 0;
-  virtual DspTask making(std::uint64_t i) const = 0;
-  virtual DspTask taking(std::uint64_t i) = 0;
-  virtual bool misses_are_free() const = 0;
-};
-
-// The rays of a work, made in chunks.
+// Makes the rays of `work` in chunks.
 class RayPrefetcher {
  public:
-  RayPrefetcher(PassRaySource& work, bool ahead);
+  RayPrefetcher(TracedPasses& work, bool ahead);
   PassRay& next();
 
  private:
   void begin_chunk();
 
-  PassRaySource& work_;
+  TracedPasses& work_;
   bool ahead_;
   std::uint64_t begun_ = 0;  // rays in all chunks until now
   std::size_t at_ = 0;
@@ -65,7 +50,7 @@ class PassMachine {
   PassMachine& operator=(const PassMachine&) = delete;
 
   // Of the result the time, and whether it was cancelled. `ahead`: a thread of its own makes rays while passes are worked off.
-  RunResult run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead);
+  RunResult run(TracedPasses& work, const Frame& frame, Progress& progress, bool ahead);
 
   void invalidate_caches();
   const std::array<int, 3>& blocks() const { return blocks_; }
@@ -102,8 +87,8 @@ class PassMachine {
   };
 
   void dsp_works(const DspTask& task);
-  void make_rays(PassRaySource& work);
-  void make_ray_that_is_there(PassRaySource& work);
+  void make_rays(TracedPasses& work);
+  void make_ray_that_is_there(TracedPasses& work);
   void launch(PassRay& ray, std::uint64_t index, std::uint32_t run, bool first);
   bool scatter(std::uint32_t handle);
   void send_again();
@@ -112,11 +97,11 @@ class PassMachine {
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const {
     return processor * std::max<std::size_t>(1, partition_.max_blocks()) + queue;
   }
-  void take_back(PassRaySource& work);
+  void take_back(TracedPasses& work);
   PassProcessor* holds(const OnBus& next) const;
   void hand_on(const OnBus& next);
   void run_bus();
-  bool dsp_acts(PassRaySource& work);
+  bool dsp_acts(TracedPasses& work);
   bool send_first(Cycle before);
 
   v1::BoardConfig config_;

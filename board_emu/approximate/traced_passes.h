@@ -1,5 +1,5 @@
 // A source's rays for the pass machine. The functional level computes their values as they are made; the machine then computes
-// the time of each ray's passes.
+// the time of each ray's passes, and asks here what the rays cost the DSP, as of a RaySource.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "approximate/pass_machine.h"
+#include "approximate/pass_rays.h"
 #include "functional/simd/simd_tracer.h"
 #include "functional/trail.h"
 #include "gicube/v1/board_config.pb.h"
@@ -17,7 +17,7 @@
 
 namespace gicube::emu {
 
-class TracedPasses : public PassRaySource {
+class TracedPasses {
  public:
   // The rays `which` of `source`. `tracer`: prepared for the frame, or null. `rule`: which samples write words though they deposit
   // nothing. Uses `threads` - 1 threads of the host; the machine has the other.
@@ -30,18 +30,20 @@ class TracedPasses : public PassRaySource {
         threads_(threads),
         record_{{}, rule == v1::visible_samples, rule == v1::all_samples} {}
 
-  std::uint64_t count() const override { return which_.end - which_.begin; }
-  std::uint64_t run_end(std::uint64_t i) const override {
+  std::uint64_t count() const { return which_.end - which_.begin; }
+  std::uint64_t run_end(std::uint64_t i) const {
     return std::min(source_.run_end(which_.begin + i), which_.end) - which_.begin;
   }
-  std::uint64_t max_under_way() const override { return source_.max_under_way(); }
-  DspTask making(std::uint64_t i) const override { return source_.making(which_.begin + i); }
+  std::uint64_t max_under_way() const { return source_.max_under_way(); }
+  DspTask making(std::uint64_t i) const { return source_.making(which_.begin + i); }
   // The parts of a ray are given back to the source here, since what that costs depends on which of them is the last.
-  DspTask taking(std::uint64_t i) override;
+  DspTask taking(std::uint64_t i);
 
-  bool misses_are_free() const override { return source_.misses_are_free(); }
+  bool misses_are_free() const { return source_.misses_are_free(); }
 
-  void make(std::uint64_t begin, std::span<PassRay> out) override;
+  // Makes rays [begin, begin + out.size()) with their positions in the volume; called once for each ray, in order. A ray
+  // without steps is made but not sent.
+  void make(std::uint64_t begin, std::span<PassRay> out);
 
   // Once all are made.
   std::uint64_t made() const { return made_; }
