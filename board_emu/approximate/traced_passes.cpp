@@ -1,6 +1,5 @@
 #include "approximate/traced_passes.h"
 
-#include <map>
 #include <memory>
 #include <utility>
 
@@ -10,36 +9,6 @@
 #include "functional/functional_level.h"
 
 namespace gicube::emu {
-
-// Takes the rays to their ends, each in its own frame.
-void TracedPasses::trace_parts(std::span<const wire::Ray> rays, std::span<const std::uint64_t> index,
-                               std::span<std::int32_t> steps) {
-  std::map<const Frame*, std::vector<std::size_t>> flying;
-  for (std::size_t k = 0; k < rays.size(); ++k) flying[source_.frame_of(rays[k])].push_back(k);
-  for (const auto& [frame, which] : flying) {
-    std::vector<wire::Ray> some;
-    std::vector<std::int32_t> of_some(which.size());
-    for (const std::size_t k : which) some.push_back(rays[k]);
-    counters_ += trace(some, *frame, tracer_, tracers(), of_some);
-    const std::lock_guard lock(coming_back_mutex_);
-    for (std::size_t i = 0; i < which.size(); ++i) {
-      steps[which[i]] = of_some[i];
-      if (of_some[i] > 0) {
-        coming_back_[index[which[i]]] = some[i];
-      } else {  // it is not sent
-        source_.take(index[which[i]], some[i]);
-      }
-    }
-  }
-}
-
-DspTask TracedPasses::taking(std::uint64_t i) {
-  if (frame_.ends_at_borders) {
-    const std::lock_guard lock(coming_back_mutex_);
-    source_.take(which_.begin + i, coming_back_.extract(which_.begin + i).mapped());
-  }
-  return source_.taking(which_.begin + i);
-}
 
 // Of frames that are not plain.
 void TracedPasses::follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended) {
@@ -77,11 +46,6 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
   std::vector<std::uint8_t> ended(rays.size(), 1);
   std::vector<std::int32_t> steps(rays.size());
   const bool sums = frame_.sums != nullptr;
-  if (frame_.ends_at_borders) {
-    trace_parts(rays, index, steps);
-    for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->begin_way(steps[k], contribution(rays[k].opacity));
-    return;
-  }
   if (sums || frame_.plain() || (tracer_ != nullptr && frame_.gathers())) {
     if (sums) {
       counters_ += backproject(rays, frame_, tracers(), steps);

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <mutex>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "approximate/pass_rays.h"
@@ -36,9 +34,7 @@ class TracedPasses {
   }
   std::uint64_t max_under_way() const { return source_.max_under_way(); }
   DspTask making(std::uint64_t i) const { return source_.making(which_.begin + i); }
-  // The parts of a ray are given back to the source here, since what that costs depends on which of them is the last.
-  DspTask taking(std::uint64_t i);
-
+  DspTask taking(std::uint64_t i) const { return source_.taking(which_.begin + i); }
   bool misses_are_free() const { return source_.misses_are_free(); }
 
   // Makes rays [begin, begin + out.size()) with their positions in the volume; called once for each ray, in order. A ray
@@ -51,8 +47,6 @@ class TracedPasses {
 
  private:
   unsigned tracers() const { return threads_ > 1 ? threads_ - 1 : 1; }
-  void trace_parts(std::span<const wire::Ray> rays, std::span<const std::uint64_t> index,
-                   std::span<std::int32_t> steps);
   void follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended);
 
   RaySource& source_;
@@ -63,8 +57,6 @@ class TracedPasses {
   TrailRecord record_;
   std::uint64_t made_ = 0;
   RayCounters counters_;
-  std::mutex coming_back_mutex_;                              // rays are made on another thread
-  std::unordered_map<std::uint64_t, wire::Ray> coming_back_;  // parts of rays, by number
 };
 
 }  // namespace gicube::emu

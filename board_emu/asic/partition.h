@@ -41,16 +41,6 @@ class Partition {
     }
   }
 
-  // Of slabs: blocks along x that have another processor than those before them.
-  std::vector<int> borders(int across) const {
-    std::vector<int> out;
-    for (int x = 1; x < across; ++x) {
-      if (homes_[static_cast<std::size_t>(x)].processor != homes_[static_cast<std::size_t>(x) - 1].processor)
-        out.push_back(x);
-    }
-    return out;
-  }
-
   const Home& home(std::size_t block) const { return homes_[block]; }
   // The block with that number.
   std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }

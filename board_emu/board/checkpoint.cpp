@@ -124,8 +124,7 @@ class LoadingArchive : public Archive {
 void compare(const google::protobuf::Message& saved, const google::protobuf::Message& wanted, const std::string& path,
              bool in_command, std::vector<Diagnostic>& faults) {
   static constexpr std::array kAlwaysFree{"threads", "pace", "bus"};
-  static constexpr std::array kFree{"fidelity",     "link",          "sorter.policy",
-                                    "dsp.run_rays", "dsp.run_error", "dsp.segments"};
+  static constexpr std::array kFree{"fidelity", "link", "sorter.policy", "dsp.run_rays", "dsp.run_error"};
   const google::protobuf::Reflection& reflection = *saved.GetReflection();
   for (int i = 0; i < saved.GetDescriptor()->field_count(); ++i) {
     const google::protobuf::FieldDescriptor* const field = saved.GetDescriptor()->field(i);

@@ -66,14 +66,6 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (config.fidelity() != v1::cycle && config.sample_error() != 0) {
     report("sample_error", "0 without fidelity=cycle", std::to_string(config.sample_error()));
   }
-  if (config.dsp().segments() != 0) {
-    if (config.asic().partition() == v1::skewed_block)
-      report("dsp.segments", "0 with asic.partition=skewed_block", std::to_string(config.dsp().segments()));
-    if (config.asic().datapath() == v1::wide)
-      report("dsp.segments", "0 with asic.datapath=wide", std::to_string(config.dsp().segments()));
-    if (config.dsp().run_rays() > 1)
-      report("dsp.segments", "0 with dsp.run_rays of more than 1", std::to_string(config.dsp().segments()));
-  }
   if (config.cache().tags() == v1::of_voxels) {
     if (config.cache().ways() != 1)
       report("cache.ways", "1 with cache.tags=of_voxels", std::to_string(config.cache().ways()));
@@ -186,7 +178,6 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
 std::string explained(const v1::BoardConfig& config) {
   std::string text;
   const unsigned level = 1U << (config.fidelity() - v1::functional);
-  const auto is_set = [&](std::string_view name) { return name == "dsp.segments" && config.dsp().segments() != 0; };
   const auto explain = [&](const auto& self, const Message& message, const std::string& path) -> void {
     const auto& type = *message.GetDescriptor();
     for (int i = 0; i < type.field_count(); ++i) {
@@ -203,7 +194,7 @@ std::string explained(const v1::BoardConfig& config) {
       const std::string usual =
           is_enum ? field.default_value_enum()->name() : std::to_string(field.default_value_uint32());
       text += fmt::format("{:<32} {:<14} {:<28}  {}{}{}\n", name, value, field.options().GetExtension(v1::range),
-                          is_modelled(level, name, is_set) ? "" : "not modelled at this level; ",
+                          is_modelled(level, name) ? "" : "not modelled at this level; ",
                           value == usual ? "" : "default " + usual + ": ", field.options().GetExtension(v1::source));
     }
   };

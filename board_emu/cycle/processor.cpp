@@ -233,10 +233,6 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       const Home& home = partition_.home(ray.block);
       token.processor = home.processor;
       token.queue = single_queue_ ? 0 : home.number;
-      if (frame_->ends_at_borders && home.processor != number_) {
-        token.state = TokenStatus::kDone;
-        count_end(ray_state, Termination::kLeft, *frame_, counts_);
-      }
     }
   } else if (!values_are_known_) {
     prefetch(frame_->volume->view(ray.block), ray_state.position, low);

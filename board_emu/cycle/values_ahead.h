@@ -29,7 +29,7 @@ class ValuesAhead {
       : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
   // Whether the functional level can tell the steps of the frame's rays.
   static bool covers(const Frame& frame, const SimdTracer* tracer) {
-    return (frame.plain() || (frame.gathers() && tracer != nullptr)) && !frame.in_bricks() && !frame.ends_at_borders;
+    return (frame.plain() || (frame.gathers() && tracer != nullptr)) && !frame.in_bricks();
   }
 
   struct Ray {

@@ -26,17 +26,6 @@ constexpr void over(Ray& ray, const Colour12& colour, std::uint32_t alpha) {
   ray.opacity += static_cast<std::uint32_t>(weight);
 }
 
-// Adds the accumulated values of a part of the ray behind those of `ray`.
-template <typename Ray>
-constexpr void over_premultiplied(Ray& ray, const wire::Ray& part) {
-  const std::uint64_t clear = wire::kOpacityOne - ray.opacity;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto added = static_cast<std::uint32_t>(divide_by_full_scale<24>(part.colour[c] * clear));
-    ray.colour[c] = static_cast<std::uint16_t>(std::min(ray.colour[c] + added, wire::kColourOne));
-  }
-  ray.opacity += static_cast<std::uint32_t>(divide_by_full_scale<24>(part.opacity * clear));
-}
-
 // The fraction that the ray can still add to the image, 12 bits.
 constexpr std::uint16_t contribution(std::uint32_t opacity) {
   return static_cast<std::uint16_t>((wire::kOpacityOne - opacity) >> 12);

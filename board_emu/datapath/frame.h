@@ -53,7 +53,6 @@ struct Frame {
   bool jitter = false;
   bool shade = false;
   bool leap = false;
-  bool ends_at_borders = false;  // a ray ends where it would continue at another processor
   std::vector<Plane> cut_planes;
 
   // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the host.

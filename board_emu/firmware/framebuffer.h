@@ -36,8 +36,7 @@ class Framebuffer {
     return width_ == command.width && filter_ == command.filter && rows_ == ImageRows(command);
   }
 
-  std::uint64_t bytes() const { return std::uint64_t{kBytesPerPixel} * sums_.size(); }  // SDRAM
-  std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }         // host memory
+  std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }  // host memory
 
   int width() const { return width_; }
   int height() const { return rows_.count(); }  // rows on this card

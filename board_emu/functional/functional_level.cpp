@@ -52,15 +52,14 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
   return parallel_sum<Counts>(batches, threads, [&](std::size_t b, Counts& counts) {
     if (progress.cancel) return;
     const auto batch = source.make_batch(b);
-    const Frame& of_batch = batch->frame != nullptr ? *batch->frame : frame;
     counts.made += batch->rays.size();
     static_cast<RayCounters&>(counts) += batch->counters;
     if (tracer != nullptr && frame.gathers()) {
-      tracer->trace(batch->rays, of_batch, counts);
+      tracer->trace(batch->rays, frame, counts);
     } else if (frame.plain() && !frame.in_bricks()) {
-      for (wire::Ray& ray : batch->rays) integrate(ray, of_batch, counts);
+      for (wire::Ray& ray : batch->rays) integrate(ray, frame, counts);
     } else {  // waiting rays do not return
-      const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts, nullptr, tracer, batch->index);
+      const std::vector<bool> ended = integrate_all(batch->rays, frame, counts, nullptr, tracer, batch->index);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }

@@ -42,7 +42,6 @@ struct RayBatch {
   std::span<wire::Ray> rays;         // rays that go to the ASIC
   std::vector<wire::Ray> room;       // their storage, unless the source has its own
   std::vector<std::uint64_t> index;  // their indices in the source; empty if the source needs none
-  const Frame* frame = nullptr;      // frame that they are traced in; null: the run's
   std::uint64_t returned = 0;        // rays that did not go to the ASIC but cost the DSP as much as one that returns
   RayCounters counters;              // events counted while the rays were made
 };
@@ -82,8 +81,6 @@ class RaySource {
   // Makes ray `i`; called once for each. Returns nothing for a ray that does not go to the ASIC: the source has completed it
   // and counted it in `counters`.
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
-  // Frame in which a ray that was made is traced, like RayBatch::frame; for frames whose rays end at borders.
-  virtual const Frame* frame_of(const wire::Ray& /*made*/) const { return nullptr; }
   // Takes traced ray `i` back, whose flags are undefined. Called once for each ray that was made, unless it waits for the host.
   virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
 

@@ -39,13 +39,11 @@ inline constexpr std::array kLeftOut{
 struct UnmodelledField {
   unsigned levels;
   std::string_view field;
-  std::string_view unless = {};  // if this field is set, `field` is modelled
 };
 
 inline constexpr std::array kUnmodelledFields{
-    // Segments end at the borders of the processors' slabs.
-    UnmodelledField{kAtFunctional, "asic.processors", "dsp.segments"},
-    UnmodelledField{kAtFunctional, "asic.partition", "dsp.segments"},
+    UnmodelledField{kAtFunctional, "asic.processors"},
+    UnmodelledField{kAtFunctional, "asic.partition"},
     UnmodelledField{kAtFunctional, "asic.skew_"},
     UnmodelledField{kAtFunctional, "asic.queue_rays"},
     UnmodelledField{kAtFunctional, "asic.core_khz"},
@@ -66,13 +64,11 @@ inline constexpr std::array kUnmodelledFields{
     UnmodelledField{kAtFunctional, "dsp.overflow_rays"},
 };
 
-// `is_set(name)` returns whether another field is set.
-template <typename IsSet>
-constexpr bool is_modelled(unsigned level, std::string_view field, const IsSet& is_set) {
+constexpr bool is_modelled(unsigned level, std::string_view field) {
   for (const UnmodelledField& each : kUnmodelledFields) {
     const bool is_prefix = each.field.ends_with('.') || each.field.ends_with('_');
     const bool is_it = is_prefix ? field.starts_with(each.field) : field == each.field;
-    if (is_it && (each.levels & level) != 0) return !each.unless.empty() && is_set(each.unless);
+    if (is_it && (each.levels & level) != 0) return false;
   }
   return true;
 }

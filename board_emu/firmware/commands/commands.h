@@ -132,11 +132,8 @@ class DspCommands {
   Frame trace_frame(const wire::TraceHeader& header);
   std::span<wire::Ray> take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays);
   void set_light(Frame& frame, wire::EnergyRules rules);
-  // Render the image with whole rays, or with segments.
-  RunResult render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work);
-  RunResult render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work);
   // Reports the rays of the pixel in explained_, for an image that is in the framebuffer.
-  void explain(const wire::RenderCommand& command, const Frame& frame, bool in_segments);
+  void explain(const wire::RenderCommand& command, const Frame& frame);
   void follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life);
   // Runs the level. Throws CommandFault if the command was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);

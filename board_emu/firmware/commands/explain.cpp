@@ -7,7 +7,7 @@
 
 namespace gicube::emu {
 
-void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame, bool in_segments) {
+void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame) {
   PixelLife life;
   life.x = explained_->x;
   life.y = explained_->y;
@@ -21,8 +21,6 @@ void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame
     life.refused = "picture: expected a whole one, got a part of one that several boards make";
   } else if (frame.in_bricks()) {
     life.refused = "volume: expected one that the card stores whole, got one in bricks";
-  } else if (in_segments) {
-    life.refused = "dsp.segments: expected 0, got 1: a pixel is then made of segments of rays";
   } else {
     follow_pixel(command, frame, life);
   }

@@ -1,17 +1,14 @@
-// The render command: renders an image into the framebuffer, with whole rays or with segments.
+// The render command: renders an image into the framebuffer.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "asic/partition.h"
 #include "command_fault.h"
 #include "commands.h"
 #include "firmware/ray_sources/image_rays.h"
-#include "firmware/ray_sources/segment_rays.h"
 #include "gicube/wire/command.h"
 
 namespace gicube::emu {
@@ -89,41 +86,16 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   if (!goes_on_) host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
   lamps_ = Lamps(lamps, frame.spacing);
-  const bool in_segments = config_.dsp().segments() != 0 && frame.plain() && !frame.in_bricks();
-  const RunResult ran = in_segments ? render_segments(command, frame, work) : render_rays(command, frame, work);
-  if (explained_) explain(command, frame, in_segments);
+  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
+  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_, goes_on_);
+  const RunResult ran = run_level(rays, frame, work);
+  viewing_rays_ += rays.count();
+  if (explained_) explain(command, frame);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   if (waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
   add_waiting(result);
   add_trap_list(result, 0);
   return result;
-}
-
-RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work) {
-  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_, goes_on_);
-  const RunResult ran = run_level(rays, frame, work);
-  viewing_rays_ += rays.count();
-  return ran;
-}
-
-RunResult DspCommands::render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work) {
-  std::vector<int> borders =
-      Partition(config_.asic(), aperture_.volume().blocks()).borders(aperture_.volume().blocks()[0]);
-  const std::uint64_t samples = std::uint64_t{command.width} * command.samples_per_axis *
-                                ImageRows(command).sample_rows(command.samples_per_axis, command.filter).size();
-  const std::uint64_t bytes =
-      pixels_of(command) * Framebuffer::kBytesPerPixel + samples * (borders.size() + 1) * SegmentRays::kBytesPerPart;
-  if (bytes > config_.dsp().framebuffer_mb() * std::uint64_t{1'000'000}) {
-    refuse("width x height: expected an image whose sums and segments fit dsp.framebuffer_mb = " +
-           std::to_string(config_.dsp().framebuffer_mb()) + ", got " + std::to_string(bytes) + " bytes");
-  }
-  for (int& border : borders) border *= static_cast<int>(config_.asic().block_voxels()) * wire::kVoxel;
-  frame.ends_at_borders = true;
-  SegmentRays rays(command, frame, aperture_.framebuffer(), std::move(borders), goes_on_);
-  const RunResult ran = run_level(rays, frame, work);
-  viewing_rays_ += rays.samples();
-  return ran;
 }
 
 }  // namespace gicube::emu

@@ -54,12 +54,8 @@ std::vector<std::string> fields_set(const BoardOptions& options) {
 void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
   if (options.quiet || options.has_own_level) return;
   constexpr std::size_t kNamed = 3;  // chosen: enough to know which
-  const std::vector<std::string> fields = fields_set(options);
-  const auto is_set = [&](std::string_view name) { return std::ranges::count(fields, name) > 0; };
-  std::vector<std::string> idle;
-  for (const std::string& field : fields) {
-    if (!is_modelled(1U << static_cast<unsigned>(level), field, is_set)) idle.push_back(field);
-  }
+  std::vector<std::string> idle = fields_set(options);
+  std::erase_if(idle, [&](const std::string& field) { return is_modelled(1U << static_cast<unsigned>(level), field); });
   if (idle.empty()) return;
   const std::size_t named = std::min(idle.size(), kNamed);
   const std::string more = idle.size() > named ? fmt::format(" and {} more", idle.size() - named) : "";

@@ -185,35 +185,6 @@ TEST(ApproximateBoard, TakesStepsThatAreLongerThanABlock) {
   EXPECT_NEAR(time / expected_time, 1, 0.03);
 }
 
-// The parts of a ray are rays, and end at the processors' borders.
-TEST(ApproximateBoard, CastsThePartsOfARayAtTheSameTime) {
-  struct Run {
-    std::uint64_t rays, samples, answered;
-    double time;
-    std::vector<wire::Pixel> picture;
-  };
-  const auto run = [](const std::string& fidelity, const char* segments) {
-    BareBoard board(config_with({"fidelity=" + fidelity, "asic.processors=3", segments, "dsp.clock_khz=1000000",
-                                 "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
-    board.load_volume({64, 64, 64}, [](int x, int y, int z) {
-      return wire::Voxel{static_cast<std::uint16_t>(20 * x + 20 * y + z), 0, 0, 0};
-    });
-    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 100}; });
-    const std::uint64_t begin = board.now_ps;
-    std::vector<wire::Pixel> picture = board.render(corner_view({64, 64, 64}, 64));
-    return Run{board.counter("dsp.rays_taken"), board.counter("pipeline.samples"),
-               board.counter("fidelity_answered." + fidelity), static_cast<double>(board.now_ps - begin),
-               std::move(picture)};
-  };
-  const Run got = run("approximate", "dsp.segments=1"), expected = run("cycle", "dsp.segments=1");
-  EXPECT_EQ(got.answered, 1u);
-  EXPECT_GT(expected.rays, run("approximate", "dsp.segments=0").rays);
-  EXPECT_EQ(got.rays, expected.rays);
-  EXPECT_EQ(got.samples, expected.samples);
-  EXPECT_EQ(got.picture, expected.picture);
-  EXPECT_NEAR(got.time / expected.time, 1, 0.025);
-}
-
 TEST(ApproximateBoard, SaysWhichLevelAnsweredEachCommand) {
   BareBoard board(config_with({"fidelity=approximate", "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
   board.load_volume({32, 32, 32}, [](int x, int y, int) {

@@ -40,11 +40,7 @@ v1::BoardConfig draw_board(Dice& dice, const char* fidelity) {
   const bool sampled = std::string_view(fidelity) == "sampled";
   assignments.push_back(std::string("fidelity=") + (sampled ? "cycle" : fidelity));
   if (sampled) add({"sample_error=1000"});
-  if (dice.chance(30)) {
-    add({"asic.datapath=wide", "cache.irradiance=with_voxels"});
-  } else if (dice.chance(50)) {
-    add({"dsp.segments=1", "dsp.run_rays=0", "asic.partition=repeated_slab"});
-  }
+  if (dice.chance(30)) add({"asic.datapath=wide", "cache.irradiance=with_voxels"});
   if (std::string_view(fidelity) == "approximate") add({"sorter.queues=per_block"});  // a single one is refused
   return config_with(assignments);
 }

@@ -74,7 +74,6 @@ const std::vector<Field> kFields{
     {"dsp.run_rays", "8", kRays, kValues, kValues, kValues},
     {"dsp.run_error", "16384", kRays, kValues, kValues, kValues, {"dsp.run_rays=8"}},
     asic("dsp.overflow_rays", "3"),
-    {"dsp.segments", "1", kRays, kValues, kValues, kValues},
     {"dsp.framebuffer_mb", "1", kRays, kLimit, kLimit, kLimit},
     everywhere("bus.model", "agp4x", kTransfer),
     everywhere("bus.max_burst_dwords", "4", kTransfer),
@@ -249,24 +248,13 @@ TEST(ConfigFields, OfFidelityGiveEachLevelItsOwnTimeAndTheSameValues) {
 
 // The list by which programs warn is what this table was tried for. Left out: fields of the host, and one that matters to coloured volumes.
 TEST(ConfigFields, AreNotModelledWhereTheyChangeNothing) {
-  const auto none_is_set = [](std::string_view) { return false; };
   const std::set<std::string> others{"pace", "threads", "sample_error", "asic.voxel_format"};
   for (const Field& field : kFields) {
     if (others.contains(field.name)) continue;
-    EXPECT_EQ(is_modelled(kAtFunctional, field.name, none_is_set), field.functional != kNoTime) << field.name;
-    EXPECT_EQ(is_modelled(kAtApproximate, field.name, none_is_set), field.approximate != kNoTime) << field.name;
-    EXPECT_EQ(is_modelled(kAtCycle, field.name, none_is_set), field.cycle != kNoTime) << field.name;
+    EXPECT_EQ(is_modelled(kAtFunctional, field.name), field.functional != kNoTime) << field.name;
+    EXPECT_EQ(is_modelled(kAtApproximate, field.name), field.approximate != kNoTime) << field.name;
+    EXPECT_EQ(is_modelled(kAtCycle, field.name), field.cycle != kNoTime) << field.name;
   }
-}
-
-TEST(ConfigFields, OfSlabsAreModelledAtTheFunctionalLevelWithSegments) {
-  const auto segments_are_set = [](std::string_view name) { return name == "dsp.segments"; };
-  const std::vector<std::string> usual = board("functional", {"dsp.segments=1"});
-  for (const std::string field : {"asic.processors=3", "asic.partition=repeated_slab"}) {
-    EXPECT_TRUE(is_modelled(kAtFunctional, field.substr(0, field.find('=')), segments_are_set));
-    EXPECT_NE(outcome(joined(usual, {field})).time[kRays], outcome(usual).time[kRays]) << field;
-  }
-  EXPECT_FALSE(is_modelled(kAtFunctional, "asic.queue_rays", segments_are_set));
 }
 
 class ConfigField : public testing::TestWithParam<Field> {};

@@ -175,7 +175,6 @@ TEST_F(PixelLife, RefusesWhatItCannotExplain) {
       {"--explain-pixel 1,2 --frames 2 --fps 5", "expected without more than one of --frames"},
       {"--explain-pixel 1,2 --max-error 5%", "expected without --max-error or --time-budget"},
       {"--explain-pixel 1,2 --board unix:/none", "expected without a running board"},
-      {"--explain-pixel 1,2 --set dsp.segments=1", "dsp.segments: expected 0, got 1"},
       {"--explain-pixel 1,2 --set asic.block_voxels=8 --set asic.max_volume_voxels=32 --volume-size 64",
        "got one in bricks"},
   };

@@ -81,11 +81,6 @@ TEST(BoardGroup, GivesThePicturesOfOneAtEachLevelOnTheWideDatapathAndInRuns) {
   expect_same_scenes("emu:?set=dsp.run_rays=16" + card, 3, 3, 22, 20, 60);
 }
 
-TEST(BoardGroup, GivesThePicturesOfOneWhoseRaysAreMadeOfSegments) {
-  expect_same_scenes("emu:?set=dsp.segments=1&set=asic.block_voxels=8&set=asic.max_volume_voxels=64&threads=1", 3, 5,
-                     30, 20, 60);
-}
-
 TEST(BoardGroup, GivesThePictureOfOneInStripsOfOneRowAndLeavesBoardsWithoutRowsOut) {
   Board one = open_board(kBoards);
   BoardGroup group = open_group(kBoards, 4);
