@@ -16,7 +16,7 @@ Dsp::Dsp(const v1::BoardConfig& config)
       to_dsp_(config.sdram().clock_khz(), config.dsp().clock_khz()),
       memory_clocks_(config.sdram().clock_khz() / config.dsp().clock_khz() + 1),
       latency_(config.sdram().controller_latency()),
-      memory_(config.sdram()),
+      memory_(config.sdram(), config.sdram().ranks()),
       sets_(kDataBytes / kLineBytes / kWays) {}
 
 // Returns the cycle in which its data are there.

@@ -10,13 +10,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "asic/sim/causes.h"
 #include "gicube/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
-
-// What a packet's way was held up by most.
-enum class Delay : std::uint8_t { kTransfer, kBank, kRefresh };
 
 struct Packet {
   std::uint32_t block = 0;  // number of the block in its processor

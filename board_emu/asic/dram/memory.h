@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "asic/dram/constraint.h"
+#include "asic/sim/causes.h"
 #include "gicube/archive.h"
 
 namespace gicube::emu::dram {
+
+using emu::Delay;
 
 // Where a packet lies in a channel's memory.
 struct Location {
@@ -20,13 +23,6 @@ struct Location {
   std::uint16_t column = 0;  // packet within the row
 
   friend constexpr bool operator==(const Location&, const Location&) = default;
-};
-
-// What delayed a packet beyond what lay before it on the wires and the ordinary latency of its own commands.
-enum class Delay : std::uint8_t {
-  kTransfer,  // nothing, or the wires: packets before it and the turnaround
-  kBank,      // its bank: other rows, other activations, precharges
-  kRefresh,   // a refresh that keeps its row closed, or one just before its activation
 };
 
 struct Access {

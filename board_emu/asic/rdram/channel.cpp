@@ -49,25 +49,19 @@ std::vector<Constraint> column_constraints(const v1::RdramConfig& config) {
           {"tPACK+tCWD", kWrite, kData, kChannel, kPacket + cwd}};
 }
 
-std::vector<Constraint> all_constraints(const v1::RdramConfig& config) {
-  std::vector<Constraint> rows = row_constraints(config);
-  for (Constraint& row : column_constraints(config)) rows.push_back(std::move(row));
-  return rows;
-}
-
 }  // namespace
 
-Timing::Timing(const v1::RdramConfig& config) : Timing(all_constraints(config)) {}
-
-Timing::Timing(std::vector<Constraint> rows) : ConstraintTable("RDRAM", Rules::honoured, std::move(rows)) {}
+dram::ConstraintTable timing(const v1::RdramConfig& config) {
+  std::vector<Constraint> rows = row_constraints(config);
+  for (Constraint& row : column_constraints(config)) rows.push_back(std::move(row));
+  return {Rules::kName, Rules::honoured, std::move(rows)};
+}
 
 Channel::Channel(const v1::RdramConfig& config, std::uint32_t devices)
-    : dram::Channel<Channel, Rules>(Timing(config), devices, config.refresh_interval()) {
-  const Timing timing(config);
-  recovery_ = timing.delay(Scope::kBank, Command::kRefresh, Command::kActivate);
-  refresh_gap_ = timing.delay(Scope::kDevice, Command::kRefresh, Command::kActivate);
-  refreshed_open_ = timing.delay(Scope::kBank, Command::kRefresh, Command::kPrecharge);
-}
+    : dram::Channel<Channel, Rules>(timing(config), devices, config.refresh_interval()),
+      recovery_(config.t_ras() + config.t_rp()),
+      refresh_gap_(config.t_rr()),
+      refreshed_open_(config.t_ras()) {}
 
 bool Channel::held_by_refresh(const Location& at, Tcycle arrival) const {
   if (last_open_was_refresh_ && arrival < last_open_ + refresh_gap_) return true;

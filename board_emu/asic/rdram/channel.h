@@ -11,8 +11,8 @@
 
 namespace gicube::emu::rdram {
 
-using dram::Access, dram::BankAddress, dram::ChannelCounters, dram::Command, dram::Constraint, dram::Delay,
-    dram::IssuedCommand, dram::kClosed, dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
+using dram::Access, dram::BankAddress, dram::ChannelCounters, dram::Command, dram::Constraint, dram::IssuedCommand,
+    dram::kClosed, dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
 
 inline constexpr std::uint32_t kPacket = 4;  // tPACK: a packet of ROW, COL or DQ (Siemens HYB25x144180C)
 
@@ -63,12 +63,7 @@ using Device = dram::Device<Rules>;
 // data book counts it, as from begin to begin, as this table counts it. Where the data book counts from one packet's end
 // to another's begin, the row adds tPACK: data begin tPACK + tCAC after the begin of the RD packet, and a read of a
 // device that was just written waits tRTR + tPACK, since the packet that retires the write buffer goes between.
-class Timing : public dram::ConstraintTable {
- public:
-  explicit Timing(const v1::RdramConfig& config);
-  // Throws std::invalid_argument if a row names a pair that is not honoured().
-  explicit Timing(std::vector<Constraint> rows);
-};
+dram::ConstraintTable timing(const v1::RdramConfig& config);
 
 class Channel : public dram::Channel<Channel, Rules> {
  public:

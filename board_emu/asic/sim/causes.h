@@ -30,6 +30,13 @@ inline constexpr std::array<std::string_view, kCauses> kCauseNames{
     "busy",    "leap",   "splat",       "cache_fill", "cache_miss", "memory_bank", "refresh",
     "latency", "sorter", "queue_empty", "link",       "ray_bus",    "dsp_compute", "sdram"};
 
+// Why a packet of a memory came later than its channel's data wires and the latency of its own commands explain.
+enum class Delay : std::uint8_t {
+  kTransfer,  // it did not, or the data wires were taken: packets before it, the turnaround
+  kBank,      // its bank: other rows, other activations, precharges
+  kRefresh,   // a refresh that kept its row closed, or one just before its activation
+};
+
 using CauseCounts = std::array<std::uint64_t, kCauses>;
 
 }  // namespace gicube::emu

@@ -17,31 +17,31 @@ namespace {
 using reference::check_rank_trace;
 using reference::RankRules;
 using test_traffic::at;
-using test_traffic::ranks;
+using test_traffic::without_refresh;
 using testing::IsEmpty;
 using Trace = std::vector<IssuedCommand>;
 
 TEST(Sdram, ColdReadTakesRcdPlusCasLatencyAndABurstFourClocks) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   const Access access = channel.read(at(3, 9), 1000);
   EXPECT_EQ(access.data_begin, 1000u + 2 + 2);
   EXPECT_EQ(access.data_end, 1008u);
 }
 
 TEST(Sdram, ColdWriteTakesRcdAndItsDataComeWithIt) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   EXPECT_EQ(channel.write(at(3, 9), 1000).data_begin, 1002u);
 }
 
 TEST(Sdram, OpenRowTakesCasLatency) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   channel.read(at(3, 9), 0);
   EXPECT_EQ(channel.read(at(3, 9, 1), 1000).data_begin, 1002u);
   EXPECT_EQ(channel.counters().row_hits, 1u);
 }
 
 TEST(Sdram, OtherRowOfAnOpenBankTakesAPrechargeMore) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   channel.read(at(3, 9), 0);
   const Access access = channel.read(at(3, 10), 1000);
   EXPECT_EQ(access.data_begin, 1000u + 2 + 2 + 2);
@@ -50,7 +50,7 @@ TEST(Sdram, OtherRowOfAnOpenBankTakesAPrechargeMore) {
 
 // RD 0's ACT 0; RD 2, 6, 10: bursts of four clocks without a gap.
 TEST(Sdram, BurstsOfAnOpenRowFollowOneAnother) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   EXPECT_EQ(channel.read(at(0, 9), 0).data_begin, 4u);
   EXPECT_EQ(channel.read(at(0, 9, 1), 0).data_begin, 8u);
   EXPECT_EQ(channel.read(at(0, 9, 2), 0).data_begin, 12u);
@@ -58,14 +58,14 @@ TEST(Sdram, BurstsOfAnOpenRowFollowOneAnother) {
 
 // The command bus is free while a burst's data are on their way: ACT of bank 1 at 2 (tRRD), behind its RD at 6.
 TEST(Sdram, OpensOneBankUnderTheDataOfAnother) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   EXPECT_EQ(channel.read(at(0, 9), 0).data_begin, 4u);
   EXPECT_EQ(channel.read(at(1, 9), 0).data_begin, 8u);
 }
 
 // RD 102, data 104..107, WR 109 after a clock for the wires; RD 113 after its four beats, data 115.
 TEST(Sdram, TurnsTheDataWiresRound) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   channel.read(at(0, 9), 0);
   EXPECT_EQ(channel.read(at(0, 9, 1), 102).data_begin, 104u);
   EXPECT_EQ(channel.write(at(0, 9, 2), 102).data_begin, 109u);
@@ -74,13 +74,13 @@ TEST(Sdram, TurnsTheDataWiresRound) {
 
 // WR 2, its last beat 5; PRE 6 by tWR, but 5 by tRAS; ACT 8, RD 10.
 TEST(Sdram, AWriteHoldsItsRow) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   channel.write(at(0, 9), 0);
   EXPECT_EQ(channel.read(at(0, 10), 0).data_begin, 12u);
 }
 
 TEST(Sdram, DataOfTwoRanksKeepAClockApart) {
-  Channel channel(ranks(2));
+  Channel channel(without_refresh(), 2);
   channel.read(at(0, 9), 0);
   channel.read(at(0, 9, 0, 1), 0);
   const Tcycle first = channel.read(at(0, 9, 1), 100).data_begin;
@@ -89,7 +89,7 @@ TEST(Sdram, DataOfTwoRanksKeepAClockApart) {
 
 // PRE 1562, REF 1564, ACT 1571, RD 1573.
 TEST(Sdram, RefreshesARankEachIntervalWithItsRowsClosed) {
-  Channel channel(ranks(1, true));
+  Channel channel(v1::SdramConfig(), 1);
   channel.read(at(2, 7), 0);
   const Access access = channel.read(at(2, 7), 1562);
   EXPECT_EQ(access.data_begin, 1575u);
@@ -99,7 +99,7 @@ TEST(Sdram, RefreshesARankEachIntervalWithItsRowsClosed) {
 }
 
 TEST(Sdram, SameBankAgainAndAgainTakesItsRowCycle) {
-  Channel channel(ranks(1));
+  Channel channel(without_refresh(), 1);
   Tcycle last = 0;
   for (unsigned row = 0; row < 50; ++row) {
     const Tcycle begin = channel.read(at(2, row), 0).data_begin;
@@ -127,7 +127,7 @@ constexpr RankRules kRules{.rrd = 20, .wr = 0, .rfc = 70, .wl = 0, .wtr = 0, .bu
 TEST_P(SdramTrace, OfRandomTrafficBreaksNoRuleAndIsTight) {
   for (unsigned seed = 1; seed <= 70; ++seed) {
     Trace trace;
-    Channel channel(ranks(GetParam(), true));
+    Channel channel(v1::SdramConfig(), GetParam());
     channel.set_trace(&trace);
     const std::vector<Tcycle> begins = test_traffic::random_traffic(channel, GetParam(), 2'000, seed);
     RankRules rules = kRules;
@@ -143,7 +143,7 @@ TEST_P(SdramTrace, OfRandomTrafficBreaksNoRuleAndIsTight) {
 INSTANTIATE_TEST_SUITE_P(Ranks, SdramTrace, testing::Values(1u, 2u, 8u));
 
 TEST(SdramTraceOfOtherTimings, FollowsTheConfiguration) {
-  v1::SdramConfig config = ranks(2, true);
+  v1::SdramConfig config;
   config.set_t_ras(8), config.set_t_rc(13), config.set_t_rp(3), config.set_t_rrd(4), config.set_t_rcd(5);
   config.set_t_cl(3), config.set_t_wr(5), config.set_t_rfc(20), config.set_refresh_interval(500);
   const RankRules rules{.ras = 80,
@@ -160,7 +160,7 @@ TEST(SdramTraceOfOtherTimings, FollowsTheConfiguration) {
                         .refresh_interval = 500,
                         .ranks = 2};
   Trace trace;
-  Channel channel(config);
+  Channel channel(config, 2);
   channel.set_trace(&trace);
   const std::vector<Tcycle> begins = test_traffic::random_traffic(channel, 2, 20'000, 9);
   const auto verdict = check_rank_trace(rules, trace);
@@ -174,8 +174,7 @@ TEST(SdramRefresh, OfALongTimeAtOnceIsThatOfItsParts) {
       if (interval < 64 * devices) continue;  // none are left out
       v1::SdramConfig config;
       config.set_refresh_interval(interval);
-      config.set_ranks(devices);
-      expect_long_times_to_be_short_ones([&] { return std::make_unique<Channel>(config); }, devices, interval,
+      expect_long_times_to_be_short_ones([&] { return std::make_unique<Channel>(config, devices); }, devices, interval,
                                          [&](std::mt19937& random) {
                                            const auto below = [&](unsigned limit) {
                                              return static_cast<unsigned>(random() % limit);

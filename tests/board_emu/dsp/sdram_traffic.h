@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dsp/sdram.h"
+#include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu::sdram::test_traffic {
 
@@ -15,10 +16,9 @@ inline Location at(unsigned bank, unsigned row, unsigned column = 0, unsigned ra
           static_cast<std::uint16_t>(column)};
 }
 
-inline v1::SdramConfig ranks(unsigned count, bool refresh = false) {
+inline v1::SdramConfig without_refresh() {
   v1::SdramConfig config;
-  config.set_ranks(count);
-  if (!refresh) config.set_refresh_interval(0);
+  config.set_refresh_interval(0);
   return config;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "asic/ddr/channel.h"
+#include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu::ddr::test_traffic {
 

@@ -4,12 +4,14 @@
 
 #include <stdexcept>
 
+#include "gicube/v1/board_config.pb.h"
+
 namespace gicube::emu::ddr {
 namespace {
 
 using enum Command;
 
-const Timing kTiming{v1::DdrConfig()};
+const dram::ConstraintTable kTiming = dram::rank_timing<Rules>(v1::DdrConfig());
 
 TEST(DdrRank, ActivatesOnlyAPrechargedBank) {
   Rank rank(kTiming);

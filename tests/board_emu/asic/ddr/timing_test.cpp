@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "asic/dram/wires.h"
+#include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu::ddr {
 namespace {
@@ -26,24 +27,26 @@ const std::vector<Constraint> kExpected{{"tRAS", kActivate, kPrecharge, kBank, 5
                                         {"tRRD", kActivate, kActivate, kDevice, 2},
                                         {"tRFC", kRefresh, kActivate, kDevice, 8},
                                         {"tRFC", kRefresh, kRefresh, kDevice, 8},
-                                        {"BL/2", kRead, kPrecharge, kBank, 1},
-                                        {"WL+BL/2+tWR", kWrite, kPrecharge, kBank, 4},
-                                        {"WL+BL/2+tWTR", kWrite, kRead, kDevice, 3},
-                                        {"tCCD", kRead, kRead, kChannel, 1},
-                                        {"tCCD", kWrite, kWrite, kChannel, 1},
-                                        {"CL+BL/2+1-WL", kRead, kWrite, kChannel, 3},
-                                        {"WL+BL/2-CL", kWrite, kRead, kChannel, 1},
-                                        {"BL/2+switch", kRead, kRead, kOtherDevice, 2},
-                                        {"WL+BL/2+switch-CL", kWrite, kRead, kOtherDevice, 1},
+                                        {"BL", kRead, kPrecharge, kBank, 1},
+                                        {"tWR", kWrite, kPrecharge, kBank, 4},
+                                        {"WL+BL+tWTR", kWrite, kRead, kDevice, 3},
+                                        {"BL", kRead, kRead, kChannel, 1},
+                                        {"BL", kWrite, kWrite, kChannel, 1},
+                                        {"CL+BL+1-WL", kRead, kWrite, kChannel, 3},
+                                        {"WL+BL-CL", kWrite, kRead, kChannel, 1},
+                                        {"BL+switch", kRead, kRead, kOtherDevice, 2},
+                                        {"WL+BL+switch-CL", kWrite, kRead, kOtherDevice, 1},
                                         {"CL", kRead, kData, kChannel, 2},
                                         {"WL", kWrite, kData, kChannel, 1}};
 
-TEST(DdrTiming, DefaultTableIsTheDataSheets) { EXPECT_EQ(Timing(v1::DdrConfig()).rows(), kExpected); }
+dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::honoured, {row}}; }
+
+TEST(DdrTiming, DefaultTableIsTheDataSheets) { EXPECT_EQ(dram::rank_timing<Rules>(v1::DdrConfig()).rows(), kExpected); }
 
 TEST(DdrTiming, RefusesARowThatTheModelWouldIgnore) {
-  EXPECT_THROW(Timing({{"tX", kRead, kActivate, kBank, 3}}), std::invalid_argument);
-  EXPECT_THROW(Timing({{"tX", kPrecharge, kActivate, kNeighbour, 3}}), std::invalid_argument);
-  EXPECT_THROW(Timing({{"tX", kActivate, kActivate, kChannel, 3}}), std::invalid_argument);
+  EXPECT_THROW(table({"tX", kRead, kActivate, kBank, 3}), std::invalid_argument);
+  EXPECT_THROW(table({"tX", kPrecharge, kActivate, kNeighbour, 3}), std::invalid_argument);
+  EXPECT_THROW(table({"tX", kActivate, kActivate, kChannel, 3}), std::invalid_argument);
 }
 
 // Its table has no row for the writes that follow another rank's data: the controller drives both.
@@ -67,7 +70,7 @@ TEST(DdrTiming, HonoursThePairsOfItsTableAndWritesAfterAnotherRanksData) {
 TEST(DdrTiming, DataNeverOverlapWithALongerReadLatency) {
   v1::DdrConfig config;
   config.set_t_cl(3);
-  const Timing timing(config);
+  const dram::ConstraintTable timing = dram::rank_timing<Rules>(config);
   EXPECT_EQ(timing.delay(kChannel, kRead, kWrite), 4u);
   EXPECT_EQ(timing.delay(kChannel, kWrite, kRead), 1u);
 }
@@ -76,7 +79,7 @@ class DdrConstraint : public testing::TestWithParam<Constraint> {};
 
 // When `row.to` may begin in a rank that knows only this row, after `row.from` began at `t`.
 Tcycle ready_in_rank(const Constraint& row, Tcycle t) {
-  Rank rank(Timing({row}));
+  Rank rank(table(row));
   const int from = 1, to = row.scope == kBank ? 1 : 2;
   const auto open = [&rank](int bank) {
     if (rank.open_row(bank) == kClosed) rank.issue(kActivate, {bank, 7}, 0);
@@ -91,7 +94,7 @@ Tcycle ready_in_rank(const Constraint& row, Tcycle t) {
 }
 
 Tcycle ready_on_wires(const Constraint& row, Tcycle t) {
-  dram::ColumnWires<true> wires(Timing({row}));
+  dram::ColumnWires<true> wires(table(row));
   if (row.to == kData) return wires.data(row.from, t);
   wires.reserve(row.from, 3, t);
   return wires.probe(row.to, row.scope == kOtherDevice ? 2 : 3, t);

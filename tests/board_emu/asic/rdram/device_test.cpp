@@ -7,7 +7,7 @@ namespace {
 
 using enum Command;
 
-const Timing kTiming{v1::RdramConfig()};
+const dram::ConstraintTable kTiming = timing(v1::RdramConfig());
 
 TEST(RdramDevice, ActivatesOnlyWhereBankAndNeighboursArePrecharged) {
   Device device(kTiming);

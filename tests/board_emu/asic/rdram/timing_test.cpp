@@ -36,11 +36,13 @@ const std::vector<Constraint> kExpected{
     {"tPACK+tCWD", kWrite, kData, kChannel, 10},
 };
 
-TEST(RdramTiming, DefaultTableIsTheDataBooks) { EXPECT_EQ(Timing(v1::RdramConfig()).rows(), kExpected); }
+dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::honoured, {row}}; }
+
+TEST(RdramTiming, DefaultTableIsTheDataBooks) { EXPECT_EQ(timing(v1::RdramConfig()).rows(), kExpected); }
 
 TEST(RdramTiming, RefusesARowThatTheModelWouldIgnore) {
-  EXPECT_THROW(Timing({{"tX", kRead, kActivate, kBank, 3}}), std::invalid_argument);
-  EXPECT_THROW(Timing({{"tX", kPrecharge, kActivate, kDevice, 3}}), std::invalid_argument);
+  EXPECT_THROW(table({"tX", kRead, kActivate, kBank, 3}), std::invalid_argument);
+  EXPECT_THROW(table({"tX", kPrecharge, kActivate, kDevice, 3}), std::invalid_argument);
 }
 
 TEST(RdramTiming, HonoursThePairsOfItsTableAndNoOthers) {
@@ -84,16 +86,16 @@ TEST(GapWires, GiveTheFirstGapFromTheirHorizonOn) {
 TEST(RdramTiming, DataNeverOverlapWhereWritesAreSlowerThanReads) {
   v1::RdramConfig config;
   config.set_t_cwd(11);
-  const Timing timing(config);
-  EXPECT_EQ(timing.delay(kChannel, kWrite, kRead), 7u);
-  EXPECT_EQ(timing.delay(kChannel, kRead, kWrite), 4u);
+  const dram::ConstraintTable slow = timing(config);
+  EXPECT_EQ(slow.delay(kChannel, kWrite, kRead), 7u);
+  EXPECT_EQ(slow.delay(kChannel, kRead, kWrite), 4u);
 }
 
 class RdramConstraint : public testing::TestWithParam<Constraint> {};
 
 // When `row.to` may begin in a device that knows only this row, after `row.from` began at `t`.
 Tcycle ready_in_device(const Constraint& row, Tcycle t) {
-  Device device(Timing({row}));
+  Device device(table(row));
   const int from = 5, to = row.scope == kBank ? 5 : row.scope == kNeighbour ? 6 : 12;
   const auto prepare = [&device](Command command, int bank) {
     const bool opens = command == kActivate || command == kRefresh;
@@ -111,7 +113,7 @@ Tcycle ready_in_device(const Constraint& row, Tcycle t) {
 Tcycle ready_on_wires(const Constraint& row, Tcycle t) {
   dram::GapWires<kPacket> rows;
   rows.reserve(t);
-  dram::ColumnWires<false> columns(Timing({row}));
+  dram::ColumnWires<false> columns(table(row));
   if (row.from == kRead || row.from == kWrite) columns.reserve(row.from, 0, t);
   if (row.to == kRead || row.to == kWrite) return columns.probe(row.to, 0, t);
   if (row.to == kData) return columns.data(row.from, t);
@@ -127,7 +129,7 @@ TEST_P(RdramConstraint, BlocksOneCycleEarlierAndNotAtItsTime) {
   }
   // ACT to ACT of one bank needs a precharge between, which this table lets come at once.
   if (row.scope == kBank && row.from != kPrecharge && (row.to == kActivate || row.to == kRefresh)) {
-    Device device(Timing({row}));
+    Device device(table(row));
     device.issue(row.from, {5, 7}, kStart);
     device.issue(kPrecharge, {5}, kStart + 1);
     EXPECT_GT(device.probe(row.to, {5, 7}, kStart + row.cycles - 1), kStart + row.cycles - 1);
