@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "asic/link/ring.h"
 #include "pass_processor.h"
 
 namespace gicube::emu {
@@ -10,7 +11,6 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::size_t kArrivals = kFifoPlaces;  // rays between a link and the sorter
-constexpr std::size_t kPlacesToEnter = 2;       // link/ring.h
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void PassProcessor::enter_links() {
     Crossing next = out_.front();
     const Direction way = way_to(next.to);
     Link& link = links_[way];
-    const bool waited = std::exchange(out_blocked_, link.entry.size() + kPlacesToEnter > link_rays_);
+    const bool waited = std::exchange(out_blocked_, link.entry.size() + Ring::kPlacesToEnter > link_rays_);
     if (out_blocked_) return;
     if (waited) next.at = std::max(next.at, link.left + 1);
     out_.drop();

@@ -8,9 +8,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint32_t kMaxPackets = 8;  // of one neighbourhood, and of its irradiance
 constexpr auto kBus = static_cast<std::size_t>(PassProcessor::From::kBus);
-constexpr std::uint32_t kRayBits = 256;
 
 }  // namespace
 
@@ -24,8 +22,8 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       to_memory_(shared_.config->asic().core_khz(), memory_standard(*shared_.config).clock_khz),
       to_core_(memory_standard(*shared_.config).clock_khz, shared_.config->asic().core_khz()),
       room_(shared_.config->cache().miss_packets() -
-            (shared_.config->cache().irradiance() == v1::in_cells ? 2 : 1) * kMaxPackets),
-      link_cycles_((kRayBits + shared_.config->link().bits() - 1) / shared_.config->link().bits()),
+            (shared_.config->cache().irradiance() == v1::in_cells ? 2 : 1) * Misses::kMax),
+      link_cycles_((wire::kRayBits + shared_.config->link().bits() - 1) / shared_.config->link().bits()),
       link_rays_(shared_.config->link().rays()),
       memory_latency_(memory_standard(*shared_.config).latency),
       to_dsp_(std::bit_width(2 * shared_.config->asic().processors() - 1) + 1u),

@@ -15,7 +15,6 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint64_t kRayBits = 8 * wire::kRayBytes;
 constexpr std::uint64_t kGradientReaders = 8;     // one table for each voxel of a neighbourhood [P Table 1]
 constexpr std::uint64_t kGradientBits = 3 * 10;   // [P Table 1]
 constexpr std::uint64_t kSegmentationBits = 84;   // [P Table 1]
@@ -53,9 +52,10 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   const std::uint64_t p = config.asic().processors();
   const std::uint64_t edge = config.asic().block_voxels() + 1;
   const std::uint64_t stages = config.pipeline().prefetch_stages() + config.pipeline().compute_stages();
-  const CostItem rays = product({{stages}, {kRayBits}}), others = product({{kOtherRegisters}, {kOtherRegisterBits}});
+  const CostItem rays = product({{stages}, {wire::kRayBits}}),
+                 others = product({{kOtherRegisters}, {kOtherRegisterBits}});
   HardwareCost cost;
-  cost.ray_queues = product({{queues(config)}, {config.asic().queue_rays()}, {kRayBits}});
+  cost.ray_queues = product({{queues(config)}, {config.asic().queue_rays()}, {wire::kRayBits}});
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
   cost.volume_cache = product(
       {{p}, {edge, 3}, {static_cast<std::uint64_t>(wire::voxel_bits(format, config.asic().irradiance_words()))}});

@@ -22,9 +22,8 @@ constexpr Count multiplier(Count a, Count b) { return a * b * (kAnd + kAdder); }
 constexpr Count divider(Count quotient, Count divisor) { return quotient * divisor * (kAdder + kMultiplexer); }
 // a + (b - a) w for the pipeline's words (words/words.h).
 constexpr Count kInterpolator = multiplier(16, 15) + 2 * 16 * kAdder;
-constexpr Count kTrilinear = 7;     // interpolators per channel [P §3.4]
-constexpr Count kChannels = 4 + 1;  // density, gradient, irradiance
-constexpr Count kPlaceBits = 8 * wire::kRayBytes;
+constexpr Count kTrilinear = 7;         // interpolators per channel [P §3.4]
+constexpr Count kChannels = 4 + 1;      // density, gradient, irradiance
 constexpr Count kFifosOfProcessor = 9;  // FIFOs of whole rays, in cycle/processor.h
 
 // Logic of one processor's pipeline (datapath/).
@@ -95,8 +94,8 @@ std::vector<LogicItem> logic_cost(const v1::BoardConfig& config) {
   }
   const Count links = processors > 1 ? 2 * processors : 0;
   items.push_back({"Control", "bits between parts",
-                   (kFifosOfProcessor * processors + 2 * processors - 1) * kFifoPlaces * kPlaceBits, kRegister});
-  items.push_back({"Control", "bits at links", links * config.link().rays() * kPlaceBits, kRegister});
+                   (kFifosOfProcessor * processors + 2 * processors - 1) * kFifoPlaces * wire::kRayBits, kRegister});
+  items.push_back({"Control", "bits at links", links * config.link().rays() * wire::kRayBits, kRegister});
   const Count tile_bits = 4 * static_cast<Count>(wire::voxel_bits(format, config.asic().irradiance_words()));
   items.push_back(
       {"Control", "bits on their way to memory", processors * config.cache().write_packets() * tile_bits, kRegister});

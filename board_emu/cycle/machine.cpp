@@ -116,7 +116,7 @@ bool Machine::tick_shuffled() {
   std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (std::size_t i = order.size() - 1; i > 0; --i) {
-    shuffle_ = mix64(shuffle_ + 1) | 1;
+    shuffle_ = wire::mix64(shuffle_ + 1) | 1;
     std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
   }
   bool moved = false;

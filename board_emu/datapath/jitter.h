@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "words/mix64.h"
+#include "gicube/wire/mix64.h"
 
 namespace gicube::emu {
 
@@ -20,7 +20,7 @@ constexpr std::array<std::uint32_t, kJitterEntries> make_jitter_lut() {
     lut[i] = kJitterOne / 2 + static_cast<std::uint32_t>((2 * i + 1) * (kJitterOne / 2) / (2 * kJitterEntries));
   }
   for (std::size_t i = kJitterEntries - 1; i > 0; --i) {
-    const std::size_t j = mix64(i) % (i + 1);
+    const std::size_t j = wire::mix64(i) % (i + 1);
     const std::uint32_t swapped = lut[i];
     lut[i] = lut[j];
     lut[j] = swapped;
@@ -35,7 +35,7 @@ constexpr std::uint32_t jitter(const std::array<std::int32_t, 3>& position, std:
   const std::uint64_t low =
       static_cast<std::uint32_t>(position[0]) | std::uint64_t{static_cast<std::uint32_t>(position[1])} << 24;
   const std::uint64_t high = static_cast<std::uint32_t>(position[2]) | std::uint64_t{u} << 24 | std::uint64_t{v} << 40;
-  return kJitterLut[mix64(mix64(low) ^ high) % kJitterEntries];
+  return kJitterLut[wire::mix64(wire::mix64(low) ^ high) % kJitterEntries];
 }
 
 }  // namespace gicube::emu

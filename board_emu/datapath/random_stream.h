@@ -26,7 +26,7 @@ enum class RandomStream : std::uint64_t {
 constexpr std::uint64_t draw(RandomStream what, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
                              std::uint32_t seed) {
   const std::uint64_t ray = u | std::uint64_t{v} << 16 | std::uint64_t{lifetime} << 32;
-  return mix64(mix64(ray) ^ (std::uint64_t{seed} << 8 | static_cast<std::uint64_t>(what)));
+  return wire::mix64(wire::mix64(ray) ^ (std::uint64_t{seed} << 8 | static_cast<std::uint64_t>(what)));
 }
 
 // draw() that also depends on a position.
@@ -34,8 +34,8 @@ constexpr std::uint64_t draw_at(RandomStream what, const std::array<std::int32_t
                                 std::uint16_t v, std::uint16_t lifetime, std::uint32_t seed) {
   const std::uint64_t low =
       static_cast<std::uint32_t>(position[0]) | std::uint64_t{static_cast<std::uint32_t>(position[1])} << 32;
-  const std::uint64_t here = mix64(mix64(low) ^ static_cast<std::uint32_t>(position[2]));
-  return mix64(here ^ draw(what, u, v, lifetime, seed));
+  const std::uint64_t here = wire::mix64(wire::mix64(low) ^ static_cast<std::uint32_t>(position[2]));
+  return wire::mix64(here ^ draw(what, u, v, lifetime, seed));
 }
 
 }  // namespace gicube::emu

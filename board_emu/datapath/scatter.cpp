@@ -34,7 +34,7 @@ std::vector<Vector> make_directions() {
     const double angle = 2 * std::numbers::pi * std::fmod(static_cast<double>(i) / std::numbers::phi, 1.0);
     out[i] = {radius * std::cos(angle), radius * std::sin(angle), z};
   }
-  for (std::size_t i = out.size() - 1; i > 0; --i) std::swap(out[i], out[mix64(i) % (i + 1)]);
+  for (std::size_t i = out.size() - 1; i > 0; --i) std::swap(out[i], out[wire::mix64(i) % (i + 1)]);
   return out;
 }
 

@@ -24,7 +24,7 @@ wire::TrappedRay trapped_ray(const RayState& ray, unsigned tag, const Frame& fra
   std::uint64_t chance = draw_at(RandomStream::kRoutine, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
   for (std::uint32_t& number : out.random) {
     number = static_cast<std::uint32_t>(chance >> 32);
-    chance = mix64(chance + 1);
+    chance = wire::mix64(chance + 1);
   }
   return out;
 }

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "words/mix64.h"
+#include "gicube/wire/mix64.h"
 
 namespace gicube::emu {
 
@@ -15,11 +15,8 @@ inline constexpr std::uint32_t kSobolDimensions = 4;
 inline constexpr std::uint32_t kSobolBits = 12;  // chosen: up to 4096 points, the maximum number of rays per face voxel
 inline constexpr std::uint32_t kSobolPoints = 1u << kSobolBits;
 
-// Mixes two words into 64 pseudo-random bits (SplitMix64; Steele, Lea, Flood 2014).
-constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
-  constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15u;
-  return mix64((mix64(a + kStep) ^ b) + kStep);
-}
+// Mixes two words into 64 pseudo-random bits.
+constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) { return wire::split_mix64(wire::split_mix64(a) ^ b); }
 
 // A hash as a number in [0, 1).
 constexpr double to_unit(std::uint64_t hashed) { return static_cast<double>(hashed >> 11) * 0x1p-53; }

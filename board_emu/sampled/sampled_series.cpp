@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gicube/wire/mix64.h"
 #include "levels/counters.h"
-#include "words/mix64.h"
 
 namespace gicube::emu {
 
@@ -90,7 +90,7 @@ void SampledSeries::begin_block() {
   blocks_of_length_ = length == length_ ? blocks_of_length_ + 1 : 1;
   length_ = length;
   at_ = 0;
-  drawn_ = static_cast<std::uint32_t>(mix64(seed_ ^ mix64(++blocks_)) % length);
+  drawn_ = static_cast<std::uint32_t>(wire::mix64(seed_ ^ wire::mix64(++blocks_)) % length);
 }
 
 void SampledSeries::end_block() {

@@ -113,7 +113,8 @@ std::size_t VolumeCache::set_of(std::uint32_t block, std::size_t x, std::size_t 
   return ((gz * down * half + gy) * across * half + gx) % sets_ * shape_.ways;
 }
 
-VolumeCache::Place VolumeCache::place_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const {
+VolumeCache::VoxelTag VolumeCache::tag_of_voxel(std::uint32_t block, std::size_t x, std::size_t y,
+                                                std::size_t z) const {
   const auto n = static_cast<std::size_t>(shape_.block_voxels);
   if (!shape_.linear) return {(z * (n + 1) + y) * (n + 1) + x, block};
   const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
@@ -128,8 +129,8 @@ const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<st
   std::uint32_t packets = 0, missing = 0;
   for (std::size_t i = 0; i < 8; ++i) {
     const std::size_t x = voxel[0] + (i & 1), y = voxel[1] + (i >> 1 & 1), z = voxel[2] + (i >> 2);
-    const Place place = place_of_voxel(block, x, y, z);
-    if (std::exchange(tags_[place.at], place.tag) == place.tag) continue;
+    const VoxelTag tag = tag_of_voxel(block, x, y, z);
+    if (std::exchange(tags_[tag.index], tag.value) == tag.value) continue;
     ++missing;
     const auto tile = static_cast<std::uint32_t>((z / shape_.tile_depth * tiles_x_ + (y >> 1)) * tiles_x_ + (x >> 1));
     const auto asked = misses_.tiles.begin() + packets;
@@ -146,8 +147,8 @@ const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<st
 
 bool VolumeCache::has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
   for (std::size_t i = 0; i < 8; ++i) {
-    const Place place = place_of_voxel(block, voxel[0] + (i & 1), voxel[1] + (i >> 1 & 1), voxel[2] + (i >> 2));
-    if (tags_[place.at] != place.tag) return false;
+    const VoxelTag tag = tag_of_voxel(block, voxel[0] + (i & 1), voxel[1] + (i >> 1 & 1), voxel[2] + (i >> 2));
+    if (tags_[tag.index] != tag.value) return false;
   }
   return true;
 }
@@ -156,9 +157,9 @@ bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
   const auto n = static_cast<std::size_t>(shape_.block_voxels), depth = std::size_t{shape_.tile_depth};
   const std::size_t x = tile % tiles_x_ * 2, y = tile / tiles_x_ % tiles_x_ * 2, z = tile / slice_tiles_ * depth;
   for (std::size_t i = 0; i < 4 * depth; ++i) {  // the last tile of a row holds fewer voxels of the block, and padding
-    const Place place =
-        place_of_voxel(block, std::min(x + (i & 1), n), std::min(y + (i >> 1 & 1), n), std::min(z + (i >> 2), n));
-    if (tags_[place.at] != place.tag) return false;
+    const VoxelTag tag =
+        tag_of_voxel(block, std::min(x + (i & 1), n), std::min(y + (i >> 1 & 1), n), std::min(z + (i >> 2), n));
+    if (tags_[tag.index] != tag.value) return false;
   }
   return true;
 }

@@ -46,8 +46,10 @@ struct CacheCounters {
 };
 
 struct Misses {
-  std::uint32_t count = 0;             // packets
-  std::array<std::uint32_t, 9> tiles;  // one more than there can be: the check writes before it counts
+  static constexpr std::uint32_t kMax = 8;  // tiles that one neighbourhood reaches
+
+  std::uint32_t count = 0;                    // packets
+  std::array<std::uint32_t, kMax + 1> tiles;  // one more than there can be: the check writes before it counts
 };
 
 class VolumeCache {
@@ -134,12 +136,12 @@ class VolumeCache {
     counters_.missed_voxels += packets * voxels_of_tile;
     ++counters_.misses[packets * voxels_of_tile];
   }
-  // Of a single voxel.
-  struct Place {
-    std::size_t at = 0;
-    std::uint32_t tag = 0;
+  // The tag that a voxel has when it is present, and its index in tags_.
+  struct VoxelTag {
+    std::size_t index = 0;
+    std::uint32_t value = 0;
   };
-  Place place_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const;
+  VoxelTag tag_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const;
   // The place of the set's first way.
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);

@@ -6,8 +6,8 @@
 namespace gicube::emu {
 
 Ring::Ring(std::uint32_t bits, std::uint32_t rays, const std::vector<Port>& ports)
-    : cycles_per_ray_((kRayBits + bits - 1) / bits), ports_(ports), counters_(ports.size()) {
-  assert(bits >= 1 && bits <= kRayBits && rays >= kPlacesToEnter);
+    : cycles_per_ray_((wire::kRayBits + bits - 1) / bits), ports_(ports), counters_(ports.size()) {
+  assert(bits >= 1 && bits <= wire::kRayBits && rays >= kPlacesToEnter);
   const std::size_t count = ports.size();
   if (count == 1) return;  // no neighbours, no links
   for (auto& links : links_) links.assign(count, Link(rays));

@@ -37,7 +37,7 @@ struct RingCounters {                   // of one processor's two links
 
 class Ring {
  public:
-  static constexpr std::uint32_t kRayBits = 256;
+  static constexpr std::uint32_t kPlacesToEnter = 2;  // bubble flow control
 
   // One processor's ends.
   struct Port {
@@ -86,7 +86,6 @@ class Ring {
   }
 
  private:
-  static constexpr std::uint32_t kPlacesToEnter = 2;  // bubble flow control
   enum Direction : std::uint8_t { kRight = 0, kLeft = 1 };
   struct Link {
     explicit Link(std::uint32_t rays) : entry(rays) {}

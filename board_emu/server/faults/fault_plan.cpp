@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "words/mix64.h"
+#include "gicube/wire/mix64.h"
 
 namespace gicube::emu {
 namespace {
@@ -117,14 +117,11 @@ void check_random(const std::string& where, const RandomFaults& random, Check& c
   check.need_parameters(where, random, kinds);
 }
 
-// SplitMix64 [Steele, Lea, Flood, OOPSLA 2014].
-std::uint64_t mix(std::uint64_t x) { return mix64(x + 0x9E3779B97F4A7C15u); }
-
 // Random decisions for a message. Whether it is affected, the kind and the parameters are independent.
 enum class Purpose : std::uint64_t { kHit, kKind, kFirst, kSecond };
 
 std::uint64_t chance(std::uint64_t stream, std::uint64_t message, Purpose purpose) {
-  return mix(mix(stream ^ message) ^ static_cast<std::uint64_t>(purpose));
+  return wire::split_mix64(wire::split_mix64(stream ^ message) ^ static_cast<std::uint64_t>(purpose));
 }
 
 }  // namespace
@@ -173,7 +170,8 @@ FaultEngine::FaultEngine(const v1::FaultPlan& plan) {
     for (const PlannedFault::Direction direction : {PlannedFault::down, PlannedFault::up}) {
       if (rule.has_direction() && rule.direction() != direction) continue;
       // Rules with the same seed, and both directions of a rule, are independent.
-      const std::uint64_t stream = mix(mix(mix(rule.seed()) ^ part) ^ static_cast<std::uint64_t>(direction));
+      const std::uint64_t of_part = wire::split_mix64(wire::split_mix64(rule.seed()) ^ part);
+      const std::uint64_t stream = wire::split_mix64(of_part ^ static_cast<std::uint64_t>(direction));
       Random random{rule, stream, {}};
       for (int i = 0; i < rule.kinds_size(); ++i) {
         if (direction == PlannedFault::down || !is_memory_fault(rule.kinds(i))) random.kinds.push_back(rule.kinds(i));

@@ -110,7 +110,7 @@ struct Parts {
     }
     for (std::uint32_t i = 0; i < division.parts.size(); ++i) {
       const PairPart& part = division.parts[i];
-      const std::uint64_t own = i == 0 ? id : wire::mix(id | std::uint64_t{i} << 32);
+      const std::uint64_t own = i == 0 ? id : wire::split_mix64(id | std::uint64_t{i} << 32);
       pairs.push_back({begin + part.a, begin + part.b, static_cast<std::uint32_t>(own)});
     }
   }

@@ -22,6 +22,7 @@
 #include <numbers>
 
 #include "gicube/wire/command.h"
+#include "gicube/wire/mix64.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/record.h"
 #include "gicube/wire/sobol.h"
@@ -90,14 +91,6 @@ inline constexpr std::size_t kPairResultBytes = bytes_of<PairResult>();
 
 // Driver and board both compute the following. Only IEEE operations are used, so all machines get the same bits.
 
-// SplitMix64 (Steele, Lea, Flood 2014).
-constexpr std::uint64_t mix(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15u;
-  x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
-  x = (x ^ x >> 27) * 0x94D049BB133111EBu;
-  return x ^ x >> 31;
-}
-
 // Number of runs. Chosen: more runs estimate the error better, but are shorter.
 inline constexpr std::uint32_t kPairRuns = 8;
 
@@ -139,10 +132,10 @@ constexpr std::array<double, 6> pair_point(std::uint32_t id, std::uint32_t seed,
     const auto& column = kPairColumns[static_cast<std::size_t>(std::countr_zero(index))];
     for (std::size_t d = 0; d < 6; ++d) bits[d] ^= column[d];
   }
-  const std::uint64_t of_pair = mix(id | std::uint64_t{seed} << 32);
+  const std::uint64_t of_pair = split_mix64(id | std::uint64_t{seed} << 32);
   std::array<double, 6> point{};
   for (std::size_t d = 0; d < 6; ++d) {
-    point[d] = bits_reversed(scrambled(bits[d], static_cast<std::uint32_t>(mix(of_pair ^ d)))) * 0x1p-32;
+    point[d] = bits_reversed(scrambled(bits[d], static_cast<std::uint32_t>(split_mix64(of_pair ^ d)))) * 0x1p-32;
   }
   return point;
 }

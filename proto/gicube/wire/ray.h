@@ -69,6 +69,7 @@ struct Ray {
 };
 // [P §3.6]. Every bit pattern is a ray. The DSP checks whether it is valid (unit direction, position in the volume).
 inline constexpr std::size_t kRayBytes = bytes_of<Ray>();
+inline constexpr std::uint32_t kRayBits = 8 * kRayBytes;
 
 // Maximum deviation of a ray's position from its line on each axis, in voxels, on the paper's datapath, after `voxels`
 // voxels in steps of `step` (16.16). A position is the start plus a multiple of one rounded step. Rounding the

@@ -33,7 +33,7 @@ Mean mean_of(const wire::Material& of, const Direction& in, const Point& gradien
   Mean mean;
   constexpr int kDraws = 40'000;
   for (int i = 0; i < kDraws; ++i) {
-    const double z = along(scattered(of, in, gradient, kCubes, mix64(static_cast<std::uint64_t>(i))), 0, 0, 1);
+    const double z = along(scattered(of, in, gradient, kCubes, wire::mix64(static_cast<std::uint64_t>(i))), 0, 0, 1);
     mean.z += z / kDraws;
     mean.z_squared += z * z / kDraws;
     mean.min_z = std::min(mean.min_z, z);
@@ -99,7 +99,7 @@ TEST(Scattering, DirectionsStayUnitVectors) {
     const Direction in = direction(number() + 0.5, number() + 0.5, number() + 0.5);
     const auto bsdf = static_cast<wire::Bsdf>(dice() % 6);
     const Direction out = scattered(material(bsdf, static_cast<double>(dice() % 160) / 10), in,
-                                    {number(), number(), number()}, kCubes, mix64(dice()));
+                                    {number(), number(), number()}, kCubes, wire::mix64(dice()));
     EXPECT_NEAR(std::hypot(out[0], out[1], out[2]) / kOne, 1, 1e-4);
   }
 }
@@ -111,7 +111,7 @@ TEST(Splat, SharesSumToTheDeposit) {
     const std::uint32_t units = i % 2 == 0 ? dice() % 256 : dice() % (1u << 24);
     const std::array<std::uint32_t, 3> fraction{dice() % 16384, dice() % 16384, dice() % 16384};
     std::uint64_t sum = 0;
-    for (const std::uint32_t share : split(units, fraction, mix64(dice()))) sum += share;
+    for (const std::uint32_t share : split(units, fraction, wire::mix64(dice()))) sum += share;
     EXPECT_EQ(sum, units);
   }
 }
@@ -121,7 +121,7 @@ TEST(Splat, OneUnitGoesToAVoxelAsOftenAsItsWeightSays) {
   std::array<double, 8> got{};
   constexpr int kDraws = 40'000;
   for (int i = 0; i < kDraws; ++i) {
-    const Shares shares = split(1, fraction, mix64(static_cast<std::uint64_t>(i)));
+    const Shares shares = split(1, fraction, wire::mix64(static_cast<std::uint64_t>(i)));
     for (std::size_t v = 0; v < 8; ++v) got[v] += shares[v] / double{kDraws};
   }
   for (std::size_t v = 0; v < 8; ++v) {

@@ -11,9 +11,9 @@
 #include "datapath/jitter.h"
 #include "datapath/random_stream.h"
 #include "datapath/ray_step.h"
+#include "gicube/wire/mix64.h"
 #include "random_words.h"
 #include "reference/words.h"
-#include "words/mix64.h"
 
 namespace gicube::emu {
 namespace {
@@ -83,9 +83,9 @@ TEST(PipelineWords, ARayOnACutPlaneIsNotBeyondIt) {
 // SplitMix64 seeded with 0, 1 and 2: its first numbers (from the generator's own C source).
 TEST(PipelineWords, TheHashIsThatOfSplitMix64) {
   constexpr std::uint64_t kGamma = 0x9E3779B97F4A7C15;
-  EXPECT_EQ(mix64(kGamma), 0xE220A8397B1DCDAFu);
-  EXPECT_EQ(mix64(2 * kGamma), 0x6E789E6AA1B965F4u);
-  EXPECT_EQ(mix64(3 * kGamma), 0x06C45D188009454Fu);
+  EXPECT_EQ(wire::mix64(kGamma), 0xE220A8397B1DCDAFu);
+  EXPECT_EQ(wire::mix64(2 * kGamma), 0x6E789E6AA1B965F4u);
+  EXPECT_EQ(wire::mix64(3 * kGamma), 0x06C45D188009454Fu);
 }
 
 TEST(PipelineWords, JitterHasEachStratumOnceAndItsPlaceComesFromPositionAndDestination) {

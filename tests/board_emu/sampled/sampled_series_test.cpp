@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "gicube/wire/mix64.h"
 #include "sampled/sampled_series.h"
-#include "words/mix64.h"
 
 namespace gicube::emu {
 namespace {
@@ -17,7 +17,7 @@ CommandCost cost(double work, double cycles, double packets = 10, double misses 
 }
 
 // Evenly in -1 .. 1.
-double noise(std::uint64_t seed) { return static_cast<double>(mix64(seed) >> 11) / (1ULL << 52) - 1; }
+double noise(std::uint64_t seed) { return static_cast<double>(wire::mix64(seed) >> 11) / (1ULL << 52) - 1; }
 
 struct Outcome {
   double all = 0, estimate = 0, within = 0;
