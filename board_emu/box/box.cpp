@@ -20,7 +20,7 @@ constexpr bool kHasSanitizers = false;
 
 // Files that libraries read on demand, and that are not secret: the number of processors, and the time zone for the
 // log.
-const std::vector<Box::Place> kLibraries{{"/sys/devices/system/cpu", Box::Access::kRead},
+const std::vector<Box::Path> kLibraries{{"/sys/devices/system/cpu", Box::Access::kRead},
                                          {"/etc/localtime", Box::Access::kRead}};
 
 }  // namespace
@@ -34,9 +34,9 @@ Boxed enter_box(const Box& box) {
   }
   std::string files = "no limit to files, as this kernel has no Landlock";
   try {
-    std::vector<Box::Place> places = box.places;
-    if (!places.empty()) places.insert(places.end(), kLibraries.begin(), kLibraries.end());
-    if (const int version = restrict_files(places); version > 0) {
+    std::vector<Box::Path> paths = box.paths;
+    if (!paths.empty()) paths.insert(paths.end(), kLibraries.begin(), kLibraries.end());
+    if (const int version = restrict_files(paths); version > 0) {
       boxed.files = kInForce;
       files = fmt::format("files by Landlock {}", version);
     }
@@ -46,7 +46,7 @@ Boxed enter_box(const Box& box) {
   }
   std::string calls = "no limit to system calls, as this kernel has no filter for them";
   try {
-    if (filter_calls(!box.places.empty(), box.has_clients)) {
+    if (filter_calls(!box.paths.empty(), box.has_clients)) {
       boxed.calls = kInForce;
       calls = "system calls by a filter";
     }

@@ -19,11 +19,11 @@ struct Box {
     kWrite,   // create, write, rename and remove files of a folder
   };
   // A folder includes everything below it.
-  struct Place {
+  struct Path {
     std::string path;
     Access access = Access::kRead;
   };
-  std::vector<Place> places{};  // files that may still be used; empty: no file can be opened, renamed or removed
+  std::vector<Path> paths{};   // files that may still be used; empty: no file can be opened, renamed or removed
   bool has_clients = true;      // accepts new connections at listening sockets
 };
 

@@ -50,15 +50,15 @@ std::uint64_t rights_of(Box::Access access) {
 
 [[noreturn]] void fail_at(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
-void add(int ruleset, const Box::Place& place, std::uint64_t known) {
-  const int fd = ::open(place.path.c_str(), O_PATH | O_CLOEXEC);
+void add(int ruleset, const Box::Path& allowed, std::uint64_t known) {
+  const int fd = ::open(allowed.path.c_str(), O_PATH | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return;
-  if (fd < 0) fail_at(place.path);
+  if (fd < 0) fail_at(allowed.path);
   const Finally closed{[fd] { ::close(fd); }};
   landlock_path_beneath_attr rule{};
-  rule.allowed_access = rights_of(place.access) & known;
+  rule.allowed_access = rights_of(allowed.access) & known;
   rule.parent_fd = fd;
-  if (::syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) fail_at(place.path);
+  if (::syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) fail_at(allowed.path);
 }
 
 // Restricts the calling thread. Runs in a signal handler. Returns errno or 0.
@@ -69,7 +69,7 @@ int restrict_thread(int ruleset) {
 
 }  // namespace
 
-int restrict_files(const std::vector<Box::Place>& places) {
+int restrict_files(const std::vector<Box::Path>& paths) {
   const auto version =
       static_cast<int>(::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION));
   if (version < 1) {
@@ -82,7 +82,7 @@ int restrict_files(const std::vector<Box::Place>& places) {
   const auto ruleset = static_cast<int>(::syscall(SYS_landlock_create_ruleset, &attributes, size, 0));
   if (ruleset < 0) fail_at("Landlock");
   const Finally closed{[ruleset] { ::close(ruleset); }};
-  for (const Box::Place& place : places) add(ruleset, place, known);
+  for (const Box::Path& allowed : paths) add(ruleset, allowed, known);
   on_every_thread(restrict_thread, ruleset);
   return version;
 }

@@ -7,9 +7,9 @@
 
 namespace gicube::emu {
 
-// Restricts all threads of the process to these places. Executing programs is not allowed, nor binding or connecting
-// TCP ports if Landlock supports ports. Places that do not exist are ignored. Returns Landlock's version; 0: the kernel
+// Restricts all threads of the process to these paths. Executing programs is not allowed, nor binding or connecting
+// TCP ports if Landlock supports ports. Paths that do not exist are ignored. Returns Landlock's version; 0: the kernel
 // has none, and the threads only cannot gain privileges. Throws std::system_error.
-int restrict_files(const std::vector<Box::Place>& places);
+int restrict_files(const std::vector<Box::Path>& paths);
 
 }  // namespace gicube::emu

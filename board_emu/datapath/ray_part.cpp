@@ -117,22 +117,22 @@ DepthTable::DepthTable(std::span<const wire::SegmentationEntry> entries)
   }
 }
 
-DepthTable::Place DepthTable::place(unsigned tag, double density) {
+DepthTable::BinPosition DepthTable::bin_position(unsigned tag, double density) {
   const double at = std::clamp(density + 0.5, 0.0, kDensities - 1e-9);
   const std::size_t first = tag * kDensities;
   return {first + static_cast<std::size_t>(at), static_cast<double>(first) + at};
 }
 
-double DepthTable::until(const Place& place) const {
-  return lerp(sum_[place.bin], sum_[place.bin + 1], place.at - static_cast<double>(place.bin));
+double DepthTable::until(const BinPosition& at) const {
+  return lerp(sum_[at.bin], sum_[at.bin + 1], at.at - static_cast<double>(at.bin));
 }
 
 DepthTable::Depth DepthTable::between(unsigned tag, double from, double to, double length) const {
-  const Place a = place(tag, from), b = place(tag, to);
+  const BinPosition a = bin_position(tag, from), b = bin_position(tag, to);
   const double way = b.at - a.at;
   const std::uint32_t opaque = way < 0 ? opaque_down_[a.bin] : opaque_up_[a.bin];
   Depth out;
-  Place until_there = b;
+  BinPosition until_there = b;
   if (opaque != kNone && (way < 0 ? opaque >= b.bin : opaque <= b.bin)) {
     const double begins = std::clamp(way < 0 ? opaque + 1.0 : opaque, std::min(a.at, b.at), std::max(a.at, b.at));
     out.opaque = opaque == a.bin || way == 0 ? 0 : (begins - a.at) / way;
@@ -148,7 +148,7 @@ DepthTable::Depth DepthTable::between(unsigned tag, double from, double to, doub
 }
 
 double DepthTable::way_to(double share, unsigned tag, double from, double to) const {
-  const Place a = place(tag, from), b = place(tag, to);
+  const BinPosition a = bin_position(tag, from), b = bin_position(tag, to);
   const double begin = until(a), whole = until(b) - begin;
   if (whole == 0) return share;
   const double wanted = begin + share * whole;

@@ -40,12 +40,12 @@ class DepthTable {
   std::span<const double> sums() const { return sum_; }
 
  private:
-  struct Place {
+  struct BinPosition {
     std::size_t bin;
     double at;  // position in bins; the density rounds to the nearest entry
   };
-  static Place place(unsigned tag, double density);
-  double until(const Place& place) const;
+  static BinPosition bin_position(unsigned tag, double density);
+  double until(const BinPosition& at) const;
 
   std::vector<double> sum_;                             // depths of all entries before; opaque ones add nothing
   std::vector<std::uint32_t> run_;                      // number of changes of the opacity

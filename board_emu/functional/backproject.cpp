@@ -20,12 +20,12 @@ namespace gicube::emu {
 namespace {
 
 // A ray that waits to be splatted.
-struct alignas(32) WaitingRay {
+struct alignas(32) PendingRay {
   Point position{}, step{};
   std::int32_t amount = 0;
   std::uint32_t moves = 0;  // upper bound of the change of a word
 };
-struct WaitingRest {
+struct PendingRest {
   Rest position{}, step{};
 };
 
@@ -128,15 +128,15 @@ std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
 
 // The rays that one thread has cut, and their effect on the blocks' words in one command.
 struct Cut {
-  std::vector<WaitingRay> rays;
-  std::vector<WaitingRest> rests;        // wide datapath only
+  std::vector<PendingRay> rays;
+  std::vector<PendingRest> rests;        // wide datapath only
   std::vector<std::vector<Part>> parts;  // by tile
   std::vector<std::uint64_t> moves;      // by block: upper bound of the change of a word
   std::size_t parts_count = 0;
   RayCounters counters;
 
   std::size_t bytes() const {
-    return rays.size() * sizeof(WaitingRay) + rests.size() * sizeof(WaitingRest) + parts_count * sizeof(Part);
+    return rays.size() * sizeof(PendingRay) + rests.size() * sizeof(PendingRest) + parts_count * sizeof(Part);
   }
 };
 
@@ -170,7 +170,7 @@ std::int32_t take(const wire::Ray& packet, const Frame& frame, const Tiles& tile
 
 // Writes in place: a copy of words that were just written in smaller parts would stall.
 void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& out) {
-  const WaitingRay& ray = cut.rays[part.ray()];
+  const PendingRay& ray = cut.rays[part.ray()];
   const auto first = part.first();
   out.count = part.count();
   out.amount = ray.amount;
@@ -181,7 +181,7 @@ void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& ou
     }
     return;
   }
-  const WaitingRest& rest = cut.rests[part.ray()];
+  const PendingRest& rest = cut.rests[part.ray()];
   const FinePoint at = moved(fine(ray.position, rest.position), fine(ray.step, rest.step), first);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.first[axis] = static_cast<std::int32_t>(at[axis] >> kRestBits) - corner[axis];
@@ -242,7 +242,7 @@ class Cells {
   std::size_t count_ = 0;
 };
 
-class WaitingRays : public WaitingAdds {
+class PendingRays : public WaitingAdds {
  public:
   void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters,
             std::span<std::int32_t> steps) {
@@ -307,9 +307,9 @@ class WaitingRays : public WaitingAdds {
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
                         std::span<std::int32_t> steps) {
   std::unique_ptr<WaitingAdds>& waiting = frame.sums->waiting();
-  if (waiting == nullptr) waiting = std::make_unique<WaitingRays>();
+  if (waiting == nullptr) waiting = std::make_unique<PendingRays>();
   RayCounters sum;
-  static_cast<WaitingRays&>(*waiting).take(rays, frame, threads, sum, steps);
+  static_cast<PendingRays&>(*waiting).take(rays, frame, threads, sum, steps);
   sum.visible_samples = sum.deposits = sum.samples;
   return sum;
 }

@@ -77,11 +77,11 @@ Box box_of(const Options& options, const std::vector<std::string>& tokens, const
   using enum Box::Access;
   Box box;
   // Before removing a token file, the process checks that it is still its own.
-  for (const std::string& file : tokens) box.places.push_back({file, kRead});
-  for (const std::string& file : made) box.places.push_back({folder_of(file), kRemove});
-  if (!options.audit_log_file.empty()) box.places.push_back({folder_of(options.audit_log_file), kWrite});
+  for (const std::string& file : tokens) box.paths.push_back({file, kRead});
+  for (const std::string& file : made) box.paths.push_back({folder_of(file), kRemove});
+  if (!options.audit_log_file.empty()) box.paths.push_back({folder_of(options.audit_log_file), kWrite});
   if (options.management && !options.management->trace_folder.empty()) {
-    box.places.push_back({options.management->trace_folder, kWrite});
+    box.paths.push_back({options.management->trace_folder, kWrite});
   }
   return box;
 }

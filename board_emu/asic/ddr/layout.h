@@ -42,22 +42,22 @@ class Layout : public dram::LayoutBase {
     const std::uint64_t rows = (std::uint64_t{blocks} * pages_ + kBanksOfRank - 1) / kBanksOfRank;
     devices_ = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, (rows + kRows - 1) / kRows));
     for (std::uint32_t tile = 0; tile < bricks_.all_tiles(); ++tile) {
-      const auto [brick, column] = bricks_.place(tile);
+      const auto [brick, column] = bricks_.column_of(tile);
       const std::uint32_t page = page_of[brick[0] + count[0] * (brick[1] + count[1] * brick[2])];
-      places_.push_back({static_cast<std::uint16_t>(page), first_column(column)});
+      columns_.push_back({static_cast<std::uint16_t>(page), first_column(column)});
     }
   }
 
   // Tile `tile` (x fastest) of the channel's block `block`, each counted from 0.
   Location locate(std::uint32_t block, std::uint32_t tile) const {
-    const Place place = places_[tile];
-    const std::uint32_t page = block * pages_ + place.page;
+    const PageColumn at_page = columns_[tile];
+    const std::uint32_t page = block * pages_ + at_page.page;
     const std::uint32_t row = page / kBanksOfRank;  // of all ranks, in turn
     Location at;
     at.device = static_cast<std::uint16_t>(row % devices_);
     at.row = static_cast<std::uint16_t>(row / devices_);
     at.bank = static_cast<std::uint8_t>(page % kBanksOfRank);
-    at.column = place.column;
+    at.column = at_page.column;
     return at;
   }
 

@@ -20,13 +20,13 @@ struct Bricks {
   std::array<std::uint32_t, 3> count{};  // bricks, per axis
   std::uint32_t pages = 0;               // of a block: bricks in all
 
-  // A tile's brick, and its place there.
-  struct Place {
+  // A tile's brick, and its column in the brick's page.
+  struct BrickColumn {
     std::array<std::uint32_t, 3> brick;
     std::uint16_t column;
   };
   std::uint32_t all_tiles() const { return tiles[0] * tiles[1] * tiles[2]; }
-  Place place(std::uint32_t tile) const {
+  BrickColumn column_of(std::uint32_t tile) const {
     const std::uint32_t x = tile % tiles[0], y = tile / tiles[0] % tiles[1], z = tile / (tiles[0] * tiles[1]);
     const std::uint32_t column = x % size[0] + size[0] * (y % size[1] + size[1] * (z % size[2]));
     return {{x / size[0], y / size[1], z / size[2]}, static_cast<std::uint16_t>(column)};
@@ -66,13 +66,13 @@ Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t
 // What the layouts of all standards have.
 class LayoutBase {
  public:
-  std::uint32_t devices() const { return devices_; }                                  // of a channel, at least 1
-  std::uint32_t tiles() const { return static_cast<std::uint32_t>(places_.size()); }  // of a block
+  std::uint32_t devices() const { return devices_; }                                   // of a channel, at least 1
+  std::uint32_t tiles() const { return static_cast<std::uint32_t>(columns_.size()); }  // of a block
   const Bricks& bricks() const { return bricks_; }
   std::uint32_t packets_of_tile() const { return packets_; }
 
  protected:
-  struct Place {
+  struct PageColumn {
     std::uint16_t page;
     std::uint16_t column;
   };
@@ -85,7 +85,7 @@ class LayoutBase {
   Bricks bricks_;
   std::uint32_t packets_;
   std::uint32_t devices_ = 1;
-  std::vector<Place> places_;  // by tile, x fastest
+  std::vector<PageColumn> columns_;  // by tile, x fastest
 };
 
 }  // namespace gicube::emu::dram

@@ -45,7 +45,7 @@ std::uint32_t page_of(const std::array<std::uint32_t, 3>& brick, const Stride& s
 bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) {
   std::array<std::uint32_t, 4> last{};  // pages
   for (std::uint32_t tile = 0; tile < bricks.all_tiles(); ++tile) {
-    const std::uint32_t page = page_of(bricks.place(tile).brick, stride);
+    const std::uint32_t page = page_of(bricks.column_of(tile).brick, stride);
     last[tile % 4] = page;
     for (const std::uint32_t other : last) {
       if (other != page && other % Layout::kOpenBanks == page % Layout::kOpenBanks) return true;
@@ -90,8 +90,8 @@ Layout::Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t d
   reciprocal_ = ((std::uint64_t{1} << kReciprocalBits) + devices_ - 1) / devices_;
   const Stride stride = *number_bricks(bricks_);
   for (std::uint32_t tile = 0; tile < bricks_.all_tiles(); ++tile) {
-    const auto [brick, column] = bricks_.place(tile);
-    places_.push_back({static_cast<std::uint16_t>(page_of(brick, stride)), first_column(column)});
+    const auto [brick, column] = bricks_.column_of(tile);
+    columns_.push_back({static_cast<std::uint16_t>(page_of(brick, stride)), first_column(column)});
   }
 }
 

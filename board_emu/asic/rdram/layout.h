@@ -26,16 +26,16 @@ class Layout : public dram::LayoutBase {
 
   // Tile `tile` (x fastest) of the channel's block `block`, each counted from 0.
   Location locate(std::uint32_t block, std::uint32_t tile) const {
-    const Place place = places_[tile];
+    const PageColumn at_page = columns_[tile];
     // Even blocks take even banks and odd blocks odd ones; groups of 16 pages go round the devices.
-    const std::uint32_t page = (block >> 1) * bricks_.pages + place.page;
+    const std::uint32_t page = (block >> 1) * bricks_.pages + at_page.page;
     const std::uint32_t group = page / kOpenBanks;
     const auto row = static_cast<std::uint32_t>(group * reciprocal_ >> kReciprocalBits);  // group / devices_
     Location at;
     at.device = static_cast<std::uint16_t>(group - row * devices_);
     at.row = static_cast<std::uint16_t>(row);
     at.bank = static_cast<std::uint8_t>(2 * (page % kOpenBanks) + (block & 1));
-    at.column = place.column;
+    at.column = at_page.column;
     return at;
   }
 

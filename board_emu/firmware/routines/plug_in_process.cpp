@@ -146,13 +146,13 @@ class PlugInProcess::Claim {
  public:
   explicit Claim(PlugInProcess& of) : of_(of) {
     thread_local std::size_t last = 0;
-    for (std::size_t tried = 0; of_.places_[last].is_taken.exchange(true); last = (last + 1) % kMaxCalls) {
+    for (std::size_t tried = 0; of_.slot_states_[last].is_taken.exchange(true); last = (last + 1) % kMaxCalls) {
       if (++tried % kMaxCalls == 0) std::this_thread::yield();
     }
     index_ = last;
   }
   ~Claim() {
-    if (!is_lost_) of_.places_[index_].is_taken = false;
+    if (!is_lost_) of_.slot_states_[index_].is_taken = false;
   }
   Claim(const Claim&) = delete;
   Claim& operator=(const Claim&) = delete;
@@ -283,7 +283,7 @@ std::optional<std::string> PlugInProcess::call(Claim& claim, std::uint32_t count
       return kLost;
     }
   }
-  switch (wait(slot.turn, slot.process, spins, places_[claim.index()].patience, count)) {
+  switch (wait(slot.turn, slot.process, spins, slot_states_[claim.index()].patience, count)) {
     case Waited::kAnswered: return std::nullopt;
     case Waited::kEnded: return end_of(slot.wait_status);
     case Waited::kLost: slot.turn.give(Party::kNobody); return kLost;

@@ -68,11 +68,11 @@ class PlugInProcess {
 
   std::atomic<unsigned> at_once_{0};  // calls that there were at once, at most
 
-  struct alignas(64) Place {
+  struct alignas(64) SlotState {
     std::atomic<bool> is_taken{false};
     Patience patience{};
   };
-  std::unique_ptr<Place[]> places_ = std::make_unique<Place[]>(kMaxCalls);
+  std::unique_ptr<SlotState[]> slot_states_ = std::make_unique<SlotState[]>(kMaxCalls);
 };
 
 // At most `max_length` bytes of it, as others may see them.

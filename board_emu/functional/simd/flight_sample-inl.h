@@ -116,7 +116,7 @@ constexpr std::size_t words_of(FlightKind kind) {  // words of energy that lanes
 }
 
 struct SampleLanes {
-  Place at;
+  SamplePosition at;
   V cell;          // index in its block
   V entry, depth;  // entry of the segmentation LUT; its opacity, 0: none (PacketField::opacities)
   Corners corners;
@@ -124,7 +124,7 @@ struct SampleLanes {
 
 HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, const PacketField& field) {
   SampleLanes out;
-  const auto place = place_in_block(ray, first, samples, field);
+  const auto place = position_in_block(ray, first, samples, field);
   out.at = place.at;
   out.cell = place.cell;
   out.corners = corners_of(field.densities, out.at.index, field.edge);
@@ -173,7 +173,7 @@ HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneStat
 HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask reflecting, const PacketField& field) {
   const Mask scattered = hn::And(reflecting, hn::MaskFromVec(lanes.scattered.load()));
   if (hn::AllFalse(D32(), scattered)) return scattered;
-  SmallPlace at = small(sample.at);
+  PackedPosition at = small(sample.at);
   at.index = hn::IfThenElseZero(scattered, at.index);  // reads no memory for the others
   const std::array<V, 3> gradient = resample_gradient(at, field);
   V along = hn::Zero(D32());  // a unit vector of 14 bits times words of 16

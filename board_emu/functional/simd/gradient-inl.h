@@ -17,7 +17,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 // resample_all() for the low or, with `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset)`: the words of the
 // voxels at `offset` from the sample's first, and of their neighbours along x.
 template <bool kOdd, typename Pair>
-HWY_INLINE VU64 resample_channels(const SmallPlace& at, const PacketField& field, const Pair& pair) {
+HWY_INLINE VU64 resample_channels(const PackedPosition& at, const PacketField& field, const Pair& pair) {
   const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
   const auto spread = [](V weights, int half) {  // copies a 16-bit half of each 64-bit lane to all of it
     const auto byte = static_cast<std::uint64_t>(4 * kOdd + 2 * half);
@@ -40,7 +40,7 @@ struct PairOfWords {
 
 // gradient_at(), which decodes the voxels' codes.
 template <bool kOdd>
-HWY_INLINE VU64 resample_codes(const SmallPlace& at, const PacketField& field) {
+HWY_INLINE VU64 resample_codes(const PackedPosition& at, const PacketField& field) {
   return resample_channels<kOdd>(at, field, [&](std::ptrdiff_t offset) {
     const V codes = gather(field.codes + offset, hn::ShiftLeft<1>(at.index));  // two neighbours' codes per word
     const VU64 both = kOdd ? odds(codes) : evens(codes), mask = set64((1u << kCodeBits) - 1);
@@ -51,14 +51,14 @@ HWY_INLINE VU64 resample_codes(const SmallPlace& at, const PacketField& field) {
 
 // The decoded colours of the voxels.
 template <bool kOdd>
-HWY_INLINE VU64 resample_colours(const SmallPlace& at, const PacketField& field) {
+HWY_INLINE VU64 resample_colours(const PackedPosition& at, const PacketField& field) {
   const VU64 index = kOdd ? odds(at.index) : evens(at.index);
   return resample_channels<kOdd>(at, field, [&](std::ptrdiff_t offset) {
     return PairOfWords{gather64(field.colours + offset, index), gather64(field.colours + offset + 1, index)};
   });
 }
 
-HWY_INLINE std::array<V, 3> resample_gradient(const SmallPlace& at, const PacketField& field) {
+HWY_INLINE std::array<V, 3> resample_gradient(const PackedPosition& at, const PacketField& field) {
   if (field.codes == nullptr) {
     const auto& all = field.gradients[0].channel;
     return {set(all[1]), set(all[2]), set(all[3])};
@@ -69,7 +69,7 @@ HWY_INLINE std::array<V, 3> resample_gradient(const SmallPlace& at, const Packet
 }
 
 // colour_of_words() for the samples' colours.
-HWY_INLINE std::array<V, 3> voxel_colour(const SmallPlace& at, const PacketField& field) {
+HWY_INLINE std::array<V, 3> voxel_colour(const PackedPosition& at, const PacketField& field) {
   const VU64 even = resample_colours<false>(at, field), odd = resample_colours<true>(at, field);
   const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
   const V word = set(0xFFFF), one = set(static_cast<std::int32_t>(wire::kColourOne));  // words are not negative

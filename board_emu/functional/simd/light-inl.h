@@ -26,7 +26,7 @@ HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
   return hn::Add(product(a, low), hn::ShiftLeft<32>(cross));
 }
 
-// mix64() of words/mix64.h.
+// wire::mix64().
 HWY_INLINE VU64 mix64(VU64 x) {
   x = times(hn::Xor(x, hn::ShiftRight<30>(x)), 0xBF58476D1CE4E5B9u);
   x = times(hn::Xor(x, hn::ShiftRight<27>(x)), 0x94D049BB133111EBu);
@@ -144,7 +144,7 @@ HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
 }
 
 // irradiance() for one irradiance word, 11.4.
-HWY_INLINE V irradiance(const SmallPlace& at, V index, std::size_t word, const PacketField& field) {
+HWY_INLINE V irradiance(const PackedPosition& at, V index, std::size_t word, const PacketField& field) {
   const Mask has = hn::Gt(index, set(-1));
   const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};
   return hn::IfThenElseZero(has, resample_words(corners_of(field.irradiance + word * field.irradiance_plane,
@@ -164,7 +164,7 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
 }
 
 // illuminated(). Its sums stay below 2^31: colour <= 4095, base <= 2^18 + 2^16, highlight <= 255 * 2^9.
-HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, const SmallPlace& at, V irradiance_at,
+HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, const PackedPosition& at, V irradiance_at,
                                         const PacketField& field) {
   const V gain = hn::Or(shading.reflect, hn::ShiftLeft<8>(shading.knee));
   const auto base_of = [&](std::size_t word) {

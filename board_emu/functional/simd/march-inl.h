@@ -178,7 +178,7 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
 
 // Composites the samples of `taking` at `at`; `cell`: their positions in the block. Queues their colours in `seen`.
 template <Gathers kGathers, bool kWide>
-HWY_INLINE void composite(LaneState& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
+HWY_INLINE void composite(LaneState& ray, V rays, const SamplePosition& at, V density, Mask taking, V block, V cell,
                           ShadingQueue& seen, const PacketField& field, RayCounters& counters) {
   const D32 d;
   const V entry = classify(density, at, field);
@@ -223,13 +223,13 @@ HWY_INLINE V steps_out(const LaneState& ray, V mask, const Pace& pace, const Pac
 }
 
 // Positions of samples, and their cells in their blocks; `first`: index of the blocks' first voxels among the decoded ones.
-struct PlaceInBlock {
-  Place at;
+struct PositionInBlock {
+  SamplePosition at;
   V cell;
 };
 
-HWY_INLINE PlaceInBlock place_in_block(const LaneState& ray, V first, Mask samples, const PacketField& field) {
-  PlaceInBlock out;
+HWY_INLINE PositionInBlock position_in_block(const LaneState& ray, V first, Mask samples, const PacketField& field) {
+  PositionInBlock out;
   std::array<V, 3> voxel;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
@@ -248,7 +248,7 @@ template <Gathers kGathers, bool kWide>
 HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samples, Mask taking, ShadingQueue& seen,
                              const PacketField& field, RayCounters& counters) {
   const D32 d;
-  const auto [at, cell] = place_in_block(ray, first, samples, field);
+  const auto [at, cell] = position_in_block(ray, first, samples, field);
   const V density = resample_words(corners_of(field.densities, at.index, field.edge), at.weight);
   counters.samples += hn::CountTrue(d, taking);
   if constexpr (kGathers == Gathers::kIntegral) {

@@ -254,8 +254,8 @@ HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, 
     return hn::Mul(lerp(near, far, w[2]), hn::Set(d, 1.0 / (1 << kDensityFractionBits)));
   };
   constexpr double kDensities = wire::kSegmentationEntries / wire::kTags;
-  struct PlaceLanes {
-    VD at, bin, until, slope;  // DepthTable::Place, until(), and the depth of its entry
+  struct BinPositionLanes {
+    VD at, bin, until, slope;  // DepthTable::BinPosition, until(), and the depth of its entry
   };
   const VD first = half(tag);
   const auto place = [&](VD of) {
@@ -263,18 +263,18 @@ HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, 
     const VD bin = hn::Add(first, hn::Trunc(at)), sum = hn::Add(first, at);
     const auto index = hn::ConvertTo(DI64(), bin);
     const VD below = hn::GatherIndex(d, light.sums, index), above = hn::GatherIndex(d, light.sums + 1, index);
-    return PlaceLanes{sum, bin, lerp(below, above, hn::Sub(sum, bin)), hn::Sub(above, below)};
+    return BinPositionLanes{sum, bin, lerp(below, above, hn::Sub(sum, bin)), hn::Sub(above, below)};
   };
   const VD entry = hn::Max(part.begin, part.own.entry), exit = hn::Min(part.end, part.own.exit);
   const VD middle = hn::Min(hn::Max(zero, entry), exit);
-  const PlaceLanes from = place(density(entry)), here = place(density(middle)), to = place(density(exit));
+  const BinPositionLanes from = place(density(entry)), here = place(density(middle)), to = place(density(exit));
   const VD lengths = hn::Mul(half(exponent), hn::Set(d, 1.0 / 65536));
   VD depth = zero;
   const auto add = [&](VD begin, VD end, VD mean) {  // DepthTable::between()
     const VD steps = hn::Sub(end, begin), more = hn::Mul(hn::Mul(steps, lengths), mean);
     depth = hn::Add(depth, hn::IfThenElseZero(hn::Gt(steps, zero), more));
   };
-  const auto mean = [&](const PlaceLanes& a, const PlaceLanes& b) {
+  const auto mean = [&](const BinPositionLanes& a, const BinPositionLanes& b) {
     const VD passed = hn::Sub(b.at, a.at);
     const MaskD stays = hn::Lt(hn::Abs(passed), hn::Set(d, kNoWay));
     return hn::IfThenElse(stays, a.slope, hn::Div(hn::Sub(b.until, a.until), passed));

@@ -35,9 +35,9 @@ class ShadingQueue {
 
   // Adds the samples of `seen`. `ray`: indices of their rays; `weight`: of the sample in the ray's colour, floats if wide.
   template <bool kWide>
-  HWY_INLINE void add(const Place& at, V entry, V ray, V weight, V lit, Mask seen, const PacketField& field) {
+  HWY_INLINE void add(const SamplePosition& at, V entry, V ray, V weight, V lit, Mask seen, const PacketField& field) {
     const auto put = [&](Word word, V v) { hn::StoreU(hn::Compress(v, seen), D32(), columns_[word].data() + count_); };
-    const SmallPlace place = small(at);
+    const PackedPosition place = small(at);
     put(kIndex, place.index);
     put(kXAndY, place.x_and_y);
     put(kZ, place.z);
@@ -74,7 +74,7 @@ class ShadingQueue {
   template <bool kWide>
   HWY_INLINE void shade_from(std::size_t from, std::size_t count, const PacketField& field) {
     const auto get = [&](Word word) { return hn::LoadU(D32(), columns_[word].data() + from); };
-    const SmallPlace at{get(kIndex), get(kXAndY), get(kZ)};
+    const PackedPosition at{get(kIndex), get(kXAndY), get(kZ)};
     const V entry_and_ray = get(kEntryAndRay), weight = get(kWeight);
     const V entry = hn::And(entry_and_ray, set((1 << kEntryBits) - 1));
     ShadingEntry shading = shading_entry(entry, field);

@@ -108,17 +108,17 @@ HWY_INLINE V along_x(V pair, V weight) {
 }
 
 // A sample's position: the index of its cell among the decoded voxels, fractions of 14 and weights of 15 bits.
-struct Place {
+struct SamplePosition {
   V index;
   std::array<V, 3> fraction, weight;
 };
 
 // A compact position, for resampling later: weights of x and y in a word's halves, and of z.
-struct SmallPlace {
+struct PackedPosition {
   V index, x_and_y, z;
 };
 
-HWY_INLINE SmallPlace small(const Place& at) {
+HWY_INLINE PackedPosition small(const SamplePosition& at) {
   return {at.index, hn::Or(at.weight[0], hn::ShiftLeft<16>(at.weight[1])), at.weight[2]};
 }
 
@@ -142,7 +142,7 @@ HWY_INLINE V resample_words(const Corners& corners, const std::array<V, 3>& weig
 }
 
 // segmentation_index(), with the tag of the nearest voxel.
-HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
+HWY_INLINE V classify(V density, const SamplePosition& at, const PacketField& field) {
   constexpr int kHalf = 1 << (kDensityFractionBits - 1);
   const V entry = hn::ShiftRight<kDensityFractionBits>(hn::Add(density, set(kHalf)));
   if (!field.tagged) return entry;
