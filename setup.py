@@ -28,7 +28,7 @@ class Build(build_py):
         super().run()
         if "GICUBE_BUILD" not in os.environ:
             subprocess.run(["cmake", "--preset", "release"], check=True)
-            targets = ["gicube_python", "gicube-board", "gicube-bsdf-host"]
+            targets = ["gicube_python", "gicube-board", "gicube-plug-in-host"]
             subprocess.run(["cmake", "--build", str(TREE), "--target", *targets], check=True)
         stage = OWN / "stage"
         shutil.rmtree(stage, ignore_errors=True)

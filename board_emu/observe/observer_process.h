@@ -1,39 +1,43 @@
-// The process of its own in which the code of an observer runs: gicube-observer-host. It gets events through a socket, has nothing else of
-// the board, and gives no answer: what it does changes nothing on the board but how long a command takes on this machine.
+// The process of its own in which the code of an observer runs (plug_ins/plug_in_process.h). It gets events through a socket, and gives no
+// answer: what it does changes nothing on the board but how long a command takes on this machine.
 #pragma once
-
-#include <sys/types.h>
 
 #include <string>
 #include <vector>
 
 #include "gicube/observer.h"
+#include "plug_ins/plug_in_process.h"
 
 namespace gicube::emu {
 
 class ObserverProcess {
  public:
-  // Starts it and has it load `file`; is_boxed: it is in a box from then on (box/box.h). Throws std::runtime_error that names the file.
-  ObserverProcess(const std::string& file, bool is_boxed);
+  // Throws PlugInFault.
+  ObserverProcess(const std::string& file, bool is_boxed)
+      : process_(PlugInProcess::Kind::kObserver, file, is_boxed), file_(file) {}
   // It has had all events, and has ended, or was ended for not taking them.
-  ~ObserverProcess();
+  ~ObserverProcess() { flush(); }
   ObserverProcess(const ObserverProcess&) = delete;
   ObserverProcess& operator=(const ObserverProcess&) = delete;
 
   void add(const gicube_event& event) {
     events_.push_back(event);
-    if (events_.size() >= kEvents) flush();
+    if (events_.size() == kMaxObserved) flush();
   }
-  void flush();
+  void flush() {
+    const std::size_t bytes = events_.size() * sizeof(gicube_event);
+    if (fault_.empty() && bytes > 0 && !process_.send(events_.data(), bytes, PlugInProcess::kPatience)) {
+      process_.give_up();
+      fault_ = "observer " + file_ + ": it has ended, or took no events for 30 s; it gets no more";
+    }
+    events_.clear();
+  }
   // Why it gets no more events; empty: it does.
   const std::string& fault() const { return fault_; }
 
  private:
-  static constexpr std::size_t kEvents = 256;  // chosen: some ten kilobytes at once
-
-  std::string file_;
-  pid_t process_ = 0;
-  int socket_ = -1;
+  PlugInProcess process_;
+  const std::string file_;
   std::vector<gicube_event> events_;
   std::string fault_;
 };

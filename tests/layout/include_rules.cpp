@@ -98,6 +98,15 @@ const std::vector<Rule>& rules() {
       // The board's rooms, from the ground up.
       room("board_emu/words", {}),
       {"board_emu/box", {"board_emu/box", "board_emu/words"}, {kAnything}},
+      // Starts the processes of plug-ins.
+      room("board_emu/plug_ins", {"board_emu/words"},
+           {"fcntl.h", "linux/futex.h", "poll.h", "signal.h", "spawn.h", "string.h", "sys/mman.h", "sys/socket.h",
+            "sys/syscall.h", "sys/types.h", "sys/wait.h", "time.h", "unistd.h"}),
+      // The program in which they run: nothing of the board but the memory of the calls.
+      {"board_emu/plug_ins/host",
+       {"board_emu/plug_ins/host", "board_emu/plug_ins/call_memory.h", "board_emu/box/box.h", "proto/gicube/bsdf.h", "proto/gicube/observer.h"},
+       {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
+        "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
       // What a memory device holds decides how large a volume may be.
       room("board_emu/config", {"board_emu/words", "board_emu/asic/latencies.h", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
       room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
@@ -137,25 +146,12 @@ const std::vector<Rule>& rules() {
       room("board_emu/firmware/make_level.cpp",
            {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle",
             "board_emu/approximate", "board_emu/sampled"}),
-      room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/words", "board_emu/datapath"},
-           {"fcntl.h", "linux/futex.h", "poll.h", "signal.h", "spawn.h", "string.h", "sys/mman.h", "sys/socket.h",
-            "sys/syscall.h", "sys/types.h", "sys/wait.h", "time.h", "unistd.h"}),
-      // The program in which plug-ins run: nothing of the board but the memory of the calls.
-      {"board_emu/firmware/routines/host",
-       {"board_emu/firmware/routines/host", "board_emu/firmware/routines/call_memory.h", "board_emu/box/box.h", "proto/gicube/bsdf.h"},
-       {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
-        "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
+      room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/plug_ins", "board_emu/words", "board_emu/datapath"}),
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
                                "board_emu/firmware"}, {"fmt", "google/protobuf"}),
       // Watches the whole machine, and is watched by none of its parts.
-      room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board",
+      room("board_emu/observe", {"board_emu/words", "board_emu/plug_ins", "board_emu/asic", "board_emu/cycle", "board_emu/board",
                                  "board_emu/firmware/pixel_life.h", "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
-      // Starts the process of an observer.
-      room("board_emu/observe/observer_process.cpp", {"board_emu/observe"},
-           {"fmt", "poll.h", "signal.h", "spawn.h", "sys/socket.h", "sys/wait.h", "unistd.h"}),
-      room("board_emu/observe/observer_process.h", {}, {"sys/types.h"}),
-      {"board_emu/observe/host", {"board_emu/observe/host", "board_emu/box/box.h", "proto/gicube/observer.h"},
-       {"dlfcn.h", "poll.h", "signal.h", "sys/prctl.h", "unistd.h"}},
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/board/checkpoint.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

@@ -1,8 +1,10 @@
 // A scattering routine from a shared object (gicube/bsdf.h).
 //
-// Its code runs in a process of its own (plug_in_process.h), and what it answers is checked.
+// Its code runs in a process of its own (plug_ins/plug_in_process.h), with a copy of that for each call at a time, and what it answers is
+// checked. Whatever its code does, the board gets an answer or a fault.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,7 +12,7 @@
 #include <string>
 
 #include "datapath/scattering.h"
-#include "firmware/routines/plug_in_process.h"
+#include "plug_ins/plug_in_process.h"
 
 namespace gicube::emu {
 
@@ -19,24 +21,40 @@ std::optional<std::string> fault(const RoutineDescription& description);
 
 class PlugIn {
  public:
-  // Loads `file` and checks its description; `is_boxed`: as PlugInProcess's. Throws PlugInFault.
+  // Loads `file` and checks its description; `is_boxed`: calls are made in a box (box/box.h). Throws PlugInFault.
   static std::unique_ptr<PlugIn> load(const std::string& file, bool is_boxed = true);
 
   const std::string& name() const { return name_; }
   const std::string& file() const { return file_; }
-  std::uint32_t cycles() const { return process_.description().cycles; }
-  std::uint32_t cycle_budget() const { return process_.description().cycle_budget; }
+  std::uint32_t cycles() const { return description_.cycles; }
+  std::uint32_t cycle_budget() const { return description_.cycle_budget; }
 
+  // From several threads. A process that ended or had to be ended is begun anew by the next call.
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // As many events as there are answers. Unchecked but for the cycles. Throws RoutineFault.
+  // As many events as there are answers, each with at most kMaxParameters parameters. Unchecked but for the cycles. Throws RoutineFault.
   void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:
+  class Claim;
+
   PlugIn(const std::string& file, bool is_boxed);
 
-  mutable PlugInProcess process_;
-  std::string name_;
-  std::string file_;
+  bool order(SlotOrder::Kind kind, std::size_t slot) const;
+  // What went wrong, if anything did.
+  std::optional<std::string> call(Claim& claim, CallKind kind, std::uint32_t count) const;
+
+  const PlugInProcess process_;
+  const RoutineDescription description_;
+  const std::string name_;
+  const std::string file_;
+
+  mutable std::atomic<unsigned> at_once_{0};  // calls that there were at once, at most
+
+  struct alignas(64) Place {
+    std::atomic<bool> is_taken{false};
+    Patience patience{};
+  };
+  const std::unique_ptr<Place[]> places_ = std::make_unique<Place[]>(kMaxCalls);
 };
 
 }  // namespace gicube::emu

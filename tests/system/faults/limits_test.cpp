@@ -166,7 +166,7 @@ class FickleBoard {
       for (const auto& process_folder : std::filesystem::directory_iterator("/proc")) {
         std::ifstream file(process_folder.path() / "cmdline", std::ios::binary);
         const std::string line(std::istreambuf_iterator<char>(file), {});
-        if (line.starts_with("gicube-bsdf-host") && line.find(routine_) != std::string::npos) ++found;
+        if (line.starts_with("gicube-plug-in-host") && line.find(routine_) != std::string::npos) ++found;
       }
       if ((found > 0) == wants_some) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

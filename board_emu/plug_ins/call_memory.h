@@ -1,5 +1,5 @@
-// The memory that a board's process shares with the process of a plug-in: a call at a time in each slot, of one event or many, and whose
-// turn it is.
+// The memory that a board's process shares with the process of a plug-in: how its start went, and the calls of a routine, one at a time in each
+// slot, of one event or many, and whose turn it is. Orders to a routine's process and the events of an observer go through a socket.
 //
 // Whoever reads here what the other one wrote takes a copy first, and believes nothing of it: code of others can write it at any time.
 #pragma once
@@ -21,6 +21,7 @@ namespace gicube::emu {
 inline constexpr std::size_t kMaxCalls = 256;  // chosen: at once; threads that find no slot wait for one
 inline constexpr std::size_t kMaxEvents = 64;  // chosen: of a call; what the functional level has under way in a thread
 inline constexpr std::size_t kMaxParameters = 32;  // gicube_bsdf_event
+inline constexpr std::size_t kMaxObserved = 256;   // chosen: events that an observer gets at once, some ten kilobytes
 inline constexpr std::size_t kMaxName = 64;
 inline constexpr std::size_t kMaxText = 512;
 inline constexpr std::size_t kPage = 4096;
@@ -126,12 +127,11 @@ struct Loading {
 };
 
 enum class CallKind : std::uint32_t { kScatter, kCheck };
-enum class Outcome : std::uint32_t { kReturned, kThrew };
 
 struct alignas(kPage) CallSlot {
   Turn turn;
   CallKind call = CallKind::kScatter;
-  Outcome outcome = Outcome::kReturned;
+  std::uint32_t has_thrown = 0;
   std::uint32_t spins = 0;   // how often the plug-in's side looks for the next call before it sleeps
   std::int32_t verdict = 0;  // of a check
   std::uint32_t count = 0;   // of the events
@@ -152,17 +152,18 @@ struct CallMemory {
   CallSlot slots[kMaxCalls];
 };
 
-// What the board asks of the plug-in's process, over a socket: a process for a slot, or an end to one.
+// What the board asks of a routine's process: a process for a slot, or an end to one.
 struct SlotOrder {
   enum class Kind : std::uint32_t { kBegin, kEnd };
   Kind kind = Kind::kBegin;
   std::uint32_t slot = 0;
 };
 
-// Its second argument, after the library: copies of it go into a box before they make calls, or not.
+// The arguments of that process after the library: what it is; whether its code runs in a box once it is loaded.
+inline constexpr const char *kRoutineWord = "routine", *kObserverWord = "observer";
 inline constexpr const char *kBoxedWord = "boxed", *kUnboxedWord = "unboxed";
 
-// The descriptors that the plug-in's process is started with, beside the first three, which are /dev/null.
-inline constexpr int kOrdersDescriptor = 3, kMemoryDescriptor = 4;
+// The descriptors that the plug-in's process is started with, beside the first three.
+inline constexpr int kSocketDescriptor = 3, kMemoryDescriptor = 4;
 
 }  // namespace gicube::emu
