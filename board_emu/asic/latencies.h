@@ -1,4 +1,4 @@
-// Cycles between the parts of the ASIC, and the places of the FIFOs that join them: what both timed levels are built from.
+// Latencies between the parts of the ASIC, and the capacity of the FIFOs that join them. Both timed levels use these constants.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace gicube::emu {
 
-inline constexpr std::size_t kFifoPlaces = 2;  // of each FIFO between two parts
+inline constexpr std::size_t kFifoPlaces = 2;  // items in each FIFO between two parts
 
-inline constexpr Cycle kFifoCycles = 1;    // what was pushed can be popped a cycle later
+inline constexpr Cycle kFifoCycles = 1;    // from a push to the first possible pop
 inline constexpr Cycle kSorterCycles = 1;  // from being written into a queue to being issued
 
 // To the tag check at the pipeline's beginning:

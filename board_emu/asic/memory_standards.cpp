@@ -17,7 +17,7 @@ std::uint32_t packets_of_tile(const v1::BoardConfig& config) {
   return dram::packets_of_tile(static_cast<std::uint32_t>(wire::voxel_bits(format, config.asic().irradiance_words())));
 }
 
-// Of a tile's packets, those with irradiance: what the first has no room for is in the second.
+// Packets of a tile that carry irradiance. The second packet takes the words that do not fit into the first.
 std::uint32_t written_packets(const v1::BoardConfig& config) { return config.asic().irradiance_words() > 1 ? 2 : 1; }
 
 dram::Standard rdram_standard(const v1::BoardConfig& config) {
@@ -30,7 +30,7 @@ dram::Standard rdram_standard(const v1::BoardConfig& config) {
           .clock_khz = config.rdram().clock_khz(),
           .latency = config.rdram().rac_latency(),
           .tile_clocks = packets_of_tile(config) * rdram::kPacket,
-          .max_devices = 32};  // that the controller of a channel drives [Direct RDRAM data book]
+          .max_devices = 32};  // the most that a channel's controller drives [Direct RDRAM data book]
 }
 
 std::unique_ptr<dram::Memory> make_rdram(const v1::BoardConfig& config, std::uint32_t blocks) {
@@ -66,7 +66,7 @@ struct Row {
 
 constexpr Row kRows[] = {{v1::rdram, rdram_standard, make_rdram}, {v1::ddr, ddr_standard, make_ddr}};
 
-// The configuration has been checked; what is not there has the first's numbers.
+// The configuration has been checked. An unknown standard gets the first row.
 const Row& row(const v1::BoardConfig& config) {
   const auto* found = std::ranges::find(kRows, config.memory(), &Row::memory);
   return found == std::end(kRows) ? kRows[0] : *found;

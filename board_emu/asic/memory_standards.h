@@ -11,13 +11,13 @@
 
 namespace gicube::emu {
 
-// Of the configuration's memory.
+// The standard that the configuration chooses.
 dram::Standard memory_standard(const v1::BoardConfig& config);
-// As many blocks as lie in the memory of so many of the volume: irradiance in cells has blocks of its own.
+// Blocks in memory for `blocks` of the volume. Irradiance in cells takes blocks of its own.
 inline std::size_t blocks_in_memory(const v1::BoardConfig& config, std::size_t blocks) {
   return config.cache().irradiance() == v1::in_cells ? 2 * blocks : blocks;
 }
-// One channel with room for `blocks`, with as many devices as they need.
+// One channel with room for `blocks`. It has as many devices as they need.
 std::unique_ptr<dram::Memory> make_memory(const v1::BoardConfig& config, std::uint32_t blocks);
 
 }  // namespace gicube::emu

@@ -1,4 +1,4 @@
-// Which processor owns a block, and its number there: the three ways of Figure 1 to spread a volume [P §2.1].
+// Maps a block to its processor and to its number there: the three partitions of Figure 1 [P §2.1].
 #pragma once
 
 #include <algorithm>
@@ -42,11 +42,11 @@ class Partition {
   }
 
   const Home& home(std::size_t block) const { return homes_[block]; }
-  // The block with that number.
+  // The block that has that number.
   std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }
   std::size_t blocks() const { return homes_.size(); }
   std::size_t blocks_of(unsigned processor) const { return blocks_[processor].size(); }
-  std::size_t max_blocks() const {  // of any processor
+  std::size_t max_blocks() const {  // the most that any processor owns
     return std::ranges::max(blocks_, {}, &std::vector<std::size_t>::size).size();
   }
 

@@ -1,4 +1,4 @@
-// The counters of the DSP and of its memory, under the names that both levels with time give them.
+// The counters of the DSP and of its memory, with the names that both timed levels use.
 #pragma once
 
 #include <vector>

@@ -6,7 +6,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint64_t kCodeOfLoop = Dsp::kProgramBytes;  // chosen: the most that a loop may have
+constexpr std::uint64_t kCodeOfLoop = Dsp::kProgramBytes;  // chosen: the most code that a loop may have
 
 }  // namespace
 
@@ -19,13 +19,13 @@ Dsp::Dsp(const v1::BoardConfig& config)
       memory_(config.sdram(), config.sdram().ranks()),
       sets_(kDataBytes / kLineBytes / kWays) {}
 
-// Returns the cycle in which its data are there.
+// Returns the cycle in which the data have arrived.
 DspCycle Dsp::read(std::uint64_t line, DspCycle at) {
   const dram::Access access = memory_.read(sdram::locate(line * kLineBytes), to_memory_.from(at));
   return to_dsp_.from(access.data_end) + latency_;
 }
 
-// Returns the cycle in which it is in the buffer.
+// Returns the cycle in which the write is in the buffer.
 DspCycle Dsp::write(std::uint64_t line, DspCycle at) {
   at = std::max(at, written_[next_write_]);
   const dram::Access access = memory_.write(sdram::locate(line * kLineBytes), to_memory_.from(at));
@@ -34,7 +34,7 @@ DspCycle Dsp::write(std::uint64_t line, DspCycle at) {
   return at;
 }
 
-// Returns the cycle in which the DSP can go on.
+// Returns the cycle in which the DSP can continue.
 DspCycle Dsp::touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at) {
   auto& set = sets_[line % sets_.size()];
   if (set[0].number != line && set[1].number == line) std::swap(set[0], set[1]);
@@ -51,7 +51,7 @@ DspCycle Dsp::touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at) {
   return read(line, at);
 }
 
-// A code that does not fit drives out what was used longest ago.
+// Returns the cycle in which the loop's code has arrived.
 DspCycle Dsp::fetch(const DspLoop& loop, DspCycle at) {
   const auto linked = std::ranges::find(linked_, &loop);
   const auto place = static_cast<std::uint64_t>(linked - linked_.begin());
@@ -64,7 +64,7 @@ DspCycle Dsp::fetch(const DspLoop& loop, DspCycle at) {
   return there;
 }
 
-// Returns the cycle in which its code is there.
+// Returns the cycle in which the loop can start. If the code does not fit, the least recently used loops are evicted.
 DspCycle Dsp::begin_loop(const DspLoop& loop, DspCycle at) {
   loop_ = &loop;
   ++counters_.loops;
@@ -81,7 +81,7 @@ DspCycle Dsp::begin_loop(const DspLoop& loop, DspCycle at) {
   return miss ? fetch(loop, at) : at;
 }
 
-// Loops are compared by their places, which another process does not know.
+// Replaces a loop of a checkpoint by the process's own: loops are compared by address, which differs between processes.
 void Dsp::adopt(const DspLoop& loop) {
   const auto is_it = [&loop](const NamedLoop& each) { return each.name == loop.name; };
   const auto found = std::ranges::find_if(named_, is_it);

@@ -1,10 +1,9 @@
-// The DSP as the levels with time see it: it carries out one task after the other, from loops that its program cache holds or that are
-// fetched, on data that its data cache holds or that come from the SDRAM.
+// The timing model of the DSP: it executes one task after the other, with code from the program cache or the SDRAM, on data from the
+// data cache or the SDRAM.
 //
-// A change of loop takes the loop's set-up, and its code where that is not in the program cache. The data cache takes a line in when
-// something of it is read, and writes it back, if it was changed, when another takes its place. What is only written goes past
-// it, byte by byte if need be, through a buffer of four writes. A read holds the DSP up until it is there, a write only if the
-// buffer is full.
+// A change of loop costs the loop's set-up, and a fetch if its code is not in the program cache. The data cache allocates a line on
+// reads and writes a changed line back on eviction. A write that misses bypasses the cache through a buffer of four writes. A read
+// stalls the DSP until the data arrive, a write only if the buffer is full.
 #pragma once
 
 #include <array>
@@ -24,11 +23,11 @@ namespace gicube::emu {
 using DspCycle = std::uint64_t;
 
 struct DspCounters {
-  std::uint64_t compute = 0;  // cycles of loops, and of beginning them
+  std::uint64_t compute = 0;  // cycles of loops and of their set-up
   std::uint64_t waits = 0;    // cycles for the SDRAM: data and code
   std::uint64_t loops = 0;    // changes to another loop
-  std::uint64_t hits = 0;     // lines that the data cache had
-  std::uint64_t misses = 0;   // and had not
+  std::uint64_t hits = 0;     // accesses to lines in the data cache
+  std::uint64_t misses = 0;   // accesses to other lines
   std::uint64_t code = 0;     // bytes fetched for the program cache
 
   std::uint64_t busy() const { return compute + waits; }
@@ -37,19 +36,19 @@ struct DspCounters {
 
 class Dsp {
  public:
-  // As those of the C6211, the first of the family with caches (TI, SPRS073): 4 KB of code; 4 KB of data, two ways, lines of 32
-  // bytes that are taken in by reads alone; four writes wait for the memory.
+  // The caches of the C6211, the first of its family with caches (TI, SPRS073): 4 KB of code; 4 KB of data in two ways, with lines
+  // of 32 bytes, allocated on reads only; a buffer of four writes.
   static constexpr std::uint32_t kProgramBytes = 4096, kDataBytes = 4096, kLineBytes = sdram::kBurstBytes, kWays = 2;
   static constexpr std::size_t kWrites = 4;
-  // Rays that it sends before it looks at what has come, since a change of loop costs about as much as a ray; chosen.
+  // Rays that it sends before it checks for arrivals. chosen: a change of loop costs about as much as a ray.
   static constexpr std::uint32_t kBatch = 8;
 
   explicit Dsp(const v1::BoardConfig& config);
 
-  // Carries a task out from cycle `begin` on, which never decreases; returns the cycle in which it is through.
+  // Executes a task from cycle `begin` on, which never decreases. Returns the cycle in which the task ends.
   DspCycle work(const DspTask& task, DspCycle begin);
 
-  // In the cycles before `until` of its latest task it waited for the SDRAM.
+  // Whether the latest task waits for the SDRAM at `at`.
   bool waits(DspCycle at) const { return at < waited_until_; }
   const DspCounters& counters() const { return counters_; }
   const sdram::Channel& memory() const { return memory_; }
@@ -63,7 +62,7 @@ class Dsp {
 
     void state(Archive::Record& record) { record(number, changed); }
   };
-  // A loop of a checkpoint, until one of its name comes.
+  // A loop from a checkpoint, until the process uses its own loop of that name.
   struct NamedLoop {
     std::string name;
     DspLoop loop;
@@ -76,15 +75,15 @@ class Dsp {
   DspCycle fetch(const DspLoop& loop, DspCycle at);
 
   bool ideal_;
-  ClockRatio to_memory_, to_dsp_;  // to clocks of the SDRAM, and back
-  std::uint64_t memory_clocks_;    // of the SDRAM, at most, that begin in a cycle
+  ClockRatio to_memory_, to_dsp_;  // to clocks of the SDRAM and back
+  std::uint64_t memory_clocks_;    // the most clocks of the SDRAM that begin in one cycle
   std::uint64_t latency_;          // cycles
   sdram::Channel memory_;
-  std::vector<std::array<Line, kWays>> sets_;  // the latest used first
-  std::vector<const DspLoop*> program_;        // that the program cache holds, the latest used first
-  std::vector<const DspLoop*> linked_;         // in the order in which they were first used: that of their code
+  std::vector<std::array<Line, kWays>> sets_;  // the most recently used first
+  std::vector<const DspLoop*> program_;        // loops in the program cache, the most recently used first
+  std::vector<const DspLoop*> linked_;         // in the order of their first use, which is that of their code
   const DspLoop* loop_ = nullptr;
-  std::deque<NamedLoop> named_;              // those lists may point at them
+  std::deque<NamedLoop> named_;              // the lists above may point to them
   std::array<DspCycle, kWrites> written_{};  // when the last writes left the buffer, the oldest at next_write_
   std::size_t next_write_ = 0;
   DspCycle waited_until_ = 0;

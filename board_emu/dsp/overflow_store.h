@@ -1,11 +1,11 @@
-// Rays that the ASIC has sent back since their queue was full, and trapped rays with a new direction: in the SDRAM until they go
-// down again [P §3.2].
+// Keeps rays in the SDRAM until they can be sent again: rays that the ASIC has returned because their queue was full, and trapped
+// rays with a new direction [P §3.2].
 //
-// A list for each queue, first in first out. A slot that a queue's ray gives up goes to the first of its list, which is then ready;
-// so a ray overflows once where it comes to a full queue, and finds its slot when it comes again.
+// There is a FIFO list for each queue. A slot that becomes free is reserved for the first ray of the queue's list, which is then
+// ready. A ray therefore overflows only once at a full queue, and finds its slot when it returns.
 //
-// Irradiance carriers overflow too. Rays are no more than dsp.overflow_rays, carriers are bounded by nothing: a command whose
-// carriers fill the store ends with a fault.
+// Irradiance carriers overflow too. There are at most dsp.overflow_rays rays, but the number of carriers has no bound: a command
+// whose carriers fill the store ends with a fault.
 #pragma once
 
 #include <cassert>
@@ -21,10 +21,10 @@
 
 namespace gicube::emu {
 
-// A ray to its place or back: 8 words from the merge tree or to the ray bus, 8 of the SDRAM; 4 words of the lists, in the DSP's own
-// memory, and 8 operations on them. What tells of a slot is taken by the way.
+// Stores or loads a ray: 8 words from the merge tree or to the ray bus, 8 of the SDRAM; 4 words of the lists, in the DSP's own
+// memory, and 8 operations on them. Notifications of reserved slots cost no extra cycles.
 inline constexpr DspLoop kStoreRay{"overflowed ray", 0, 8, 8 + 8 + 4};
-// A trapped ray and its sample: 16 words from the merge tree; what its routine takes comes to this.
+// Receives a trapped ray and its sample: 16 words from the merge tree. The cycles of its routine are added.
 inline constexpr DspLoop kTakeTrap{"trapped ray", 0, 12, 16};
 
 class OverflowStore {
@@ -36,11 +36,11 @@ class OverflowStore {
   std::size_t size() const { return kept_; }
   bool has_ready() const { return ready_.first != kNone; }
 
-  // The task of keeping a ray until its queue has a slot for it.
+  // Keeps a ray until its queue has a slot for it, and returns the DSP's task.
   DspTask keep(std::size_t queue, std::uint32_t ray) { return put(lists_[queue], ray, false); }
-  // Of one that may go at once, without a slot that is its own.
+  // Keeps a ray that can be sent at once, without a reserved slot.
   DspTask keep_ready(std::uint32_t ray) { return put(ready_, ray, false); }
-  // A queue has given a slot to the first of its list. (In a checkpoint there may be none.)
+  // The queue has reserved a slot for the first ray of its list. (In a checkpoint the list may be empty.)
   void make_ready(std::size_t queue) {
     if (lists_[queue].first == kNone) return;
     const std::uint32_t place = unlink(lists_[queue]);
@@ -60,7 +60,7 @@ class OverflowStore {
     --kept_;
     return {entry.ray, entry.has_slot, DspTask{.loop = &kStoreRay}.with(use(place, SdramUse::Kind::kRead))};
   }
-  // Between runs it is empty; which place the next ray takes depends on those before.
+  // Between runs the store is empty, but the order of the free entries depends on earlier rays.
   void state(Archive& archive) {
     archive.expect_idle(kept_ == 0, "the store of overflowed rays");
     archive.list("free", free_, kPlaces);
@@ -101,7 +101,7 @@ class OverflowStore {
     std::uint32_t next = kNone;
     bool has_slot = false;
   };
-  // In a checkpoint; the list behind the last queue's is ready_.
+  // An entry in a checkpoint. The list after the last queue's is ready_.
   struct Kept {
     std::uint64_t list = 0;
     std::uint32_t place = 0, ray = 0;
@@ -110,7 +110,7 @@ class OverflowStore {
     void state(Archive::Record& record) { record(list, place, ray, has_slot); }
   };
   struct List {
-    std::uint32_t first = kNone, last = kNone;  // places
+    std::uint32_t first = kNone, last = kNone;  // entries
   };
 
   static SdramUse use(std::uint32_t place, SdramUse::Kind kind) {
@@ -148,8 +148,8 @@ class OverflowStore {
   std::size_t kept_ = 0;
   std::vector<List> lists_;  // by queue
   List ready_;
-  std::vector<Entry> entries_;       // by place
-  std::vector<std::uint32_t> free_;  // places
+  std::vector<Entry> entries_;       // index: the ray's position in the SDRAM
+  std::vector<std::uint32_t> free_;  // unused entries
 };
 
 }  // namespace gicube::emu

@@ -1,4 +1,4 @@
-// The DSP's memory: one channel of PC100 SDRAM, 64 data wires, in which a burst of four clocks is a ray of 32 bytes.
+// The DSP's memory: one channel of PC100 SDRAM with 64 data wires. A burst of four clocks is a ray of 32 bytes.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ using dram::Access, dram::IssuedCommand, dram::Location, dram::Tcycle;
 inline constexpr std::uint32_t kBurst = 4;  // clocks, one beat each
 inline constexpr std::uint32_t kBurstBytes = 32;
 
-// A rank: eight chips of 64 Mbit, each of 4 banks, 4096 rows and 512 columns of 8 bits.
+// A rank has eight chips of 64 Mbit, each of 4 banks, 4096 rows and 512 columns of 8 bits.
 inline constexpr std::uint32_t kBanks = 4, kRows = 4096, kBurstsOfRow = 512 / kBurst;
 static_assert(std::uint64_t{kBanks} * kRows * kBurstsOfRow * kBurstBytes == sdram_map::kRankBytes);
 
@@ -27,7 +27,7 @@ struct Rules : dram::RankRules {
 
 using Channel = dram::RankChannel<Rules>;
 
-// Where a byte lies: bursts of a row, then the banks, so that what follows on a row is in a bank that can be opened meanwhile.
+// The address of a byte. Consecutive bytes fill the bursts of a row, then the next bank, which can be opened meanwhile.
 constexpr Location locate(std::uint64_t byte) {
   const std::uint64_t burst = byte / kBurstBytes, page = burst / kBurstsOfRow, row = page / kBanks;
   return {.device = static_cast<std::uint16_t>(row / kRows),

@@ -1,7 +1,7 @@
-// Packets that a processor has asked its memory for and not yet written into its cache, oldest first [P §3.3].
+// Packets that a processor has requested from its memory and not yet written into its cache, oldest first [P §3.3].
 //
-// The pipeline asks and takes; the memory side sends the requests on, in order, and notes when each arrives. What is asked
-// in a cycle can be sent from the next one on, so it does not matter which side ticks first.
+// The pipeline requests packets and takes them; the memory port sends the requests in order and records when each packet
+// arrives. A request can be sent from the next cycle on, so the order in which the two sides tick does not matter.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ struct Packet {
   std::uint32_t block = 0;  // number of the block in its processor
   std::uint32_t tile = 0;
   Cycle asked = 0;
-  Cycle sent = kNoCycle;     // when the memory took it on
-  Cycle arrival = kNoCycle;  // from then on it can be written into the cache
+  Cycle sent = kNoCycle;     // when the memory accepted it
+  Cycle arrival = kNoCycle;  // from this cycle on it can be written into the cache
   Delay delay = Delay::kTransfer;
 
   void state(Archive::Record& record) {
@@ -43,7 +43,7 @@ class MissQueue {
     ring_[(head_ + size_) & mask_] = {block, tile, now, kNoCycle, kNoCycle, Delay::kTransfer};
     ++size_;
   }
-  // Of one that is sent at once; all before it were.
+  // Adds a packet whose request is sent at once. All earlier requests must have been sent.
   void ask(const Packet& sent) {
     ring_[(head_ + size_) & mask_] = sent;
     ++size_;
@@ -71,7 +71,7 @@ class MissQueue {
     for (std::size_t i = 0; i < size_; ++i) latest = std::max(latest, ring_[(head_ + i) & mask_].asked);
     return latest;
   }
-  // Of a processor with `blocks` of `tiles`.
+  // `blocks`: those of the processor. `tiles`: those of a block.
   void state(Archive::Record& record, std::uint32_t blocks, std::size_t tiles) {
     record.at_most(size_, packets_);
     record.at_most(sent_, size_);
@@ -83,7 +83,7 @@ class MissQueue {
   }
 
  private:
-  std::vector<Packet> ring_;  // a power of two of places
+  std::vector<Packet> ring_;  // its size is a power of two
   std::size_t mask_;
   std::size_t packets_;
   std::size_t head_ = 0;

@@ -15,7 +15,7 @@ struct SplatTiles {
   std::array<std::uint32_t, 8> tile{};
 };
 
-// A block as deposits see it.
+// The extent of a block for deposits.
 struct SplatBlock {
   std::array<std::int32_t, 3> corner{};  // voxels
   std::int32_t edge = 0;                 // voxels, its +1 face included
@@ -23,9 +23,9 @@ struct SplatBlock {
   std::int32_t tile_depth = 1;           // voxels of a tile along z
 };
 
-// Those of voxels with a share, or of `all` voxels, in the order of their first voxels.
+// Tiles of the voxels that get a share, or of all eight voxels if `all`, in the order of their first voxels.
 inline SplatTiles tiles_of(const Deposit& deposit, const SplatBlock& block, bool all) {
-  // The voxels of least coordinate along each axis, a bit each.
+  // Masks of the four lower voxels along each axis, one bit per voxel.
   constexpr std::array<std::uint32_t, 3> kLower{0x55, 0x33, 0x0F};
   std::uint32_t voxels = 0;
   for (std::uint32_t i = 0; i < 8; ++i) voxels |= (deposit.shares[i] != 0 || all ? 1u : 0u) << i;
@@ -37,7 +37,7 @@ inline SplatTiles tiles_of(const Deposit& deposit, const SplatBlock& block, bool
   }
   const std::int32_t tiles_x = block.edge / 2 + 1, flat = block.tile_depth == 1 ? 1 : 0;
   const std::int32_t first = ((local[2] >> (1 - flat)) * tiles_x + (local[1] >> 1)) * tiles_x + (local[0] >> 1);
-  // Along which axes, a bit each, the upper voxels are in other tiles than the lower ones.
+  // Mask of the axes along which the upper voxels lie in other tiles than the lower ones.
   const std::uint32_t parted =
       static_cast<std::uint32_t>((local[0] & 1) | (local[1] & 1) << 1 | ((local[2] & 1) | flat) << 2);
   SplatTiles out;

@@ -36,7 +36,7 @@ void VolumeCache::invalidate() {
   changes_ = 0;
 }
 
-// The place that tiles of a direct mapped cache take is theirs alone.
+// In a direct mapped cache the index in tags_ is the tile's number.
 TileOfBlock VolumeCache::tile_at(std::size_t place) const {
   if (plain_) return {tags_[place], static_cast<std::uint32_t>(place)};
   const auto tiles = static_cast<std::uint32_t>(tiles_of_block());
@@ -89,7 +89,7 @@ void VolumeCache::changes_state(Archive& archive) {
   changes_ = places.size();
 }
 
-// Before the check of a direct mapped cache; where there are ways hit() finds them.
+// Called before the check of a direct mapped cache. With several ways, hit() finds the victims.
 void VolumeCache::note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
   victims_.clear();
   if (!plain_ || changes_ == 0) return;
@@ -124,7 +124,7 @@ VolumeCache::VoxelTag VolumeCache::tag_of_voxel(std::uint32_t block, std::size_t
   return {address % sets_, static_cast<std::uint32_t>(address)};
 }
 
-// A packet is asked for once, however many of its voxels are missing.
+// A packet is requested once, however many of its voxels are missing.
 const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
   std::uint32_t packets = 0, missing = 0;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -177,7 +177,7 @@ bool VolumeCache::touch(std::uint32_t block, std::uint32_t tile) {
   return hit(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
 }
 
-// True if the tile is there; afterwards it is, as the latest used of its set.
+// True if the tile is present. Afterwards it is present and the most recently used of its set.
 bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) {
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + static_cast<std::uint32_t>(tile);
   std::uint32_t* const way = tags_.data() + set_of(block, x, y, z, tile);
@@ -185,7 +185,7 @@ bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::si
   std::uint32_t* const end = way + shape_.ways;
   std::uint32_t* const found = std::find(way, end, tag);
   const bool present = found != end;
-  std::uint32_t* const last = present ? found : end - 1;  // whose place is filled
+  std::uint32_t* const last = present ? found : end - 1;  // the tag that is overwritten
   if (!changed_.empty()) {
     std::uint8_t* const changed = changed_.data() + (way - tags_.data());
     const auto place = last - way;

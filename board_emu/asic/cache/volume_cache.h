@@ -1,8 +1,8 @@
-// The tags of a processor's volume cache: which tiles of which block it holds, or has asked for [P §2.1, §3.3].
+// The tags of a processor's volume cache: the tiles that are present or requested, and their blocks [P §2.1, §3.3].
 //
-// The cache has a place for each of a block's (n+1)^3 voxels. Memory brings 2x2x1 tiles (docs/reference/hardware.md), so the tags of
-// a tile's four voxels are always the same and are kept once, unless tags of single voxels are asked for. Lazy: nothing is fetched
-// before a sample needs it.
+// The cache has room for each of a block's (n+1)^3 voxels. Memory delivers 2x2x1 tiles (docs/reference/hardware.md), so the four
+// voxels of a tile always have the same tag, which is kept once unless the configuration asks for tags of single voxels. Fetching is
+// lazy: a tile is requested when a sample needs it.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@ namespace gicube::emu {
 struct CacheShape {
   int block_voxels = 32;
   unsigned ways = 1;
-  // The baseline of [P §5.1]: places are taken by a tile's linear address in the whole volume, not in its block.
+  // The baseline of [P §5.1]: a tile's set comes from its linear address in the whole volume, not in its block.
   bool linear = false;
   std::array<int, 3> blocks{};  // of the volume
-  bool writes_back = false;     // it remembers which tiles have changed
+  bool writes_back = false;     // the cache records which tiles have changed
   unsigned tile_depth = 1;      // voxels of a tile along z; 2 x 2 across
-  bool tags_of_voxels = false;  // direct mapped; of what a packet brings only the voxels asked for are kept
+  bool tags_of_voxels = false;  // direct mapped; only the requested voxels of a packet are kept
 };
 
 // A tile of a block.
@@ -38,8 +38,8 @@ struct TileOfBlock {
 struct CacheCounters {
   std::uint64_t checks = 0;               // trilinear neighbourhoods looked up
   std::uint64_t packets = 0;              // tiles asked for
-  std::uint64_t missed_voxels = 0;        // of the eight a check needs
-  std::uint64_t filled_voxels = 0;        // that the packets bring, padding left out
+  std::uint64_t missed_voxels = 0;        // of the eight voxels that a check needs
+  std::uint64_t filled_voxels = 0;        // voxels in the packets, without padding
   std::array<std::uint64_t, 9> misses{};  // checks by their missed voxels, 0..8
 
   void state(Archive::Record& record) { record(checks, packets, missed_voxels, filled_voxels, misses); }
@@ -63,40 +63,40 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // The same for one who knows that something is missing, or is not the latest used.
+  // Like check(), for callers that already know that a tile is missing or not the most recently used.
   const Misses& ask(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // check() of a direct mapped cache, which has plain_tags(), and does not write back: calls fetch(tile) for each that is missing.
+  // Like check(), but calls fetch(tile) for each missing tile. Only for a cache with plain_tags() that does not write back.
   template <typename Fetch>
   void for_each_miss(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, const Fetch& fetch);
 
-  // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
+  // The block of each tile of a direct mapped cache, by tile, for a caller that checks many samples of one block; else null.
   const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
   std::size_t tiles_x() const { return tiles_x_; }
 
-  // Whether all tiles of the neighbourhood are there, each the latest used of its set, so that check() would change nothing
-  // but counters. Not with `linear`, nor for a direct mapped cache.
+  // Whether all tiles of the neighbourhood are present and each is the most recently used of its set, so that check() would
+  // change only counters. Not for `linear` or direct mapped caches.
   bool latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
 
-  // Whether a tile is there, or has been asked for.
+  // Whether a tile is present or requested.
   bool holds(std::uint32_t block, std::uint32_t tile) const {
     return plain_ ? tags_[tile] == block : holds_in_set(block, tile);
   }
 
-  // Whether a tile is there; it is from now on. Not of a direct mapped cache of tiles that are one voxel deep.
+  // Returns whether a tile is present, and makes it present. Not for a direct mapped cache of tiles that are one voxel deep.
   bool touch(std::uint32_t block, std::uint32_t tile);
 
-  // Of a cache that writes back. A tile that is there has changed; false if it had before.
+  // Write-back caches only. Marks a present tile as changed; false if it was marked already.
   bool change(std::uint32_t block, std::uint32_t tile);
-  // Changed tiles whose places the latest check() or touch() has given to others.
+  // Changed tiles that the latest check() or touch() has evicted.
   const std::vector<TileOfBlock>& victims() const { return victims_; }
   bool has_changes() const { return changes_ > 0; }
-  // Any changed tile, which is as in memory from now on; there must be one.
+  // Returns some changed tile and unmarks it. There must be one.
   TileOfBlock clean();
 
-  // Drops every tile: memory has changed.
+  // Drops every tile, after memory has changed.
   void invalidate();
 
   std::size_t tiles_of_block() const { return slice_tiles_ * slices_; }
@@ -105,13 +105,13 @@ class VolumeCache {
   std::size_t sets() const { return sets_; }
   unsigned ways() const { return shape_.ways; }
   bool has_tags_of_voxels() const { return shape_.tags_of_voxels; }
-  // What a way of a set holds, or has been asked for; the latest used first. Not of a cache with tags of voxels.
+  // The tile in a way of a set, present or requested; the most recently used way first. Not for a cache with tags of voxels.
   struct Way {
     TileOfBlock tile;
     bool is_changed = false;
   };
   std::optional<Way> way(std::size_t set, std::size_t way) const;
-  // Between runs no tile has changed.
+  // Between runs no tile is marked as changed.
   void state(Archive& archive) {
     archive.expect_idle(changes_ == 0, "a cache that writes back");
     archive("tags", tags_);
@@ -142,33 +142,33 @@ class VolumeCache {
     std::uint32_t value = 0;
   };
   VoxelTag tag_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const;
-  // The place of the set's first way.
+  // Index in tags_ of the set's first way.
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
   void changes_state(Archive& archive);
   void note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
-  // The place of a tile that is there.
+  // Index in tags_ of a present tile.
   std::size_t place_of(std::uint32_t block, std::uint32_t tile) const;
   TileOfBlock tile_at(std::size_t place) const;
 
   CacheShape shape_;
-  bool plain_;           // direct mapped, by the place in the block
+  bool plain_;           // direct mapped by the position in the block
   std::size_t tiles_x_;  // of a block along x, and along y
   std::size_t slice_tiles_;
   std::size_t slices_;  // along z
   std::size_t sets_;
-  std::vector<std::uint32_t> tags_;       // sets_ x ways, the latest used first
-  std::vector<std::uint32_t> first_way_;  // by tile, where the set begins; not with `linear`
-  std::vector<std::uint8_t> changed_;     // by place, of a cache that writes back
-  std::size_t changes_ = 0;               // of them
-  std::size_t cleaned_ = 0;               // up to which place clean() has looked
+  std::vector<std::uint32_t> tags_;       // sets_ x ways, the most recently used first
+  std::vector<std::uint32_t> first_way_;  // by tile, the index of its set; not with `linear`
+  std::vector<std::uint8_t> changed_;     // by index in tags_; write-back caches only
+  std::size_t changes_ = 0;               // marked tiles
+  std::size_t cleaned_ = 0;               // index in tags_ up to which clean() has searched
   std::vector<TileOfBlock> victims_;
   Misses misses_;
   CacheCounters counters_;
 };
 
-// Mostly nothing is missing, and that is seen at once, two tiles of a row in a word.
+// Usually nothing is missing; four compares of two tags each find that out.
 inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
   misses_.count = 0;
   for_each_miss(block, voxel, [this](std::uint32_t tile) { misses_.tiles[misses_.count++] = tile; });
@@ -196,7 +196,7 @@ template <typename Fetch>
     ++counters_.misses[0];
     return;
   }
-  // A bit a tile: x, then y, then z. What comes twice counts once.
+  // One bit per tile: x, then y, then z. Duplicates count once.
   const std::uint32_t once = (two_x != 0 ? 0xFFu : 0x55u) & (two_y != 0 ? 0xFFu : 0x33u);
   std::uint32_t missing = 0;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -1,10 +1,9 @@
 // Packets on their way from a processor's volume cache to its memory: tiles whose irradiance has changed [P §3.4].
 //
-// Writes wait here until there are enough of them to be worth turning the memory's bus round; a tile that changes again
-// while it waits is written once, unless each change is to be written (write_through). With write_back tiles come here when their
-// place in the cache goes to another. A tile that the cache has lost in the meantime is fetched first. The memory serves writes
-// and the misses' reads in the order in which they were asked for; a read of a tile that still waits here takes no longer
-// than one from memory.
+// Writes wait here until there are enough of them to amortise a bus turnaround. A tile that changes again while it waits is
+// written once, except with write_through. With write_back a tile enters the queue when the cache evicts it. A tile that is
+// no longer in the cache is fetched first. The memory serves writes and the reads of misses in the order of the requests. A
+// read of a tile that still waits here takes as long as one from memory.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +20,9 @@ namespace gicube::emu {
 struct TileWrite {
   std::uint32_t block = 0;  // number of the block in its processor
   std::uint32_t tile = 0;
-  bool fetch = false;  // a read that goes before the write
+  bool fetch = false;  // a read that precedes the write
   Cycle asked = 0;
-  Cycle sent = kNoCycle;  // when the memory took it on
+  Cycle sent = kNoCycle;  // when the memory accepted it
 
   void state(Archive::Record& record) {
     record(block, tile, fetch);
@@ -32,23 +31,23 @@ struct TileWrite {
 };
 
 struct WriteCounters {
-  std::uint64_t tiles = 0;     // that changed
-  std::uint64_t combined = 0;  // of them, written with an earlier change
-  std::uint64_t fetches = 0;   // of them, no longer in the cache
+  std::uint64_t tiles = 0;     // changes of tiles
+  std::uint64_t combined = 0;  // changes that are written together with an earlier one
+  std::uint64_t fetches = 0;   // changes of tiles that were no longer in the cache
 
   void state(Archive::Record& record) { record(tiles, combined, fetches); }
 };
 
 class WriteQueue {
  public:
-  // Tiles that may wait; asked for once half of the places are taken.
+  // `tiles`: capacity. Requests are made once half of it is taken.
   explicit WriteQueue(std::size_t tiles) : places_(tiles) {}
 
   std::size_t room() const { return places_ - std::min(places_, size()); }
   bool empty() const { return size() == 0; }
   std::size_t size() const { return end_ - first_; }
 
-  // A tile has changed: it is written with an earlier change that still waits, if `combines`.
+  // Adds a changed tile. If `combines`, a waiting write of the same tile absorbs it.
   void put(std::uint32_t block, std::uint32_t tile, bool in_cache, bool combines = true) {
     ++counters_.tiles;
     if (combines && waits(block, tile)) {
@@ -57,17 +56,17 @@ class WriteQueue {
     }
     add(block, tile, in_cache);
   }
-  // A tile has changed in the cache, from which it is written later; `anew`: it had not before.
+  // Counts a change of a tile that stays in the cache and is written later. `anew`: its first change since it was written.
   void change(bool anew) {
     ++counters_.tiles;
     counters_.combined += anew ? 0 : 1;
   }
-  // It is read before it is changed there.
+  // Adds the read of a tile that is about to change in the cache.
   void fetch(std::uint32_t block, std::uint32_t tile) {
     ++counters_.fetches;
     push({block, tile, true, 0, kNoCycle});
   }
-  // That is now.
+  // Adds the write of an evicted changed tile.
   void write_back(std::uint32_t block, std::uint32_t tile) {
     if (waits(block, tile)) {
       ++counters_.combined;
@@ -75,15 +74,15 @@ class WriteQueue {
       add(block, tile, true);
     }
   }
-  // Asks for what waits, if it is time to.
+  // Requests all waiting writes if they fill half of the queue, or if `all`.
   void ask(Cycle now, bool all) {
     if (waiting_ == end_ || (!all && 2 * (end_ - waiting_) < places_)) return;
     for (; waiting_ != end_; ++waiting_) at(waiting_).asked = now;
     maybe_waits_.reset();
   }
 
-  // Gives the places of what was sent before `now` free: for the processor to call, so that it does not matter which side
-  // ticks first.
+  // Frees the entries that were sent before `now`. The processor calls it, so that the order in which the two sides tick does
+  // not matter.
   void settle(Cycle now) {
     while (first_ != next_ && at(first_).sent < now) ++first_;
   }
@@ -93,7 +92,7 @@ class WriteQueue {
   void send(Cycle now) { at(next_++).sent = now; }
   const WriteCounters& counters() const { return counters_; }
   Cycle latest_asked() const { return first_ == waiting_ ? 0 : at(waiting_ - 1).asked; }
-  // Of a processor with `blocks` of `tiles`.
+  // `blocks`: those of the processor. `tiles`: those of a block.
   void state(Archive& archive, std::uint32_t blocks, std::size_t tiles) {
     archive.expect_idle(empty(), "the queue of writes");
     archive("counters", counters_);
@@ -116,7 +115,7 @@ class WriteQueue {
   }
 
  private:
-  static constexpr std::size_t kFilter = 1024;  // bits: so many that two of the tiles that wait rarely have the same
+  static constexpr std::size_t kFilter = 1024;  // bits; chosen so that two waiting tiles rarely share one
 
   TileWrite& at(std::size_t number) { return ring_[number & (ring_.size() - 1)]; }
   const TileWrite& at(std::size_t number) const { return ring_[number & (ring_.size() - 1)]; }
@@ -144,9 +143,9 @@ class WriteQueue {
   }
 
   std::size_t places_;
-  std::vector<TileWrite> ring_ = std::vector<TileWrite>(1);  // as large as a power of two
-  // Numbers of writes there: of the first whose place is taken, the first that is not sent, the first that is not asked for, and
-  // the next.
+  std::vector<TileWrite> ring_ = std::vector<TileWrite>(1);  // its size is a power of two
+  // Running numbers of writes: the oldest entry, the first that is not sent, the first that is not requested, and the next to be
+  // added.
   std::size_t first_ = 0, next_ = 0, waiting_ = 0, end_ = 0;
   std::bitset<kFilter> maybe_waits_;
   WriteCounters counters_;

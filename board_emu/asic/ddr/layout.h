@@ -1,8 +1,8 @@
-// Where the tiles of the blocks lie in one channel of DDR SDRAM.
+// The placement of the blocks' tiles in one channel of DDR SDRAM.
 //
-// A page is one row of one bank of a rank: 1024 columns of 72 bits, that is 512 packets. There are only 4 banks: bricks that
-// share a face are never in the same bank (bank = x + 2 y + 3 z mod 4 of the brick's place, and on from block to block);
-// of those that touch at an edge or a corner some are.
+// A page is one row of one bank of a rank: 1024 columns of 72 bits, that is 512 packets. With only 4 banks, bricks that share a
+// face are never in the same bank, but some that touch at an edge or a corner are. The bank is x + 2 y + 3 z mod 4 of the
+// brick's position, and blocks follow one another.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace gicube::emu::ddr {
 
 using dram::Bricks, dram::Location;
 
-inline constexpr std::uint32_t kPacketsOfRow = 512;  // 1024 columns, two a packet
+inline constexpr std::uint32_t kPacketsOfRow = 512;  // 1024 columns, two per packet
 
 inline Bricks cut_block(std::uint32_t block_voxels, std::uint32_t packets = 1) {
   return dram::cut_block("DDR", block_voxels, kPacketsOfRow / packets, [](const Bricks&) { return true; });
@@ -25,11 +25,11 @@ inline Bricks cut_block(std::uint32_t block_voxels, std::uint32_t packets = 1) {
 
 class Layout : public dram::LayoutBase {
  public:
-  // `blocks` of n = `block_voxels` in this channel (n even, 8..64). `packets`: of a tile.
+  // `blocks`: those of this channel. n = `block_voxels`: even, 8..64. `packets`: those of a tile.
   Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t packets = 1)
       : dram::LayoutBase(cut_block(block_voxels, packets), packets) {
     const auto& count = bricks_.count;
-    // Each brick takes the first page that is left in its bank.
+    // Each brick takes the first free page of its bank.
     std::array<std::uint32_t, kBanksOfRank> next{0, 1, 2, 3};
     std::vector<std::uint32_t> page_of(bricks_.pages);
     for (std::uint32_t brick = 0; brick < page_of.size(); ++brick) {
@@ -52,7 +52,7 @@ class Layout : public dram::LayoutBase {
   Location locate(std::uint32_t block, std::uint32_t tile) const {
     const PageColumn at_page = columns_[tile];
     const std::uint32_t page = block * pages_ + at_page.page;
-    const std::uint32_t row = page / kBanksOfRank;  // of all ranks, in turn
+    const std::uint32_t row = page / kBanksOfRank;  // counted over all ranks in turn
     Location at;
     at.device = static_cast<std::uint16_t>(row % devices_);
     at.row = static_cast<std::uint16_t>(row / devices_);
@@ -62,10 +62,10 @@ class Layout : public dram::LayoutBase {
   }
 
   static constexpr std::uint32_t kBanksOfRank = 4;
-  static constexpr std::uint32_t kRows = 4096;  // of a bank
+  static constexpr std::uint32_t kRows = 4096;  // rows of a bank
 
  private:
-  std::uint32_t pages_ = 0;  // that a block takes, with those that stay empty
+  std::uint32_t pages_ = 0;  // pages of a block, including those that stay empty
 };
 
 }  // namespace gicube::emu::ddr

@@ -1,10 +1,10 @@
-// The controller of one channel: serves packets in the order in which they are asked for, with open pages.
+// The controller of one channel: serves packets in the order of the requests, with open pages.
 //
-// It keeps no queue. A call places all commands of its packet at once, each at its earliest legal clock, and says when the
-// data come; so the caller's queue depth is the look-ahead. RD and WR keep the order of requests, so do ACT with refreshes,
-// and PRE; but a command may take free clocks before one of another kind that is already placed. A bank stays open until
-// another row needs it or what it shares. Requests at hand go before a refresh that is due, by no more than the caller's
-// queue.
+// It keeps no queue. A call schedules all commands of its packet at once, each at its earliest legal clock, and returns the time
+// of the data; the look-ahead is therefore the depth of the caller's queue. RD and WR keep the order of the requests, as do ACT
+// together with refreshes, and PRE. A command may take free clocks before a scheduled command of another kind. A bank stays open
+// until another row needs it or its sense amps. Pending requests precede a due refresh, which delays it by the caller's queue at
+// most.
 #pragma once
 
 #include <algorithm>
@@ -21,16 +21,16 @@
 
 namespace gicube::emu::dram {
 
-// `Rules`: of the standard, as Device's, and kName, kDevices, kClock, kCommand (a command's clocks), kPacket (those of its data),
-// kOneBus (RD and WR share the wires of the other commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived` has the standard's way to refresh:
-// refresh_until() and held_by_refresh().
+// `Rules`: the standard's rules, those of Device and kName, kDevices, kClock, kCommand (clocks of a command), kPacket (clocks of its
+// data), kOneBus (RD and WR share the wires of the other commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived`
+// implements the standard's refresh: refresh_until() and held_by_refresh().
 template <typename Derived, typename Rules>
 class Channel {
  public:
-  // The packet at `at`, asked for at `arrival`, which never decreases from call to call (reads and writes together).
+  // The packet at `at`, requested at `arrival`, which never decreases from call to call (reads and writes together).
   Access read(const Location& at, Tcycle arrival) { return serve<Command::kRead>(at, arrival); }
   Access write(const Location& at, Tcycle arrival) { return serve<Command::kWrite>(at, arrival); }
-  // Carries out the refreshes that were due by `t`; no packet may arrive before it afterwards.
+  // Performs the refreshes that are due by `t`. Later packets may not arrive before `t`.
   void advance(Tcycle t) {
     if (t < next_event_) [[likely]]
       return;
@@ -38,7 +38,7 @@ class Channel {
     static_cast<Derived*>(this)->refresh_until(t);
   }
 
-  // Until `t` no packet would be delayed by one that was asked for before.
+  // Whether a packet that arrives at `t` is not delayed by the data of earlier ones.
   bool idle(Tcycle t) const { return dq_free_ <= t; }
   ChannelCounters counters() const {
     return {.packets_read = reads_,
@@ -66,7 +66,7 @@ class Channel {
       out << Rules::kName << ": next refresh due at " << Rules::kClock << ' ' << refresh_due_ << "\n";
     }
   }
-  // Every command from now on is appended, in the order of placing; null stops it.
+  // Appends every further command, in the order of scheduling; null stops the trace.
   void set_trace(std::vector<IssuedCommand>* sink) { trace_ = sink; }
   void state(Archive& archive) {
     archive("devices", devices_);
@@ -90,7 +90,7 @@ class Channel {
   }
 
  protected:
-  // True if it had to wait for the wires or the device, not for its bank.
+  // True if the wires or the device delayed it, not its bank.
   bool precharge(std::uint16_t device, int bank, Tcycle asked) {
     constexpr Command kThis = Command::kPrecharge;
     Device<Rules>& target = devices_[device];
@@ -105,9 +105,9 @@ class Channel {
     return begin > floor;
   }
 
-  // With `leave_gap` it goes after the place of the next precharge, if it would be within a packet of it; at once, it would
-  // push that precharge, which the next activation needs, and rows would open every 12 tCYCLE of an RDRAM instead of every
-  // 8. The one case of a command later than it could be.
+  // With `leave_gap`, an activation within a packet of the next possible precharge is delayed until after it. Otherwise it would
+  // delay that precharge, which the next activation needs, and an RDRAM would open a row every 12 tCYCLE instead of every 8. This
+  // is the only command that is later than it could be.
   template <Command kOpens>
   Tcycle activate(const Location& at, Tcycle asked, bool leave_gap) {
     Device<Rules>& device = devices_[at.device];
@@ -128,7 +128,7 @@ class Channel {
     return begin;
   }
 
-  // Refreshes `at`, for which it precharges what is in the way, and returns when.
+  // Precharges the conflicting banks, refreshes `at` and returns the time of the refresh.
   Tcycle refresh_next(const Location& at) {
     std::uint32_t open = devices_[at.device].in_the_way(Command::kRefresh, at.bank);
     for (; open != 0; open &= open - 1) precharge(at.device, std::countr_zero(open), refresh_due_);
@@ -141,14 +141,14 @@ class Channel {
   std::vector<Device<Rules>> devices_;
   Tcycle last_open_ = 0;  // ACT or refresh
   bool last_open_was_refresh_ = false;
-  std::uint64_t refresh_count_ = 0;  // also tells device and bank of the next
+  std::uint64_t refresh_count_ = 0;  // determines device and bank of the next
   Tcycle refresh_due_ = kNever;
-  Tcycle next_event_ = kNever;  // of refresh_until()
+  Tcycle next_event_ = kNever;  // the next that refresh_until() performs
 
  private:
-  friend Derived;  // the only one that makes it
+  friend Derived;  // only it constructs a Channel
 
-  // `devices` from 1 on; each is refreshed once every `refresh_interval`, spread evenly over it; 0: never.
+  // `devices`: at least 1. Each is refreshed once every `refresh_interval`, spread evenly over it; 0: never.
   Channel(const ConstraintTable& timing, std::uint32_t devices, std::uint64_t refresh_interval)
       : column_wires_(timing),
         refresh_interval_(refresh_interval),
@@ -161,18 +161,18 @@ class Channel {
     refresh_due_ = next_event_ = due_after(0);
   }
 
-  // When the next refresh is due after so many.
+  // Time at which the next refresh is due after `refreshes` of them.
   Tcycle due_after(std::uint64_t refreshes) const {
     return refresh_interval_ == 0 ? kNever : (refreshes + 1) * refresh_interval_ / devices_.size();
   }
 
-  // Most refreshes of a long time without packets, where each is over before the next is due. A round of them takes every
-  // bank of every device several times, and longer than any delay lasts. So rounds are alike once two end alike, and the
-  // last one leads to the state that all would.
+  // Skips most refreshes of a long time without packets, if each refresh ends before the next is due. A round of refreshes covers
+  // every bank of every device at least once and lasts longer than any delay. Once two rounds end with the same lateness, all
+  // further rounds are equal, and the last one alone leads to the same state as all of them.
   void leave_out(Tcycle t) {
-    constexpr std::uint64_t kBanks = 32, kDelays = 64;  // of every standard; kBanks * kDelays clocks exceed any delay
+    constexpr std::uint64_t kBanks = 32, kDelays = 64;  // for every standard: kBanks * kDelays clocks exceed any delay
     if (trace_ != nullptr || refresh_interval_ < kDelays * devices_.size()) return;
-    const std::uint64_t each = kBanks * (1 + kDelays / refresh_interval_);  // of a device
+    const std::uint64_t each = kBanks * (1 + kDelays / refresh_interval_);  // refreshes of a device
     const std::uint64_t round = each * devices_.size(), clocks = each * refresh_interval_;
     if (t < refresh_due_ + 4 * clocks) return;
     const auto late_after_a_round = [&] {
@@ -181,14 +181,14 @@ class Channel {
     };
     const Tcycle late = late_after_a_round();
     const std::uint64_t precharges = precharges_;
-    if (late_after_a_round() != late) return;  // they come faster than they are carried out
+    if (late_after_a_round() != late) return;  // refreshes come faster than they can be performed
     const std::uint64_t rounds = (t - refresh_due_) / clocks - 1;
     precharges_ += rounds * (precharges_ - precharges);
     refresh_count_ += rounds * round;
     refresh_due_ = due_after(refresh_count_);
   }
 
-  // Not inline: most packets find their row open.
+  // Not inline, because most packets hit an open row.
   [[gnu::noinline]] Delay open(const Location& at, Tcycle arrival) {
     std::uint32_t in_the_way = devices_[at.device].in_the_way(Command::kActivate, at.bank);
     const bool refresh_before = static_cast<Derived*>(this)->held_by_refresh(at, arrival);
@@ -196,7 +196,7 @@ class Channel {
     bool rows_queue = false;
     if (conflict) {
       rows_queue = precharge(at.device, std::countr_zero(in_the_way), arrival);
-      in_the_way &= in_the_way - 1;  // what is left is the other neighbour
+      in_the_way &= in_the_way - 1;  // the other neighbour may be open too
       if (in_the_way != 0) precharge(at.device, std::countr_zero(in_the_way), arrival);
     }
     const Tcycle begin = activate<Command::kActivate>(at, arrival, rows_queue);

@@ -1,6 +1,6 @@
 // A DRAM's timing as a table of constraints with the data book's names, for every memory standard.
 //
-// A time is a clock of the memory's interface, and a command's time is the clock in which its packet begins on the wires.
+// Times are clocks of the memory's interface. A command's time is the clock in which its packet begins on the wires.
 #pragma once
 
 #include <algorithm>
@@ -17,15 +17,15 @@ namespace gicube::emu::dram {
 
 using Tcycle = std::uint64_t;
 
-inline constexpr Tcycle kNever = ~Tcycle{0};  // the state, not the time, forbids it
+inline constexpr Tcycle kNever = ~Tcycle{0};  // illegal at any time, because of the state
 
 // kRefresh is REFA of an RDRAM, which opens a row, or REF of a DDR SDRAM, which needs all banks precharged. kData is a
 // packet on the data wires.
 enum class Command : std::uint8_t { kActivate, kPrecharge, kRead, kWrite, kRefresh, kData };
 inline constexpr std::size_t kCommands = 6;
 
-// Between commands to one bank, to banks that share a sense amp, to one device, to any device of the channel, or to two
-// different devices.
+// A constraint holds between commands to one bank, to banks that share a sense amp, to one device, to any devices of the
+// channel, or to two different devices.
 enum class Scope : std::uint8_t { kBank, kNeighbour, kDevice, kChannel, kOtherDevice };
 inline constexpr std::size_t kScopes = 5;
 
@@ -58,7 +58,7 @@ class ConstraintTable {
  public:
   using Honoured = bool (*)(Scope scope, Command from, Command to);
 
-  // Throws std::invalid_argument if a row names a pair that the model of this standard does not honour.
+  // Throws std::invalid_argument if the standard's model does not enforce a row.
   ConstraintTable(std::string_view standard, Honoured honoured, std::vector<Constraint> rows) : rows_(std::move(rows)) {
     for (const Constraint& row : rows_) {
       if (!honoured(row.scope, row.from, row.to)) {
@@ -73,7 +73,7 @@ class ConstraintTable {
 
   const std::vector<Constraint>& rows() const { return rows_; }
   const Delays& delays() const { return delays_; }
-  // The longest of the table's rows for this pair; 0 if there is none.
+  // The longest delay of the table's rows for this pair; 0 without a row.
   std::uint32_t delay(Scope scope, Command from, Command to) const {
     return delays_[index(scope)][index(from)][index(to)];
   }

@@ -1,8 +1,8 @@
-// One device of a channel (an RDRAM, or a rank of DDR SDRAM): the state of its banks, and when a command may come. It has no
+// One device of a channel (an RDRAM, or a rank of SDRAM): the state of its banks and the earliest times of commands. It has no
 // clock; callers pass the time.
 //
-// Commands may be issued in another order than that of their times, as long as those which a constraint ties together are
-// issued in the order of their times. Inline, because a packet takes three of these calls.
+// Commands may be issued in another order than that of their times, except those that a constraint relates to each other.
+// Inline, because a packet takes three of these calls.
 #pragma once
 
 #include <algorithm>
@@ -17,23 +17,23 @@
 
 namespace gicube::emu::dram {
 
-inline constexpr std::int32_t kClosed = -1;      // instead of an open row
-inline constexpr std::int32_t kRefreshRow = -2;  // open at the row of the device's own refresh counter
+inline constexpr std::int32_t kClosed = -1;      // in place of an open row
+inline constexpr std::int32_t kRefreshRow = -2;  // the open row is that of the device's own refresh counter
 
 struct BankAddress {
   int bank = 0;
   std::int32_t row = 0;  // only for kActivate
 };
 
-// `Rules` has what a standard demands: kDevice, kBanks, kBankGroup, kRefreshOpens, must_be_closed() and honoured().
+// `Rules`: the standard's kDevice, kBanks, kBankGroup, kRefreshOpens, must_be_closed() and honoured().
 template <typename Rules>
 class Device {
  public:
   explicit Device(const ConstraintTable& timing) : delays_(timing.delays()) {}
 
-  // The earliest time from `t` on at which the command is legal here; kNever if a bank is in the wrong state: ACT and REFA
-  // need must_be_closed() precharged, RD and WR need the bank open, PRE needs something to precharge. The channel's wires
-  // are not this device's matter.
+  // The earliest time from `t` on at which the command is legal for this device; kNever if a bank is in the wrong state. ACT and
+  // REFA need the banks of must_be_closed() precharged, RD and WR need an open bank, PRE needs a bank that is not precharged.
+  // Does not consider the channel's wires.
   Tcycle probe(Command command, BankAddress at, Tcycle t) const {
     bool legal = false;
     switch (command) {
@@ -46,7 +46,7 @@ class Device {
     }
     return legal ? std::max({t, bank_ready(command, at.bank), device_ready(command)}) : kNever;
   }
-  // Carries the command out at `t`, which probe() must have allowed.
+  // Performs the command at `t`, which probe() must have allowed.
   void issue(Command command, BankAddress at, Tcycle t) {
     switch (command) {
       case Command::kActivate: return issue<Command::kActivate>(at.bank, at.row, t);
@@ -75,11 +75,11 @@ class Device {
 
   std::int32_t open_row(int bank) const { return banks_[place(bank)].row; }
   std::uint64_t packets(int bank) const { return banks_[place(bank)].packets; }  // read and written
-  std::uint32_t open_banks() const { return open_; }                             // mask
-  // Banks, as a mask, to be precharged before `opens` (ACT or REFA) of `bank`.
+  std::uint32_t open_banks() const { return open_; }  // mask of banks that are not precharged
+  // Mask of the conflicting banks: those to be precharged before `opens` (ACT or REFA) of `bank`.
   std::uint32_t in_the_way(Command opens, int bank) const { return open_ & Rules::must_be_closed(opens, bank); }
 
-  // Whatever the state: what commands to this bank and its neighbours allow, and those to the whole device.
+  // Earliest times by the timing alone, whatever the state: by commands to this bank and its neighbours, and to the device.
   Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
   Tcycle device_ready(Command command) const { return ready_[index(command)]; }
   void state(Archive::Record& record) {
@@ -117,7 +117,8 @@ class Device {
     (one.template operator()<kTo>(), ...);
   }
 
-  // A place before and after each group of banks that share sense amps, so that every bank has two neighbours to tell.
+  // Index in banks_. Each group of banks that share sense amps has a spare entry before and after it, so that every bank has two
+  // neighbours to update.
   static constexpr std::size_t place(int bank) {
     const auto plain = static_cast<std::size_t>(bank);
     return plain + 1 + plain / Rules::kBankGroup * 2;

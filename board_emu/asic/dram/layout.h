@@ -1,5 +1,5 @@
-// How a block of n^3 voxels with its +1 faces is cut into pages, rows of a bank: each holds a brick of neighbouring tiles, so
-// that rays that march together hit open rows in whatever direction they go.
+// The division of a block of n^3 voxels with its +1 faces into pages (rows of a bank). A page holds a brick of neighbouring tiles,
+// so that coherent rays hit open rows whatever their direction.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,14 @@
 
 namespace gicube::emu::dram {
 
-// Packets in which a tile of 2 x 2 x 1 voxels goes: a packet has 144 bits, sixteen bytes of nine.
+// Packets of a tile of 2 x 2 x 1 voxels. A packet has 144 bits: sixteen bytes of nine bits.
 constexpr std::uint32_t packets_of_tile(std::uint32_t voxel_bits) { return (4 * voxel_bits + 143) / 144; }
 
 struct Bricks {
-  std::array<std::uint32_t, 3> tiles{};  // of the block, per axis: n/2 + 1, n/2 + 1, n + 1
-  std::array<std::uint32_t, 3> size{};   // of a brick, in tiles
+  std::array<std::uint32_t, 3> tiles{};  // tiles of the block, per axis: n/2 + 1, n/2 + 1, n + 1
+  std::array<std::uint32_t, 3> size{};   // tiles of a brick, per axis
   std::array<std::uint32_t, 3> count{};  // bricks, per axis
-  std::uint32_t pages = 0;               // of a block: bricks in all
+  std::uint32_t pages = 0;               // pages of a block: one per brick
 
   // A tile's brick, and its column in the brick's page.
   struct BrickColumn {
@@ -31,15 +31,15 @@ struct Bricks {
     const std::uint32_t column = x % size[0] + size[0] * (y % size[1] + size[1] * (z % size[2]));
     return {{x / size[0], y / size[1], z / size[2]}, static_cast<std::uint16_t>(column)};
   }
-  // Pages of a block times the surface of a brick in voxel faces (a tile is 2 x 2 x 1 voxels): memory that a block takes, and
-  // pages that rays which march together have open at once.
+  // Pages of a block, which measure its memory, times the surface of a brick in voxel faces (a tile is 2 x 2 x 1 voxels), which
+  // measures how many pages coherent rays have open at once.
   std::uint32_t cost() const {
     const std::uint32_t x = 2 * size[0], y = 2 * size[1], z = size[2];
     return pages * (x * y + y * z + z * x);
   }
 };
 
-// The cheapest bricks of those that `accepted`. `standard`: named where the block can't be cut; `row`: tiles of a page.
+// The cheapest bricks for which `accepted` is true. `standard`: its name for the error message. `row`: tiles of a page.
 template <typename Accepted>
 Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t row, const Accepted& accepted) {
   if (block_voxels < 2 || block_voxels > 64 || block_voxels % 2 != 0) {
@@ -63,10 +63,10 @@ Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t
   return best;
 }
 
-// What the layouts of all standards have.
+// Base of the layouts of all standards.
 class LayoutBase {
  public:
-  std::uint32_t devices() const { return devices_; }                                   // of a channel, at least 1
+  std::uint32_t devices() const { return devices_; }  // devices of a channel, at least 1
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(columns_.size()); }  // of a block
   const Bricks& bricks() const { return bricks_; }
   std::uint32_t packets_of_tile() const { return packets_; }
@@ -76,7 +76,7 @@ class LayoutBase {
     std::uint16_t page;
     std::uint16_t column;
   };
-  // `packets`: of a tile.
+  // `packets`: those of a tile.
   LayoutBase(const Bricks& bricks, std::uint32_t packets) : bricks_(bricks), packets_(packets) {}
 
   // The column of a tile's first packet.

@@ -1,4 +1,4 @@
-// The memory of one channel as its users see it: tiles of blocks, whatever the standard and the places in it.
+// The interface of one channel's memory: tiles of blocks, whatever the standard and its layout.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace gicube::emu::dram {
 
 using emu::Delay;
 
-// Where a packet lies in a channel's memory.
+// The address of a packet in a channel's memory.
 struct Location {
   std::uint16_t device = 0;
   std::uint16_t row = 0;
@@ -27,32 +27,32 @@ struct Location {
 
 struct Access {
   Tcycle data_begin = 0;  // on the data wires at the controller
-  Tcycle data_end = 0;    // the clock after the last
+  Tcycle data_end = 0;    // the clock after the last one with data
   Delay cause = Delay::kTransfer;
 };
 
 struct IssuedCommand {
   Command command;
-  bool tight;  // claimed: not possible one clock earlier
+  bool tight;  // the model claims that it was not possible one clock earlier
   std::uint16_t device;
-  std::uint16_t row;  // of kActivate
+  std::uint16_t row;  // kActivate only
   std::uint8_t bank;
-  std::uint16_t column;  // of kRead, kWrite
+  std::uint16_t column;  // kRead and kWrite only
   Tcycle begin;
-  Tcycle asked;  // when what it serves arrived: a packet, a refresh that was due
+  Tcycle asked;  // arrival of the packet that it serves, or the time at which the refresh was due
 };
 
 struct ChannelCounters {
   std::uint64_t packets_read = 0;
   std::uint64_t packets_written = 0;
   std::uint64_t row_hits = 0;    // packets whose row was open
-  std::uint64_t row_misses = 0;  // the others; one activation each
+  std::uint64_t row_misses = 0;  // other packets; one activation each
   std::uint64_t conflicts = 0;   // row misses that had to precharge first
-  std::uint64_t activates = 0;   // without refreshes
-  std::uint64_t precharges = 0;  // those for refreshes too
+  std::uint64_t activates = 0;   // refreshes not counted
+  std::uint64_t precharges = 0;  // including those for refreshes
   std::uint64_t refreshes = 0;
   std::uint64_t dq_busy = 0;     // clocks
-  std::uint64_t turnaround = 0;  // clocks that the data wires stood still because the direction changed
+  std::uint64_t turnaround = 0;  // clocks in which the data wires were idle because the direction changed
 
   friend bool operator==(const ChannelCounters&, const ChannelCounters&) = default;
 };
@@ -61,27 +61,27 @@ class Memory {
  public:
   virtual ~Memory() = default;
 
-  // Tile `tile` of the channel's block `block`, asked for at clock `arrival`, which never decreases from call to call (reads and
-  // writes together). Its packets lie side by side in one row. The first has the four voxels' 36-bit words, the others green and
-  // blue irradiance, if there are three words of it, and then colours. Only packets with irradiance are written.
+  // Tile `tile` of the channel's block `block`, requested at clock `arrival`, which never decreases from call to call (reads and
+  // writes together). Its packets are adjacent in one row. The first has the 36-bit words of the four voxels; the others have green
+  // and blue irradiance, if there are three words of it, and then colours. Only packets with irradiance are written.
   virtual Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
   virtual Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
 
   virtual std::uint32_t devices() const = 0;
   virtual ChannelCounters counters() const = 0;
-  // Packets read and written by each bank, device for device; as many banks for each.
+  // Packets read and written by each bank, device by device.
   virtual std::vector<std::uint64_t> bank_packets() const = 0;
   virtual void describe(std::ostream& out) const = 0;  // for a stall report
-  // Every command from now on is appended, in the order of placing; null stops it.
+  // Appends every further command, in the order of scheduling; null stops the trace.
   virtual void set_trace(std::vector<IssuedCommand>* sink) = 0;
   virtual void state(Archive& archive) = 0;
 };
 
-// A standard's layout before its channel.
+// A standard's channel, addressed through its layout.
 template <typename Layout, typename Channel>
 class LaidOut final : public Memory {
  public:
-  // `config`: the standard's own message. `written`: packets that a write of a tile writes.
+  // `config`: the standard's own message. `written`: packets per write of a tile.
   template <typename Config>
   LaidOut(Layout layout, const Config& config, std::uint32_t written)
       : layout_(std::move(layout)), channel_(config, layout_.devices()), written_(written) {}
@@ -117,18 +117,18 @@ class LaidOut final : public Memory {
   std::uint32_t written_;
 };
 
-// What the rest of the board has to know of a standard.
+// Properties of a standard that the rest of the board uses.
 struct Standard {
-  const char* name = "";     // of its message in the configuration, and of its counters
-  const char* label = "";    // for people
+  const char* name = "";     // name of its message in the configuration and of its counters
+  const char* label = "";    // name in texts for people
   const char* clock = "";    // the unit of its times
-  const char* signals = "";  // of a channel, by kind
+  const char* signals = "";  // signals of a channel, by kind
   std::uint32_t signal_count = 0;
   std::uint32_t sharing = 1;  // processors on a channel
   std::uint32_t clock_khz = 1;
   std::uint32_t latency = 0;      // clocks from the last data to the fill queue
-  std::uint32_t tile_clocks = 1;  // of a tile's packets on the data wires
-  std::uint32_t max_devices = 1;  // of a channel
+  std::uint32_t tile_clocks = 1;  // clocks of a tile's packets on the data wires
+  std::uint32_t max_devices = 1;  // the most devices of a channel
 };
 
 }  // namespace gicube::emu::dram

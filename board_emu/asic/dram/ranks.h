@@ -1,5 +1,5 @@
-// Channels of SDRAM ranks, of single or double data rate: all commands share one bus, one a clock. Each rank has one REF every
-// refresh_interval, for which all its banks are precharged.
+// Channels of SDRAM ranks, of single or double data rate. All commands share one bus, which takes one command per clock. Each rank
+// has one REF every refresh_interval, for which all its banks are precharged.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct RankRules {
   static constexpr std::uint32_t must_be_closed(Command opens, int bank) {
     return opens == Command::kRefresh ? ~0u : 1u << bank;
   }
-  // Pairs between which the model can hold a constraint; a table may have no others. A device is a rank.
+  // Whether the model enforces a constraint between the pair; a table may have no others. A device is a rank.
   static constexpr bool honoured(Scope scope, Command from, Command to) {
     constexpr auto column = [](Command c) { return c == Command::kRead || c == Command::kWrite; };
     constexpr auto opens = [](Command c) { return c == Command::kActivate || c == Command::kRefresh; };
@@ -105,7 +105,7 @@ class RankChannel : public Channel<RankChannel<Rules>, Rules> {
   Tcycle next_event() const { return this->refresh_due_; }
   void refresh_state(Archive::Record& record) { record.times(refreshed_until_); }
 
-  std::vector<Tcycle> refreshed_until_;  // by rank: its first clock for an ACT after the last REF
+  std::vector<Tcycle> refreshed_until_;  // by rank: the first clock in which an ACT is legal after the last REF
   std::uint32_t refresh_time_;           // tRFC
 };
 

@@ -1,4 +1,4 @@
-// The wires of a channel: when a packet may begin so that no two overlap.
+// The wires of a channel: the times at which a packet may begin without overlapping another.
 #pragma once
 
 #include <algorithm>
@@ -10,13 +10,13 @@
 
 namespace gicube::emu::dram {
 
-// Wires on which a later packet may take a gap before one that is already placed. Remembers the last clocks before the latest
-// packet; what is older counts as taken. chosen: one machine word. No branches: with random packets nothing here can be
-// predicted.
+// Wires on which a packet may use a gap before one that is already scheduled. A bitmap remembers the last clocks before the
+// latest packet; older clocks count as taken. chosen: one machine word. The code has no branches, because random packets would
+// make them unpredictable.
 template <Tcycle kPacket>
 class GapWires {
  public:
-  // The first clock from which on gaps are known.
+  // The first clock of the bitmap.
   Tcycle horizon() const { return base_; }
   // The earliest free begin of a packet from `t` on.
   Tcycle probe(Tcycle t) const {
@@ -25,10 +25,10 @@ class GapWires {
     const std::uint64_t blocked = bit < kBits ? blocked_ >> bit : 0;
     return t + static_cast<unsigned>(std::countr_one(blocked));
   }
-  // A packet begins at `t`, which probe() must have allowed.
+  // Schedules a packet at `t`, which probe() must have allowed.
   void reserve(Tcycle t) {
     constexpr std::uint64_t kOverlaps = (std::uint64_t{1} << (2 * kReach + 1)) - 1;
-    const Tcycle last = t - base_ + 2 * kReach;  // bit of the last begin that would overlap
+    const Tcycle last = t - base_ + 2 * kReach;  // bit of the last overlapping start
     const Tcycle shift = std::max(last, kBits - 1) - (kBits - 1);
     blocked_ = shift < kBits ? blocked_ >> shift : 0;
     base_ += shift;
@@ -41,14 +41,14 @@ class GapWires {
 
  private:
   static constexpr Tcycle kBits = 64;
-  static constexpr Tcycle kReach = kPacket - 1;  // packets that begin so near overlap
+  static constexpr Tcycle kReach = kPacket - 1;  // packets whose starts are this close overlap
 
   Tcycle base_ = 0;
   std::uint64_t blocked_ = 0;  // bit kReach + i: no packet may begin at base_ + i
 };
 
-// RD and WR, strictly in order: their packets where those have wires of their own, and their data, which so keep apart.
-// `kSwitches`: data of another device than the last wait longer.
+// The wires of RD, WR and their data, strictly in order. The delays between RD and WR keep the data apart.
+// `kSwitches`: data of another device than the last are delayed further.
 template <bool kSwitches>
 class ColumnWires {
  public:
@@ -74,7 +74,7 @@ class ColumnWires {
     }
     if constexpr (kSwitches) last_device_ = device;
   }
-  // When the data of a packet that begins at `t` begin.
+  // Start of the data of a packet that begins at `t`.
   Tcycle data(Command command, Tcycle t) const { return t + data_[is_write(command)]; }
   void state(Archive::Record& record) {
     record.times(ready_, other_ready_);

@@ -28,7 +28,7 @@ bool Ring::work(Cycle now) {
   const auto count = static_cast<std::uint32_t>(links_[kRight].size());  // 0 without neighbours
   bool moved = false;
   if (inside_ > 0) {
-    // All transit before all entries: a ray that enters yields.
+    // All transit precedes all entries: an entering ray yields.
     for (std::uint32_t i = 0; i < count; ++i) {
       if (!links_[kRight][i].entry.empty()) moved |= advance(links_[kRight][i], kRight, counters_[i], now);
       if (!links_[kLeft][i].entry.empty()) moved |= advance(links_[kLeft][i], kLeft, counters_[i], now);

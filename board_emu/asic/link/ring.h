@@ -3,13 +3,13 @@
 //   out_links[i] -> entry queue -> link i, right -> from_left[i + 1], or the entry queue of link i + 1: it goes further
 //                -> entry queue -> link i, left  -> from_right[i - 1], or ...
 //
-// A ray of 256 bits takes ceil(256 / bits) cycles a link and is handed on in the last of them; if there is no place it
-// stays where it is and holds the link. It goes the shorter way round, to the right if both are as long (two processors
+// A ray of 256 bits takes ceil(256 / bits) cycles per link and is passed on in the last of them; if the next queue is full, it
+// stays and blocks the link. It takes the shorter path round the ring, to the right if both are equally long (two processors
 // therefore use the right links only).
 //
-// Bubble flow control [C]: a ray in transit needs one free place in the next entry queue, one that enters the ring
-// needs two and yields to transit. So a place is always free somewhere in each direction and the ring cannot
-// lock up, as long as the processors take what arrives.
+// Bubble flow control [C]: a ray in transit needs one free entry in the next queue. A ray that enters the ring needs two and
+// yields to transit. One entry is therefore always free in each direction, and the ring cannot deadlock as long as the
+// processors take the rays that arrive.
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@
 
 namespace gicube::emu {
 
-struct RingCounters {                   // of one processor's two links
+struct RingCounters {                   // for one processor's two links
   std::uint64_t sent = 0;               // rays that entered the ring here
-  std::array<std::uint64_t, 2> rays{};  // that passed its link to the right, to the left: hops
+  std::array<std::uint64_t, 2> rays{};  // hops over its link to the right, to the left
   std::uint64_t busy = 0;               // link cycles that moved bits
-  std::uint64_t blocked = 0;            // link cycles in which a ray stood at the end without a place beyond
+  std::uint64_t blocked = 0;            // link cycles in which a ray at the end was blocked
   std::uint64_t entry_waits = 0;        // cycles in which a ray of this processor could not enter
 
   std::uint64_t hops() const { return rays[0] + rays[1]; }
@@ -39,24 +39,24 @@ class Ring {
  public:
   static constexpr std::uint32_t kPlacesToEnter = 2;  // bubble flow control
 
-  // One processor's ends.
+  // The FIFOs of one processor.
   struct Port {
-    Fifo<RayToken>* out_links;  // its rays for others; the owner is RayToken::processor
+    Fifo<RayToken>* out_links;  // rays for other processors; the destination is RayToken::processor
     Fifo<RayToken>* from_left;  // into its sorter
     Fifo<RayToken>* from_right;
   };
 
-  // `bits` 1 .. 256: width of a link; `rays` >= 2: places of a link's entry queue.
+  // `bits` 1 .. 256: width of a link. `rays` >= 2: capacity of a link's entry queue.
   Ring(std::uint32_t bits, std::uint32_t rays, const std::vector<Port>& ports);
 
-  Ring(const Ring&) = delete;  // its links point at one another
+  Ring(const Ring&) = delete;  // links contain pointers to each other
   Ring& operator=(const Ring&) = delete;
 
-  // Is told of rays that are watched; there must be one if there are such rays.
+  // Gets the events of traced rays; required if there are any.
   void set_listener(RayListener* listener) { listener_ = listener; }
 
   bool tick(Cycle now) {
-    // Mostly no ray is on a link or waits for one.
+    // Usually no ray is on a link or waits for one.
     std::size_t rays = inside_;
     for (const Port& port : ports_) rays |= port.out_links->size();
     return rays != 0 && work(now);
@@ -91,8 +91,8 @@ class Ring {
     explicit Link(std::uint32_t rays) : entry(rays) {}
 
     Fifo<RayToken> entry;
-    Fifo<RayToken>* arrival = nullptr;  // of the processor at its end
-    Link* next = nullptr;               // beyond that processor
+    Fifo<RayToken>* arrival = nullptr;  // FIFO of the processor at its end
+    Link* next = nullptr;               // the link that continues from there
     std::uint8_t end = 0;               // that processor
     std::uint32_t sent = 0;             // cycles that the ray at the entry's head has been on the link
   };

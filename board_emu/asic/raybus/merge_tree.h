@@ -1,8 +1,8 @@
-// The binary tree of merging nodes that brings rays back from the processors to the DSP, many to one [P §3.6].
+// The binary tree of merging nodes that returns rays from the processors to the DSP, many to one [P §3.6].
 //
-// A node passes one ray a cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
-// output. A leaf without a partner goes up to the next level. So a ray takes one cycle a level, at most
-// ceil(log2(leaves)) in all and at least 1.
+// A node passes one ray per cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
+// output. A leaf without a partner joins the next level. A ray takes one cycle per level, at most ceil(log2(leaves)) and at
+// least 1.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 namespace gicube::emu {
 
 struct MergeTreeCounters {
-  std::uint64_t rays = 0;   // that reached the output
+  std::uint64_t rays = 0;   // rays that reached the output
   std::uint64_t waits = 0;  // cycles in which the root had a ray and the output was full
 };
 
@@ -31,7 +31,7 @@ class MergeTree {
   MergeTree& operator=(const MergeTree&) = delete;
 
   bool tick(Cycle now) {
-    // Mostly there is nothing at all to merge.
+    // Usually there is nothing to merge.
     std::size_t rays = inside_;
     for (const auto& pair : leaf_pairs_) rays |= pair[0]->size() | pair[1]->size();
     return rays != 0 && work(now);
@@ -68,7 +68,7 @@ class MergeTree {
   std::vector<Node> nodes_;             // the root last
   std::vector<Fifo<RayToken>*> leaves_;
   std::vector<std::array<const Fifo<RayToken>*, 2>>
-      leaf_pairs_;  // the leaves again, half as many steps; one may be twice
+      leaf_pairs_;  // the leaves in pairs, which halves the loop; a leaf may be in two pairs
   std::uint64_t inside_ = 0;
   MergeTreeCounters counters_;
 };

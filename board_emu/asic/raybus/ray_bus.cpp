@@ -58,7 +58,7 @@ bool RayBus::tick(Cycle now) {
   return moved;
 }
 
-// One packet.
+// Sends one packet.
 bool RayBus::send(Cycle now) {
   if (sending_) {  // the second packet of a run
     sending_ = false;
@@ -100,7 +100,7 @@ bool RayBus::run_can_go() const {
   return std::all_of(listeners_.begin(), listeners_.end(), [](const Listener& l) { return l.count < kRunBuffers; });
 }
 
-// At the end of the second packet's cycle. Those who have no ray in it drop it at once.
+// Called at the end of the second packet's cycle. Processors without a ray in the run drop it at once.
 void RayBus::take_in_run() {
   sent_run_ = false;
   for (std::size_t i = 0; i < listeners_.size(); ++i) {
@@ -144,7 +144,7 @@ std::vector<std::uint32_t> RunPool::holders() const {
   return out;
 }
 
-// At the end of a cycle, so that no run has just arrived.
+// Called at the end of a cycle, when no run has just arrived.
 void RayBus::runs_state(Archive& archive) {
   std::vector<std::uint32_t> holders = pool_.holders();
   bool fits = true;

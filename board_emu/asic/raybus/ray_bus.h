@@ -1,13 +1,13 @@
-// The ray bus from the DSP down to the processors: broadcast, one 32-byte packet a core cycle in all [P §3.6].
+// The ray bus from the DSP to the processors: a broadcast of one 32-byte packet per core cycle [P §3.6].
 //
 //   down (rays) --+                       +-- run buffer 0 -+-> from_bus 0
 //                 +-- one packet a cycle -+       ...       +->    ...
 //   runs ---------+                       +-- run buffer p -+-> from_bus p-1
 //
-// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (RunPool) is two packets
-// that all processors hear; each then extrapolates its own rays of it, one a cycle, into its FIFO. A processor buffers
-// two runs; the bus takes the next only if every processor has room. Rays and runs take turns when both can
-// go, and so do a ray and an extrapolated ray that are for the same FIFO.
+// A ray is one packet. It goes to its owner's FIFO and waits at the head if that is full. A run (RunPool) is two packets, which
+// all processors receive; each processor then extrapolates its own rays of the run into its FIFO, one per cycle. A processor
+// buffers two runs; the bus sends the next run only if every processor has room. Rays and runs take turns when both can be
+// sent, and so do a ray and an extrapolated ray for the same FIFO.
 #pragma once
 
 #include <array>
@@ -23,20 +23,20 @@
 namespace gicube::emu {
 
 // Runs of viewing rays, the ray differentials of [P §3.6], on their way to the processors. On the bus a run is two packets:
-// its first ray, and the differential and count from which each processor extrapolates its own rays. Here it is the list of
-// the rays' tokens: the DSP's own arithmetic made the packets, so that differentials change time and no bit of an image.
+// its first ray, and the differential and count from which each processor extrapolates its own rays. The model keeps the
+// tokens of the run's rays, which the DSP's own arithmetic has made: differentials change times but no bit of an image.
 class RunPool {
  public:
   using Run = std::uint32_t;  // handle
 
   explicit RunPool(std::uint32_t listeners) : listeners_(listeners) {}
 
-  // A run of at least one ray. The handle goes into the bus's FIFO of runs.
+  // Adds a run of at least one ray. Push the handle into the bus's FIFO of runs.
   Run add(std::span<const RayToken> rays);
   std::span<const RayToken> rays(Run run) const { return runs_[run].rays; }
-  // One listener has no more use for it; the last one frees it.
+  // Called once by each listener when it has finished with the run. The last call frees it.
   void release(Run run);
-  // Listeners that have still a use for each.
+  // By run, the listeners that have not released it.
   std::vector<std::uint32_t> holders() const;
   void state(Archive& archive);
   std::uint32_t in_use() const { return static_cast<std::uint32_t>(runs_.size() - free_.size()); }
@@ -53,11 +53,11 @@ class RunPool {
 };
 
 struct RayBusCounters {
-  std::uint64_t rays = 0;      // sent one by one
+  std::uint64_t rays = 0;      // rays sent as single packets
   std::uint64_t runs = 0;      // sent
   std::uint64_t run_rays = 0;  // extrapolated from runs
   std::uint64_t busy = 0;      // cycles with a packet on the bus
-  std::uint64_t waits = 0;     // cycles without, although a ray or run was there
+  std::uint64_t waits = 0;     // cycles without a packet although a ray or run was waiting
 
   void state(Archive::Record& record) { record(rays, runs, run_rays, busy, waits); }
 };
@@ -65,15 +65,15 @@ struct RayBusCounters {
 class RayBus {
  public:
   static constexpr std::uint32_t kRunPackets = 2;  // [C] first ray, differential
-  static constexpr std::uint32_t kRunBuffers = 2;  // [C] runs a processor buffers
+  static constexpr std::uint32_t kRunBuffers = 2;  // [C] runs per processor
 
-  // `runs` carries handles of `pool`, whose listeners are as many as the processors.
+  // `runs` carries handles of `pool`, which has one listener per processor.
   RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool,
          const std::vector<Fifo<RayToken>*>& to_processors);
 
   bool tick(Cycle now);
 
-  // Nothing on the bus and no run being extrapolated.
+  // True if no packet is on the bus and no run is being extrapolated.
   bool idle() const { return !sending_ && extrapolating_ == 0; }
   const RayBusCounters& counters() const { return counters_; }
   void describe(std::ostream& out) const;
@@ -88,7 +88,7 @@ class RayBus {
  private:
   struct Buffered {
     RunPool::Run run = 0;
-    std::uint32_t next = 0;  // ray of the run that is looked at next
+    std::uint32_t next = 0;  // next ray of the run to examine
   };
   struct Listener {
     Fifo<RayToken>* fifo = nullptr;
@@ -115,7 +115,7 @@ class RayBus {
   bool sending_ = false;   // run_'s second packet is next
   bool sent_run_ = false;  // run_ has arrived in this cycle
   RunPool::Run run_ = 0;
-  bool run_next_ = false;            // whose turn it is when both can go
+  bool run_next_ = false;            // when both can be sent, the run has its turn
   std::uint32_t extrapolating_ = 0;  // runs in all buffers
   RayBusCounters counters_;
 };

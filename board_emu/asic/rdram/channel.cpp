@@ -14,7 +14,7 @@ std::vector<Constraint> row_constraints(const v1::RdramConfig& config) {
   for (const Command opens : {kActivate, kRefresh}) {
     rows.push_back({"tRAS", opens, kPrecharge, kBank, config.t_ras()});
     rows.push_back({"tRP", kPrecharge, opens, kBank, config.t_rp()});
-    // Neighbours share sense amps: these have to be precharged before either bank uses them.
+    // Neighbours share sense amps, which must be precharged before either bank uses them.
     rows.push_back({"tRP", kPrecharge, opens, kNeighbour, config.t_rp()});
     for (const Command again : {kActivate, kRefresh}) {
       rows.push_back({"tRC", opens, again, kBank, config.t_ras() + config.t_rp()});
@@ -32,13 +32,13 @@ std::vector<Constraint> row_constraints(const v1::RdramConfig& config) {
 
 std::vector<Constraint> column_constraints(const v1::RdramConfig& config) {
   const std::uint32_t cac = config.t_cac(), cwd = config.t_cwd(), retire = config.t_rtr();
-  // Data follow their packet after another time when reading than when writing; on DQ they may not overlap.
+  // The delay from packet to data differs between reads and writes; data may not overlap on DQ.
   const std::uint32_t read_write = kPacket + (cac > cwd ? cac - cwd : 0);
   const std::uint32_t write_read = kPacket + (cwd > cac ? cwd - cac : 0);
   return {{"tRCD", kActivate, kRead, kBank, config.t_rcd()},
           {"tRCD", kActivate, kWrite, kBank, config.t_rcd()},
           {"tOFFP", kRead, kPrecharge, kBank, config.t_offp()},
-          // What was written is in the bank only once the write buffer has been retired.
+          // Written data reach the bank only when the write buffer is retired.
           {"tRTR+tOFFP", kWrite, kPrecharge, kBank, retire + config.t_offp()},
           {"tRTR+tPACK", kWrite, kRead, kDevice, retire + kPacket},
           {"tPACK", kRead, kRead, kChannel, kPacket},
@@ -92,7 +92,7 @@ void Channel::refresh() {
 
 void Channel::close_refreshed() {
   closing_.pending = false;
-  // A packet that needed the bank may have closed it already.
+  // A packet that needed the bank may have precharged it already.
   if (devices_[closing_.device].open_row(closing_.bank) != dram::kRefreshRow) return;
   precharge(closing_.device, closing_.bank, closing_.due);
 }

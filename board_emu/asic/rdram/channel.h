@@ -1,5 +1,5 @@
-// One channel of Direct RDRAMs: rows and columns have wires of their own. Each device has one REFA every refresh_interval, to
-// its banks in turn.
+// One channel of Direct RDRAMs, with separate wires for rows and columns. Each device has one REFA every refresh_interval, to its
+// banks in turn.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@ using dram::Access, dram::BankAddress, dram::ChannelCounters, dram::Command, dra
 
 inline constexpr std::uint32_t kPacket = 4;  // tPACK: a packet of ROW, COL or DQ (Siemens HYB25x144180C)
 
-// The banks, as a mask, that share a sense amp with `bank`.
+// Mask of the banks that share a sense amp with `bank`.
 constexpr std::uint32_t neighbours(int bank) {
   constexpr std::uint32_t kLast = 0x8000'8000;  // banks 15 and 31
   const std::uint32_t own = 1u << bank;
   return (own & ~kLast) << 1 | (own >> 1 & ~kLast);
 }
 
-// What a channel needs to know (dram/channel.h).
+// The standard's rules (dram/channel.h).
 struct Rules {
   static constexpr const char *kName = "rdram", *kDevice = "RDRAM device", *kDevices = "devices", *kClock = "tCYCLE";
   static constexpr Tcycle kCommand = rdram::kPacket, kPacket = rdram::kPacket;
@@ -33,7 +33,7 @@ struct Rules {
   static constexpr bool kOneBus = false, kSwitches = false, kLeavesGaps = true;
 
   static constexpr std::uint32_t must_be_closed(Command, int bank) { return neighbours(bank) | 1u << bank; }
-  // Pairs between which the model can hold a constraint; a table may have no others.
+  // Whether the model enforces a constraint between the pair; a table may have no others.
   static constexpr bool honoured(Scope scope, Command from, Command to) {
     constexpr auto opens = [](Command c) { return c == Command::kActivate || c == Command::kRefresh; };
     constexpr auto column = [](Command c) { return c == Command::kRead || c == Command::kWrite; };
@@ -58,16 +58,16 @@ using Device = dram::Device<Rules>;
 
 // The RDRAM's timing as a table of constraints with the data book's names.
 //
-// Convention: every time is a tCYCLE (2.5 ns at 800 MHz), and a command's time is the tCYCLE in which its packet begins on
-// the ROW or COL wires. All packets last tPACK = 4, so an interval between two packets is the same from end to end, as the
-// data book counts it, as from begin to begin, as this table counts it. Where the data book counts from one packet's end
-// to another's begin, the row adds tPACK: data begin tPACK + tCAC after the begin of the RD packet, and a read of a
-// device that was just written waits tRTR + tPACK, since the packet that retires the write buffer goes between.
+// Times are in tCYCLE (2.5 ns at 800 MHz). A command's time is the tCYCLE in which its packet begins on the ROW or COL wires. All
+// packets last tPACK = 4. The data book counts intervals from end to end of packets, this table from begin to begin: both are
+// equal. Where the data book counts from the end of one packet to the begin of another, the row adds tPACK: data begin
+// tPACK + tCAC after the begin of the RD packet, and a read of a device that was just written waits tRTR + tPACK, because the
+// packet that retires the write buffer comes between.
 dram::ConstraintTable timing(const v1::RdramConfig& config);
 
 class Channel : public dram::Channel<Channel, Rules> {
  public:
-  // `devices` from 1 on. Throws std::invalid_argument for 0.
+  // `devices`: at least 1. Throws std::invalid_argument for 0.
   Channel(const v1::RdramConfig& config, std::uint32_t devices);
 
  private:
@@ -99,7 +99,8 @@ class Channel : public dram::Channel<Channel, Rules> {
   std::uint32_t refresh_gap_;     // tRR after REFA
   std::uint32_t refreshed_open_;  // tRAS after REFA
   Closing closing_;
-  Location refreshed_{};  // the bank refreshed last, and when it can be activated again
+  Location
+      refreshed_{};  // the bank refreshed last; refreshed_until_ is the first time at which it can be activated again
   Tcycle refreshed_until_ = 0;
 };
 

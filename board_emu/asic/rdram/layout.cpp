@@ -11,8 +11,8 @@ namespace {
 
 using Stride = std::array<std::uint32_t, 3>;  // pages from a brick to the next along each axis
 
-// Axes in the order in which bricks are numbered; the first order that keeps touching bricks apart is taken. Chosen: of
-// the orders, x z y had the best use of DQ at n = 32 (docs/reference/hardware.md).
+// Orders of the axes in which bricks are numbered. The first order that separates touching bricks is used. chosen: x z y had the
+// best use of DQ at n = 32 (docs/reference/hardware.md).
 constexpr std::array<std::array<std::size_t, 3>, 6> kAxisOrders{
     {{0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}, {0, 1, 2}}};
 
@@ -22,7 +22,7 @@ std::uint32_t dualocts_of_row(std::uint32_t device_mbit) {
   throw std::invalid_argument("RDRAM device: expected 144 or 288 Mbit, got " + std::to_string(device_mbit));
 }
 
-// Whether two bricks that touch would share a bank, in some place of the block.
+// Whether two touching bricks would share a bank anywhere in the block.
 bool touching_bricks_share_a_bank(const Bricks& bricks, const Stride& stride) {
   const auto reach = [&](std::size_t axis) { return bricks.count[axis] > 1 ? 1 : 0; };
   for (int x = -reach(0); x <= reach(0); ++x) {
@@ -41,7 +41,7 @@ std::uint32_t page_of(const std::array<std::uint32_t, 3>& brick, const Stride& s
   return brick[0] * stride[0] + brick[1] * stride[1] + brick[2] * stride[2];
 }
 
-// Whether two of four consecutive tiles lie in different pages of one bank: also where a row or a slice of tiles ends.
+// Whether two of four consecutive tiles lie in different pages of one bank, including the ends of rows and slices of tiles.
 bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) {
   std::array<std::uint32_t, 4> last{};  // pages
   for (std::uint32_t tile = 0; tile < bricks.all_tiles(); ++tile) {
@@ -54,7 +54,7 @@ bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) 
   return false;
 }
 
-// Numbers the bricks so that touching ones and consecutive tiles' are in different banks; nothing if no order does.
+// Numbers the bricks so that touching bricks, and those of consecutive tiles, are in different banks; nothing if no order does.
 std::optional<Stride> number_bricks(const Bricks& bricks) {
   for (const auto& order : kAxisOrders) {
     Stride stride{};
@@ -70,7 +70,7 @@ std::optional<Stride> number_bricks(const Bricks& bricks) {
   return std::nullopt;
 }
 
-// Blocks go to the two parities in turn, and each parity has half of a device.
+// Blocks alternate between the two parities of banks; each parity has half of a device.
 std::uint32_t devices_needed(std::uint32_t blocks, std::uint32_t pages_of_block) {
   const std::uint64_t pages = (std::uint64_t{blocks} + 1) / 2 * pages_of_block;
   constexpr std::uint64_t kPagesOfParity = std::uint64_t{Layout::kRows} * Layout::kOpenBanks;

@@ -1,4 +1,4 @@
-// What a pipeline's resampling unit did in a cycle, or why it did nothing: every cycle has exactly one cause.
+// The activity of a pipeline's resampling unit in a cycle, or the reason for its idleness. Every cycle has exactly one cause.
 #pragma once
 
 #include <array>
@@ -14,15 +14,15 @@ enum class Cause : std::uint8_t {
   kSplat,       // the cache's banks were busy with a deposit, or its tiles or carriers could not leave
   kFill,        // the cache's banks were busy with an arrived packet, one of several that the next sample needs
   kMiss,        // the next sample's packets are under way: latency and transfer
-  kBank,        // the same, held up by the memory's bank timing
-  kRefresh,     // the same, held up by a refresh
-  kLatency,     // all rays of this processor are in its pipeline, on their way round
+  kBank,        // as kMiss, delayed by the memory's bank timing
+  kRefresh,     // as kMiss, delayed by a refresh
+  kLatency,     // all rays of this processor are in its pipeline
   kSorter,      // rays wait in queues, but the sorter has not delivered one; or it does not take one
-  kQueueEmpty,  // no ray is here: the rays are with other processors
+  kQueueEmpty,  // the processor has no ray; other processors have them all
   kLink,        // a leaving ray waits for a neighbour link
   kRayBus,      // rays wait on the ray bus, or a finished ray for the merge tree
-  kDsp,         // no ray is here: the DSP makes them more slowly
-  kSdram,       // the same, and the DSP waits for its memory
+  kDsp,         // the processor has no ray; the DSP makes them too slowly
+  kSdram,       // as kDsp, and the DSP waits for its memory
 };
 
 inline constexpr std::size_t kCauses = 14;
@@ -30,9 +30,9 @@ inline constexpr std::array<std::string_view, kCauses> kCauseNames{
     "busy",    "leap",   "splat",       "cache_fill", "cache_miss", "memory_bank", "refresh",
     "latency", "sorter", "queue_empty", "link",       "ray_bus",    "dsp_compute", "sdram"};
 
-// Why a packet of a memory came later than its channel's data wires and the latency of its own commands explain.
+// Cause of a packet's delay beyond the occupancy of the data wires and the latency of its own commands.
 enum class Delay : std::uint8_t {
-  kTransfer,  // it did not, or the data wires were taken: packets before it, the turnaround
+  kTransfer,  // no delay, or the data wires: earlier packets, the turnaround
   kBank,      // its bank: other rows, other activations, precharges
   kRefresh,   // a refresh that kept its row closed, or one just before its activation
 };

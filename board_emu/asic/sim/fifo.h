@@ -1,7 +1,7 @@
-// A registered FIFO between two parts: what is pushed or popped in a cycle takes effect at the clock edge that ends it.
+// A registered FIFO between two parts: a push or pop takes effect at the clock edge that ends its cycle.
 //
-// So the order in which parts tick within a cycle never matters. One push and one pop a cycle. A capacity of 2 keeps
-// full rate; 1 halves it, since the place that a pop frees is seen only one cycle later.
+// The order in which parts tick within a cycle therefore never matters. It takes one push and one pop per cycle. A capacity of 2
+// keeps the full rate; 1 halves it, because an entry that a pop frees becomes visible one cycle later.
 #pragma once
 
 #include <bit>
@@ -20,9 +20,9 @@ class Fifo {
   explicit Fifo(std::size_t capacity)
       : items_(std::bit_ceil(capacity)), mask_(items_.size() - 1), capacity_(capacity) {}
 
-  // Both halves are always worked out: which of them fails is hard to predict.
+  // Both halves are always evaluated, because a branch between them would be hard to predict.
   bool can_push(Cycle now) const { return (last_push_ != now) & (size_ + (last_pop_ == now ? 1 : 0) < capacity_); }
-  // Places free to a pusher at `now`.
+  // Free entries, as seen by the pushing side at `now`.
   std::size_t room(Cycle now) const { return capacity_ - size_ - (last_pop_ == now ? 1 : 0); }
   void push(Cycle now, const T& item) {
     assert(can_push(now));
@@ -33,7 +33,7 @@ class Fifo {
 
   bool can_pop(Cycle now) const { return (last_pop_ != now) & (size_ > (last_push_ == now ? 1u : 0u)); }
   const T& front() const { return items_[head_ & mask_]; }
-  // The one pushed last; not for a part that may not see it yet, but for prefetching what it points at.
+  // The item pushed last. It may not be visible yet: use it for prefetching only.
   const T& back() const { return items_[(head_ + size_ - 1) & mask_]; }
   const T& operator[](std::size_t i) const { return items_[(head_ + i) & mask_]; }
   T pop(Cycle now) {
@@ -45,14 +45,14 @@ class Fifo {
   }
 
   bool pushed(Cycle now) const { return last_push_ == now; }
-  // Holds nothing at all, not even what becomes visible at the next edge.
+  // True if it holds no item, including those that become visible at the next edge.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  // For the side that pops, before it does: nothing more could come before this cycle.
+  // For the popping side, before it pops: the FIFO was full when the cycle began.
   bool was_full(Cycle now) const { return size_ - (last_push_ == now ? 1 : 0) == capacity_; }
-  // For one who keeps its few items elsewhere for some cycles: they are as if pushed and popped here.
+  // Lets a caller hold the items in registers for some cycles and write them back, as if pushed and popped here.
   struct Clock {
-    Cycle push, pop;  // the last
+    Cycle push, pop;  // cycles of the last push and pop
   };
   Clock clock() const { return {last_push_, last_pop_}; }
   void put_back(const T* items, std::size_t count, const Clock& clock) {
@@ -68,7 +68,7 @@ class Fifo {
   }
 
  private:
-  std::vector<T> items_;  // a power of two of places
+  std::vector<T> items_;  // its size is a power of two
   std::size_t mask_;
   std::size_t capacity_;
   std::size_t head_ = 0;

@@ -1,4 +1,4 @@
-// What parts tell of a ray that is watched: its token has the mark `watched`, so that all other rays cost one comparison.
+// Events of traced rays. A traced ray's token is marked `watched`, so that all other rays cost one comparison.
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@ enum class RayStep : std::uint8_t {
   kDeposited,   // its deposit waits to be written; `count`: carriers that it sends to other blocks
   kLinked,      // on the links, from `processor` to processor `count`
   kArrived,     // from the links at `processor`
-  kGone,        // of a carrier: its deposit was written
+  kGone,        // a carrier's deposit was written
   kKept,        // an overflowed ray, in the DSP's memory
   kScattered,   // by a routine of the DSP; `count`: DSP cycles that the routine took
   kWaits,       // the DSP keeps it for the host: a routine of the host's, or a block that is absent
-  kTaken,       // its source has what it gathered: a viewing ray is in the image
+  kTaken,       // its source has its result: a viewing ray is in the image
 };
 inline constexpr std::array<std::string_view, 16> kRayStepNames{
     "made",      "sent",   "queued",  "overflowed", "issued", "sampled",   "leapt", "filled",
@@ -42,15 +42,14 @@ struct RayEvent {
   std::uint32_t handle = 0;
   int processor = kDsp;
   std::uint32_t queue = 0;  // of that processor
-  std::uint64_t count = 0;  // as the step says
+  std::uint64_t count = 0;  // its meaning depends on the step
 
-  // What the machine adds.
-  std::uint64_t ray = 0;    // of its source: a host's rays in their order, viewing rays as the DSP makes them
-  bool is_carrier = false;  // of the deposit of that ray
-  std::uint32_t block =
-      0;  // of the volume, x fastest: of a sample or leap that in which it was, else where the ray is now
-  const RayState* state = nullptr;    // its words after the step
-  const RaySample* sample = nullptr;  // of kSampled, unless a carrier's
+  // Filled in by the machine.
+  std::uint64_t ray = 0;    // number in its source: host rays in their order, viewing rays in that of the DSP
+  bool is_carrier = false;  // the event is that of a carrier of the ray's deposit
+  std::uint32_t block = 0;  // of the volume, x fastest: that of the sample or leap, else that of the ray's position
+  const RayState* state = nullptr;    // state of the ray after the step
+  const RaySample* sample = nullptr;  // kSampled of rays only, not of carriers
 };
 
 class RayListener {

@@ -22,7 +22,7 @@ void InsertionSorter::insert(std::uint32_t queue, std::uint32_t importance) {
 
 void InsertionSorter::wipe(Key key) {
   for (;;) {
-    // Most often it is one of the youngest: rays of neighbouring pixels come to a queue soon after one another.
+    // It is usually one of the youngest, because rays of neighbouring pixels reach a queue soon after one another.
     const auto is_it = [key](const Moving& item) { return item.key == key; };
     if (const auto item = std::find_if(moving_.rbegin(), moving_.rend(), is_it); item != moving_.rend()) {
       if (item->at == item->slot + steps_) {
@@ -39,7 +39,7 @@ void InsertionSorter::wipe(Key key) {
         return;
       }
     }
-    // It was pushed on, or has found a place.
+    // Another item has pushed it down, or it has settled.
   }
 }
 
@@ -68,11 +68,11 @@ void InsertionSorter::begin_anew() {
 
 void InsertionSorter::catch_up_to(std::uint32_t position) {
   auto item = moving_.end();
-  while (item != moving_.begin() && (item - 1)->at < position) --item;  // none is ahead of an older one
+  while (item != moving_.begin() && (item - 1)->at < position) --item;  // none overtakes an older one
   for (; item != moving_.end(); ++item) move_down(*item, std::min(position, item->slot + steps_));
 }
 
-// All comparisons that are due are made first, so that an item in motion is known by its position. Steps are counted anew.
+// Makes all due comparisons first, so that the position describes an item in motion, and restarts the count of steps.
 void InsertionSorter::state(Archive& archive) {
   if (!archive.loads()) catch_up();
   archive.at_most("origin", origin_, ranks_);

@@ -1,6 +1,6 @@
 // The pipelined insertion sorter that finds the most important queue [P §3.2, Figure 7].
 //
-// One rank a queue; rank 0 is the top. A rank has two buffers, selected and comparison, each an item (queue and
+// There is one rank per queue; rank 0 is the top. A rank has two buffers, selected and comparison, each an item (queue and
 // importance) or a hole. Each cycle every rank compares its two: the larger goes to its selected buffer, the smaller to
 // the comparison buffer of the rank below; a hole takes whatever comes. Equal importance: the lower queue number counts
 // as larger [C], so that the settled order does not depend on history. The active queue is in rank 0 with infinite
@@ -10,11 +10,11 @@
 //                    |  smaller
 //              [comparison 1] [selected 1]      rank 1      shift_up: both buffers of every rank move up by one
 //
-// Exactly the machine above, but comparisons are made late and many at a time. Items in comparison buffers move down
-// together, one rank a cycle, so none catches up with another, and only the older of two may leave something for the
-// younger to find: one after the other, oldest first, each can go down all its ranks at once, its key in a register.
-// That is done when it matters: for rank 0 at once, for a rank whose queue is wiped before that, and for all now and
-// then. Ranks are kept at positions that do not change: shift_up moves only the origin.
+// The model is exactly that machine, but it makes comparisons late and many at a time. Items in comparison buffers move down
+// together, one rank per cycle, so no item catches up with another, and a younger item meets only the results of older ones.
+// Therefore the items can be processed one after the other, oldest first: each goes down all its ranks at once, with its key
+// in a register. Comparisons are made when their result is needed: for rank 0 at once, for a rank before its queue is wiped,
+// and for all ranks from time to time. Ranks keep their positions in memory: shift_up moves only the origin.
 #pragma once
 
 #include <algorithm>
@@ -45,25 +45,25 @@ class InsertionSorter {
     if (++behind_ == kMaxBehind) catch_up();
   }
 
-  // Whether the top's comparison buffer is free: one insert a cycle, and none where shift_up has filled it.
+  // Whether the top's comparison buffer is free. It takes one insert per cycle, and none in a cycle in which shift_up has filled it.
   bool can_insert() const { return !entering_; }
-  // Puts a queue's new importance (1 .. kInfinite - 1) into the top's comparison buffer and wipes it where it was.
+  // Puts a queue's new importance (1 .. kInfinite - 1) into the top's comparison buffer and removes its old item.
   void insert(std::uint32_t queue, std::uint32_t importance);
 
   // The queue in the top's selected buffer, or kNoQueue: a hole's lower half is no queue's number.
   std::uint32_t top() const { return queue_of(selected_[origin_]); }
-  // The top's queue becomes active: its importance is infinite from now on.
+  // Makes the top's queue active: its importance becomes infinite.
   void activate_top() {
     assert(top() != kNoQueue);
     selected_[origin_] = key(top(), kInfinite);
   }
 
-  // All ranks move up by one; what is in the top's selected buffer leaves. Its comparison buffer must be empty.
+  // Moves all ranks up by one and drops the item in the top's selected buffer. The top's comparison buffer must be empty.
   void shift_up();
 
-  // Whether the queue's item is in some buffer.
+  // Whether some buffer holds the queue's item.
   bool has(std::uint32_t queue) const { return inserted_[queue] != kHole; }
-  // Items in both kinds of buffers, the active queue among them.
+  // Items in both kinds of buffers, including the active queue's.
   std::uint32_t size() const { return size_; }
 
   struct Item {
@@ -71,7 +71,7 @@ class InsertionSorter {
     std::uint32_t importance = 0;
     friend bool operator==(const Item&, const Item&) = default;
   };
-  // What a rank's buffers hold and whether any comparison buffer holds something, for tests: slow.
+  // Contents of a rank's buffers, and whether any comparison buffer holds an item. Slow; for tests.
   Item selected(std::uint32_t rank) const { return item(caught_up().selected_[origin_ + rank]); }
   Item comparison(std::uint32_t rank) const {
     for (const Moving& moving : caught_up().moving_) {
@@ -84,17 +84,17 @@ class InsertionSorter {
   void state(Archive& archive);
 
  private:
-  // Importance above, complement of the queue number below: keys compare as items do.
+  // Upper half: importance; lower half: complement of the queue number. Keys compare as items do.
   using Key = std::uint64_t;
   static constexpr Key kHole = 0;
-  // chosen: long enough that starting on an item costs little against its comparisons, short enough for few items.
+  // chosen: many enough cycles to amortise the set-up of an item, few enough to keep the list of items short.
   static constexpr std::uint32_t kMaxBehind = 10;
 
-  // An item in a comparison buffer, or what it pushed down in its place.
+  // An item in a comparison buffer, or the item that it has pushed down.
   struct Moving {
-    Key key = kHole;         // kHole once it has found its place or was wiped
+    Key key = kHole;         // kHole once it has settled or was removed
     std::uint32_t at = 0;    // position of the first comparison not yet made
-    std::uint32_t slot = 0;  // position minus steps: where it is by now is slot + steps_
+    std::uint32_t slot = 0;  // position minus steps: its current position is slot + steps_
 
     void state(Archive::Record& record) { record(key, at); }
   };
@@ -109,10 +109,10 @@ class InsertionSorter {
   void move_down(Moving& item, std::uint32_t to) {
     Key* const selected = selected_.data();
     Key carried = item.key;
-    std::size_t at = item.at;  // as wide as an address, or each comparison would begin by widening it
+    std::size_t at = item.at;  // of an address's width, which saves a conversion per comparison
     item.at = to;
     if (carried == kHole) return;
-    while (at != to && carried < selected[at]) ++at;  // first it passes larger ones, then it pushes smaller ones down
+    while (at != to && carried < selected[at]) ++at;  // passes larger keys; the loop below pushes smaller ones down
     for (; at != to; ++at) {
       const Key here = selected[at];
       if (carried < here) continue;
@@ -122,16 +122,16 @@ class InsertionSorter {
     }
     item.key = carried;
   }
-  // All items' comparisons above a position, as far as their time has come.
+  // Makes all due comparisons above a position.
   void catch_up_to(std::uint32_t position);
-  // All comparisons; items that need no more of them are forgotten.
+  // Makes all due comparisons and drops settled items.
   void catch_up();
   InsertionSorter caught_up() const {
     InsertionSorter copy = *this;
     copy.catch_up();
     return copy;
   }
-  // Makes a hole where an item is.
+  // Replaces an item by a hole.
   void wipe(Key key);
   // Moves everything back to position 0.
   void begin_anew();
@@ -139,16 +139,17 @@ class InsertionSorter {
   std::uint32_t ranks_;
   std::uint32_t origin_ = 0;  // position of rank 0; up to ranks_
   std::uint32_t steps_ = 0;   // cycles with items in motion
-  std::uint32_t behind_ = 0;  // of them, since all comparisons were made
+  std::uint32_t behind_ = 0;  // cycles since all comparisons were made
   std::uint32_t size_ = 0;
-  bool entering_ = false;       // rank 0's comparison buffer is full, with moving_'s last
-  std::vector<Key> selected_;   // by position
-  std::vector<Key> inserted_;   // by queue: its item, or kHole; its place changes far more often than it is asked
-  std::vector<Moving> moving_;  // oldest first, so from the lowest rank up
+  bool entering_ = false;      // rank 0's comparison buffer holds the last of moving_
+  std::vector<Key> selected_;  // by position
+  std::vector<Key>
+      inserted_;  // by queue: its item, or kHole; without its position, which changes often and is rarely needed
+  std::vector<Moving> moving_;  // oldest first, and so from the lowest rank upwards
 };
 
-// The most important of all queues, known at once: the bound that a perfect sorter would reach [C]. A tree of winners over
-// the queues' importances. Equal ones: the lower queue number wins.
+// An ideal sorter that always has the most important queue: an upper bound [C]. It is a winner tree over the importances. Of
+// equal ones the lower queue number wins.
 class ExactMaximum {
  public:
   explicit ExactMaximum(std::uint32_t queues) : leaves_(std::bit_ceil(queues)), importance_(2 * std::size_t{leaves_}) {}
@@ -164,9 +165,9 @@ class ExactMaximum {
     }
   }
 
-  // The largest; 0 if there is none.
+  // The largest importance; 0 if all queues are empty.
   std::uint32_t importance() const { return importance_[1]; }
-  // Only if some importance is above 0.
+  // The most important queue. Some importance must be above 0.
   std::uint32_t queue() const {
     std::uint32_t node = 1;
     while (node < leaves_) node = 2 * node + (importance_[2 * node] == importance_[node] ? 0 : 1);

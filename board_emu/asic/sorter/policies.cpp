@@ -1,4 +1,4 @@
-// A policy is a function here, its name in board_config.proto and its row below.
+// A policy consists of a function here, its name in board_config.proto and its row below.
 #include "asic/sorter/policies.h"
 
 #include <algorithm>
@@ -9,16 +9,16 @@ namespace gicube::emu {
 
 namespace {
 
-// The queue with most rays: its block serves most rays while it is in the cache [P §2.1].
+// Prefers the queue with most rays: its block serves most rays while it is in the cache [P §2.1].
 std::uint32_t most_rays(const QueueFacts& queue) { return queue.waiting; }
 
-// The queue whose rays can still add most to the image [P §2.1].
+// Prefers the queue whose rays can still add most to the image [P §2.1].
 std::uint32_t most_contribution(const QueueFacts& queue) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(queue.contribution, kMaxImportance));
 }
 
-// The queue whose first ray has waited longest: queues are served in the order in which they were opened [C]. No queue
-// starves, and one that stays small is served as soon as all that were opened before it.
+// Prefers the queue whose first ray has waited longest: queues are served in the order in which they were opened [C]. No
+// queue starves. A small queue is served as soon as all those that were opened earlier.
 std::uint32_t longest_wait(const QueueFacts& queue) {
   return kMaxImportance - std::min(queue.opened, kMaxImportance - 1);
 }

@@ -1,10 +1,10 @@
 // The ray queues of one processor: first in first out each, with slots and importance [P §3.2].
 //
-// A queue of capacity C has C slots. A ray takes one when it is written and gives it up when it has left the queue for
-// good: while it is in the pipeline and may come back its slot is kept. So a ray that comes back to its queue always
-// finds room. A slot that is given up while rays of the queue are with the DSP is kept for the first of them.
+// A queue of capacity C has C slots. A ray takes a slot when it is written and releases it when it has left the queue for
+// good. While it is in the pipeline and may return, its slot stays reserved, so a returning ray always finds room. If a slot
+// is released while overflowed rays of the queue are with the DSP, it is reserved for the first of them.
 //
-// The eDRAMs are one pool of records here, which grows with the rays that are there and not with the capacity.
+// The model keeps all rays in one pool of records, which grows with the number of rays and not with the capacity.
 #pragma once
 
 #include <algorithm>
@@ -28,11 +28,11 @@ class Queues {
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
   bool has_slots(std::uint32_t queue, std::uint32_t count) const { return capacity_ - states_[queue].slots >= count; }
   bool has_overflowed(std::uint32_t queue) const { return states_[queue].overflowed > 0; }
-  // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
+  // Appends a ray to the queue. It takes a slot unless one is reserved for it. Returns the number of rays in the queue.
   std::uint32_t write(std::uint32_t queue, const RayToken& token);
-  // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.
+  // Removes the ray at the head; the queue must not be empty. The slot stays taken, and the ray's flag keeps_slot is cleared.
   RayToken read(std::uint32_t queue);
-  // A ray has left for good. True if its slot goes to a ray that has overflowed, and stays taken for it.
+  // Releases the slot of a ray that has left for good. True if the slot is reserved for an overflowed ray.
   bool release_slot(std::uint32_t queue) {
     State& state = states_[queue];
     assert(state.slots > state.waiting);
@@ -42,7 +42,7 @@ class Queues {
   }
   void overflow(std::uint32_t queue) { ++states_[queue].overflowed; }
 
-  // As the policy says; 0 = empty.
+  // By the policy; 0 for an empty queue.
   std::uint32_t importance(std::uint32_t queue) const {
     const State& state = states_[queue];
     return state.waiting == 0 ? 0 : importance_of_(state);
@@ -51,12 +51,12 @@ class Queues {
   std::uint64_t waiting() const { return waiting_; }
   std::uint32_t slots_taken(std::uint32_t queue) const { return states_[queue].slots; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(states_.size()); }
-  // No ray is here, and no slot is kept for one.
+  // True if no ray waits and no slot is reserved.
   bool all_free() const {
     const auto is_free = [](const State& state) { return state.slots == 0 && state.overflowed == 0; };
     return waiting_ == 0 && std::all_of(states_.begin(), states_.end(), is_free);
   }
-  // The rays of each queue in their order; where they are kept is not in the file.
+  // Saves the rays of each queue in their order, without their positions in the pool.
   void state(Archive& archive);
 
  private:
@@ -65,8 +65,8 @@ class Queues {
   struct State : QueueFacts {
     std::uint32_t head = kNone;  // record
     std::uint32_t tail = kNone;
-    std::uint32_t slots = 0;       // taken: waiting, issued and not released, or kept for a ray that has overflowed
-    std::uint32_t overflowed = 0;  // rays that no slot is kept for yet
+    std::uint32_t slots = 0;       // taken by waiting rays, by issued rays, or reserved for overflowed rays
+    std::uint32_t overflowed = 0;  // overflowed rays without a reserved slot
   };
   struct Record {
     RayToken token;
@@ -74,7 +74,7 @@ class Queues {
   };
   static std::uint32_t weight(const RayToken& token) { return std::max<std::uint32_t>(1, token.contribution); }
 
-  // A new record's number. Out of line: it is rare.
+  // Returns the number of a new record. Out of line, because it is rare.
   [[gnu::noinline]] std::uint32_t grow() {
     records_.emplace_back();
     return static_cast<std::uint32_t>(records_.size() - 1);
@@ -84,7 +84,7 @@ class Queues {
   ImportanceOf importance_of_;
   std::uint32_t free_ = kNone;  // list of unused records
   std::uint64_t waiting_ = 0;
-  std::uint32_t openings_ = 0;  // queues that got a first ray since all were empty
+  std::uint32_t openings_ = 0;  // queues that were opened since all were empty
   std::vector<State> states_;
   std::vector<Record> records_;
 };
@@ -127,7 +127,7 @@ inline RayToken Queues::read(std::uint32_t queue) {
   --state.waiting;
   state.contribution -= weight(record.token);
   --waiting_;
-  // The next ray of this queue is most likely read in the next cycle, and lies anywhere.
+  // The queue's next ray is probably read in the next cycle, and it may be anywhere in the pool.
   if (state.waiting > 0) __builtin_prefetch(&records[state.head]);
   return record.token;
 }

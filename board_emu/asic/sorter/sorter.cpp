@@ -59,7 +59,7 @@ inline bool Sorter::tell_of_slot(Cycle now) {
   return true;
 }
 
-// One function with all that most cycles need: what is called from one place only is inline.
+// Most cycles need only this function: helpers with a single caller are inline.
 bool Sorter::work(Cycle now, bool others_come) {
   if (ranks_) ranks_->step();
   bool moved = false;
@@ -100,7 +100,7 @@ bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written
     if (fifo.can_pop(now)) {
       if (queue_of(fifo.front()) == written && (fifo.front().keeps_slot || queues_.has_slot(written))) {
         ++counters_.conflicts;
-        turn_ = input;  // what lost its turn is first in the next cycle
+        turn_ = input;  // the input that lost its turn is first in the next cycle
         break;
       }
       if (take(now, fifo, input != 0 || !bus_waits_, written)) {

@@ -1,20 +1,20 @@
-// One processor's sorter: rays come in, wait in the queue of their block, and leave by the most important one [P §3.2].
+// One processor's sorter: rays enter, wait in the queue of their block, and leave from the most important queue [P §3.2].
 //
 //   returned, from_bus, from_left, from_right -> at most two a cycle -> queues -> the active queue's head -> issue
 //                                                         no slot: -> overflow
 //
-// A cycle, in this order: the insertion sorter compares; a released slot is taken back; without an active queue the top
-// rank's becomes active; one ray is issued; at most two are written; an active queue that is empty is given up; one
-// modified queue is inserted. So a ray written into an empty sorter is issued in the next cycle, and one active queue
+// A cycle has these steps, in this order: the insertion sorter compares; a released slot is freed; if no queue is active, the
+// top rank's becomes active; one ray is issued; at most two are written; an empty active queue is deactivated; one modified
+// queue is inserted. A ray that is written into an empty sorter is therefore issued in the next cycle, and one active queue
 // follows another without a lost cycle while the ranks are settled.
 //
-// Two writes [P]: the bucketing logic runs at twice the clock and each queue is an eDRAM of its own. Two rays for one
-// queue conflict: the second waits, its turn lost. `returned` comes first, since the pipeline stalls behind it; the
-// others take turns. An input whose ray finds neither slot nor place in `overflow` is passed over.
+// Two writes [P]: the bucketing logic runs at twice the clock, and each queue is an eDRAM of its own. Two rays for one
+// queue conflict: the second waits and loses its turn. `returned` has priority, because the pipeline stalls behind it; the
+// other inputs take turns. An input whose ray finds neither a slot nor room in `overflow` is skipped.
 //
-// Slots: see queues.h. The pipeline sets RayToken::keeps_slot on a ray that goes back to the queue it came from;
-// otherwise it clears the flag and pushes the old queue's number to `released`. The DSP sets it on a ray that comes again to a slot
-// kept for it, of which a token kSlot on `overflow` has told it.
+// Slots are explained in queues.h. The pipeline sets RayToken::keeps_slot on a ray that returns to its last queue; otherwise
+// it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow` reports a reserved slot to
+// the DSP, which sets the flag on the ray that it sends to that slot.
 #pragma once
 
 #include <array>
@@ -38,19 +38,19 @@ struct SorterSetup {
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
   v1::QueuePolicy policy = v1::most_rays;
-  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried
-  // along and has no say here; a ray that stays in the processor keeps its slot.
+  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their arrival. RayToken::queue has no effect here.
+  // A ray that stays in the processor keeps its slot.
   bool single = false;
   bool ideal_queues = false;  // never full
-  bool ideal_sorter = false;  // the most important queue is known at once
-  // A ray from the bus waits for a slot instead of overflowing, and holds up the bus behind it. Rays from links still
-  // overflow: if they waited too, processors could wait for each other. No slot is kept for those: they come behind the ray that
-  // holds up the bus.
+  bool ideal_sorter = false;  // always has the most important queue
+  // A ray from the bus waits for a slot instead of overflowing, and blocks the bus behind it. Rays from links still overflow:
+  // if they waited too, processors could wait for each other. No slot is reserved for them, because they return behind the ray
+  // that blocks the bus.
   bool bus_waits = false;
 };
 
 struct SorterInputs {
-  Fifo<RayToken>& returned;  // from the own pipeline
+  Fifo<RayToken>& returned;  // from the processor's own pipeline
   Fifo<RayToken>& from_bus;
   Fifo<RayToken>& from_left;
   Fifo<RayToken>& from_right;
@@ -64,13 +64,13 @@ struct SorterOutputs {
 
 struct SorterCounters {
   std::uint64_t written = 0;       // rays into queues
-  std::uint64_t conflicts = 0;     // second writes lost since both rays were for one queue
+  std::uint64_t conflicts = 0;     // second writes that were lost because both rays were for one queue
   std::uint64_t overflows = 0;     // rays that found no slot
-  std::uint64_t kept_slots = 0;    // told to the DSP
+  std::uint64_t kept_slots = 0;    // reserved slots reported to the DSP
   std::uint64_t issued = 0;        // rays to the pipeline
   std::uint64_t activations = 0;   // queues that became active
   std::uint64_t inserts = 0;       // modified importances put into the insertion sorter
-  std::uint64_t peak_waiting = 0;  // most rays that ever waited in one queue
+  std::uint64_t peak_waiting = 0;  // the most rays that waited in one queue
   // Activations by the rays issued in them: entry k counts 2^k .. 2^(k+1) - 1.
   std::array<std::uint64_t, 32> activation_rays{};
   std::array<std::uint64_t, 32> activation_issued{};  // the rays issued in them
@@ -85,7 +85,7 @@ class Sorter {
  public:
   Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out);
 
-  // Is told of rays that are watched; there must be one if there are such rays.
+  // Gets the events of traced rays; required if there are any.
   void set_listener(RayListener* listener) { listener_ = listener; }
 
   // True if a ray, a slot or an importance moved. Here is only what an empty sorter needs, without a call.
@@ -114,21 +114,21 @@ class Sorter {
 
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
   bool has_kept_slots() const { return !kept_.empty(); }
-  // A ray that comes to the queue finds a slot, also behind `others`.
+  // Whether a ray that arrives at the queue after `others` further ones finds a slot.
   bool has_room(std::uint32_t queue, std::uint32_t others) const {
     return queues_.has_slots(single_ ? 0 : queue, others + 1);
   }
-  // A slot that is given up is kept for a ray that has overflowed.
+  // Whether a released slot would be reserved for an overflowed ray.
   bool would_keep(std::uint32_t queue) const { return queues_.has_overflowed(single_ ? 0 : queue); }
   std::uint32_t queues() const { return queues_.count(); }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
   bool has_active() const { return active_ != kNone; }
   std::uint32_t active() const { return active_; }  // only if has_active(); 0 with a single queue
-  // The one that became active last; 0 before the first.
+  // The queue that was activated last; 0 before the first.
   std::uint32_t latest_active() const { return latest_active_; }
   const SorterCounters& counters() const { return counters_; }
-  // One fact a line.
+  // One fact per line.
   void describe(std::ostream& out) const;
   void state(Archive& archive);
 
@@ -136,20 +136,20 @@ class Sorter {
   static constexpr std::uint32_t kNone = InsertionSorter::kNoQueue;
   static constexpr std::uint32_t kUnlisted = kNone - 1;
 
-  // Modified queues in the order of their modification: a list through the queues, so that one can leave it anywhere.
+  // Modified queues in the order of their modification: a doubly linked list through the queues.
   struct Dirty {
     std::uint32_t previous = kNone;
     std::uint32_t next = kUnlisted;
   };
 
-  // A cycle of a sorter that is not empty. `others_come`: something is in one of others_.
+  // A cycle of a sorter that is not empty. `others_come`: one of others_ is not empty.
   bool work(Cycle now, bool others_come);
   std::uint32_t queue_of(const RayToken& token) const { return single_ ? 0 : token.queue; }
   void choose_active();
   void give_up_active();
-  // What comes from elsewhere: at most `turns` rays, none to the queue `written` in this cycle.
+  // Takes at most `turns` rays from others_, none to the queue `written` in this cycle.
   bool accept_others(Cycle now, std::uint32_t turns, std::uint32_t written);
-  // Moves the ray at the input's head to its queue, then `written`, or to overflow.
+  // Moves the ray at the input's head to its queue, which becomes `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   bool tell_of_slot(Cycle now);
   void write(std::uint32_t queue, const RayToken& token);
@@ -173,7 +173,7 @@ class Sorter {
   std::uint32_t dirty_head_ = kNone;
   std::uint32_t dirty_tail_ = kNone;
   Queues queues_;
-  std::deque<std::uint32_t> kept_;  // queues that keep a slot of which the DSP is still to be told
+  std::deque<std::uint32_t> kept_;  // queues with a reserved slot that is not yet reported to the DSP
   std::optional<InsertionSorter> ranks_;
   std::optional<ExactMaximum> maximum_;  // ideal sorter or single queue: instead of ranks_
   std::vector<Dirty> dirty_;
