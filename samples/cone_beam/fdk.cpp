@@ -30,61 +30,68 @@ void check(const FdkSettings& settings, const ConeGeometry& geometry, const Proj
   check(projections, geometry);
 }
 
-// The cubic through four pixels at the places -1, 0, 1, 2.
+// By Catmull and Rom's cubic, between the second and the third of four pixels. The cubic through all four loses more of the highest
+// frequencies, and a transform, exact for rows of limited band, would make those of edges ring.
 std::array<double, 4> cubic(double t) {
-  return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
-          (t + 1) * t * (t - 1) / 6};
+  return {-t * (1 - t) * (1 - t) / 2, 1 + t * t * (3 * t - 5) / 2, t * (1 + t * (4 - 3 * t)) / 2, t * t * (t - 1) / 2};
 }
 
-// At fine x fine places a pixel, by cubics along both axes; beyond the detector as at its edge. A transform would be exact for rows of
-// limited band; those of edges have none, and would ring.
-std::vector<double> finer_view(const std::vector<double>& pixels, std::size_t columns, int fine) {
-  if (fine == 1) return pixels;
-  const auto many = static_cast<std::size_t>(fine);
-  std::vector<std::array<double, 4>> weights;
-  std::vector<int> first;  // of the four pixels, from the ray's own pixel on
-  for (int sub = 0; sub < fine; ++sub) {
-    const double at = (sub + 0.5) / fine - 0.5, below = std::floor(at);
-    weights.push_back(cubic(at - below));
-    first.push_back(static_cast<int>(below) - 1);
+// The pixels that a ray's value is made of; beyond the detector as at its edge.
+struct Taps {
+  std::array<std::size_t, 4> pixels{};
+  std::array<double, 4> weights{};
+};
+std::vector<Taps> taps_of(std::size_t pixels, int rays) {
+  std::vector<Taps> out(pixels * static_cast<std::size_t>(rays));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double at = (static_cast<double>(i) + 0.5) / rays - 0.5, below = std::floor(at);
+    out[i].weights = cubic(at - below);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double pixel = below - 1 + static_cast<double>(k);
+      out[i].pixels[k] = static_cast<std::size_t>(std::clamp(pixel, 0.0, static_cast<double>(pixels) - 1));
+    }
   }
-  // Of `count` pixels' rays, the k'th pixel of ray i.
-  const auto pixel = [&](std::size_t i, std::size_t k, std::size_t count) {
-    const int at = static_cast<int>(i / many) + first[i % many] + static_cast<int>(k);
-    return static_cast<std::size_t>(std::clamp(at, 0, static_cast<int>(count) - 1));
-  };
-  const std::size_t rows = pixels.size() / columns, wide = columns * many;
-  std::vector<double> along(rows * wide), out(rows * many * wide);
+  return out;
+}
+
+std::vector<double> finer_view(const std::vector<double>& pixels, std::size_t columns, PixelRays rays) {
+  if (rays == PixelRays{}) return pixels;
+  const std::size_t rows = pixels.size() / columns;
+  const std::vector<Taps> across = taps_of(columns, rays.u), down = taps_of(rows, rays.v);
+  const std::size_t wide = across.size();
+  std::vector<double> along(rows * wide), out(down.size() * wide);
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t i = 0; i < wide; ++i) {
       for (std::size_t k = 0; k < 4; ++k) {
-        along[row * wide + i] += weights[i % many][k] * pixels[row * columns + pixel(i, k, columns)];
+        along[row * wide + i] += across[i].weights[k] * pixels[row * columns + across[i].pixels[k]];
       }
     }
   }
-  for (std::size_t row = 0; row < rows * many; ++row) {
+  for (std::size_t row = 0; row < down.size(); ++row) {
     for (std::size_t k = 0; k < 4; ++k) {
-      const double* const from = along.data() + pixel(row, k, rows) * wide;
-      for (std::size_t i = 0; i < wide; ++i) out[row * wide + i] += weights[row % many][k] * from[i];
+      const double* const from = along.data() + down[row].pixels[k] * wide;
+      for (std::size_t i = 0; i < wide; ++i) out[row * wide + i] += down[row].weights[k] * from[i];
     }
   }
   return out;
 }
 
 // Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume; without the slant.
-double density_scale(const ConeGeometry& geometry, double arc, int fine) {
+double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   const Vec3 edge = geometry.volume.spacing;
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
-  const double area = geometry.detector.pitch_u * geometry.detector.pitch_v * at_axis * at_axis / (fine * fine);
+  const double area = geometry.detector.pitch_u * geometry.detector.pitch_v * at_axis * at_axis / (rays.u * rays.v);
   return arc * area / (edge.x * edge.y * edge.z);
 }
 
 // That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more memory than the volume.
-double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter, int fine) {
+double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter,
+                   PixelRays rays) {
   const auto [least, most] = std::ranges::minmax(projections.values);
   constexpr double kCubics = 1.25 * 1.25;  // by which the cubics of finer_view() can overshoot
   const double value = std::max(std::abs(double{least}), std::abs(double{most})) * filter.gain();
-  return value * density_scale(geometry, std::ranges::max(arc_weights(geometry)), fine) * (fine > 1 ? kCubics : 1);
+  return value * density_scale(geometry, std::ranges::max(arc_weights(geometry)), rays) *
+         (rays == PixelRays{} ? 1 : kCubics);
 }
 
 Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
@@ -95,7 +102,7 @@ Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry,
     if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
     return filtered(view);
   };
-  out.values = backproject(board, geometry, geometry.angles, {settings.rays, settings.step, max_density},
+  out.values = backproject(board, geometry, geometry.angles, {rays_of(settings, geometry), settings.step, max_density},
                            told_and_filtered, out);
   return out;
 }
@@ -107,21 +114,29 @@ double voxels_of_a_pixel(const ConeGeometry& geometry) {
   return std::max({pixel.x, pixel.y, pixel.z});
 }
 
-int rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
-  if (settings.rays > 0) return settings.rays;
-  // chosen: objects are at most 1.05 times as wrong as in double precision, also by pixels that are not square (docs/guide/cone_beam.md).
-  constexpr double kOneRay = 0.7, kSpacing = 1.25;
-  const double pixel = voxels_of_a_pixel(geometry);
-  return pixel <= kOneRay ? 1 : static_cast<int>(std::clamp(std::ceil(pixel / kSpacing), 2.0, 4.0));
+// chosen: the fewest rays by which no object of the study is more than 1.05 times as wrong as in double precision, and what sharpens
+// them best (docs/guide/cone_beam.md). Errors along v, of which all views have the same, need rays closer together than those along u.
+PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
+  if (settings.rays > 0) return {settings.rays, settings.rays};
+  constexpr double kOneAcross = 0.9, kOneDown = 0.55, kOneOfSmall = 0.7, kSpacing = 1.25;
+  const auto rays = [](double pixel, double one) {
+    return pixel <= one ? 1 : static_cast<int>(std::clamp(std::ceil(pixel / kSpacing), 2.0, 4.0));
+  };
+  const Vec3 pixel = pixel_in_voxels(geometry);
+  const double width = std::max(pixel.x, pixel.y);
+  return {rays(width, kOneAcross), rays(pixel.z, width <= kOneOfSmall ? kOneOfSmall : kOneDown)};
 }
 
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.sharpen) return {*settings.sharpen, *settings.sharpen, *settings.sharpen};
   constexpr double kSplat = 1.0 / 12;  // splatting adds a variance of 1/6 voxel^2; a part a takes 2 a away
-  if (rays_of(settings, geometry) > 1) return {kSplat, kSplat, kSplat};
+  constexpr double kAcross = 0.1;      // chosen: with it, what the cubics lose
+  const PixelRays rays = rays_of(settings, geometry);
   const Vec3 pixel = pixel_in_voxels(geometry);
-  const auto beyond = [](double width) { return std::max(0.0, kSplat * (1 - width * width)); };
-  return {beyond(pixel.x), beyond(pixel.y), beyond(pixel.z)};
+  const auto across = [&](double width) {
+    return rays.u > 1 ? kAcross : std::max(0.0, kSplat * (1 - std::pow(width, 4)));
+  };
+  return {across(pixel.x), across(pixel.y), rays.v > 1 ? kSplat : std::max(0.0, kSplat * (1 - pixel.z * pixel.z))};
 }
 
 void sharpen(std::vector<float>& values, const Dims& dims, const std::array<double, 3>& parts) {
@@ -160,7 +175,7 @@ RampFilter ramp_filter(const ConeGeometry& geometry, Window window) {
 }
 
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
-                                  const RampFilter& filter, int fine) {
+                                  const RampFilter& filter, PixelRays rays) {
   const Detector& detector = geometry.detector;
   const double distance = geometry.source_to_detector;
   const double arc = arc_weights(geometry)[view];
@@ -181,20 +196,19 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
     }
     filter.apply(row.data(), pixels.data() + static_cast<std::size_t>(j) * columns);
   }
-  std::vector<double> out = finer_view(pixels, columns, fine);
-  const double scale = density_scale(geometry, arc, fine);
+  std::vector<double> out = finer_view(pixels, columns, rays);
+  const double scale = density_scale(geometry, arc, rays);
   double* value = out.data();
-  for_each_ray(detector, fine, [&](double u, double v) {
+  for_each_ray(detector, rays, [&](double u, double v) {
     *value++ *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
   });
   return out;
 }
 
 Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
-                               const FdkSettings& asked, const Progress& progress) {
-  check(asked, geometry, projections);
-  FdkSettings settings = asked;
-  settings.rays = rays_of(asked, geometry);
+                               const FdkSettings& settings, const Progress& progress) {
+  check(settings, geometry, projections);
+  const PixelRays rays = rays_of(settings, geometry);
   const Dims dims = geometry.volume.dims;
   const std::vector<std::byte> nothing(voxel_count(dims));
   board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing, .find_gradients = false});
@@ -203,13 +217,12 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
   const RampFilter filter = ramp_filter(geometry, settings.window);
   const std::size_t views = geometry.angles.size();
   const ViewDensities filtered = [&](std::size_t view) {
-    return filtered_view(projections, geometry, view, filter, settings.rays);
+    return filtered_view(projections, geometry, view, filter, rays);
   };
   const bool in_sums = settings.accumulator == Accumulator::kSums;
-  Reconstruction out = in_sums
-                           ? backproject_into_sums(board, geometry, settings, filtered,
-                                                   max_density(projections, geometry, filter, settings.rays), progress)
-                           : backproject_into_irradiance(board, geometry, settings, filtered, progress);
+  Reconstruction out = in_sums ? backproject_into_sums(board, geometry, settings, filtered,
+                                                       max_density(projections, geometry, filter, rays), progress)
+                               : backproject_into_irradiance(board, geometry, settings, filtered, progress);
   if (settings.normalise) normalise(out, geometry, settings);
   sharpen(out.values, dims, sharpening_of(settings, geometry));
   out.board_time = board.now() - begin;

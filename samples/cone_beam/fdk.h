@@ -56,7 +56,7 @@ enum class Accumulator {
 
 struct FdkSettings {
   Window window = Window::kRamLak;
-  int rays = 0;     // 1..4: a pixel's along each detector axis; 0: rays_of()
+  int rays = 0;     // 1..4: a pixel's along both detector axes; 0: by the size of pixels and voxels, rays_of()
   double step = 1;  // 1/64..16 voxels between deposits
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting; nothing: sharpening_of().
   std::optional<double> sharpen{};
@@ -73,17 +73,16 @@ struct FdkSettings {
 
 // How many voxels a pixel is wide or high at the axis, whichever is more.
 double voxels_of_a_pixel(const ConeGeometry& geometry);
-// settings.rays or, if that is 0, one of pixels that are no larger than 0.7 voxels; else so many that rays lie no more than 1.25
-// voxels apart, from 2 to 4.
-int rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
-// settings.sharpen on each axis or, without it, what the blur of splatting is more than that of linear interpolation between
-// pixels (one ray per pixel), or all of it (more rays).
+// settings.rays along both axes or, if that is 0, the fewest whose error is at most 1.05 times that of double precision, 1 to 4 along
+// each: docs/guide/cone_beam.md has the rule.
+PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
+// settings.sharpen on each axis or, without it, what suits the rays.
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry);
 
-// One view's projections, cosine-weighted, of short scans shared out, and filtered: what the rays of fine x fine a pixel leave
-// in a unit of volume. Rows first, each of fine x columns.
+// One view's projections, cosine-weighted, of short scans shared out, and filtered: what its rays leave in a unit of
+// volume.
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
-                                  const RampFilter& filter, int fine);
+                                  const RampFilter& filter, PixelRays rays);
 RampFilter ramp_filter(const ConeGeometry& geometry, Window window);
 
 // v (1 + 2 part) - part (both neighbours), along each axis by its part; the ends are their own neighbours.
@@ -91,13 +90,12 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
 
 // Some views at a time into irradiance words [P §4.2]: their positive values in one pass, their negative ones in a second one, the
 // words' unit chosen for each pass by the greatest that a voxel can get of it. The words are read after each pass; the host adds up.
-// `settings` have their rays.
 Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
                                            const ViewDensities& filtered, const Progress& progress);
 
 // Rows of rays that lie unevenly against voxels leave ripples along the axis of rotation, which all views have in common. Divides the
 // values by what an even volume's rays would leave over what they should, as the geometry alone tells: only voxels that every view
-// sees whole, since the others have less for another reason. `settings` have their rays.
+// sees whole, since the others have less for another reason.
 void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSettings& settings);
 
 // Loads an empty volume of geometry.volume's dims into the board, and leaves the sums there.

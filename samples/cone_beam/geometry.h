@@ -82,12 +82,17 @@ void for_each_in_slice(const Grid& grid, std::size_t z, const Visit& visit) {
   }
 }
 
-// Calls visit(u, v) for fine x fine rays a pixel, rows first.
+// A pixel's, evenly along either axis of the detector.
+struct PixelRays {
+  int u = 1, v = 1;
+  friend bool operator==(const PixelRays&, const PixelRays&) = default;
+};
+// Calls visit(u, v) for all rays, rows first.
 template <typename Visit>
-void for_each_ray(const Detector& detector, int fine, const Visit& visit) {
-  for (int j = 0; j < detector.rows * fine; ++j) {
-    const double v = v_of(detector, (j + 0.5) / fine - 0.5);
-    for (int i = 0; i < detector.columns * fine; ++i) visit(u_of(detector, (i + 0.5) / fine - 0.5), v);
+void for_each_ray(const Detector& detector, PixelRays rays, const Visit& visit) {
+  for (int j = 0; j < detector.rows * rays.v; ++j) {
+    const double v = v_of(detector, (j + 0.5) / rays.v - 0.5);
+    for (int i = 0; i < detector.columns * rays.u; ++i) visit(u_of(detector, (i + 0.5) / rays.u - 0.5), v);
   }
 }
 // The cosine of the angle between the ray to (u, v) and the one that meets the detector squarely.

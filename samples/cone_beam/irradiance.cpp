@@ -13,6 +13,7 @@ Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geo
   const int bits = board.info().wide ? 32 : 11;
   const double full = std::ldexp(1, settings.bits == 0 ? bits : std::min(bits, settings.bits)) - 1;
   const Vec3 edge = geometry.volume.spacing;
+  const PixelRays of_pixel = rays_of(settings, geometry);
   Reconstruction out;
   out.values.resize(voxel_count(geometry.volume.dims));
   double kept = 0, clipped = 0;
@@ -29,11 +30,11 @@ Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geo
     // Full words, and what a step may leave at once, which has 11 bits on any board.
     constexpr double kMaxUnits = 2047;
     const double of_a_step = most * std::max({edge.x, edge.y, edge.z}) * settings.step / kMaxUnits;
-    const double of_words = settings.headroom * of_all * max_of_a_voxel(geometry, settings.rays) / full;
+    const double of_words = settings.headroom * of_all * max_of_a_voxel(geometry, of_pixel) / full;
     board.clear_irradiance(std::max(of_a_step, of_words));
     std::vector<Ticket> tickets;
     for (std::size_t view = 0; view < views.size(); ++view) {
-      std::vector<HostRay> rays = view_rays(geometry, geometry.angles[first + view], settings.rays);
+      std::vector<HostRay> rays = view_rays(geometry, geometry.angles[first + view], of_pixel);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         rays[i].energy = sign * views[view][i];
         rays[i].id = static_cast<std::uint32_t>(i);

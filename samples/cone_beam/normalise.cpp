@@ -107,7 +107,7 @@ bool is_even_turn(const ConeGeometry& geometry, const std::vector<double>& arcs)
 void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSettings& settings) {
   const std::vector<double> arcs = arc_weights(geometry);
   const Grid& grid = geometry.volume;
-  const RowRipples ripples(geometry, settings.rays);
+  const RowRipples ripples(geometry, rays_of(settings, geometry).v);
   const Vec3 corner = to_space(grid, {0, 0, 0});
   const auto columns = static_cast<std::size_t>(grid.dims[0]), rows = static_cast<std::size_t>(grid.dims[1]);
   const auto heights = static_cast<std::size_t>(grid.dims[2]);

@@ -20,16 +20,16 @@ HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel) {
   return clip_to_volume(line, grid.dims).value_or(HostRay{});
 }
 
-std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, int fine) {
+std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, PixelRays of_pixel) {
   const Detector& detector = geometry.detector;
   const Pose at = pose(geometry, angle);
-  const auto columns = static_cast<std::size_t>(detector.columns * fine);
-  const auto rows = static_cast<std::size_t>(detector.rows * fine);
+  const auto columns = static_cast<std::size_t>(detector.columns * of_pixel.u);
+  const auto rows = static_cast<std::size_t>(detector.rows * of_pixel.v);
   std::vector<HostRay> rays(rows * columns);
   parallel_for(rows, 0, [&](std::size_t row) {
-    const double v = v_of(detector, (static_cast<double>(row) + 0.5) / fine - 0.5);
+    const double v = v_of(detector, (static_cast<double>(row) + 0.5) / of_pixel.v - 0.5);
     for (std::size_t column = 0; column < columns; ++column) {
-      const double u = u_of(detector, (static_cast<double>(column) + 0.5) / fine - 0.5);
+      const double u = u_of(detector, (static_cast<double>(column) + 0.5) / of_pixel.u - 0.5);
       rays[row * columns + column] =
           clipped_ray(geometry.volume, at.source, at.middle + u * at.along_u + v * at.along_v);
     }
@@ -117,12 +117,12 @@ Projections project_by_board(Board& board, const ConeGeometry& geometry, std::sp
   return out;
 }
 
-double max_of_a_voxel(const ConeGeometry& geometry, int fine) {
+double max_of_a_voxel(const ConeGeometry& geometry, PixelRays rays) {
   const Vec3 edge = geometry.volume.spacing, corner = to_space(geometry.volume, {0, 0, 0});
   const Detector& detector = geometry.detector;
   const double longest = std::max({edge.x, edge.y, edge.z});
   const double nearest = (geometry.source_to_axis - std::hypot(corner.x, corner.y)) / geometry.source_to_detector;
-  const double pixel = detector.pitch_u * detector.pitch_v * nearest * nearest / (fine * fine);
+  const double pixel = detector.pitch_u * detector.pitch_v * nearest * nearest / (rays.u * rays.v);
   return longest * std::max(1.0, longest * longest / pixel);
 }
 
@@ -143,7 +143,7 @@ std::vector<float> backproject(Board& board, const ConeGeometry& geometry, std::
   constexpr double kMaxUnits = (1 << 15) - 1, kMaxSum = 8.0 * (1 << 30);
   const Vec3 edge = geometry.volume.spacing;
   const double of_a_step = std::max({edge.x, edge.y, edge.z}) * how.step / kMaxUnits;
-  const double of_all = max_of_a_voxel(geometry, how.fine) * static_cast<double>(angles.size()) / kMaxSum;
+  const double of_all = max_of_a_voxel(geometry, how.rays) * static_cast<double>(angles.size()) / kMaxSum;
   board.clear_sums(std::max(how.max_density, 1e-30) * std::max(of_a_step, of_all));
 
   constexpr std::size_t kUnderWay = 2;  // chosen: the board works at one view while the host makes the next
@@ -157,7 +157,7 @@ std::vector<float> backproject(Board& board, const ConeGeometry& geometry, std::
   };
   for (std::size_t view = 0; view < angles.size(); ++view) {
     const std::vector<double> of_rays = densities(view);
-    std::vector<HostRay> rays = view_rays(geometry, angles[view], how.fine);
+    std::vector<HostRay> rays = view_rays(geometry, angles[view], how.rays);
     for (std::size_t i = 0; i < rays.size(); ++i) rays[i].energy = of_rays[i];
     std::erase_if(rays, [](const HostRay& ray) { return ray.length <= 0 || ray.energy == 0; });
     receive_down_to(kUnderWay - 1);

@@ -139,7 +139,7 @@ void fdk_view_at_cycle_level(benchmark::State& state) {
   const ConeGeometry geometry = scan(256, 128, 180);
   const Projections projections = project(shepp_logan(85), geometry);
   const RampFilter filter = ramp_filter(geometry, Window::kRamLak);
-  const std::vector<double> view = filtered_view(projections, geometry, 0, filter, 1);
+  const std::vector<double> view = filtered_view(projections, geometry, 0, filter, {});
   double most = 0;
   for (const double value : view) most = std::max(most, std::abs(value));
   Counters counters;

@@ -79,7 +79,8 @@ struct Planner {
     plan.views = geometry.angles.size();
     plan.slices = slab.geometry.volume.dims[2];
     plan.field = field_seen(geometry);
-    plan.finest = {1, std::min(rays_of(asked, geometry) + 1, 4), kFinestStep};
+    const PixelRays by_default = rays_of(asked, geometry);
+    plan.finest = {1, std::min(std::max(by_default.u, by_default.v) + 1, 4), kFinestStep};
     best = pilot(plan.finest);
     predict(plan.finest);
     for (const FdkPlanPoint& one : coarser_ones()) tried(one);

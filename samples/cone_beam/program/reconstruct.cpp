@@ -63,8 +63,9 @@ Json scan_json(const Scan& scan) {
 }
 
 Json fdk_json(const FdkSettings& fdk, const ConeGeometry& geometry) {
+  const PixelRays rays = rays_of(fdk, geometry);
   Json json{{"window", name_of(kWindows, fdk.window)},
-            {"rays", fdk.rays},
+            {"rays", {rays.u, rays.v}},
             {"step", fdk.step},
             {"sharpen", sharpening_of(fdk, geometry)},
             {"normalise", fdk.normalise},
@@ -216,7 +217,6 @@ void run_reconstruct(ReconstructOptions& options) {
   Scan scan = load_scan(description);
   const std::uint64_t projection_hash = hash_of(scan.projections.values);  // as read, before a plan leaves views out
   if (options.fdk() && options.filtered.rays == 0) {
-    options.filtered.rays = rays_of(options.filtered, scan.geometry);
     constexpr double kFarApart = 1.25 * 4;  // of the most rays that there are
     if (const double pixel = voxels_of_a_pixel(scan.geometry); pixel > kFarApart) {
       scan.warnings.push_back(fmt::format(
@@ -261,7 +261,7 @@ void add_fdk(CLI::App& app, FdkSettings& fdk) {
   OptionGroup group(app, "FDK");
   group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
   group.number("--rays", fdk.rays, CLI::Range(0, 4),
-               "a pixel's, along each detector axis; 0: one of pixels up to 0.7 voxels, else 2 to 4");
+               "a pixel's, along both detector axes; 0: by the size of pixels and voxels, 1 to 4 along each");
   group
       .value("--sharpen", fdk.sharpen,
              "against the blur of splatting: what a voxel takes from each neighbour (by pixels and rays)")

@@ -61,27 +61,30 @@ TEST(Fdk, RaysAndSharpeningFollowFromPixelsAndVoxels) {
     geometry.detector.pitch_v = 2 * 4.5 * high;
     return rays_of({}, geometry);
   };
-  EXPECT_EQ(pixels(0.69, 0.5), 1);
-  EXPECT_EQ(pixels(0.5, 0.71), 2);
-  EXPECT_EQ(pixels(2.5, 1), 2);
-  EXPECT_EQ(pixels(2.6, 1), 3);
-  EXPECT_EQ(pixels(9, 1), 4);
-  EXPECT_EQ(rays_of({.rays = 1}, geometry), 1);
-  EXPECT_THAT(sharpening_of({}, geometry), testing::Each(1.0 / 12));
+  EXPECT_EQ(pixels(0.69, 0.69), (PixelRays{1, 1}));
+  EXPECT_EQ(pixels(0.69, 0.71), (PixelRays{1, 2}));
+  EXPECT_EQ(pixels(0.71, 0.69), (PixelRays{1, 2}));
+  EXPECT_EQ(pixels(0.89, 0.54), (PixelRays{1, 1}));
+  EXPECT_EQ(pixels(0.91, 0.54), (PixelRays{2, 1}));
+  EXPECT_EQ(pixels(2.5, 2.6), (PixelRays{2, 3}));
+  EXPECT_EQ(pixels(2.6, 1), (PixelRays{3, 2}));
+  EXPECT_EQ(pixels(9, 9), (PixelRays{4, 4}));
+  EXPECT_EQ(rays_of({.rays = 1}, geometry), (PixelRays{1, 1}));
+  EXPECT_THAT(sharpening_of({}, geometry), ElementsAre(0.1, 0.1, 1.0 / 12));
 
   pixels(0.5, 0.8);
   geometry.volume.spacing.y *= 0.5;
   EXPECT_THAT(sharpening_of({.rays = 1}, geometry),
-              ElementsAre(DoubleNear(0.75 / 12, 1e-12), DoubleNear(0, 1e-12), DoubleNear(0.36 / 12, 1e-12)));
+              ElementsAre(DoubleNear(0.9375 / 12, 1e-12), DoubleNear(0, 1e-12), DoubleNear(0.36 / 12, 1e-12)));
   EXPECT_THAT(sharpening_of({.sharpen = 0.1}, geometry), testing::Each(0.1));
 }
 
-// Values between pixels are those of cubics through four of them.
+// Values between pixels are those of Catmull and Rom's cubics.
 TEST(Fdk, RaysBetweenPixelsHaveTheValuesOfCubics) {
   const ConeGeometry geometry = small_scan(16, 4);
   Projections views{16, 16, std::vector<float>(1024)};
   const auto filtered = [&](int fine) {
-    return filtered_view(views, geometry, 0, ramp_filter(geometry, Window::kRamLak), fine);
+    return filtered_view(views, geometry, 0, ramp_filter(geometry, Window::kRamLak), {fine, fine});
   };
   for (std::size_t i = 0; i < 256; ++i) views.values[i] = static_cast<float>(i / 16 * (i / 16)) * (i % 16 == 8 ? 1 : 0);
   const std::vector<double> one = filtered(1), four = filtered(4);
@@ -93,8 +96,9 @@ TEST(Fdk, RaysBetweenPixelsHaveTheValuesOfCubics) {
   };
   const auto pixel = [&](std::size_t row, std::size_t column) { return bare(one, 1, row, column); };
   // Of four rays a pixel, ray 29 lies 1/8 before the middle of pixel 7.
-  const double t = 7.0 / 8, w[]{-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
-                                (t + 1) * t * (t - 1) / 6};
+  // Their two middle pixels, and slopes there of half the difference of a pixel's neighbours.
+  const double t = 7.0 / 8, h = t * t * (3 - 2 * t), first = t * (1 - t) * (1 - t) / 2, second = t * t * (1 - t) / 2;
+  const double w[]{-first, 1 - h + second, h + first, -second};
   double wanted = 0;
   for (std::size_t j = 0; j < 4; ++j) {
     for (std::size_t i = 0; i < 4; ++i) wanted += w[j] * w[i] * pixel(5 + j, 5 + i);

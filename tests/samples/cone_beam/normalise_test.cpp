@@ -75,7 +75,8 @@ Difference splatted_less_factors(const ConeGeometry& geometry, int fine) {
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
   const double area = d.pitch_u * d.pitch_v * at_axis * at_axis / (fine * fine) / (edge.x * edge.y * edge.z);
   std::vector<double> even;
-  for_each_ray(d, fine, [&](double u, double v) { even.push_back(area * slant(geometry.source_to_detector, u, v)); });
+  for_each_ray(d, {fine, fine},
+               [&](double u, double v) { even.push_back(area * slant(geometry.source_to_detector, u, v)); });
   const std::vector<double> arcs = arc_weights(geometry);
   Board board = open_board();
   const std::vector<std::byte> nothing(voxel_count(geometry.volume.dims));
@@ -86,8 +87,9 @@ Difference splatted_less_factors(const ConeGeometry& geometry, int fine) {
     for (double& value : out) value *= arcs[view];
     return out;
   };
-  const std::vector<float> left = backproject(
-      board, geometry, geometry.angles, {fine, 1, std::ranges::max(even) * std::ranges::max(arcs)}, densities, counts);
+  const std::vector<float> left =
+      backproject(board, geometry, geometry.angles, {{fine, fine}, 1, std::ranges::max(even) * std::ranges::max(arcs)},
+                  densities, counts);
   factors.values.assign(left.size(), 1);
   normalise(factors, geometry, {.rays = fine});
   Difference out;

@@ -142,7 +142,7 @@ samples::Projections project(const FdkScan& scan) {
   parallel_for(geometry.angles.size(), 0, [&](std::size_t view) {
     const samples::Pose at = samples::pose(geometry, geometry.angles[view]);
     float* value = out.view(view);
-    samples::for_each_ray(detector, 1, [&](double u, double v) {
+    samples::for_each_ray(detector, {}, [&](double u, double v) {
       const Vec3 way = at.middle + u * at.along_u + v * at.along_v - at.source;
       double sum = 0;
       for (const Solid& solid : object) sum += solid.value * part_inside(solid, at.source, way);

@@ -158,12 +158,12 @@ TEST_F(ConeBeamProgram, SendsSoManyRaysThatNoVoxelIsLeftOut) {
     const bool few = volume.find("0.4") != std::string::npos;
     EXPECT_THAT(result.err, few ? testing::Matcher<std::string>(HasSubstr("volume: voxels are 6.2 times as small"))
                                 : testing::Matcher<std::string>(IsEmpty()));
-    return nlohmann::json::parse(text_of(path("v.json"))).at("settings").at("rays").get<int>();
+    return nlohmann::json::parse(text_of(path("v.json"))).at("settings").at("rays").get<std::vector<int>>();
   };
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 4"), 1);
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5"), 2);  // pixels are 2.5 at the axis
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 0.4"), 4);
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5 --rays 1"), 1);
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 4"), (std::vector{1, 2}));
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5"), (std::vector{2, 2}));  // pixels are 2.5 at the axis
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 0.4"), (std::vector{4, 4}));
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5 --rays 1"), (std::vector{1, 1}));
 }
 
 TEST_F(ConeBeamProgram, ImportsAScanAsAScanFile) {
