@@ -114,7 +114,7 @@ double voxels_of_a_pixel(const ConeGeometry& geometry) {
   return std::max({pixel.x, pixel.y, pixel.z});
 }
 
-// chosen: the fewest rays by which no object of the study is more than 1.05 times as wrong as in double precision, and what sharpens
+// chosen: the fewest rays by which hardly any object is more than 1.05 times as wrong as in double precision, and what sharpens
 // them best (docs/guide/cone_beam.md). Errors along v, of which all views have the same, need rays closer together than those along u.
 PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.rays > 0) return {settings.rays, settings.rays};

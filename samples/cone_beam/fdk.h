@@ -73,7 +73,7 @@ struct FdkSettings {
 
 // How many voxels a pixel is wide or high at the axis, whichever is more.
 double voxels_of_a_pixel(const ConeGeometry& geometry);
-// settings.rays along both axes or, if that is 0, the fewest whose error is at most 1.05 times that of double precision, 1 to 4 along
+// settings.rays along both axes or, if that is 0, the fewest whose error is about that of double precision, 1 to 4 along
 // each: docs/guide/cone_beam.md has the rule.
 PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
 // settings.sharpen on each axis or, without it, what suits the rays.
