@@ -21,7 +21,7 @@ constexpr bool kHasSanitizers = false;
 // Files that libraries read on demand, and that are not secret: the number of processors, and the time zone for the
 // log.
 const std::vector<Box::Path> kLibraries{{"/sys/devices/system/cpu", Box::Access::kRead},
-                                         {"/etc/localtime", Box::Access::kRead}};
+                                        {"/etc/localtime", Box::Access::kRead}};
 
 }  // namespace
 

@@ -23,8 +23,8 @@ struct Box {
     std::string path;
     Access access = Access::kRead;
   };
-  std::vector<Path> paths{};   // files that may still be used; empty: no file can be opened, renamed or removed
-  bool has_clients = true;      // accepts new connections at listening sockets
+  std::vector<Path> paths{};  // files that may still be used; empty: no file can be opened, renamed or removed
+  bool has_clients = true;    // accepts new connections at listening sockets
 };
 
 // The parts of the box that are in force.

@@ -82,14 +82,7 @@ class MemoryPort {
   // Reads a packet whose request is sent at `now`; `block`: in memory.
   Answer read(std::uint32_t block, std::uint32_t tile, Cycle now) {
     const dram::Access access = channel_->read(block, tile, to_memory_.from(now));
-    return {to_core_.from(access.data_end + latency_), delay(access.cause)};
-  }
-  static Delay delay(dram::Delay cause) {
-    switch (cause) {
-      case dram::Delay::kBank: return Delay::kBank;
-      case dram::Delay::kRefresh: return Delay::kRefresh;
-      default: return Delay::kTransfer;
-    }
+    return {to_core_.from(access.data_end + latency_), access.cause};
   }
 
   std::vector<MemoryClient> clients_;

@@ -115,7 +115,8 @@ std::string printable(const char* text, std::size_t max_length) {
   return out;
 }
 
-PlugInProcess::PlugInProcess(Kind kind, const std::string& file, bool is_boxed) {
+PlugInProcess::PlugInProcess(Kind kind, const std::string& file, bool is_boxed)
+    : patience_(kind == Kind::kObserver ? kPatience : kRoutinePatience) {
   try {
     load(kind, file, is_boxed);
   } catch (const std::system_error& error) {
@@ -175,9 +176,11 @@ void PlugInProcess::stop() {
   if (process_ != 0) {
     ::shutdown(socket_, SHUT_WR);
     pollfd gone{socket_, 0, 0};
-    if (memory_->loading.turn.now() != Party::kBoard || ::poll(&gone, 1, static_cast<int>(kPatience.count())) == 0) {
-      ::kill(process_, SIGKILL);
+    int has_ended = -1;
+    if (memory_->loading.turn.now() == Party::kBoard) {
+      while ((has_ended = ::poll(&gone, 1, static_cast<int>(patience_.count()))) < 0 && errno == EINTR) continue;
     }
+    if (has_ended <= 0) ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);
   }
   if (socket_ >= 0) ::close(socket_);

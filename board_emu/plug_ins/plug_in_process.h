@@ -1,5 +1,5 @@
 // The process of its own in which the code of a plug-in runs, a scattering routine or an observer: gicube-plug-in-host. It has nothing of
-// the board's process but a socket and the memory of the calls.
+// the board's process but a socket and the memory of the calls; an observer has its environment and standard error too.
 #pragma once
 
 #include <sys/types.h>
@@ -25,7 +25,8 @@ struct PlugInFault : std::runtime_error {
 
 class PlugInProcess {
  public:
-  static constexpr std::chrono::milliseconds kPatience = kTicksLimit * kTick;  // 30 s
+  static constexpr std::chrono::milliseconds kPatience = kTicksLimit * kTick;  // 30 s, for an observer
+  static constexpr std::chrono::milliseconds kRoutinePatience{5000};  // chosen: a thousand times the end of a process
 
   enum class Kind { kRoutine, kObserver };
   enum class Waited { kAnswered, kEnded, kStuck, kLost };
@@ -33,7 +34,7 @@ class PlugInProcess {
   // Starts it and has it load `file`; `is_boxed`: the code then runs in a box (box/box.h). The process makes the copies for a routine's
   // calls, so the board's process starts no other. Throws PlugInFault.
   PlugInProcess(Kind kind, const std::string& file, bool is_boxed);
-  // The process has had all that was sent, and has ended, or was ended after kPatience.
+  // The process has had all that was sent, and has ended, or was ended after kPatience or kRoutinePatience.
   ~PlugInProcess();
   PlugInProcess(const PlugInProcess&) = delete;
   PlugInProcess& operator=(const PlugInProcess&) = delete;
@@ -58,6 +59,7 @@ class PlugInProcess {
   CallMemory* memory_ = nullptr;
   pid_t process_ = 0;
   int socket_ = -1;
+  const std::chrono::milliseconds patience_;  // for its end
 };
 
 // How a process ended, by what waitpid() says or CallSlot::kNoProcess.

@@ -44,13 +44,13 @@ class PlugIn::Claim {
  public:
   explicit Claim(const PlugIn& of) : of_(of) {
     thread_local std::size_t last = 0;
-    for (std::size_t tried = 0; of_.places_[last].is_taken.exchange(true); last = (last + 1) % kMaxCalls) {
+    for (std::size_t tried = 0; of_.slot_states_[last].is_taken.exchange(true); last = (last + 1) % kMaxCalls) {
       if (++tried % kMaxCalls == 0) std::this_thread::yield();
     }
     index_ = last;
   }
   ~Claim() {
-    if (!is_lost_) of_.places_[index_].is_taken = false;
+    if (!is_lost_) of_.slot_states_[index_].is_taken = false;
   }
   Claim(const Claim&) = delete;
   Claim& operator=(const Claim&) = delete;
@@ -116,14 +116,14 @@ std::optional<std::string> PlugIn::call(Claim& claim, CallKind kind, std::uint32
       return kLost;
     }
   }
-  switch (process_.wait(slot.turn, slot.process, spins, places_[claim.index()].patience, count)) {
+  switch (process_.wait(slot.turn, slot.process, spins, slot_states_[claim.index()].patience, count)) {
     case Waited::kAnswered: return std::nullopt;
     case Waited::kEnded: return end_of(slot.wait_status);
     case Waited::kLost: slot.turn.give(Party::kNobody); return kLost;
     case Waited::kStuck: break;
   }
   order(SlotOrder::Kind::kEnd, claim.index());
-  const auto end = std::chrono::steady_clock::now() + PlugInProcess::kPatience;
+  const auto end = std::chrono::steady_clock::now() + PlugInProcess::kRoutinePatience;
   while (slot.turn.now() != Party::kNobody && !process_.has_gone()) {
     if (std::chrono::steady_clock::now() > end) {
       claim.lose();

@@ -50,11 +50,11 @@ class PlugIn {
 
   mutable std::atomic<unsigned> at_once_{0};  // calls that there were at once, at most
 
-  struct alignas(64) Place {
+  struct alignas(64) SlotState {
     std::atomic<bool> is_taken{false};
     Patience patience{};
   };
-  const std::unique_ptr<Place[]> places_ = std::make_unique<Place[]>(kMaxCalls);
+  const std::unique_ptr<SlotState[]> slot_states_ = std::make_unique<SlotState[]>(kMaxCalls);
 };
 
 }  // namespace gicube::emu

@@ -20,7 +20,8 @@ const Description* described_by(const std::string& function, const std::string& 
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const text = ::dlerror();
-    write(report.fault, text != nullptr ? text : file + ": no reason given");
+    const std::string said = text != nullptr ? text : "no reason given";
+    write(report.fault, said.starts_with(file) ? said : file + ": " + said);  // the reason may name another library
     return nullptr;
   }
   void* const symbol = ::dlsym(library, function.c_str());

@@ -252,7 +252,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
 }
 
 // The file is written on the board's own thread: between two transactions, within a command, or while the debugger
-// pauses one. It is also written if the caller gives up meanwhile.
+// pauses one. A caller that gives up before it is begun gets no file; once begun, it is written whole.
 BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std::string& reason,
                                       const Cancelled& cancelled) {
   struct Answer {

@@ -23,7 +23,7 @@ struct SegmentationEntry {
   std::array<std::uint16_t, 3> colour{};                            // red green blue, 4095 = 1
   std::uint16_t opacity = 0;                                        // opacity of one voxel length, 65535 = 1 exactly
   std::uint8_t ambient = 0, reflect = kShadeOne, knee = kShadeOne;  // shading coefficients in 1/128
-  std::uint8_t specular = 0;                                        // the specular coefficient of samples lit by irradiance
+  std::uint8_t specular = 0;      // the specular coefficient of samples lit by irradiance
   std::int16_t opacity_fine = 0;  // adds 1/4096 of the opacity's unit each, -2048..2047; wide datapath only
 
   constexpr void bits(auto&& list) {

@@ -80,7 +80,7 @@ TEST(PipelineWords, ARayOnACutPlaneIsNotBeyondIt) {
   EXPECT_FALSE(beyond(plane, {0, on - 1, 0}, {1, 0, 0})) << "it runs along the plane";
 }
 
-// SplitMix64 seeded with 0, 1 and 2: its first numbers (from the generator's own C source).
+// SplitMix64 seeded with 0: its first three numbers (from the generator's own C source).
 TEST(PipelineWords, TheHashIsThatOfSplitMix64) {
   constexpr std::uint64_t kGamma = 0x9E3779B97F4A7C15;
   EXPECT_EQ(wire::mix64(kGamma), 0xE220A8397B1DCDAFu);
