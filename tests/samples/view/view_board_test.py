@@ -66,7 +66,7 @@ def coloured(page: Shown, canvas: str) -> bool:
 def test_the_machine_is_seen_at_work(page: Shown) -> None:
     page.picture()
     page.find("#machine-panel summary").click()
-    page.put("size", "512x512")  # a frame of seconds, so that it is looked at many times
+    page.put("size", "768x768")  # a frame of seconds, so that it is looked at many times
     page.put("fidelity", "cycle")
     wait("a running frame", lambda: "a frame runs" in page.text("#machine-state"))
     wait("its cycles", lambda: page.browser.find_elements(By.CSS_SELECTOR, "#machine [aria-label='cycles by cause'] rect"))

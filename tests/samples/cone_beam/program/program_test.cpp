@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "gicube/scene/volume_file.h"
 #include "program_test.h"
@@ -54,7 +55,8 @@ TEST_F(ConeBeamProgram, PlansForAnErrorAndExplainsItself) {
   const auto &plan = json.at("plan"), &chosen = plan.at("chosen");
   EXPECT_TRUE(plan.at("kept").get<bool>());
   EXPECT_LE(chosen.at("error_bound").get<double>(), 0.3);
-  EXPECT_EQ(json.at("settings").at("rays"), chosen.at("rays"));
+  const int rays = chosen.at("rays").get<int>();
+  EXPECT_EQ(json.at("settings").at("rays").get<std::vector<int>>(), (std::vector{rays, rays}));
   EXPECT_EQ(json.at("settings").at("step"), chosen.at("step"));
   EXPECT_NEAR(json.at("deposits").get<double>(), chosen.at("deposits").get<double>(),
               0.1 * chosen.at("deposits").get<double>());
@@ -160,8 +162,10 @@ TEST_F(ConeBeamProgram, SendsSoManyRaysThatNoVoxelIsLeftOut) {
                                 : testing::Matcher<std::string>(IsEmpty()));
     return nlohmann::json::parse(text_of(path("v.json"))).at("settings").at("rays").get<std::vector<int>>();
   };
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 4"), (std::vector{1, 2}));
-  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5"), (std::vector{2, 2}));  // pixels are 2.5 at the axis
+  // Pixels are 2.5 at the axis.
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 4"), (std::vector{1, 1}));
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 3"), (std::vector{1, 2}));
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5"), (std::vector{2, 2}));
   EXPECT_EQ(rays(" --size 24,24,24 --spacing 0.4"), (std::vector{4, 4}));
   EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5 --rays 1"), (std::vector{1, 1}));
 }
