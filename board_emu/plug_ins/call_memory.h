@@ -152,7 +152,7 @@ struct CallMemory {
   CallSlot slots[kMaxCalls];
 };
 
-// What the board asks of a routine's process: a process for a slot, or an end to one.
+// An order to a routine's process: a process for a slot, or an end to one.
 struct SlotOrder {
   enum class Kind : std::uint32_t { kBegin, kEnd };
   Kind kind = Kind::kBegin;

@@ -40,7 +40,7 @@ int high(int fd) {
   return copy;
 }
 
-// What decides how the dynamic linker and sanitizers work, and no more: the rest may hold secrets.
+// The variables that configure the dynamic linker and sanitizers, and no more: the rest may hold secrets.
 std::vector<char*> environment_of_routine() {
   std::vector<char*> out;
   for (char** each = environ; *each != nullptr; ++each) {

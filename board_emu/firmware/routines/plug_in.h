@@ -16,7 +16,7 @@
 
 namespace gicube::emu {
 
-// What is wrong with a description, if anything.
+// Returns the fault of a description, if it has one.
 std::optional<std::string> fault(const RoutineDescription& description);
 
 class PlugIn {
@@ -31,7 +31,8 @@ class PlugIn {
 
   // From several threads. A process that ended or had to be ended is begun anew by the next call.
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // As many events as there are answers, each with at most kMaxParameters parameters. Unchecked but for the cycles. Throws RoutineFault.
+  // `events` and `answers` have one length; an event has at most kMaxParameters parameters. Of an answer only the cycles are
+  // checked. Throws RoutineFault.
   void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:
@@ -40,7 +41,7 @@ class PlugIn {
   PlugIn(const std::string& file, bool is_boxed);
 
   bool order(SlotOrder::Kind kind, std::size_t slot) const;
-  // What went wrong, if anything did.
+  // Returns the fault of the call, if it had one.
   std::optional<std::string> call(Claim& claim, CallKind kind, std::uint32_t count) const;
 
   const PlugInProcess process_;

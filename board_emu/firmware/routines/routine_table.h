@@ -27,7 +27,7 @@ struct RoutineInfo {
   std::uint32_t cycle_budget = 0;
 };
 
-// What is wrong with an answer, if anything: a direction without a length, a share that is none.
+// Returns the fault of an answer, if it has one: a direction without a length, a share that is none.
 inline std::optional<std::string> fault(const ScatterAnswer& answer) {
   const auto& d = answer.direction;
   const double length = std::hypot(d[0], d[1], d[2]);

@@ -6,7 +6,7 @@
 
 namespace gicube::emu {
 
-// What the board has given, or null.
+// Returns the memory that the board has given, or null.
 CallMemory* shared_memory();
 
 // Before the plug-in's library is loaded: no rights are to be had by executing anything, and a routine has no capability. Signals of a terminal

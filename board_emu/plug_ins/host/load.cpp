@@ -14,7 +14,7 @@ void write(char (&to)[kSize], const std::string& text) {
   to[text.copy(to, kSize - 1)] = '\0';
 }
 
-// What the library's one function returns. Null: the report says why.
+// Returns the description that the library's one function returns. Null: the report says why.
 template <typename Description>
 const Description* described_by(const std::string& function, const std::string& file, Loading& report) {
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
