@@ -86,7 +86,7 @@ pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket
   return process;
 }
 
-// Of the whole process; nothing once it is gone.
+// Processor time of all threads of a process; 0 once it is gone.
 std::chrono::nanoseconds cpu_time(pid_t process) {
   clockid_t clock{};
   timespec used{};

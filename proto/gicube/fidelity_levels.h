@@ -1,5 +1,5 @@
-// What each fidelity level omits, and how accurately it estimates the rest. The statistics of a run print this table of
-// docs/reference/hardware.md.
+// The parts that each fidelity level omits, and how accurately it estimates the rest. The statistics of a run print this
+// table of docs/reference/hardware.md.
 #pragma once
 
 #include <array>

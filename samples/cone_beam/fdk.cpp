@@ -30,13 +30,13 @@ void check(const FdkSettings& settings, const ConeGeometry& geometry, const Proj
   check(projections, geometry);
 }
 
-// By Catmull and Rom's cubic, between the second and the third of four pixels. The cubic through all four loses more of the highest
-// frequencies, and a transform, exact for rows of limited band, would make those of edges ring.
+// Weights of four pixels for a value between the second and the third, by Catmull and Rom's cubic. The cubic through all four
+// loses more of the highest frequencies, and a transform, exact for rows of limited band, would make those of edges ring.
 std::array<double, 4> cubic(double t) {
   return {-t * (1 - t) * (1 - t) / 2, 1 + t * t * (3 * t - 5) / 2, t * (1 + t * (4 - 3 * t)) / 2, t * t * (t - 1) / 2};
 }
 
-// The pixels that a ray's value is made of; beyond the detector as at its edge.
+// The pixels and weights that make a ray's value. Pixels beyond the detector repeat its edge.
 struct Taps {
   std::array<std::size_t, 4> pixels{};
   std::array<double, 4> weights{};
@@ -130,7 +130,7 @@ PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.sharpen) return {*settings.sharpen, *settings.sharpen, *settings.sharpen};
   constexpr double kSplat = 1.0 / 12;  // splatting adds a variance of 1/6 voxel^2; a part a takes 2 a away
-  constexpr double kAcross = 0.1;      // chosen: with it, what the cubics lose
+  constexpr double kAcross = 0.1;      // chosen: also restores what the cubics lose (measured)
   const PixelRays rays = rays_of(settings, geometry);
   const Vec3 pixel = pixel_in_voxels(geometry);
   const auto across = [&](double width) {

@@ -76,7 +76,7 @@ double voxels_of_a_pixel(const ConeGeometry& geometry);
 // settings.rays along both axes or, if that is 0, the fewest whose error is about that of double precision, 1 to 4 along
 // each: docs/guide/cone_beam.md has the rule.
 PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
-// settings.sharpen on each axis or, without it, what suits the rays.
+// settings.sharpen on each axis or, if it is not given, the strength that suits the number of rays.
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry);
 
 // One view's projections, cosine-weighted, of short scans shared out, and filtered: what its rays leave in a unit of

@@ -82,7 +82,7 @@ void for_each_in_slice(const Grid& grid, std::size_t z, const Visit& visit) {
   }
 }
 
-// A pixel's, evenly along either axis of the detector.
+// The number of rays of a pixel along each axis of the detector, evenly spaced.
 struct PixelRays {
   int u = 1, v = 1;
   friend bool operator==(const PixelRays&, const PixelRays&) = default;

@@ -13,7 +13,7 @@ namespace gicube::samples {
 
 // The piece of a ray that runs through the volume, in voxels, clipped to the box of voxel centres; no length: none.
 HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel);
-// Of all pixels, rows first: the pieces within the volume, of no length where a ray misses it.
+// The rays of all pixels, rows first, clipped to the volume; a ray that misses it has no length.
 std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, PixelRays of_pixel = {});
 // In the unit of grid.spacing; 0 of a ray of no length.
 double length_in_space(const Grid& grid, const HostRay& ray);
@@ -50,7 +50,7 @@ struct Reconstruction {
   bool diverged = false;                      // the residual grew: the relaxation is too large
 };
 
-// What a view's rays leave in a unit of volume, in the order of view_rays().
+// The densities that a view's rays leave in a unit of volume, in the order of view_rays().
 using ViewDensities = std::function<std::vector<double>(std::size_t view)>;
 
 struct Splatting {
@@ -64,7 +64,7 @@ struct Splatting {
 std::vector<float> backproject(Board& board, const ConeGeometry& geometry, std::span<const double> angles,
                                const Splatting& how, const ViewDensities& densities, Reconstruction& counts);
 
-// What a voxel near the source may get of one view that leaves a density of 1.
+// An upper bound of what a voxel near the source receives from one view that leaves a density of 1.
 double max_of_a_voxel(const ConeGeometry& geometry, PixelRays rays);
 // Doubles the sums of voxels on the volume's faces (edges, corners: 4, 8 times), which only rays on one side of them reach.
 void make_up_for_faces(std::vector<float>& sums, const Dims& dims);
