@@ -1,4 +1,4 @@
-// Latencies between the parts of the ASIC, and the capacity of the FIFOs that join them. Both timed levels use these constants.
+// Latencies between the parts of the ASIC, and the capacity of the FIFOs that join them.
 #pragma once
 
 #include <cstddef>

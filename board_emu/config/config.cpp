@@ -60,12 +60,6 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   const auto report = [&](const char* field, std::string expected, std::string got) {
     found.push_back({field, std::move(expected), std::move(got), line_of(lines, field)});
   };
-  if (config.fidelity() == v1::approximate && config.sorter().queues() == v1::single) {
-    report("fidelity", "functional or cycle with sorter.queues=single", "approximate");
-  }
-  if (config.fidelity() != v1::cycle && config.sample_error() != 0) {
-    report("sample_error", "0 without fidelity=cycle", std::to_string(config.sample_error()));
-  }
   if (config.cache().tags() == v1::of_voxels) {
     if (config.cache().ways() != 1)
       report("cache.ways", "1 with cache.tags=of_voxels", std::to_string(config.cache().ways()));
@@ -164,6 +158,7 @@ std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view
 v1::BoardConfig resolve(const v1::BoardConfig& config) {
   v1::BoardConfig resolved = config;
   fill_in(resolved);
+  if (wants_approximate(resolved)) resolved.set_fidelity(v1::cycle);
   return resolved;
 }
 

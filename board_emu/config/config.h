@@ -23,7 +23,12 @@ ParsedConfig parse_config(std::string_view text);
 // Sets one field from text such as "asic.processors=8". On an error the configuration does not change.
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment);
 
-// Returns the configuration with all fields set, including defaults.
+// For one release a board takes this level of 0.2, number 2, for `cycle`, and logs this.
+inline bool wants_approximate(const v1::BoardConfig& config) { return config.fidelity() == 2; }
+inline constexpr std::string_view kApproximateIsCycle =
+    "fidelity: approximate is gone; cycle answers, exactly. Later releases refuse the name";
+
+// Returns the configuration with all fields set, including defaults. Its level is never `approximate`.
 v1::BoardConfig resolve(const v1::BoardConfig& config);
 
 // Reports all values out of range and all contradictions. Fields that are not set count with their defaults.

@@ -244,8 +244,7 @@ class Cells {
 
 class PendingRays : public WaitingAdds {
  public:
-  void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters,
-            std::span<std::int32_t> steps) {
+  void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters) {
     SumMemory& sums = *frame.sums;
     const Tiles tiles(sums);
     threads_ = std::max(threads, 1u);
@@ -260,8 +259,7 @@ class PendingRays : public WaitingAdds {
       const std::size_t first = rays.size() * t / parts, last = rays.size() * (t + 1) / parts;
       cuts_[t].counters = {};
       for (std::size_t i = first; i < last; ++i) {
-        const std::int32_t left = emu::take(rays[i], frame, tiles, cuts_[t]);
-        if (!steps.empty()) steps[i] = left;
+        emu::take(rays[i], frame, tiles, cuts_[t]);
       }
     });
     std::size_t bytes = 0;
@@ -304,12 +302,11 @@ class PendingRays : public WaitingAdds {
 
 }  // namespace
 
-RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
-                        std::span<std::int32_t> steps) {
+RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
   std::unique_ptr<WaitingAdds>& waiting = frame.sums->waiting();
   if (waiting == nullptr) waiting = std::make_unique<PendingRays>();
   RayCounters sum;
-  static_cast<PendingRays&>(*waiting).take(rays, frame, threads, sum, steps);
+  static_cast<PendingRays&>(*waiting).take(rays, frame, threads, sum);
   sum.visible_samples = sum.deposits = sum.samples;
   return sum;
 }

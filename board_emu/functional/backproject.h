@@ -11,8 +11,6 @@
 namespace gicube::emu {
 
 // Queues the rays' contributions to frame.sums. The energy counters' `deposited.kept` is their signed sum, modulo 2^64.
-// `steps`: empty, or receives each ray's number of samples.
-RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads,
-                        std::span<std::int32_t> steps = {});
+RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads);
 
 }  // namespace gicube::emu

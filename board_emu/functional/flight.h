@@ -6,7 +6,6 @@
 
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
-#include "functional/trail.h"
 
 namespace gicube::emu {
 
@@ -19,12 +18,10 @@ struct Flight {
   Trap trap;                            // if it is trapped
 };
 
-// One iteration of a ray that has not ended, in a frame that is not plain. kNot: it continues. `trail`: null, or extended as
-// `record` requires.
-Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record,
-                      RayTrail* trail);
+// One iteration of a ray that has not ended, in a frame that is not plain. kNot: it continues.
+Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters);
 
 // All iterations until the ray stops.
-void fly(Flight& flight, const Frame& frame, RayCounters& counters, const TrailRecord* record);
+void fly(Flight& flight, const Frame& frame, RayCounters& counters);
 
 }  // namespace gicube::emu

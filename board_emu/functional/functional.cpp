@@ -40,50 +40,19 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   return how;
 }
 
-// Position of a sample, and the scatterings that the ray had left there.
-struct SampledAt {
-  Point place;
-  std::uint16_t lifetime;
-};
-
-// Adds an event to the trail if the sample had effects.
-void note(const Interaction& interaction, const SampledAt& sampled, const RayState& ray, const TrailRecord& record,
-          RayTrail& trail) {
-  const bool writes =
-      ray.is(wire::kLightingRay) && (record.all_samples || (record.visible_samples && interaction.visible));
-  const bool turns = ray.lifetime != sampled.lifetime, trapped = interaction.outcome == Outcome::kTrapped;
-  if (!interaction.deposits && !writes && !turns && !trapped) return;
-  TrailEvent& event = trail.add();
-  event.deposits = interaction.deposits || writes;
-  event.trapped = trapped;
-  event.turns = turns;
-  event.contribution = contribution(ray);
-  if (turns) event.way = way_of(ray);
-  if (event.deposits) event.deposit = interaction.deposits ? interaction.deposit : nothing_at(sampled.place);
-  if (event.deposits && record.writes_all_voxels()) event.deposit.shares.fill(1);
-}
-
-// One iteration of a ray that also deposits or is scattered. With kRecords it extends `trail`.
-template <bool kRecords>
-Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
-                 const TrailRecord* record, RayTrail* trail) {
+// One iteration of a ray that also deposits or is scattered.
+Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters) {
   const std::size_t block = grid.block(ray_state.position);
   if (is_absent(block, frame)) return Termination::kAbsent;
   const Point low = grid.low(ray_state.position);
   if (is_leapt_over(block, frame)) {
-    const std::int32_t steps = leap(ray_state, low, grid.size(), frame, counters);
-    if constexpr (kRecords) trail->since += steps;
+    leap(ray_state, low, grid.size(), frame, counters);
     return Termination::kNot;
   }
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   const Cell at = cell(ray_state.position, low);
   const BlockView view = frame.volume->view(block);
-  [[maybe_unused]] const SampledAt sampled{ray_state.position, ray_state.lifetime};
   const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
-  if constexpr (kRecords) {
-    ++trail->since;
-    note(interaction, sampled, ray_state, *record, *trail);
-  }
   if (interaction.deposits && frame.light_words == 1) {
     give_host(interaction.deposit, frame);
     counters.energy.deposited += frame.irradiance->add(on_card(interaction.deposit, frame));
@@ -96,13 +65,11 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
   return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kNot;
 }
 
-template <bool kRecords>
-Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record = nullptr,
-                RayTrail* trail = nullptr) {
+Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   Termination how = Termination::kNot;
   while (how == Termination::kNot && (how = end(ray_state, frame)) == Termination::kNot) {
-    how = pass<kRecords>(ray_state, grid, frame, counters, record, trail);
+    how = pass(ray_state, grid, frame, counters);
   }
   return how;
 }
@@ -110,12 +77,11 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, 
 // Traces rays until they end, are trapped or wait for a block.
 class Flights {
  public:
-  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const TrailRecord* record,
-          const SimdTracer* tracer, std::span<const std::uint64_t> indices)
+  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const SimdTracer* tracer,
+          std::span<const std::uint64_t> indices)
       : rays_(rays),
         frame_(frame),
         counters_(counters),
-        record_(record),
         tracer_(tracer),
         indices_(indices),
         ended_(rays.size()) {}
@@ -139,8 +105,8 @@ class Flights {
 
  private:
   void fly_all(std::span<Flight> flights) {
-    if (tracer_ != nullptr) return tracer_->fly(flights, frame_, counters_, record_);
-    for (Flight& flight : flights) fly(flight, frame_, counters_, record_);
+    if (tracer_ != nullptr) return tracer_->fly(flights, frame_, counters_);
+    for (Flight& flight : flights) fly(flight, frame_, counters_);
   }
 
   std::uint64_t index_of(std::size_t ray) const { return indices_.empty() ? ray : indices_[ray]; }
@@ -169,9 +135,6 @@ class Flights {
       } else if (const auto trap = trap_of(flight.ray_state, frame_)) {
         flight.trap = *trap;
         out.push_back(flight);
-      } else if (record_ != nullptr) {
-        TrailEvent& event = record_->trails[flight.ray].events.back();
-        event.waits = event.ends = true;
       }
     }
     return out;
@@ -193,13 +156,6 @@ class Flights {
     std::vector<Flight> out;
     for (std::size_t i = 0; i < flights.size(); ++i) {
       const Interaction interaction = answer_trap(flights[i].ray_state, answers[i], frame_, counters_);
-      if (record_ != nullptr) {
-        TrailEvent& event = record_->trails[flights[i].ray].events.back();
-        event.routine_cycles = answers[i].cycles;
-        event.turns = true;
-        event.way = way_of(flights[i].ray_state);
-        event.contribution = contribution(flights[i].ray_state);
-      }
       if (interaction.outcome == Outcome::kEnded) {
         end_with(flights[i], Termination::kAbsorbed);
       } else {
@@ -213,13 +169,11 @@ class Flights {
     count_end(flight.ray_state, how, frame_, counters_);
     pack_ended(flight.ray_state, frame_, rays_[flight.ray]);
     ended_[flight.ray] = true;
-    if (record_ != nullptr) record_->trails[flight.ray].end(contribution(flight.ray_state));
   }
 
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   RayCounters& counters_;
-  const TrailRecord* record_;               // null: no recording
   const SimdTracer* tracer_;                // null: rays are traced one by one
   std::span<const std::uint64_t> indices_;  // indices of the rays in their source; empty: as in rays_
   std::vector<bool> ended_;
@@ -231,33 +185,25 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   RayState ray_state = unpack(ray, frame);
   std::int32_t taken = 0;
   const Termination how =
-      frame.plain() ? run_plain(ray_state, frame, counters, taken) : run<false>(ray_state, frame, counters);
+      frame.plain() ? run_plain(ray_state, frame, counters, taken) : run(ray_state, frame, counters);
   if (steps != nullptr) *steps = taken;
   count_end(ray_state, how, frame, counters);
   pack(ray_state, frame, ray);
 }
 
-Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters, const TrailRecord* record,
-                      RayTrail* trail) {
-  const BlockGrid grid(*frame.volume);
-  return record != nullptr ? pass<true>(ray_state, grid, frame, counters, record, trail)
-                           : pass<false>(ray_state, grid, frame, counters, nullptr, nullptr);
+Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters) {
+  return pass(ray_state, BlockGrid(*frame.volume), frame, counters);
 }
 
-void fly(Flight& flight, const Frame& frame, RayCounters& counters, const TrailRecord* record) {
+void fly(Flight& flight, const Frame& frame, RayCounters& counters) {
   std::int32_t taken = 0;
-  if (record != nullptr) {
-    flight.how = run<true>(flight.ray_state, frame, counters, record, &record->trails[flight.ray]);
-  } else {
-    flight.how = frame.plain() ? run_plain(flight.ray_state, frame, counters, taken)
-                               : run<false>(flight.ray_state, frame, counters);
-  }
+  flight.how = frame.plain() ? run_plain(flight.ray_state, frame, counters, taken)
+                             : run(flight.ray_state, frame, counters);
 }
 
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record, const SimdTracer* tracer,
-                                std::span<const std::uint64_t> indices) {
-  return Flights(rays, frame, counters, record, tracer, indices).run();
+                                const SimdTracer* tracer, std::span<const std::uint64_t> indices) {
+  return Flights(rays, frame, counters, tracer, indices).run();
 }
 
 }  // namespace gicube::emu

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "datapath/frame.h"
-#include "functional/trail.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube::emu {
@@ -22,11 +21,10 @@ class SimdTracer;
 void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 // Traces rays that routines may scatter; trapped rays are collected and scattered together. Returns which rays have ended; the
-// others wait for the host or for a block, in the frame's HostTrapQueue or WaitingRayQueue. `record`: null, or receives the
-// trail of each ray, in a frame that is not plain. `tracer`: null, or traces rays side by side, prepared for this frame.
+// others wait for the host or for a block, in the frame's HostTrapQueue or WaitingRayQueue. `tracer`: null, or traces rays side by side, prepared for this frame.
 // `indices`: of the rays in their source, for a frame in bricks.
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const TrailRecord* record = nullptr, const SimdTracer* tracer = nullptr,
+                                const SimdTracer* tracer = nullptr,
                                 std::span<const std::uint64_t> indices = {});
 
 }  // namespace gicube::emu

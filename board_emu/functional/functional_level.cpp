@@ -59,7 +59,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     } else if (frame.plain() && !frame.in_bricks()) {
       for (wire::Ray& ray : batch->rays) integrate(ray, frame, counts);
     } else {  // waiting rays do not return
-      const std::vector<bool> ended = integrate_all(batch->rays, frame, counts, nullptr, tracer, batch->index);
+      const std::vector<bool> ended = integrate_all(batch->rays, frame, counts, tracer, batch->index);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }
@@ -110,22 +110,6 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTrace
     if (tracer != nullptr) return tracer->trace(part, frame, counters, their_steps);
     for (std::size_t i = 0; i < count; ++i) integrate(part[i], frame, counters, &their_steps[i]);
   });
-}
-
-std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
-                                         const SimdTracer* tracer, unsigned threads, RayCounters& counters) {
-  if (record.writes_all_voxels()) tracer = nullptr;
-  const std::size_t run_rays = tracer != nullptr ? kVectorRays : kScalarRays;
-  const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
-  std::vector<std::uint8_t> ended(rays.size());
-  counters += parallel_sum<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counts) {
-    const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
-    TrailRecord part = record;
-    part.trails = record.trails.subspan(begin, count);
-    const std::vector<bool> of_part = integrate_all(rays.subspan(begin, count), frame, counts, &part, tracer);
-    std::copy(of_part.begin(), of_part.end(), ended.begin() + static_cast<std::ptrdiff_t>(begin));
-  });
-  return ended;
 }
 
 }  // namespace gicube::emu

@@ -9,7 +9,6 @@
 #include "datapath/frame.h"
 #include "datapath/opacity_correction.h"
 #include "functional/simd/simd_tracer.h"
-#include "functional/trail.h"
 #include "levels/level.h"
 
 namespace gicube::emu {
@@ -41,9 +40,5 @@ class FunctionalLevel : public Level {
 // `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
-// Traces rays of other frames, and records their trails. Returns for each ray whether it has ended; the others wait for the
-// host.
-std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
-                                         const SimdTracer* tracer, unsigned threads, RayCounters& counters);
 
 }  // namespace gicube::emu

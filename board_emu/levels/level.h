@@ -1,6 +1,6 @@
 // A fidelity level: traces rays to their ends, and computes how long the board needs for that.
 //
-// All levels compute the same values. They differ in the time that they compute: none, cycle by cycle, or approximate.
+// All levels compute the same values. They differ in the time that they compute: none, or cycle by cycle.
 #pragma once
 
 #include <array>

@@ -201,6 +201,7 @@ int run(int argc, const char* const* argv) {
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
   spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
+  if (line.options.wants_approximate) spdlog::warn(kApproximateIsCycle);
   RoutineTable routines;  // not unloaded while a board exists
   try {
     load_routines(line.options, routines);

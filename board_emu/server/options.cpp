@@ -166,7 +166,7 @@ void read_checkpoint(const Flags& flags, Options& options, std::vector<std::stri
 }
 
 // Call after read_checkpoint().
-v1::BoardConfig read_config(const Flags& flags, const Options& options, std::vector<std::string>& errors,
+v1::BoardConfig read_config(const Flags& flags, Options& options, std::vector<std::string>& errors,
                             std::size_t& left_out) {
   ParsedConfig parsed = parse_config(read_file("--config", flags.config_file, errors));
   for (const Diagnostic& each : parsed.diagnostics) {
@@ -190,6 +190,7 @@ v1::BoardConfig read_config(const Flags& flags, const Options& options, std::vec
   for (const Diagnostic& each : check(parsed.config, parsed.lines)) {
     errors.push_back((each.line > 0 ? flags.config_file + ": " : "") + to_string(each));
   }
+  options.wants_approximate = wants_approximate(parsed.config);
   return resolve(parsed.config);
 }
 

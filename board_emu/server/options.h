@@ -23,6 +23,7 @@ struct Options {
   Endpoint listen;
   std::optional<ManagementOptions> management;
   v1::BoardConfig config;                        // resolved and checked
+  bool wants_approximate = false;                // instead of config's cycle
   std::shared_ptr<const Checkpoint> checkpoint;  // initial state of the boards; null: none
   std::uint32_t boards = 1;
   ObservationOptions observation;

@@ -3,7 +3,7 @@
 #                 [LIBRARIES target ...]    # ... and these, as GTest::gtest_main
 #                 [COMMAND program arg ...] # or a program that there is: a target or a file
 #                 [BUS pci33 agp2x ...]     # host buses; several make a test of each, called name.bus
-#                 [FIDELITY level]          # functional, approximate or cycle
+#                 [FIDELITY level]          # functional or cycle
 #                 [CONFIG file]             # a board configuration
 #                 [SET field=value ...]     # single fields of it, as asic.processors=8
 #                 [FAULTS file]             # a fault plan
@@ -35,8 +35,8 @@ function(gicube_add_test)
       message(FATAL_ERROR "gicube_add_test(${arg_NAME}): BUS: expected pci33, agp1x, agp2x or agp4x, got ${bus}")
     endif()
   endforeach()
-  if(DEFINED arg_FIDELITY AND NOT arg_FIDELITY MATCHES "^(functional|approximate|cycle)$")
-    message(FATAL_ERROR "gicube_add_test(${arg_NAME}): FIDELITY: expected functional, approximate or cycle, got ${arg_FIDELITY}")
+  if(DEFINED arg_FIDELITY AND NOT arg_FIDELITY MATCHES "^(functional|cycle)$")
+    message(FATAL_ERROR "gicube_add_test(${arg_NAME}): FIDELITY: expected functional or cycle, got ${arg_FIDELITY}")
   endif()
   foreach(field CONFIG FAULTS)
     if(arg_${field})

@@ -1,5 +1,4 @@
-// The parts that each fidelity level omits, and how accurately it estimates the rest. The statistics of a run print this
-// table of docs/reference/hardware.md.
+// The parts that each fidelity level omits. The statistics of a run print this table of docs/reference/hardware.md.
 #pragma once
 
 #include <array>
@@ -8,7 +7,7 @@
 namespace gicube {
 
 // Levels of gicube.v1.FidelityLevel as bits.
-inline constexpr unsigned kAtFunctional = 1, kAtApproximate = 2, kAtCycle = 4, kAtEveryLevel = 7;
+inline constexpr unsigned kAtFunctional = 1, kAtCycle = 4, kAtEveryLevel = kAtFunctional | kAtCycle;
 
 struct LeftOut {
   unsigned levels;  // the levels that do not model it
@@ -18,9 +17,7 @@ struct LeftOut {
 inline constexpr std::array kLeftOut{
     LeftOut{kAtFunctional, "time of the ASIC: queues, volume cache, memory, links, ray bus"},
     LeftOut{kAtFunctional, "changes between the DSP's loops, and its waits for caches and SDRAM"},
-    LeftOut{kAtFunctional | kAtApproximate, "causes of the pipelines' cycles, but busy and leap"},
-    LeftOut{kAtApproximate, "parts in step: they may be up to 32 cycles apart"},
-    LeftOut{kAtApproximate, "places in the merge tree that processors share"},
+    LeftOut{kAtFunctional, "causes of the pipelines' cycles"},
     LeftOut{kAtEveryLevel, "electrical behaviour, power"},
     LeftOut{kAtEveryLevel, "interrupts as wires: completions stand for them"},
     LeftOut{kAtEveryLevel, "DMA descriptor fetches, and DMA that fetches ahead of a loop of the DSP"},
@@ -72,38 +69,5 @@ constexpr bool is_modelled(unsigned level, std::string_view field) {
   }
   return true;
 }
-
-// The largest measured error of the approximate level, compared with the cycle level.
-struct MeasuredError {
-  std::string_view quantity;
-  double within;
-  bool is_relative;  // false: in units of the quantity
-  std::string_view measured_on;
-  std::string_view source;  // the page that states it
-};
-
-inline constexpr std::string_view kLevelPage = "docs/reference/hardware.md";
-
-inline constexpr std::array kApproximateErrors{
-    MeasuredError{"time", 0.022, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
-    MeasuredError{"packets", 0.063, true, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
-    MeasuredError{"hit ratio", 0.016, false, "the 20 scenes and configurations of approximate_level_test", kLevelPage},
-    MeasuredError{"time", 0.014, true, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},
-    MeasuredError{"packets read", 0.033, true, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},
-    MeasuredError{"packets written", 0.015, true, "the 15 lit scenes and configurations of lit_passes_test",
-                  kLevelPage},
-    MeasuredError{"hit ratio", 0.006, false, "the 15 lit scenes and configurations of lit_passes_test", kLevelPage},
-    MeasuredError{"time", 0.039, true, "the 11 backprojecting scenes of lit_passes_test", kLevelPage},
-    MeasuredError{"packets read", 0.044, true, "the 11 backprojecting scenes of lit_passes_test", kLevelPage},
-    MeasuredError{"packets written", 0.031, true, "the 11 backprojecting scenes of lit_passes_test", kLevelPage},
-    MeasuredError{"time", 0.023, true, "the held-out pairs that are lit or backproject", kLevelPage},
-    MeasuredError{"packets", 0.021, true, "the held-out pairs that are lit or backproject", kLevelPage},
-    MeasuredError{"time", 0.028, true, "the unlit held-out pairs", kLevelPage},
-    MeasuredError{"packets", 0.042, true, "the unlit held-out pairs", kLevelPage},
-    MeasuredError{"hit ratio", 0.0011, false, "all held-out pairs", kLevelPage},
-    MeasuredError{"time", 0.043, true, "24 further configurations; both beyond 2.8% have slabs, of 8 and 16 processors",
-                  kLevelPage},
-    MeasuredError{"bandwidth", 0.16, true, "links of 8 bits and less, with two or four places", kLevelPage},
-};
 
 }  // namespace gicube

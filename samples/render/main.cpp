@@ -155,8 +155,6 @@ int run(int argc, char** argv, gicube::MpiExchange* ranks) {
     };
     render_frames(*options, progress, done, ranks);
   }
-  if (!options->board.quiet && !statistics.empty())
-    fmt::print("{}", sampled_line(counters_of(statistics), options->board.sample));
   if (options->board.stats.empty()) return 0;
   if (options->animation.frames == 1) {
     write_statistics(statistics.front(), options->board.stats);

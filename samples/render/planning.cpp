@@ -57,24 +57,14 @@ Json point_json(const LightPoint& point) {
 
 }  // namespace
 
-Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
-                   bool own_codebook, const Progress& progress) {
+Plan plan_and_load(Board& board, const PlanOptions& wanted, const SceneSetup& setup, bool own_codebook,
+                   const Progress& progress) {
   const std::vector<TransferFunction> looks = looks_of(setup);
   PlanRequest request = request_of(wanted, setup.view);
   request.volume = setup.volume_view();
   request.looks = looks;
   if (own_codebook) set_own_codebook(board, setup);
-  const bool apart = (options.fidelity == "cycle" || options.sample > 0) && options.board.starts_with("emu:");
-  if (!apart) return make_plan(board, request, progress);
-
-  BoardOptions sooner = options;
-  sooner.set_level("approximate");
-  Board pilots = open_board(sooner);
-  pilots.set_shading(setup.shading);
-  if (own_codebook) set_own_codebook(pilots, setup);
-  Plan plan = make_plan(pilots, request, progress);
-  load_planned(board, plan, request.volume, looks);
-  return plan;
+  return make_plan(board, request, progress);
 }
 
 Placement load_derived(Board& board, SceneSetup& setup, bool crop, int level, bool own_codebook,

@@ -14,10 +14,10 @@
 
 namespace gicube::samples {
 
-// Plans the setup's picture and brings its volume onto the board as planned, codebook included. An emulated board of level
-// `cycle` has its pilots taken by one of level `approximate`, which has the same bits sooner. Throws the driver's errors.
-Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
-                   bool own_codebook, const Progress& progress);
+// Plans the setup's picture and brings its volume onto the board as planned, codebook included. Throws the driver's
+// errors.
+Plan plan_and_load(Board& board, const PlanOptions& wanted, const SceneSetup& setup, bool own_codebook,
+                   const Progress& progress);
 
 // Loads what stands for the setup's volume, whose voxels are freed on the way: the part in which anything shows (`crop`), voxels
 // of 2^level (gicube/level_of_detail.h), or both. Returns where it lies.

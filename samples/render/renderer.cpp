@@ -209,7 +209,7 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   if (derived && !unlit)
     throw UsageError("--crop, --level-of-detail: expected a picture without light of its own, and no scattering");
   if (options_.plan.wanted() && unlit) {
-    plan_ = plan_and_load(board_, options_.board, options_.plan, setup_, own_codebook, steps_("planning"));
+    plan_ = plan_and_load(board_, options_.plan, setup_, own_codebook, steps_("planning"));
   } else if (derived) {
     part_ = load_derived(board_, setup_, options_.crop, options_.level_of_detail, own_codebook,
                          steps_("loading the volume"));

@@ -181,9 +181,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["invisible"] = statistics.invisible.empty() ? Json(nullptr) : Json(statistics.invisible);
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);
-  const Counters all = counters_of({&statistics, 1});
-  json["fidelity_report"] = fidelity_json(all);
-  json["sampled"] = sampled_json(all);
+  json["fidelity_report"] = fidelity_json(counters_of({&statistics, 1}));
   return json;
 }
 
@@ -209,7 +207,6 @@ void write_statistics(const std::vector<FrameStatistics>& frames, const std::fil
   const Counters counters = counters_of(frames);
   json["counters"] = to_json(counters);
   json["fidelity_report"] = fidelity_json(counters);
-  json["sampled"] = sampled_json(counters);
   write_json(json, provenance_of(frames.front().board, frames.front().scene_hash), path);
 }
 

@@ -65,7 +65,7 @@ struct FrameStatistics {
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
 // memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume brick_detail lighting plan
-// boards host invisible pixel counters fidelity_report sampled (of program/run_json.h, with the lighting passes that were
+// boards host invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes that were
 // made). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
@@ -87,7 +87,7 @@ double imbalance(const std::vector<RankStatistics>& ranks);
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);
 // Of several pictures: keys frames (each as above, without the counters), illumination_passes (made, not reused) and
-// volumes_loaded; counters, fidelity_report and sampled are those of all pictures and passes.
+// volumes_loaded; counters and fidelity_report are those of all pictures and passes.
 void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path);
 
 }  // namespace gicube::samples

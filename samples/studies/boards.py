@@ -10,7 +10,7 @@ BUSES = ("own", "shared")
 EDGE = {"strong": lambda boards: 512, "weak": lambda boards: round(256 * math.sqrt(boards))}  # pixels
 
 
-def measured(kind, buses, boards, fidelity="approximate", voxels=128, edge=None):
+def measured(kind, buses, boards, fidelity="cycle", voxels=128, edge=None):
     """Of a picture after the first, which finds the tables on the boards: its simulated milliseconds, and the mean over the boards of where
     they went."""
     edge = edge or EDGE[kind](boards)

@@ -13,14 +13,14 @@ import sys
 import tempfile
 import time
 
-from studies import held_out, plots, sampled
+from studies import levels, plots
 from studies.points import BIN, ROOT, Kept, measure, text_of
 from studies.table import pareto
 
 TESTS = ROOT / "build/release/tests"
 RUNS = ROOT / "build/charts"
 CHARTS = ROOT / "docs/studies/charts"
-LEVELS = "fidelity=functional,approximate,cycle"
+LEVELS = "fidelity=functional,cycle"
 
 
 def build(*targets):
@@ -92,16 +92,10 @@ def rendering(jobs):
 # The host's seconds are the cost of what follows: one run at a time, and anew once all are done.
 
 
-def pairs(name, out):
+def levels_of_pairs(_):
     build("gicube-render", "gicube-cone-beam")
-    held_out.measure(ROOT / f"samples/studies/{name}_pairs.txt", RUNS / name, BIN, out)
-    shutil.rmtree(RUNS / name)
-
-
-def sampled_series(_):
-    build("gicube-render", "gicube-cone-beam", "gicube-form-factors")
-    sampled.measure(ROOT / "samples/studies/sampled_pairs.txt", RUNS / "sampled", BIN, CHARTS / "sampled.csv")
-    shutil.rmtree(RUNS / "sampled")
+    levels.measure(ROOT / "samples/studies/level_pairs.txt", RUNS / "levels", BIN, CHARTS / "levels.csv")
+    shutil.rmtree(RUNS / "levels")
 
 
 def scaling(_):
@@ -126,9 +120,7 @@ POINTS = {"lighting": [], "light": ["gicube-render", "gicube-path", "gicube-phot
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
-            "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "sampled": sampled_series, "scaling": scaling}
-# On which the approximate level was adjusted; no chart.
-OTHERS = {"development": lambda _: pairs("development", RUNS / "development.csv")}
+            "levels": levels_of_pairs, "scaling": scaling}
 
 
 def main():
@@ -139,10 +131,9 @@ def main():
     parser.add_argument("--point", help="measure one point again, by the name in the tables: its row is printed")
     parser.add_argument("--draw", action="store_true", help="draw them from the tables that there are, without measuring")
     given = parser.parse_args()
-    measured = MEASURED | OTHERS
     for name in given.names:
-        if name not in measured:
-            parser.error(f'expected {", ".join(measured)}, got "{name}"')
+        if name not in MEASURED:
+            parser.error(f'expected {", ".join(MEASURED)}, got "{name}"')
     os.chdir(ROOT)
     sys.path.insert(1, str(ROOT / "build/release/python"))  # the package gicube
     os.environ["GICUBE_BOARD"] = str(BIN / "gicube-board")

@@ -87,13 +87,13 @@ class Case:
         return statistics(folder / "error.json")
 
     def timed(self, kept, iterations=0):
-        """All views simulated at the approximate level, with the board's time. `iterations`: of the longest run of this method; the times of
+        """All views simulated at cycle level, with the board's time. `iterations`: of the longest run of this method; the times of
         shorter ones are those at which its iterations were done."""
         if not iterations:
-            made = self.reconstruct("approximate", self.compare)
+            made = self.reconstruct("cycle", self.compare)
             return made | {"board_ms": made["rays_ms"]}
         longest = replace(self, method=self.method | {"iterations": iterations})
-        ends = kept.of(f"{longest!r}", lambda: longest.reconstruct("approximate"))["iterations_ms"]
+        ends = kept.of(f"{longest!r}", lambda: longest.reconstruct("cycle"))["iterations_ms"]
         made = self.untimed(kept)
         return made | {"board_ms": ends[len(made["residuals"]) - 1]}
 

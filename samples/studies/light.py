@@ -125,7 +125,7 @@ def reference(scene, file, size=SIZE, voxels=None, paths=None):
     return {**said, "factor": factor, "shown": (factor * mean).round(6).tolist(), "noise": (factor * noise).round(6).tolist()}
 
 
-def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="approximate"):
+def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="cycle"):
     """Milliseconds of the board for light and picture, of them for light; the picture's errors; what a plan of light said."""
     truth = kept.of(f"truth/{scene}", lambda: reference(scene, file, size, voxels, paths))
     shown, noise = (np.array(truth[name]) for name in ("shown", "noise"))

@@ -9,7 +9,7 @@ import numpy as np
 from studies.draw import Panel, Series, chart, panels
 from studies.table import rows_of
 
-LEVELS = ("functional", "approximate", "cycle")
+LEVELS = ("functional", "cycle")
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
 WORDS = {name: lines[2:].strip().split("\n- ") for name, lines in
@@ -88,28 +88,13 @@ def light(folder):
     draw_panels(folder, "light_error", parts)
 
 
-def emulator(folder):
-    """Errors of time and of memory traffic by the host's seconds: pairs at each level (held_out.csv), and sampled series (sampled.csv)."""
-    pairs = rows_of(folder / "held_out.csv")
-    sampled = rows_of(folder / "sampled.csv")
-    kinds = grouped([row | {"kind": kind_of(row["command"])} for row in pairs if row["answered"] == "approximate"], "kind")
-
-    def of(rows, seconds, error, colour, label, hollow=False):
-        return Series(label, column(rows, seconds), [max(abs(each), LEAST) for each in column(rows, error)], look="points", colour=colour, hollow=hollow)
-
-    def panel(axis, approximate, one_place, of_sample, named, *more, **of_panel):
-        lines = [*more, *(of(kinds[kind], "approximate_s", approximate, colour, f"approximate, {kind}" if named else "")
-                          for colour, kind in enumerate(("viewing rays", "light", "backprojection"))),
-                 of(sampled, "sampled_s", of_sample, 3, "sampled, series of commands" if named else ""),
-                 of(pairs, "cycle_s", one_place, 4, "cycle, queues a place shorter" if named else "", hollow=True),
-                 Series("cycle, the reference: no error" if named else "", column(pairs, "cycle_s"), [LEAST] * len(pairs), look="points", colour=5)]
-        return Panel(WORDS["emulator_error"][1], axis, lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1), **of_panel)
-    time, traffic = WORDS["emulator_error"][2:]
-    draw_panels(folder, "emulator_error",
-                [panel(time, "time_error", "time_self", "cycles_error", False, of(pairs, "functional_s", "functional_time_error", -1, ""),
-                       lines_y=[(0.025, "2.5%")]),
-                 panel(traffic, "packets_error", "packets_self", "packets_error", True,
-                       Series("functional: no traffic", [], [], look="points", colour=-1), lines_y=[(0.05, "5%")], box_outside=True)])
+def levels(folder):
+    """The share of the simulated time that each level leaves out, by the host's seconds."""
+    pairs = [row | {"kind": kind_of(row["command"])} for row in rows_of(folder / "levels.csv")]
+    lines = [Series(f"functional, {kind}", column(rows, "functional_s"), [max(abs(each), LEAST) for each in column(rows, "functional_time_error")],
+                    look="points", colour=colour) for colour, (kind, rows) in enumerate(grouped(pairs, "kind").items())]
+    lines.append(Series("cycle leaves nothing out", column(pairs, "cycle_s"), [LEAST] * len(pairs), look="points", colour=5))
+    draw(folder, "levels", lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1))
 
 
 def kind_of(command):
@@ -274,6 +259,5 @@ def cone_beam_all(folder):
     draw_panels(folder, "cone_beam_front", parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, scaling)} | {
-    "held_out": [emulator], "sampled": [emulator],
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels, scaling)} | {
     "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

@@ -39,10 +39,10 @@ FOLDER/runs and not done again. Every run has --threads 1, unless --fix threads=
 Exit codes: 0 done, 1 failed, 2 wrong usage.
 
   gicube-sweep builtin:buckyball --vary step=0.25,0.5,1,2 --vary jitter=off,on \\
-    --reference step=0.0625 --reference jitter=off --fix fidelity=approximate -o out
+    --reference step=0.0625 --reference jitter=off --fix fidelity=cycle -o out
 """
 ITS_OWN = ("output", "stats", "quiet", "frames")  # options of gicube-render that the sweep sets
-HARDLY = 0.02  # chosen: less than frame times of the approximate level are off by
+HARDLY = 0.02  # chosen: nothing that a picture of speed would show
 
 
 class Parser(argparse.ArgumentParser):
@@ -321,7 +321,7 @@ def warn_of_constant_cost(options, rows):
         change = cost_change(rows, name)
         if len(values) > 1 and change < HARDLY:
             print(f"{PROGRAM}: note: {name} changes frame_ms by at most {100 * change:.2g}%: at the functional level the ASIC takes no time. "
-                  "--fix fidelity=approximate counts it", file=sys.stderr)
+                  "--fix fidelity=cycle counts it", file=sys.stderr)
 
 
 def warn_of_invisible(rows):

@@ -31,7 +31,7 @@ BENCHMARK_CAPTURE(demo_frame, functional, "emu:?threads=1")
     ->Arg(512)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(demo_frame, approximate, "emu:?threads=1&fidelity=approximate")
+BENCHMARK_CAPTURE(demo_frame, cycle, "emu:?threads=1&fidelity=cycle")
     ->Arg(256)
     ->Arg(512)
     ->UseRealTime()

@@ -133,19 +133,11 @@ const std::vector<Rule>& rules() {
       // Has values that nobody sees on their way from the level without time.
       room("board_emu/cycle", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional"}),
-      // Has its values from one level, and hands what it does not know to the other.
-      room("board_emu/approximate", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
-                                     "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional",
-                                     "board_emu/cycle"}),
-      // Hands each command to one of two levels.
-      room("board_emu/sampled", {"board_emu/words", "board_emu/datapath", "board_emu/levels", "board_emu/functional",
-                                 "board_emu/cycle"}),
       // Commands name no level; one file does.
       room("board_emu/firmware", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                   "board_emu/asic", "board_emu/levels"}),
       room("board_emu/firmware/make_level.cpp",
-           {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle",
-            "board_emu/approximate", "board_emu/sampled"}),
+           {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle"}),
       room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/plug_ins", "board_emu/words", "board_emu/datapath"}),
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
                                "board_emu/firmware"}, {"fmt", "google/protobuf"}),

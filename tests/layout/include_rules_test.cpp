@@ -28,7 +28,6 @@ const Files kTree{"proto/gicube/wire/ray.h",
                   "board_emu/levels/level.h",
                   "board_emu/functional/functional_level.h",
                   "board_emu/cycle/machine.h",
-                  "board_emu/approximate/pass_machine.h",
                   "board_emu/firmware/framebuffer.h",
                   "board_emu/board/board.h",
                   "board_emu/board/timeline.h",
@@ -100,7 +99,7 @@ TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
   EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"board/timeline.h\""), testing::SizeIs(1));
 }
 
-// words, config <- memory <- datapath <- asic <- levels <- functional, cycle, approximate <- firmware <- board <- observe,
+// words, config <- memory <- datapath <- asic <- levels <- functional, cycle <- firmware <- board <- observe,
 // server
 TEST(IncludeRules, CatchEveryRoomOfTheBoardThatNamesARoomAboveIt) {
   struct Case {
@@ -118,13 +117,9 @@ TEST(IncludeRules, CatchEveryRoomOfTheBoardThatNamesARoomAboveIt) {
       {"board_emu/functional/functional_level.h", "cycle/machine.h"},
       {"board_emu/cycle/machine.h", "firmware/framebuffer.h"},
       {"board_emu/cycle/machine.h", "board/board.h"},
-      {"board_emu/cycle/machine.h", "approximate/pass_machine.h"},
-      {"board_emu/approximate/pass_machine.h", "firmware/framebuffer.h"},
-      {"board_emu/approximate/pass_machine.h", "board/board.h"},
       {"board_emu/firmware/commands/commands.cpp", "board/board.h"},
       {"board_emu/firmware/commands/commands.cpp", "functional/functional_level.h"},  // commands name no level
       {"board_emu/firmware/commands/commands.cpp", "cycle/machine.h"},
-      {"board_emu/firmware/commands/commands.cpp", "approximate/pass_machine.h"},
       {"board_emu/board/board.cpp", "observe/observation.h"},
       {"board_emu/board/board.cpp", "server/bus/session.h"},
       {"board_emu/observe/observation.h", "server/bus/session.h"},

@@ -214,7 +214,7 @@ TEST(BoardProcess, EveryConfigurationFaultIsOnStderrAndTheCodeIsTwo) {
   const std::string errors = board.read_errors();
   EXPECT_THAT(errors, HasSubstr("line 2: asic.processors: expected 1 to 16 processors, got 99"));
   EXPECT_THAT(errors, HasSubstr("line 3: asic.colour: expected one of processors"));
-  EXPECT_THAT(errors, HasSubstr("line 5: fidelity: expected one of functional, approximate, cycle"));
+  EXPECT_THAT(errors, HasSubstr("line 5: fidelity: expected one of functional, cycle"));
   EXPECT_THAT(errors, HasSubstr("bus.speed: expected one of model"));
 }
 

@@ -31,7 +31,6 @@ using testing::ThrowsMessage;
 std::vector<std::string> draw_assignments(Dice& dice, const char* fidelity) {
   std::vector<std::string> all = emu::draw_machine(dice, kBlock);
   all.push_back(std::string("fidelity=") + fidelity);
-  if (fidelity == std::string("approximate")) all.push_back("sorter.queues=per_block");
   return all;
 }
 
@@ -87,7 +86,7 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, RandomSave,
-                         testing::Combine(testing::Values("functional", "approximate", "cycle"),
+                         testing::Combine(testing::Values("functional", "cycle"),
                                           testing::Range(1u, 17u)),
                          [](const auto& each) {
                            return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
@@ -118,7 +117,7 @@ TEST_P(RandomLink, ThatLosesAndDamagesFramesChangesNothingForABoardThatGoesOn) {
   const unsigned seed = GetParam();
   const TemporaryDirectory folder;
   Dice dice(seed * 17 + 3);
-  const auto assignments = draw_assignments(dice, dice.one_of({"functional", "approximate", "cycle"}));
+  const auto assignments = draw_assignments(dice, dice.one_of({"functional", "cycle"}));
   const std::string plan = folder.file("plan");
   std::ofstream(plan)
       << "random { seed: " << seed

@@ -30,13 +30,11 @@ inline FlightKind kind_of(const RayState& ray, const Frame& frame) {
 class FlightScheduler {
  public:
   // Flights of another kind than `kind` are traced by scalar code.
-  FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters,
-                  const TrailRecord* record)
+  FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters)
       : flights_(flights),
         kind_(kind),
         frame_(frame),
         counters_(counters),
-        record_(record),
         seen_(kind == FlightKind::kRendering ? flights.size() : 0) {}
 
   bool has_more() const { return next_ < flights_.size(); }
@@ -86,14 +84,12 @@ class FlightScheduler {
     bool fresh = false;  // the words of the path segment must be set
   };
 
-  RayTrail* trail_of(const Flight& flight) const { return record_ == nullptr ? nullptr : &record_->trails[flight.ray]; }
-
   // The scalar iteration of a ray, if it has not ended. Returns whether the ray continues.
   bool goes_on(Flight& flight) {
     RayState& ray = flight.ray_state;
     flight.how = end(ray, frame_);
     if (flight.how != Termination::kNot) return false;
-    flight.how = take_pass(ray, frame_, counters_, record_, trail_of(flight));
+    flight.how = take_pass(ray, frame_, counters_);
     if (flight.how == Termination::kNot) flight.how = end(ray, frame_);
     return flight.how == Termination::kNot;
   }
@@ -102,7 +98,7 @@ class FlightScheduler {
     while (has_more()) {
       Flight& flight = flights_[next_++];
       if (kind_of(flight.ray_state, frame_) != kind_) {
-        fly(flight, frame_, counters_, record_);
+        fly(flight, frame_, counters_);
         continue;
       }
       flight.how = end(flight.ray_state, frame_);
@@ -168,7 +164,6 @@ class FlightScheduler {
     }
     ray.under_way = true;
     if (lanes.trapped.lane[lane] == 0) leave_surface(ray);
-    if (RayTrail* const trail = trail_of(flight)) trail->since += taken;
     ray.interacted = static_cast<std::uint32_t>(lanes.interacted.lane[lane]);
     if (kind_ == FlightKind::kRendering) {
       ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
@@ -184,7 +179,6 @@ class FlightScheduler {
   FlightKind kind_;
   const Frame& frame_;
   RayCounters& counters_;
-  const TrailRecord* record_;
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
   ShadingQueue seen_;

@@ -14,9 +14,8 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField&, RayCounters& counters,
-             const TrailRecord* record) {
-  for (Flight& flight : flights) fly(flight, frame, counters, record);
+void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField&, RayCounters& counters) {
+  for (Flight& flight : flights) fly(flight, frame, counters);
 }
 
 #else
@@ -41,11 +40,10 @@ void fly_kind(FlightScheduler& scheduler, const PacketField& field, RayCounters&
                     : fly_with<kKind, false>(scheduler, field, counters);
 }
 
-void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField& field, RayCounters& counters,
-             const TrailRecord* record) {
+void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField& field, RayCounters& counters) {
   if (flights.empty()) return;
   const FlightKind kind = kind_of(flights.front().ray_state, frame);
-  FlightScheduler scheduler(flights, kind, frame, counters, record);
+  FlightScheduler scheduler(flights, kind, frame, counters);
   switch (kind) {
     case FlightKind::kBundle: return fly_kind<FlightKind::kBundle>(scheduler, field, counters);
     case FlightKind::kColouredBundle: return fly_kind<FlightKind::kColouredBundle>(scheduler, field, counters);
@@ -92,12 +90,11 @@ LightField light_field(const Frame& frame) {
 
 }  // namespace
 
-void SimdTracer::fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters,
-                     const TrailRecord* record) const {
+void SimdTracer::fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters) const {
   PacketField field = field_of(frame);
   const LightField light = light_field(frame);
   field.light = &light;
-  HWY_DYNAMIC_DISPATCH(fly_all)(flights, frame, field, counters, record);
+  HWY_DYNAMIC_DISPATCH(fly_all)(flights, frame, field, counters);
 }
 
 }  // namespace gicube::emu

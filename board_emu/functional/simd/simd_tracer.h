@@ -19,7 +19,6 @@
 namespace gicube::emu {
 
 struct Flight;
-struct TrailRecord;
 
 // The frame's tables in the form for lanes.
 struct PacketTables {
@@ -96,9 +95,8 @@ class SimdTracer {
   // receives each ray's number of steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
-  // Traces flights of other frames until they stop, on the calling thread. `record`: null, or receives their trails; it must
-  // not request samples without deposits.
-  void fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters, const TrailRecord* record) const;
+  // Traces flights of other frames until they stop, on the calling thread.
+  void fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters) const;
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);

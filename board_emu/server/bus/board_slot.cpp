@@ -194,6 +194,8 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   }
   reason = to_string(found);
   if (!found.empty()) return Configured::kFaulty;
+  if (wants_approximate(merged)) spdlog::warn("board {}: {}", index_, kApproximateIsCycle);
+  merged = resolve(merged);
   if (is_true(cancelled)) return Configured::kCancelled;
   if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   lock.unlock();

@@ -41,7 +41,7 @@ namespace gicube {
 
 class RayExchange;  // gicube/ray_exchange.h
 
-enum class Fidelity { kFunctional, kApproximate, kCycle };
+enum class Fidelity { kFunctional, kApproximate /* boards of 0.2 only */, kCycle };
 
 // As in "emu:?fidelity=cycle".
 constexpr const char* name_of(Fidelity level) {

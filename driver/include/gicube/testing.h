@@ -32,7 +32,7 @@ namespace gicube::test {
 struct BoardSetup {
   std::string board{};             // URI of a board that there is; empty: a private emulated one of the fields below
   std::string bus{};               // pci33, agp1x, agp2x or agp4x; empty: the board's default, as all below
-  std::string fidelity{};          // functional, approximate or cycle
+  std::string fidelity{};          // functional or cycle
   std::string config{};            // file name of a board configuration
   std::vector<std::string> set{};  // "field=value", fields of it
   std::string faults{};            // file name of a fault plan

@@ -52,8 +52,7 @@ GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(pr
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
               F(agp), F(host_rays), F(voxel_format), F(irradiance_words));
 GICUBE_RECORD(AnsweredCommand, F(command), F(count));
-GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
-GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));
+GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
               F(wait_for_board), F(capture), F(token_file), F(ca_file), F(go_on), F(max_waiting_rays));
 GICUBE_RECORD(GroupOptions, F(buses), F(board));

@@ -52,9 +52,9 @@ class Counters(Mapping[str, int]):
 
 
 def fidelity_report(window: Counters) -> List[LevelReport]:
-    """Which fidelity level answered which commands, what it does not model, and how far its estimates were off where that was measured.
+    """Which fidelity level answered which commands, and what it does not model.
 
-    `window`: of a run, as `board.counters - before`. One entry for each level that answered, from functional to cycle: a board of level
-    approximate hands some commands to the cycle level. Empty if the window has no command with rays. Nothing happens on the board.
+    `window`: of a run, as `board.counters - before`. One entry for each level that answered, from functional to cycle.
+    Empty if the window has no command with rays. Nothing happens on the board.
     """
     return _core.fidelity_report([(name, window.unit(name), value) for name, value in window.items()])

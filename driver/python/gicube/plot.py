@@ -58,7 +58,7 @@ def picture(image: Image, background: Colour = (0.0, 0.0, 0.0), axes: Optional[A
 
 
 def cycles_by_cause(counters: Counters) -> dict[str, float]:
-    """The share of the pipelines' cycles that each cause has, of a board with fidelity cycle or approximate; they add up to 1."""
+    """The share of the pipelines' cycles that each cause has, of a board with fidelity cycle; they add up to 1."""
     prefix = "processor.cycles."
     found = {name[len(prefix) :]: value for name, value in counters.items() if name.startswith(prefix)}
     total = sum(found.values())

@@ -21,7 +21,6 @@ __all__ = [  # of the package
     "BackPressure", "BoardInfo", "BrickDetail", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
     "BoardTime", "HostBuses",
     "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
-    "MeasuredBound",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
     "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
     "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
@@ -33,10 +32,10 @@ Colour = Sequence[float]
 
 
 class Fidelity(Enum):
-    """How a board emulates: values alone, approximate times, or each cycle."""
+    """How a board emulates: values alone, or each cycle."""
 
     FUNCTIONAL = "functional"
-    APPROXIMATE = "approximate"
+    APPROXIMATE = "approximate"  # boards of 0.2 only
     CYCLE = "cycle"
 
 
@@ -573,21 +572,9 @@ class AnsweredCommand:
 
 
 @dataclass
-class MeasuredBound:
-    """The largest error against the cycle level that was measured for a quantity that a level estimates (gicube/fidelity.h)."""
-
-    quantity: str
-    within: float
-    relative: bool
-    measured_on: str
-    source: str
-
-
-@dataclass
 class LevelReport:
     """What a fidelity level answered, and what its figures leave out (gicube/fidelity.h)."""
 
     level: Fidelity
     answered: Sequence[AnsweredCommand]
     not_modelled: Sequence[str]
-    estimates: Sequence[MeasuredBound]

@@ -33,7 +33,7 @@ class BoardSetup:
 
     board: str = ""  # URI of a board that there is, in place of all below
     bus: str = ""  # pci33, agp1x, agp2x or agp4x
-    fidelity: str = ""  # functional, approximate or cycle
+    fidelity: str = ""  # functional or cycle
     config: str = ""  # file of a board configuration
     set: Sequence[str] = field(default_factory=list)  # "field=value", fields of it
     faults: str = ""  # file of a fault plan, or the plan itself: text with a brace

@@ -19,11 +19,6 @@ LevelReport report_of(Fidelity level, const std::string& counter, const Counters
   for (const LeftOut& each : kLeftOut) {
     if ((each.levels & bit) != 0) report.not_modelled.emplace_back(each.what);
   }
-  if (level != Fidelity::kApproximate) return report;
-  for (const MeasuredError& each : kApproximateErrors) {
-    report.estimates.push_back({std::string(each.quantity), each.within, each.is_relative,
-                                std::string(each.measured_on), std::string(each.source)});
-  }
   return report;
 }
 
@@ -31,7 +26,7 @@ LevelReport report_of(Fidelity level, const std::string& counter, const Counters
 
 std::vector<LevelReport> fidelity_report(const Counters& window) {
   std::vector<LevelReport> reports;
-  for (const Fidelity level : {Fidelity::kFunctional, Fidelity::kApproximate, Fidelity::kCycle}) {
+  for (const Fidelity level : {Fidelity::kFunctional, Fidelity::kCycle}) {
     const std::string counter = std::string("fidelity_answered.") + name_of(level);
     if (window.value(counter) > 0) reports.push_back(report_of(level, counter, window));
   }

@@ -118,7 +118,7 @@ std::vector<std::string> Plan::explain() const {
   if (!gradients) lines.push_back("left out: gradients, nothing is shaded");
   lines.push_back(fmt::format("fidelity level: {}", fidelity == Fidelity::kFunctional
                                                         ? "functional has the same picture as the others"
-                                                        : "approximate keeps time, within a few percent of cycle"));
+                                                        : "cycle keeps time"));
   lines.push_back(plan_error_line(chosen.error,
                                   fmt::format("in a pilot of {} x {} pixels", chosen.pilot_width, chosen.pilot_height),
                                   chosen.error_bound));

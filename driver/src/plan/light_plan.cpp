@@ -71,7 +71,7 @@ class LightPlanner {
   LightPlan make() {
     const auto start = std::chrono::steady_clock::now();
     if (request_.time_budget > 0 && !keeps_time_) {
-      throw BadArgument("time_budget", "a board at fidelity level approximate or cycle, which keep time", "functional");
+      throw BadArgument("time_budget", "a board at fidelity level cycle, which keeps time", "functional");
     }
     plan_.target = {request_.max_error, request_.time_budget};
     plan_.channel = request_.channel;

@@ -62,7 +62,7 @@ class Planner {
   Plan make() {
     const auto start = std::chrono::steady_clock::now();
     if (request_.time_budget > 0 && !keeps_time_) {
-      throw BadArgument("time_budget", "a board at fidelity level approximate or cycle, which keep time", "functional");
+      throw BadArgument("time_budget", "a board at fidelity level cycle, which keeps time", "functional");
     }
     describe();
     take_best();
@@ -77,7 +77,7 @@ class Planner {
     plan_.dims = levels_.dims(where_);
     if (where_ == Levels::kWhole) plan_.box = {{}, plan_.dims};
     plan_.level_errors = levels_.errors();
-    plan_.fidelity = request_.time_budget > 0 ? Fidelity::kApproximate : Fidelity::kFunctional;
+    plan_.fidelity = request_.time_budget > 0 ? Fidelity::kCycle : Fidelity::kFunctional;
     plan_.pilot_host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     plan_.request = request_;
     plan_.request.volume = {};

@@ -17,8 +17,9 @@ namespace {
 struct Choice {
   std::string_view option, field;
   std::initializer_list<std::string_view> words;
+  std::string_view old_word{};  // understood for one release
 };
-const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "approximate", "cycle"}},
+const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "cycle"}, "approximate"},
                            {"pace", "pace", {"as_fast_as_possible", "realtime"}},
                            {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
 // Options that name a file, and the board's flag for each. The capture is the driver's own.
@@ -54,11 +55,12 @@ std::string percent_decode(std::string_view text, const std::string& field) {
   return decoded;
 }
 
-void check_choice(const std::string& field, std::string_view value, std::initializer_list<std::string_view> choices) {
+void check_choice(const std::string& field, std::string_view value, const Choice& choice) {
+  if (value == choice.old_word) return;
   std::string expected;
-  for (const std::string_view choice : choices) {
-    if (value == choice) return;
-    expected += (expected.empty() ? "" : ", ") + std::string(choice);
+  for (const std::string_view word : choice.words) {
+    if (value == word) return;
+    expected += (expected.empty() ? "" : ", ") + std::string(word);
   }
   throw BadArgument(field, "one of " + expected, in_quotes(value));
 }
@@ -70,7 +72,7 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   };
   for (const Choice& choice : kChoices) {
     if (name != choice.option) continue;
-    check_choice(field, value, choice.words);
+    check_choice(field, value, choice);
     return pass_on("--set", std::string(choice.field) + "=" + value);
   }
   for (const auto& [option, flag] : kFiles) {

@@ -13,9 +13,6 @@
 namespace gicube::samples {
 namespace {
 
-// Names of before, for one release.
-const std::vector<RenamedOption> kRenamed{{"--most-rays", "--max-rays"}, {"--most-rays-a-pair", "--max-rays-a-pair"}};
-
 const CLI::Range kShares(1e-12, 1.0), kSteps(1.0 / 64, 16.0), kWorldSizes(kMinWorldSize, kMaxWorldSize),
     kLeafVoxels(1, 1024);
 
@@ -159,7 +156,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_input(*looking, visibility.input);
   add_visibility(*looking, visibility);
   add_board_options(*looking, visibility.board);
-  if (!parsed(app, argc, argv, out, kRenamed)) return std::nullopt;
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
   if (looking->parsed()) return visibility;
   check_solve(solve);
   check_plan(solve.plan);

@@ -62,7 +62,6 @@ Json settings_json(const RadiositySettings& settings) {
           {"error", settings.error},
           {"rays", settings.rays},
           {"max_rays", settings.max_rays},
-          {"most_rays", settings.max_rays},  // the name of before, for one release
           {"step", settings.step},
           {"seed", settings.seed},
           {"solver", settings.solver == Solver::kShooting ? "shooting" : "gathering"},
@@ -70,7 +69,6 @@ Json settings_json(const RadiositySettings& settings) {
           {"hierarchy", settings.hierarchy},
           {"convergence", settings.convergence},
           {"max_iterations", settings.max_iterations},
-          {"most_iterations", settings.max_iterations},  // the name of before, for one release
           {"leaf_voxels", settings.leaf_voxels}};
 }
 
@@ -172,8 +170,7 @@ Json statistics_of(const RadiosityResult& result, const RadiositySettings& setti
           {"board", to_json(board)},
           {"counters", to_json(counters)},
           {"plan", plan ? plan_json(*plan) : nullptr},
-          {"fidelity_report", fidelity_json(counters)},
-          {"sampled", sampled_json(counters)}};
+          {"fidelity_report", fidelity_json(counters)}};
 }
 
 }  // namespace gicube::samples

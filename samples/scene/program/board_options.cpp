@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <iterator>
 #include <ranges>
 
 #include "gicube/unknown_options.h"
@@ -47,34 +46,14 @@ CLI::ValidationError bad_value(const std::string& option, const std::string& exp
   return CLI::ValidationError(option, "expected " + expected + ", got " + in_quotes(text));
 }
 
-// As the board takes it; not more than was asked for.
-int thousandths(double share) { return static_cast<int>(share * 1000 + 1e-6); }
-
-// The words behind the program's name, last first, as CLI11 takes them.
-std::vector<std::string> words_of(const std::string& program, int argc, const char* const* argv,
-                                  const std::vector<RenamedOption>& renamed) {
-  std::vector<std::string> words(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + std::min(argc, 1)));
-  for (const auto& [before, now] : renamed) {
-    bool typed = false;
-    for (std::string& word : words) {
-      if (word != before && !word.starts_with(before + '=')) continue;
-      word.replace(0, before.size(), now);
-      typed = true;
-    }
-    if (typed) std::cerr << program << ": " << before << " is now " << now << "; the next release refuses it\n";
-  }
-  return words;
-}
-
 }  // namespace
 
 Provenance this_run() { return last_run(); }
 
-bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
-            const std::vector<RenamedOption>& renamed) {
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out) {
   last_run() = {.program = app.get_name(), .version = GICUBE_VERSION, .command = command_line(argc, argv)};
   try {
-    app.parse(words_of(app.get_name(), argc, argv, renamed));
+    app.parse(argc, argv);
     return true;
   } catch (const CLI::CallForHelp&) {
     out << app.help();
@@ -104,15 +83,7 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
   } else {
     group.value("--board", options.board, addresses)->capture_default_str();
   }
-  group.value("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle");
-  group.parsed("--sample", "ERROR",
-               "cycle level for some commands, drawn at random, and an estimate for others like them: of the time with "
-               "an interval of "
-               "at most so much, as 3%, at 99.7%",
-               [&options](const std::string& option, const std::string& text) {
-                 options.sample = parse_share(option, text);
-                 if (thousandths(options.sample) == 0) throw bad_value(option, "at least 0.1%", text);
-               });
+  group.value("--fidelity", options.fidelity, "what the emulated board models: functional or cycle");
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile);
   group.value("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
@@ -152,7 +123,6 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
 std::string board_uri(const BoardOptions& options) {
   if (!options.board.starts_with("emu:")) {
     const char* given = !options.fidelity.empty()   ? "--fidelity"
-                        : options.sample > 0        ? "--sample"
                         : !options.config.empty()   ? "--config"
                         : !options.settings.empty() ? "--set"
                                                     : nullptr;
@@ -169,10 +139,7 @@ std::string board_uri(const BoardOptions& options) {
                                                                        : "&";
     uri += separator + std::string(name) + '=' + percent_encoded(value);
   };
-  if (options.sample > 0 && !options.fidelity.empty() && options.fidelity != "cycle")
-    throw UsageError("--sample: expected --fidelity cycle, got " + options.fidelity);
-  if (!options.fidelity.empty() || options.sample > 0) add("fidelity", options.sample > 0 ? "cycle" : options.fidelity);
-  if (options.sample > 0) add("set", "sample_error=" + std::to_string(thousandths(options.sample)));
+  if (!options.fidelity.empty()) add("fidelity", options.fidelity);
   if (!options.config.empty()) add("config", options.config.string());
   if (options.threads != 0) add("threads", std::to_string(options.threads));
   for (const std::string& setting : options.settings) add("set", setting);

@@ -23,18 +23,12 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// An option's name in the release before, which still works in this one.
-struct RenamedOption {
-  std::string before, now;
-};
-
 // The program, its version and the command line that parsed() has read last.
 Provenance this_run();
 
 // Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out` has got then.
-// Says once on stderr for each renamed option that was typed what replaces it. Throws UsageError with one line.
-bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
-            const std::vector<RenamedOption>& renamed = {});
+// Throws UsageError with one line.
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out);
 
 struct BoardOptions {
   std::string board = "emu:";
@@ -42,7 +36,6 @@ struct BoardOptions {
   bool own_buses = false;             // several boards have a bus each
   std::string fidelity;               // empty: the board's own
   std::filesystem::path config;       // empty: none
-  double sample = 0;                  // share of the time that the interval may be; 0: no sampling
   std::vector<std::string> settings;  // path.to.field=value
   std::filesystem::path stats;        // empty: none
   std::uint64_t seed = 0;
@@ -54,15 +47,14 @@ struct BoardOptions {
   std::filesystem::path restore;  // a checkpoint of Board::save() that the board goes on from; empty: none
 
   bool has_own_level = false;  // it is the program's choice what the level models
-  // Another level than was asked for, which samples nothing.
+  // Another level than was asked for.
   void set_level(const char* level) {
     fidelity = level;
-    sample = 0;
     has_own_level = true;
   }
 };
 
-// Adds --board --fidelity --sample --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
+// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
 // be given several times, and there is --own-buses.
 void add_board_options(CLI::App& app, BoardOptions& options, bool several = false);
 

@@ -59,7 +59,7 @@ void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
   if (idle.empty()) return;
   const std::size_t named = std::min(idle.size(), kNamed);
   const std::string more = idle.size() > named ? fmt::format(" and {} more", idle.size() - named) : "";
-  warn(fmt::format("{}{}: not modelled at the level {}; --fidelity approximate and cycle model what is set",
+  warn(fmt::format("{}{}: not modelled at the level {}; --fidelity cycle models what is set",
                    fmt::join(idle.begin(), idle.begin() + static_cast<std::ptrdiff_t>(named), ", "), more,
                    name_of(level)));
 }

@@ -70,9 +70,9 @@ void refuse_with_plan(const CLI::App& app, const std::string& option) {
 }
 
 BoardOptions board_for(const PlanOptions& plan, BoardOptions board) {
-  if (plan.time_budget > 0 && board.fidelity.empty() && board.sample == 0 && board.board.starts_with("emu:") &&
+  if (plan.time_budget > 0 && board.fidelity.empty() && board.board.starts_with("emu:") &&
       board.board.find("fidelity=") == std::string::npos) {
-    board.fidelity = "approximate";
+    board.fidelity = "cycle";
   }
   return board;
 }

@@ -30,7 +30,7 @@ void check_plan(const PlanOptions& options);
 // Throws UsageError if `option`, which a plan chooses itself, was given beside it.
 void refuse_with_plan(const CLI::App& app, const std::string& option);
 
-// A time budget needs a board that keeps time: `approximate`, unless a fidelity level is asked for.
+// A time budget needs a board that keeps time: `cycle`, unless a fidelity level is asked for.
 BoardOptions board_for(const PlanOptions& plan, BoardOptions board);
 
 // What --explain prints: lines of a plan, its headlines at the margin and what they head further in.

@@ -31,52 +31,9 @@ nlohmann::ordered_json fidelity_json(const Counters& counters) {
       level["answered"][each.command.empty() ? "any" : each.command] = each.count;
     }
     level["not_modelled"] = report.not_modelled;
-    level["estimates"] = nlohmann::ordered_json::array();
-    for (const MeasuredBound& each : report.estimates) {
-      level["estimates"].push_back({{"quantity", each.quantity},
-                                    {"within", each.within},
-                                    {"relative", each.relative},
-                                    {"measured_on", each.measured_on},
-                                    {"source", each.source}});
-    }
     levels.push_back(std::move(level));
   }
   return levels;
-}
-
-nlohmann::ordered_json sampled_json(const Counters& counters) {
-  if (counters.value("sampled.commands") == 0) return nullptr;
-  const std::string memory = memory_of(counters);
-  const auto with_interval = [&](std::uint64_t sum, const char* within) {
-    return nlohmann::ordered_json{{"sum", sum}, {"within", counters.value(within)}};
-  };
-  return {{"commands", counters.value("sampled.commands")},
-          {"estimated_commands", counters.value("sampled.estimated_commands")},
-          {"cycles", with_interval(counters.value("asic.cycles"), "sampled.cycles_within")},
-          {"packets", with_interval(counters.value(memory + ".reads") + counters.value(memory + ".writes"),
-                                    "sampled.packets_within")},
-          {"missed_voxels",
-           with_interval(counters.value("processor.cache.missed_voxels"), "sampled.missed_voxels_within")}};
-}
-
-std::string sampled_line(const Counters& counters, double error) {
-  const nlohmann::ordered_json sampled = sampled_json(counters);
-  if (sampled.is_null()) return {};
-  const auto all = sampled["commands"].get<std::uint64_t>(),
-             estimated = sampled["estimated_commands"].get<std::uint64_t>();
-  if (estimated == 0) {
-    return fmt::format("sampled: all {} commands at cycle level, none could be estimated: exact\n", all);
-  }
-  const auto share = [&](const char* quantity) {
-    const auto& of = sampled[quantity];
-    return of["within"].get<double>() / std::max(1.0, of["sum"].get<double>());
-  };
-  const double cycles = share("cycles");
-  const std::string reached = error == 0        ? ""
-                              : cycles <= error ? fmt::format("; {:.1f}% was asked for", 100 * error)
-                                                : fmt::format("; the {:.1f}% asked for was NOT reached", 100 * error);
-  return fmt::format("sampled: {} of {} commands at cycle level; cycles within {:.1f}%, packets {:.1f}% at 99.7%{}\n",
-                     all - estimated, all, 100 * cycles, 100 * share("packets"), reached);
 }
 
 double bus_ms(const Counters& counters) {
@@ -102,8 +59,7 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
           {"host_seconds", window.host_seconds()},
           {"board", to_json(board)},
           {"counters", to_json(counters)},
-          {"fidelity_report", fidelity_json(counters)},
-          {"sampled", sampled_json(counters)}};
+          {"fidelity_report", fidelity_json(counters)}};
 }
 
 Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash) {

@@ -18,7 +18,6 @@ export class Compare {
   #id = kFirstId;
   #field = element("input", { type: "text", list: "fields", value: "asic.processors", id: "compare-field", autocomplete: "off" });
   #values = ["4", "8"].map((value, i) => element("input", { type: "text", class: "number", value, id: `compare-${i}`, "aria-label": `value ${i + 1}` }));
-  #level = element("select", { id: "compare-level" }, new Option("cycle"), new Option("approximate"));
   #size = element("select", { id: "compare-size" }, ...["64x64", "128x128", "256x256", "512x512"].map((size) => new Option(size, size, size === "128x128", size === "128x128")));
   #run = element("button", { type: "button", id: "compare-run" }, "Compare");
   #result = element("div", { id: "compared", role: "status" });
@@ -28,7 +27,7 @@ export class Compare {
     this.connection = connection;
     this.view = view;
     const list = element("datalist", { id: "fields" }, ...Object.keys(kFields).map((name) => new Option(name)));
-    const form = element("div", { class: "row" }, list, element("label", { for: "compare-field" }, "Field"), this.#field, ...this.#values, this.#level, this.#size, this.#run);
+    const form = element("div", { class: "row" }, list, element("label", { for: "compare-field" }, "Field"), this.#field, ...this.#values, this.#size, this.#run);
     by("compare").append(form, this.#result);
     this.#field.addEventListener("change", () => kFields[this.#field.value]?.forEach((value, i) => (this.#values[i].value = value)));
     this.#run.addEventListener("click", () => this.#ask());
@@ -46,7 +45,7 @@ export class Compare {
   #ask() {
     this.#id += 1;
     const [settings, other] = this.#values.map(({ value }) => ({
-      ...this.view.own, fidelity: this.#level.value, size: this.#size.value, [this.#field.value.trim()]: value.trim(),
+      ...this.view.own, fidelity: "cycle", size: this.#size.value, [this.#field.value.trim()]: value.trim(),
     }));
     this.#run.disabled = true;
     this.#result.textContent = "Both boards work; at the cycle level that takes its time. Another picture ends it.";

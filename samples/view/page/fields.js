@@ -28,7 +28,7 @@ const kGroups = [
     { name: "exposure", label: "Exposure", hint: "chosen" }, { name: "colour-passes", label: "Light in three colours", ...on },
   ]],
   ["Board", [
-    { name: "fidelity", label: "Level", options: ["functional", "approximate", "cycle"], hint: "the board's" },
+    { name: "fidelity", label: "Level", options: ["functional", "cycle"], hint: "the board's" },
     { name: "asic.processors", label: "Processors", options: ["1", "2", "4", "8", "16"], hint: "the board's" },
     { name: "seed", label: "Seed", hint: "the scene's" },
   ]],

@@ -13,7 +13,6 @@ export const kGroups = [
   { name: "no rays", causes: ["queue_empty", "dsp_compute", "sdram"], colour: "#cc79a7", why: "others have the rays, or the DSP has not made them yet" },
   { name: "ray bus, links", causes: ["ray_bus", "link"], colour: "#5b5b5b", why: "a ray waits for the ray bus or a link" },
   { name: "deposits", causes: ["splat"], colour: "#999999", why: "the cache is busy with deposits" },
-  { name: "unknown", causes: ["unattributed"], colour: "#d0d0d0", why: "this level does not know the cause" },
 ];
 
 /** Cycles of each group; part: as "processor3", or the sum of all.

@@ -67,7 +67,7 @@ export class Machine {
     this.#head.textContent = `${what} · ${simulated_ms.toFixed(3)} ms simulated since the board's start · ${short(cycles)} core cycles`;
     const processors = parts_of(counters, "processor", "cycles.busy");
     if (processors.length === 0) {
-      this.#charts.replaceChildren(element("p", { class: "quiet" }, "The functional level keeps no cycles: choose the level cycle or approximate, below Board."));
+      this.#charts.replaceChildren(element("p", { class: "quiet" }, "The functional level keeps no cycles: choose the level cycle, below Board."));
     } else {
       const sums = cycles_of(window);
       const memory = "rdram.cycles" in counters ? "rdram" : "ddr";

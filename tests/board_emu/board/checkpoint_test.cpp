@@ -37,11 +37,8 @@ v1::BoardConfig draw_board(Dice& dice, const char* fidelity) {
   const auto add = [&assignments](std::initializer_list<const char*> more) {
     assignments.insert(assignments.end(), more.begin(), more.end());
   };
-  const bool sampled = std::string_view(fidelity) == "sampled";
-  assignments.push_back(std::string("fidelity=") + (sampled ? "cycle" : fidelity));
-  if (sampled) add({"sample_error=1000"});
+  assignments.push_back(std::string("fidelity=") + fidelity);
   if (dice.chance(30)) add({"asic.datapath=wide", "cache.irradiance=with_voxels"});
-  if (std::string_view(fidelity) == "approximate") add({"sorter.queues=per_block"});  // a single one is refused
   return config_with(assignments);
 }
 
@@ -179,11 +176,7 @@ std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) 
 // As many machines as take a minute of the processor. At cycle level each has some ten moments between transactions and forty in commands.
 INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
                          testing::Combine(testing::Values("functional"), testing::Range(1u, 121u)), name_of);
-INSTANTIATE_TEST_SUITE_P(ByPasses, RandomBoard,
-                         testing::Combine(testing::Values("approximate"), testing::Range(1u, 31u)), name_of);
 INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), testing::Range(1u, 26u)),
-                         name_of);
-INSTANTIATE_TEST_SUITE_P(Sampled, RandomBoard, testing::Combine(testing::Values("sampled"), testing::Range(1u, 11u)),
                          name_of);
 
 // ---- one board with something of everything

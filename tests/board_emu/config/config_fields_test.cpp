@@ -37,7 +37,7 @@ struct Field {
   const char* name;
   const char* value;  // not the default
   Part part;
-  Treatment functional, approximate, cycle;
+  Treatment functional, cycle;
   std::vector<std::string> with{};  // what else the board needs for the field to matter
 };
 
@@ -45,13 +45,13 @@ void PrintTo(const Field& field, std::ostream* out) { *out << field.name << '=' 
 
 // Parts of the ASIC have no time at the functional level.
 Field asic(const char* name, const char* value, std::vector<std::string> with = {}) {
-  return {name, value, kRays, kNoTime, kTime, kTime, std::move(with)};
+  return {name, value, kRays, kNoTime, kTime, std::move(with)};
 }
 Field light(const char* name, const char* value, std::vector<std::string> with = {}) {
-  return {name, value, kLight, kNoTime, kTime, kTime, std::move(with)};
+  return {name, value, kLight, kNoTime, kTime, std::move(with)};
 }
 Field everywhere(const char* name, const char* value, Part part, std::vector<std::string> with = {}) {
-  return {name, value, part, kTime, kTime, kTime, std::move(with)};
+  return {name, value, part, kTime, kTime, std::move(with)};
 }
 
 const std::string kDdr = "memory=ddr", kSkewed = "asic.partition=skewed_block";
@@ -60,7 +60,7 @@ const std::vector<Field> kFields{
     asic("asic.processors", "3"),
     everywhere("asic.block_voxels", "16", kTransfer),  // whole blocks come over the bus
     // Eight blocks; the volume has twelve.
-    {"asic.max_volume_voxels", "32", kRays, kLimit, kLimit, kLimit, {"asic.block_voxels=16"}},
+    {"asic.max_volume_voxels", "32", kRays, kLimit, kLimit, {"asic.block_voxels=16"}},
     asic("asic.queue_rays", "1"),
     asic("asic.core_khz", "50000"),
     asic("asic.partition", "skewed_block"),
@@ -69,17 +69,17 @@ const std::vector<Field> kFields{
     asic("asic.skew_z", "2", {kSkewed}),
     asic("asic.voxel_format", "rgb"),
     everywhere("asic.irradiance_words", "3", kLight),  // a ledger of each comes over the bus
-    {"asic.datapath", "wide", kRays, kValues, kValues, kValues},
+    {"asic.datapath", "wide", kRays, kValues, kValues},
     everywhere("dsp.clock_khz", "100000", kRays),
-    {"dsp.run_rays", "8", kRays, kValues, kValues, kValues},
-    {"dsp.run_error", "16384", kRays, kValues, kValues, kValues, {"dsp.run_rays=8"}},
+    {"dsp.run_rays", "8", kRays, kValues, kValues},
+    {"dsp.run_error", "16384", kRays, kValues, kValues, {"dsp.run_rays=8"}},
     asic("dsp.overflow_rays", "3"),
-    {"dsp.framebuffer_mb", "1", kRays, kLimit, kLimit, kLimit},
+    {"dsp.framebuffer_mb", "1", kRays, kLimit, kLimit},
     everywhere("bus.model", "agp4x", kTransfer),
     everywhere("bus.max_burst_dwords", "4", kTransfer),
     everywhere("bus.latency_timer_clocks", "8", kContention),
     everywhere("bus.read_latency_clocks", "60", kTransfer),
-    {"sorter.queues", "single", kRays, kNoTime, kRefused, kTime},
+    asic("sorter.queues", "single"),
     asic("sorter.policy", "most_contribution"),
     asic("pipeline.prefetch_stages", "3"),
     asic("pipeline.compute_stages", "3"),
@@ -95,7 +95,7 @@ const std::vector<Field> kFields{
     asic("link.rays", "2", {"link.bits=1"}),
     asic("memory", "ddr"),
     asic("rdram.processors_per_rdram", "2"),
-    {"rdram.device_mbit", "144", kRays, kNoTime, kTime, kTime},
+    {"rdram.device_mbit", "144", kRays, kNoTime, kTime},
     asic("rdram.clock_khz", "200000"),
     asic("rdram.t_ras", "100"),
     asic("rdram.t_rp", "100"),
@@ -121,7 +121,7 @@ const std::vector<Field> kFields{
     asic("ddr.t_rfc", "100", {kDdr, "ddr.refresh_interval=200"}),
     asic("ddr.refresh_interval", "64", {kDdr}),
     asic("ddr.controller_latency", "100", {kDdr}),
-    {"sdram.ranks", "7", kRays, kRefused, kRefused, kRefused},
+    {"sdram.ranks", "7", kRays, kRefused, kRefused},
     asic("sdram.clock_khz", "25000"),
     asic("sdram.t_ras", "255", {"sdram.refresh_interval=200"}),
     asic("sdram.t_rc", "255", {"sdram.refresh_interval=200"}),
@@ -137,9 +137,8 @@ const std::vector<Field> kFields{
     asic("ideal.queues", "1", {"asic.queue_rays=1"}),
     asic("ideal.sorter", "1"),
     everywhere("ideal.dsp", "1", kRays),
-    {"pace", "realtime", kRays, kNoTime, kNoTime, kNoTime},
-    {"threads", "3", kRays, kNoTime, kNoTime, kNoTime},
-    {"sample_error", "100", kRays, kRefused, kRefused, kNoTime},  // too few commands to estimate one
+    {"pace", "realtime", kRays, kNoTime, kNoTime},
+    {"threads", "3", kRays, kNoTime, kNoTime},
 };
 
 std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
@@ -238,21 +237,17 @@ TEST(ConfigFields, AreAllInTheTable) {
 }
 
 TEST(ConfigFields, OfFidelityGiveEachLevelItsOwnTimeAndTheSameValues) {
-  const Outcome &functional = outcome(board("functional", {})), &approximate = outcome(board("approximate", {})),
-                &cycle = outcome(board("cycle", {}));
-  EXPECT_NE(functional.time[kRays], approximate.time[kRays]);
-  EXPECT_NE(approximate.time[kRays], cycle.time[kRays]);
+  const Outcome &functional = outcome(board("functional", {})), &cycle = outcome(board("cycle", {}));
+  EXPECT_NE(functional.time[kRays], cycle.time[kRays]);
   EXPECT_EQ(functional.image, cycle.image);
-  EXPECT_EQ(approximate.image, cycle.image);
 }
 
 // The list by which programs warn is what this table was tried for. Left out: fields of the host, and one that matters to coloured volumes.
 TEST(ConfigFields, AreNotModelledWhereTheyChangeNothing) {
-  const std::set<std::string> others{"pace", "threads", "sample_error", "asic.voxel_format"};
+  const std::set<std::string> others{"pace", "threads", "asic.voxel_format"};
   for (const Field& field : kFields) {
     if (others.contains(field.name)) continue;
     EXPECT_EQ(is_modelled(kAtFunctional, field.name), field.functional != kNoTime) << field.name;
-    EXPECT_EQ(is_modelled(kAtApproximate, field.name), field.approximate != kNoTime) << field.name;
     EXPECT_EQ(is_modelled(kAtCycle, field.name), field.cycle != kNoTime) << field.name;
   }
 }
@@ -291,7 +286,6 @@ void expect(Treatment treatment, const char* fidelity, const Field& field) {
 TEST_P(ConfigField, IsTreatedAsTheTableSays) {
   const Field& field = GetParam();
   expect(field.functional, "functional", field);
-  expect(field.approximate, "approximate", field);
   expect(field.cycle, "cycle", field);
 }
 

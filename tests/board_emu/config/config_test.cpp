@@ -43,14 +43,14 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
       "bus { model: pci66 }\n");
   EXPECT_THAT(
       texts(parsed.diagnostics),
-      testing::ElementsAre("line 1: fidelity: expected one of functional, approximate, cycle, got fast",
+      testing::ElementsAre("line 1: fidelity: expected one of functional, cycle, got fast",
                            "line 3: asic.processors: expected a whole number from 0 to 4294967295, got \"eight\"",
                            "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
                            AllOf(HasSubstr("line 4: asic.block_voxel: expected one of processors, block_voxels"),
                                  HasSubstr("got \"block_voxel\"")),
                            "line 5: asic.core_khz: expected to be set once, got it a second time",
                            "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                           "memory, rdram, ddr, sdram, ideal, pace, threads, sample_error, got \"asik\"",
+                           "memory, rdram, ddr, sdram, ideal, pace, threads, got \"asik\"",
                            "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
 }
 
@@ -175,12 +175,11 @@ TEST(Config, RefusesACycleLevelVolumeThatItsMemoryChannelsCannotHold) {
               testing::ElementsAre("rdram.refresh_interval: expected 0 or at least 64 tCYCLE, got 63"));
 }
 
-TEST(Config, HasThreeLevels) {
+TEST(Config, HasTwoLevelsAndTakesTheApproximateOneOfZeroTwoForCycle) {
   EXPECT_THAT(texts(check(with({"fidelity=cycle"}))), IsEmpty());
   EXPECT_THAT(texts(check(with({"fidelity=approximate"}))), IsEmpty());
-  EXPECT_THAT(
-      texts(check(with({"fidelity=approximate", "sorter.queues=single"}))),
-      testing::ElementsAre("fidelity: expected functional or cycle with sorter.queues=single, got approximate"));
+  EXPECT_EQ(config_text(with({"fidelity=approximate"})), config_text(with({"fidelity=cycle"})));
+  EXPECT_EQ(config_hash(with({"fidelity=approximate"})), config_hash(with({"fidelity=cycle"})));
   EXPECT_THAT(texts(check(with({"fidelity=FIDELITY_UNSPECIFIED", "bus.model=BUS_UNSPECIFIED"}))), testing::SizeIs(2));
 }
 
@@ -201,7 +200,7 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
   EXPECT_THAT(
       texts(apply_override(config, "chip.processors=4")),
       testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                                     "memory, rdram, ddr, sdram, ideal, pace, threads, sample_error, got \"chip\"")));
+                                     "memory, rdram, ddr, sdram, ideal, pace, threads, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
         "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
@@ -268,7 +267,7 @@ TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
     }
   };
   look(look, *v1::BoardConfig::descriptor(), "");
-  EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "sample_error", "threads"));
+  EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "threads"));
   EXPECT_THAT(explained(with({"asic.processors=8"})),
               AllOf(HasSubstr("not modelled at this level; default 4: paper §4.1"),
                     HasSubstr("modelled at this level; chosen")));

@@ -128,7 +128,7 @@ TEST(Lamps, CostAFrameTheirTestsAlone) {
 
 // Rays that scatter nowhere cost what they cost without lamps.
 TEST(Lamps, CostNothingWhereNoRayIsScattered) {
-  for (const v1::FidelityLevel level : {v1::functional, v1::approximate, v1::cycle}) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
     const auto time = [level](const std::vector<wire::Lamp>& lamps) {
       BareBoard board(blocks_of_eight(level));
       load_fog(board, 1000);

@@ -85,7 +85,7 @@ TEST(LightInBricks, HasTheBitsOfAnEndlessCardIfRaysWaitInAFile) {
 
 TEST(LightInBricks, HasTheBitsOfAnEndlessCardAtTheLevelsWithTime) {
   expect_same_light("emu:?fidelity=cycle&set=asic.block_voxels=8", "32", 2, 36, 56, 12, 48);
-  expect_same_light("emu:?fidelity=approximate&set=asic.block_voxels=8&set=asic.datapath=wide", "32", 2, 36, 56, 12,
+  expect_same_light("emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.datapath=wide", "32", 2, 36, 56, 12,
                     48);
 }
 

@@ -83,7 +83,7 @@ TEST(HostRaysInBricks, HaveTheBitsOfAnEndlessCardOnTheWideDatapath) {
 
 TEST(HostRaysInBricks, HaveTheBitsOfAnEndlessCardAtTheLevelsWithTime) {
   expect_same_rays("emu:?fidelity=cycle&set=asic.block_voxels=16", "32", 2, 36, 60, 60, 14);
-  expect_same_rays("emu:?fidelity=approximate&set=asic.block_voxels=16&set=asic.datapath=wide", "32", 2, 36, 60, 60,
+  expect_same_rays("emu:?fidelity=cycle&set=asic.block_voxels=16&set=asic.datapath=wide", "32", 2, 36, 60, 60,
                    15);
 }
 

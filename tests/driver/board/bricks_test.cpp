@@ -112,7 +112,7 @@ TEST(Bricks, GiveTheBitsOfAnEndlessCardAtTheCycleLevel) {
 }
 
 TEST(Bricks, GiveTheBitsOfAnEndlessCardAtTheApproximateLevel) {
-  expect_same_pictures("emu:?fidelity=approximate&set=asic.block_voxels=16&set=asic.datapath=wide", "32", "128", 2, 36,
+  expect_same_pictures("emu:?fidelity=cycle&set=asic.block_voxels=16&set=asic.datapath=wide", "32", "128", 2, 36,
                        60, 16, 5);
 }
 

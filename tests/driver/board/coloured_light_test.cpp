@@ -125,7 +125,7 @@ TEST(ColouredLight, IsTheSameAtAllLevels) {
   const Illumination settings{.rays_per_face_voxel = 2, .light_colours = {kLamp}};
   std::vector<float> words;
   Image picture;
-  for (const char* level : {"functional", "approximate", "cycle"}) {
+  for (const char* level : {"functional", "cycle"}) {
     Board board = lit_board(three_words(std::string("&fidelity=") + level), chalk(kChalk));
     board.illuminate(kLights, settings);
     if (words.empty()) {

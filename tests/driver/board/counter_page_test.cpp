@@ -29,7 +29,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 std::regex pattern_of(const std::string& name) {
   std::string text = replaced(name, ".", "\\.");
   text = replaced(text, "<n>", "[0-9]+");
-  text = replaced(text, "<level>", "(functional|approximate|cycle)");
+  text = replaced(text, "<level>", "(functional|cycle)");
   text = replaced(text, "<command>", "(render|trace|illuminate|resume|pairs|continue)");
   text = replaced(text, "<cargo>", "(register|table|volume|command|rays|image|completion)");
   return std::regex(std::regex_replace(text, std::regex("^(processor|link|rdram)"), "$1[0-9]*"));
@@ -52,10 +52,8 @@ std::vector<CounterRow> rows_of_the_page() {
 }
 
 // Whether a board on which this level has answered keeps it; `lit`: light has been scattered or deposited.
-bool keeps(const CounterRow& row, Fidelity level, bool lit, bool sampled) {
-  if (row.level == "sampled") return sampled;
+bool keeps(const CounterRow& row, Fidelity level, bool lit) {
   if (row.level == "all, lit") return lit;
-  if (row.level == "timed") return level != Fidelity::kFunctional;
   return row.level == "all" || row.level == name_of(level);
 }
 
@@ -75,8 +73,7 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
     }
   };
   const reference::BoxVolume volume(16, 4, 11);
-  for (const std::string name : {"functional", "approximate", "cycle", "cycle&set=sample_error=30"}) {
-    const bool sampled = name.find('&') != name.npos;
+  for (const std::string name : {"functional", "cycle"}) {
     Board board = reference::open_board(reference::kSmallBlocks + ("&fidelity=" + name));
     const Fidelity level = board.info().fidelity;
     board.load_volume(volume.view());
@@ -87,10 +84,10 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
                                        {.origin = {1, 1, 14}, .u = {0, 9, 0}, .v = {9, 0, 0}}};
     board.pair_factors(patches, std::vector<ElementPair>{{0, 1, 0}}, {.rays = 16});
     compare(
-        board.counters(), [=](const CounterRow& row) { return keeps(row, level, false, sampled); }, name);
+        board.counters(), [=](const CounterRow& row) { return keeps(row, level, false); }, name);
     board.illuminate(std::vector<Light>{PointLight{{8, 8, -9}, 1}}, {});
     compare(
-        board.counters(), [=](const CounterRow& row) { return keeps(row, level, true, sampled); }, name + ", lit");
+        board.counters(), [=](const CounterRow& row) { return keeps(row, level, true); }, name + ", lit");
   }
 }
 

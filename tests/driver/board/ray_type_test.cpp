@@ -194,7 +194,7 @@ TEST_P(RayTypes, ABadRequestIsNamed) {
       ThrowsMessage<BadArgument>(HasSubstr("lines[0].points[1].y: expected 0..31, got 40")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, RayTypes, testing::Values("functional", "approximate", "cycle"),
+INSTANTIATE_TEST_SUITE_P(Levels, RayTypes, testing::Values("functional", "cycle"),
                          [](const auto& level) { return std::string(level.param); });
 
 }  // namespace

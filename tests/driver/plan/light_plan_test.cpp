@@ -107,7 +107,7 @@ TEST(LightPlan, WithThePrintedRulesKeepsTheAlbedoWhichIsAnotherPictureThere) {
 
 TEST(LightPlan, KeepsATimeBudgetOrSaysThatNothingDoes) {
   const Lamp lamp;
-  Board board = lamp.board("emu:?fidelity=approximate");
+  Board board = lamp.board("emu:?fidelity=cycle");
   LightPlanRequest request = lamp.request();
   request.time_budget = 20'000'000'000;  // 20 ms
   const LightPlan plan = plan_light(board, request);

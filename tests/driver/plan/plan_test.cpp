@@ -183,7 +183,7 @@ TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
 
 TEST(Plan, KeepsATimeBudgetOrSaysThatNothingDoes) {
   const Shells shells;
-  Board board = open_board("emu:?fidelity=approximate");
+  Board board = open_board("emu:?fidelity=cycle");
   PlanRequest request = shells.request(128);
   request.time_budget = 8'000'000'000;  // 8 ms; the finest setting takes 18
   const Plan plan = make_plan(board, request);

@@ -152,7 +152,7 @@ void work(Board& board) {
 TEST(Export, KeepsPrometheusRulesAtEveryLevel) {
   const OwnRegistry registry;
   const Exporter exporter;
-  for (const std::string level : {"functional", "approximate", "cycle"}) {
+  for (const std::string level : {"functional", "cycle"}) {
     for (const std::string memory : {"rdram", "ddr"}) {
       Board board = Board::open("emu:?fidelity=" + level + "&set=memory=" + memory);
       work(board);

@@ -27,14 +27,14 @@ TEST(Show, ReadsPicturesAndStatisticsOfARender) {
     const std::string picture = folder.file(name), statistics = folder.file("a.json");
     const Finished run = run_program("gicube-render",
                                      {"builtin:buckyball", "--volume-size", "24", "--size", "16x16", "--quiet",
-                                      "--fidelity", "approximate", "-o", picture, "--stats", statistics},
+                                      "--fidelity", "cycle", "-o", picture, "--stats", statistics},
                                      {});
     ASSERT_EQ(run.code, 0) << run.err;
     const auto from = shown(picture);
     EXPECT_EQ(from.at("program"), "gicube-render");
-    EXPECT_EQ(from.at("fidelity"), "approximate");
+    EXPECT_EQ(from.at("fidelity"), "cycle");
     EXPECT_EQ(from.at("command"),
-              "gicube-render builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity approximate -o " +
+              "gicube-render builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity cycle -o " +
                   picture + " --stats " + statistics);
     EXPECT_EQ(from.at("config_hash").get<std::string>().size(), 16u);
     EXPECT_EQ(from, shown(statistics));

@@ -73,7 +73,7 @@ TEST(Uri, AnUnknownSchemeIsNamed) {
 
 TEST(Uri, AnUnknownOptionOrValueIsNamedWithWhatIsAllowed) {
   EXPECT_THAT(error_of("emu:?speed=9"), HasSubstr("\"speed\""));
-  EXPECT_THAT(error_of("emu:?fidelity=perfect"), HasSubstr("fidelity: expected one of functional, approximate, cycle"));
+  EXPECT_THAT(error_of("emu:?fidelity=perfect"), HasSubstr("fidelity: expected one of functional, cycle"));
   EXPECT_THAT(error_of("emu:?bus=isa"), HasSubstr("pci33, agp1x, agp2x, agp4x"));
   EXPECT_THAT(error_of("emu:?threads=-1"), HasSubstr("threads"));
   EXPECT_THAT(error_of("emu:?threads=2x"), HasSubstr("2x"));

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
-constexpr const char* kLevels[] = {"functional", "approximate", "cycle"};
+constexpr const char* kLevels[] = {"functional", "cycle"};
 
 class PixelLife : public RenderProgram {
  protected:

@@ -49,12 +49,11 @@ TEST_F(RenderProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
   const ProgramResult result = run(kBall + path("ball.png") + " --time-budget 6ms --stats " + path("ball.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("ball.json")));
-  EXPECT_EQ(json.at("fidelity"), "approximate");
+  EXPECT_EQ(json.at("fidelity"), "cycle");
   EXPECT_LE(json.at("frame_ms").get<double>(), 6);
   EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
 }
 
-// Pilots of a cycle board are taken by an approximate one, and the plan's volume goes onto the first.
 TEST_F(RenderProgram, PlansForACycleBoardWhatItPlansForAFunctionalOne) {
   for (const char* level : {"cycle", "functional"}) {
     const ProgramResult result = run(
@@ -103,7 +102,7 @@ TEST_F(RenderProgram, KeepsATimeBudgetOfLightAndPicture) {
                         scene, budget, path("lit.png"), path("lit.json")));
     ASSERT_EQ(result.code, 0) << result.err;
     const auto json = nlohmann::json::parse(text_of(path("lit.json")));
-    EXPECT_EQ(json.at("fidelity"), "approximate") << scene;
+    EXPECT_EQ(json.at("fidelity"), "cycle") << scene;
     const auto& plan = json.at("plan");
     EXPECT_TRUE(plan.at("kept").get<bool>()) << scene;
     const double frame = json.at("frame_ms").get<double>();

@@ -124,13 +124,12 @@ TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
 TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
   const auto answered = [&](const std::string& options) {
     const ProgramResult result =
-        run("builtin:buckyball --volume-size 40 --size 16x16 --quiet --fidelity approximate -o " + path("a.png") +
+        run("builtin:buckyball --volume-size 40 --size 16x16 --quiet --fidelity cycle -o " + path("a.png") +
             " --stats " + path("a.json") + " " + options);
     EXPECT_EQ(result.code, 0) << result.err;
     std::map<std::string, int> commands;
     const nlohmann::json statistics = nlohmann::json::parse(text_of(path("a.json")));
     for (const auto& level : statistics.at("fidelity_report")) {
-      EXPECT_EQ(level.at("estimates").empty(), level.at("level") == "cycle");
       EXPECT_FALSE(level.at("not_modelled").empty());
       for (const auto& [command, count] : level.at("answered").items()) {
         commands[level.at("level").get<std::string>() + ' ' + command] = count.get<int>();
@@ -138,9 +137,7 @@ TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
     }
     return commands;
   };
-  const std::map<std::string, int> approximate{{"approximate render", 1}};
-  EXPECT_EQ(answered(""), approximate);
-  // Passes have no model of rays that wait for blocks.
+  EXPECT_EQ(answered(""), (std::map<std::string, int>{{"cycle render", 1}}));
   const auto in_bricks = answered("--set asic.block_voxels=8 --set asic.max_volume_voxels=32");
   EXPECT_EQ(in_bricks.at("cycle render"), 1);
   EXPECT_GT(in_bricks.at("cycle continue"), 0);
@@ -287,11 +284,11 @@ TEST_F(RenderProgram, SaysOnceWhichFieldsOfTheHardwareItsLevelDoesNotModel) {
     return result.err;
   };
   EXPECT_EQ(said(" --set asic.queue_rays=512 --set bus.model=agp2x --frames 2 --fps 1"),
-            "gicube-render: warning: asic.queue_rays: not modelled at the level functional; --fidelity approximate and "
-            "cycle model what is set\n");
+            "gicube-render: warning: asic.queue_rays: not modelled at the level functional; --fidelity cycle models "
+            "what is set\n");
   EXPECT_THAT(said(" --set sorter.policy=longest_wait --config " + path("board.textproto")),
               HasSubstr("warning: sorter.policy, asic.processors, asic.core_khz and 1 more: not modelled"));
-  for (const char* options : {" --fidelity approximate --set asic.queue_rays=512", " --set dsp.clock_khz=100000",
+  for (const char* options : {" --fidelity cycle --set asic.queue_rays=512", " --set dsp.clock_khz=100000",
                               " --set asic.queue_rays=512 --quiet"}) {
     EXPECT_EQ(said(options), "") << options;
   }

@@ -49,23 +49,6 @@ TEST(BoardOptions, DoNotConfigureABoardThatRunsAlready) {
   }
 }
 
-TEST(BoardOptions, SampleTheCycleLevel) {
-  const auto given = [](const std::vector<std::string>& words) {
-    CLI::App app;
-    BoardOptions options;
-    add_board_options(app, options);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-    return options;
-  };
-  EXPECT_EQ(board_uri(given({"--sample", "3%"})), "emu:?fidelity=cycle&set=sample_error=30");
-  EXPECT_EQ(board_uri(given({"--sample", "0.0079", "--fidelity", "cycle"})), "emu:?fidelity=cycle&set=sample_error=7");
-  EXPECT_THROW(board_uri(given({"--sample", "3%", "--fidelity", "approximate"})), UsageError);
-  EXPECT_THROW(board_uri(given({"--sample", "3%", "--board", "unix:/run/board"})), UsageError);
-  for (const char* bad : {"0", "-1%", "2", "0.05%", "a lot", "", "3 %"}) {
-    EXPECT_THROW(given({"--sample", bad}), CLI::ValidationError) << bad;
-  }
-}
-
 TEST(BoardOptions, TakeSeedsAndTimesThatAreNumbersFromZero) {
   const auto refusal = [](const std::string& option, const std::string& value) {
     CLI::App app;

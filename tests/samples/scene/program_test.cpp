@@ -164,29 +164,5 @@ TEST(TimeLeft, IsWhatThePartDonePromises) {
   EXPECT_EQ(time_left(600, 2, 27), ", 2 h 5 min left");
 }
 
-TEST(SampledLine, SaysWhatWasSimulatedAndWhetherTheErrorWasReached) {
-  const auto counters = [](std::uint64_t estimated, std::uint64_t within) {
-    return Counters({{"asic.cycles", "cycle", 1000},
-                     {"rdram.reads", "packet", 150},
-                     {"rdram.writes", "packet", 50},
-                     {"rdram.data_busy", "tCYCLE", 800},
-                     {"sampled.commands", "command", 40},
-                     {"sampled.estimated_commands", "command", estimated},
-                     {"sampled.cycles_within", "cycle", within},
-                     {"sampled.packets_within", "packet", 8}});
-  };
-  EXPECT_EQ(sampled_line(Counters(), 0.03), "");
-  EXPECT_TRUE(sampled_json(Counters()).is_null());
-  EXPECT_EQ(sampled_line(counters(0, 0), 0.03),
-            "sampled: all 40 commands at cycle level, none could be estimated: exact\n");
-  EXPECT_EQ(
-      sampled_line(counters(30, 21), 0.03),
-      "sampled: 10 of 40 commands at cycle level; cycles within 2.1%, packets 4.0% at 99.7%; 3.0% was asked for\n");
-  EXPECT_EQ(sampled_line(counters(30, 31), 0.03),
-            "sampled: 10 of 40 commands at cycle level; cycles within 3.1%, packets 4.0% at 99.7%; the 3.0% asked for "
-            "was NOT reached\n");
-  EXPECT_EQ(sampled_json(counters(30, 31))["packets"], (nlohmann::ordered_json{{"sum", 200}, {"within", 8}}));
-}
-
 }  // namespace
 }  // namespace gicube::samples

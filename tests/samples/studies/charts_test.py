@@ -1,10 +1,10 @@
-"""Tables of the charts: fronts of several tables, rows of held-out pairs; each chart of the documents is its table's."""
+"""Tables of the charts: fronts of several tables, rows of pairs; each chart of the documents is its table's."""
 import itertools
 import pathlib
 
 import pytest
 
-from studies import charts, held_out, plots, sampled
+from studies import charts, levels, plots
 from studies.table import FileError, pareto, rows_of, write_whole
 
 
@@ -35,40 +35,38 @@ def test_every_chart_is_drawn_from_its_tables_and_no_other_is_in_the_folder(tmp_
 def test_pairs_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
     file = tmp_path / "pairs.txt"
     file.write_text("# NAME PROGRAM ARGUMENTS\n\nball    render builtin:buckyball --set asic.queue_rays=64\nscan  render @head/a.nrrd --step 1\n")
-    monkeypatch.setattr(held_out, "DATA", tmp_path / "none")
+    monkeypatch.setattr(levels, "DATA", tmp_path / "none")
     ball = ("ball", "render", "", "builtin:buckyball --set asic.queue_rays=64")
-    assert list(held_out.pairs_of(file)) == [ball]
+    assert list(levels.pairs_of(file)) == [ball]
     assert capsys.readouterr().out == "scan: no scans, left out\n"
-    monkeypatch.setattr(held_out, "DATA", tmp_path)
-    assert list(held_out.pairs_of(file)) == [ball, ("scan", "render", "", "@head/a.nrrd --step 1")]
-    assert held_out.queue_rays(ball[3]) == 64 and held_out.queue_rays("") == 256
+    monkeypatch.setattr(levels, "DATA", tmp_path)
+    assert list(levels.pairs_of(file)) == [ball, ("scan", "render", "", "@head/a.nrrd --step 1")]
 
 
-def test_a_pair_is_measured_on_every_level_with_its_light_and_goes_on_where_it_was(tmp_path, monkeypatch):
-    """By a program of as many milliseconds, cycles, packets and missed voxels as it is told by its level, in a picture and a pass."""
+def test_a_pair_is_measured_at_both_levels_with_its_light_and_goes_on_where_it_was(tmp_path, monkeypatch):
+    """By a program whose picture and pass take as many milliseconds as its level says; its input is made once."""
     program = tmp_path / "gicube-render"
     program.write_text(f'''#!/usr/bin/python3
 import json, pathlib, sys
 words = sys.argv[1:]
 with open("{tmp_path}/calls", "a") as calls:
     print(words[0], file=calls)
-size = [90, 98, 100, 101][["functional", "approximate", "cycle"].index(words[words.index("--fidelity") + 1]) + ("asic.queue_rays=63" in words)]
-counters = {{"asic.cycles": size, "rdram.reads": size, "rdram.writes": 0, "processor.cache.checks": 25, "processor.cache.missed_voxels": size}}
-counters = {{name: {{"value": value}} for name, value in counters.items()}}
-pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(
-    {{"frame_ms": size, "counters": counters, "lighting": [{{"reused": False, "pass_ms": size, "counters": counters}}]}}))
+if "--stats" in words:
+    ms = {{"functional": 90, "cycle": 100}}[words[words.index("--fidelity") + 1]]
+    lighting = [{{"reused": False, "pass_ms": ms}}]
+    pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps({{"frame_ms": ms, "lighting": lighting}}))
 ''')
     program.chmod(0o755)
     pairs = tmp_path / "pairs.txt"
-    pairs.write_text("ball  render @ball --set asic.queue_rays=64\n")
-    monkeypatch.setattr(held_out, "DATA", tmp_path)  # scans are beside the source's folder, or nowhere
+    pairs.write_text("ball  render make ; @ball --step 1\n")
+    monkeypatch.setattr(levels, "DATA", tmp_path)  # scans are beside the source's folder, or nowhere
     for _ in range(2):
-        held_out.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
-        assert (tmp_path / "calls").read_text().splitlines() == [f"{tmp_path}/ball"] * 4
+        levels.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
+        assert (tmp_path / "calls").read_text().splitlines() == ["make"] + [f"{tmp_path}/ball"] * 2
     (row,) = rows_of(tmp_path / "out.csv")
-    assert list(row) == held_out.COLUMNS
-    assert [row[name] for name in held_out.COLUMNS[:10]] == ["ball", "-0.02", "-0.02", "-0.02", "0.5", "0.01", "0.01", "0.01", "-0.1", "approximate"]
-    assert row["command"] == "render @ball --set asic.queue_rays=64"
+    assert list(row) == levels.COLUMNS
+    assert (row["pair"], row["functional_time_error"], row["command"]) == ("ball", "-0.1", "render @ball --step 1")
+    assert all(float(row[f"{level}_s"]) > 0 for level in levels.LEVELS)
 
 
 def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path):
@@ -96,34 +94,3 @@ def test_a_files_rights_are_those_that_the_user_gives_new_files(tmp_path):
     write_whole(tmp_path / "a", "ä\n")
     pathlib.Path(tmp_path / "b").touch()
     assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode and (tmp_path / "a").read_bytes() == b"\xc3\xa4\n"
-
-
-def test_series_of_commands_have_their_input_made_once_and_are_measured_in_four_ways(tmp_path):
-    """By a program of 100 cycles and packets, 101 and 98 where it samples, and 90 at other levels, that says how it was called."""
-    program = tmp_path / "gicube-cone-beam"
-    program.write_text(f'''#!/usr/bin/python3
-import json, pathlib, sys
-words = sys.argv[1:]
-with open("{tmp_path}/calls", "a") as calls:
-    print(*words[:2], file=calls)
-if "--stats" in words:
-    sampled = "--sample" in words
-    cycles = 101 if sampled else 100 if words[words.index("--fidelity") + 1] == "cycle" else 90
-    counters = {{"asic.cycles": cycles, "ddr.reads": 60, "ddr.writes": 38 if sampled else 40, "processor.cache.missed_voxels": 8}}
-    stats = {{"board_ms": cycles, "counters": {{name: {{"value": value}} for name, value in counters.items()}}}}
-    if sampled:
-        stats["sampled"] = {{"commands": 7, "estimated_commands": 3, "cycles": {{"sum": 101, "within": 2.02}},
-                            "packets": {{"sum": 98, "within": 0.98}}, "missed_voxels": {{"sum": 8, "within": 0}}}}
-    pathlib.Path(words[words.index("--stats") + 1]).write_text(json.dumps(stats))
-''')
-    program.chmod(0o755)
-    pairs = tmp_path / "pairs.txt"
-    pairs.write_text("# NAME\nviews  cone-beam project a -o {work}/a.nrrd ; reconstruct {work}/a --size 4,4,4\n")
-    for _ in range(2):
-        sampled.measure(pairs, tmp_path / "runs", tmp_path, tmp_path / "out.csv")
-        calls = (tmp_path / "calls").read_text().splitlines()
-        assert calls == ["project a", *[f"reconstruct {tmp_path}/runs/views/a"] * (4 * sampled.ROUNDS)]
-    (row,) = rows_of(tmp_path / "out.csv")
-    assert list(row) == sampled.COLUMNS
-    assert [row[name] for name in sampled.COLUMNS[:12]] == ["views", "7", "4", "0.01", "0.02", "-0.02", "0.01", "0", "0", "-0.1", "0", "-0.1"]
-    assert row["command"] == "cone-beam reconstruct {work}/a --size 4,4,4"

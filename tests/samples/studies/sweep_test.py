@@ -224,10 +224,10 @@ def test_cost_and_error_of_every_combination_and_the_front_are_written(program):
 
 def test_a_functional_boards_frame_time_hardly_knows_the_step_and_it_says_so(program):
     assert program.run(f"{SMALL} --fix fidelity=functional") == 0, program.err
-    assert "note: step changes frame_ms by at most " in program.err and "--fix fidelity=approximate" in program.err
+    assert "note: step changes frame_ms by at most " in program.err and "--fix fidelity=cycle" in program.err
     assert program.run(f"{SMALL} --fix fidelity=functional --cost samples") == 0, program.err
     assert "note:" not in program.err
-    assert program.run(f"{SMALL} --fix fidelity=approximate") == 0, program.err
+    assert program.run(f"{SMALL} --fix fidelity=cycle") == 0, program.err
     assert "note:" not in program.err
 
 
@@ -300,7 +300,7 @@ def test_one_warm_board_serves_a_grid_of_configurations(program):
 
 def test_no_row_of_the_table_is_cheaper_and_better_than_what_is_printed(program):
     """A run that is its own reference has no error: it beats all that cost more."""
-    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=approximate -o out --cost frame_ms"
+    grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=cycle -o out --cost frame_ms"
     assert program.run(f"{grid} --vary step=0.5,1 --vary asic.processors=1,4 --reference asic.processors=4 --error samples") == 0, program.err
     table = [(float(row["frame_ms"]), float(row["error samples"] or 0)) for row in csv.DictReader(program.text("out/sweep.csv").splitlines())]
     printed = [line.split() for line in program.out.splitlines()[1:]]

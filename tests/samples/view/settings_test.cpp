@@ -67,8 +67,8 @@ TEST_F(ViewSettings, ChangeTheBoardsFieldsAndLevelBesidesThoseOfTheCommandLine) 
   board.fidelity = "cycle";
   board.settings = {"bus.model=agp2x"};
   board.threads = 2;
-  const RenderOptions made = options({{"asic.processors", "8"}, {"fidelity", "approximate"}, {"seed", "5"}}, board);
-  EXPECT_EQ(made.board.fidelity, "approximate");
+  const RenderOptions made = options({{"asic.processors", "8"}, {"fidelity", "cycle"}, {"seed", "5"}}, board);
+  EXPECT_EQ(made.board.fidelity, "cycle");
   EXPECT_EQ(made.board.settings, (std::vector<std::string>{"bus.model=agp2x", "asic.processors=8"}));
   EXPECT_EQ(made.board.threads, 2);
   EXPECT_EQ(made.board.seed, 5u);

@@ -34,7 +34,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--size", options.size, "pixels an edge of the picture")->capture_default_str();
   app.add_option("--max-error", options.percents, "percent (repeatable)")->capture_default_str();
   app.add_option("--time-budget", options.milliseconds,
-                 "of board time, in place of an error; needs fidelity=approximate");
+                 "of board time, in place of an error; needs fidelity=cycle");
   app.add_flag("--exact", options.exact, "also against the double-precision march, which takes minutes");
   app.add_flag("--lit", options.lit, "plans of light too, of lit scenes with targets of their own");
   app.add_flag("--radiosity", options.radiosity, "plans of gicube-form-factors, with targets of their own");
@@ -179,7 +179,7 @@ void run(const Options& options) {
       "| scene | look | target % | level | step | threshold | error % | in the pilot | bound | cheaper ones within the "
       "target | samples saved, times | pilots, % "
       "of the finest's samples | finest, host s | chosen | plan |{}\n",
-      options.board.find("approximate") != std::string::npos ? " finest, board ms | chosen | predicted |" : "");
+      options.board.find("cycle") != std::string::npos ? " finest, board ms | chosen | predicted |" : "");
   for (const StudyScene& study : study_scenes(options.data, GICUBE_SOURCE_DIR)) {
     if (!wanted(study, options)) continue;
     for (const Target& target : targets_of(options)) {

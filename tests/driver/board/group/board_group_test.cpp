@@ -77,7 +77,7 @@ TEST(BoardGroup, GivesThePicturesAndRaysOfOneWhoseVolumeNoCardStores) {
 TEST(BoardGroup, GivesThePicturesOfOneAtEachLevelOnTheWideDatapathAndInRuns) {
   const std::string card = "&set=asic.block_voxels=16&set=asic.max_volume_voxels=64&threads=1";
   expect_same_scenes("emu:?fidelity=cycle" + card, 2, 1, 20, 20, 40);
-  expect_same_scenes("emu:?fidelity=approximate&set=asic.datapath=wide" + card, 3, 1, 21, 20, 40);
+  expect_same_scenes("emu:?fidelity=cycle&set=asic.datapath=wide" + card, 3, 1, 21, 20, 40);
   expect_same_scenes("emu:?set=dsp.run_rays=16" + card, 3, 3, 22, 20, 60);
 }
 
@@ -103,7 +103,7 @@ TEST(BoardGroup, GivesThePictureOfOneInStripsOfOneRowAndLeavesBoardsWithoutRowsO
 TEST(BoardGroup, OfDifferentLevelsAndBusesGivesThePictureOfOne) {
   Board one = open_board(kBoards);
   const std::vector<std::string> addresses{kBoards + "&fidelity=cycle&bus=agp2x", kBoards,
-                                           kBoards + "&fidelity=approximate&set=asic.processors=8"};
+                                           kBoards + "&fidelity=cycle&set=asic.processors=8"};
   BoardGroup group = BoardGroup::open(addresses, {.buses = HostBuses::kOwn});
   const BoxVolume volume(24, 4, 19);
   const auto set_up = [&](Board& board) {

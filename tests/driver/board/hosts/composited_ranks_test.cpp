@@ -166,7 +166,7 @@ TEST(CompositedRanks, OfAVolumeThatNoCardStoresDifferByLessThanTheBound) { compo
 TEST(CompositedRanks, DifferByLessThanTheBoundAtEachLevelOnTheWideDatapathAndInRuns) {
   const std::string card = "&set=asic.block_voxels=16&set=asic.max_volume_voxels=64&threads=1";
   composited("emu:?fidelity=cycle&set=dsp.run_rays=16" + card, 2, 1, 40);
-  composited("emu:?fidelity=approximate&set=asic.datapath=wide" + card, 3, 1, 41);
+  composited("emu:?fidelity=cycle&set=asic.datapath=wide" + card, 3, 1, 41);
 }
 
 // The picture shows the upper half of the box: half of the ranks have little to do at first.

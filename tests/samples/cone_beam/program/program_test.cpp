@@ -71,7 +71,7 @@ TEST_F(ConeBeamProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
                                    " --time-budget 25ms --stats " + path("v.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("v.json")));
-  EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
+  EXPECT_EQ(json.at("board").at("fidelity"), "cycle");
   EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
   EXPECT_LE(json.at("board_ms").get<double>(), 25);
   // The plan has made this very volume to see what it takes.

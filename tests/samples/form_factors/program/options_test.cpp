@@ -130,17 +130,6 @@ TEST(FormFactorOptions, WhatIsWrongIsNamed) {
   EXPECT_THAT(refusal({"visibility", "a.scene", "--pairs", "0"}), HasSubstr("--pairs"));
 }
 
-TEST(FormFactorOptions, AnOptionsNameOfTheReleaseBeforeWorksAndSaysWhatReplacesIt) {
-  testing::internal::CaptureStderr();
-  const SolveOptions options = solve_options({"a.scene", "--most-rays=4096"});
-  EXPECT_EQ(options.settings.max_rays, 4096);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "gicube-form-factors: --most-rays is now --max-rays; the next release refuses it\n");
-  testing::internal::CaptureStderr();
-  solve_options({"a.scene", "--max-rays", "4096"});
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-}
-
 TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/radiosity")) {

@@ -62,7 +62,7 @@ TEST_F(FormFactorProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
   const ProgramResult result = run("solve " + room() + " --time-budget 60ms --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
-  EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
+  EXPECT_EQ(json.at("board").at("fidelity"), "cycle");
   EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
   EXPECT_LE(json.at("board_ms").get<double>(), 60);
   EXPECT_GT(json.at("plan").at("points").size(), 1u);

@@ -19,7 +19,7 @@ struct Provenance {
   std::string program{}, version{};
   std::string command{};      // the command line as it was given: command_line()
   std::string config_hash{};  // of the board's configuration (BoardInfo::config_hash), as hex()
-  std::string fidelity{};     // of the board: functional, approximate or cycle
+  std::string fidelity{};     // of the board: functional or cycle
   std::string scene_hash{};   // of what was computed with: scene_hash(), or of a scan's projections, as hex()
 };
 
