@@ -6,7 +6,7 @@
 #include <bit>
 #include <string_view>
 
-#include "asic/latencies.h"
+#include "asic/fifo_places.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "asic/latencies.h"
+#include "asic/fifo_places.h"
 #include "asic/link/ring.h"
 #include "asic/partition.h"
 #include "asic/raybus/merge_tree.h"

@@ -18,7 +18,7 @@
 #include "asic/cache/miss_queue.h"
 #include "asic/cache/volume_cache.h"
 #include "asic/cache/write_queue.h"
-#include "asic/latencies.h"
+#include "asic/fifo_places.h"
 #include "asic/partition.h"
 #include "asic/sim/causes.h"
 #include "asic/sim/fifo.h"

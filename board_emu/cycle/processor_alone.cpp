@@ -57,7 +57,7 @@ Cycle Processor::go_alone(Cycle from, Cycle to, MemoryPort& memory) {
 // What joins its parts holds no more than one item at the end of each of its cycles, but for `issue_`.
 bool Processor::goes_round() const {
   return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !does_more_ && !two_ports_ &&
-         !ideal_memory_ && sorter_.may_go_round() && cache_.plain_tags() != nullptr &&
+         !ideal_memory_ && sorter_.may_go_round() && cache_.is_plain() &&
          write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
 }
 

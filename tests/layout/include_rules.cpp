@@ -108,7 +108,7 @@ const std::vector<Rule>& rules() {
        {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
         "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
       // What a memory device holds decides how large a volume may be.
-      room("board_emu/config", {"board_emu/words", "board_emu/asic/latencies.h", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
+      room("board_emu/config", {"board_emu/words", "board_emu/asic/fifo_places.h", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
       room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
       room("board_emu/datapath", {"board_emu/words", "board_emu/config", "board_emu/memory"}, {"emmintrin.h"}),
       // Siblings on a ray's way do not know each other.

@@ -145,14 +145,6 @@ const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<st
   return misses_;
 }
 
-bool VolumeCache::has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
-  for (std::size_t i = 0; i < 8; ++i) {
-    const VoxelTag tag = tag_of_voxel(block, voxel[0] + (i & 1), voxel[1] + (i >> 1 & 1), voxel[2] + (i >> 2));
-    if (tags_[tag.index] != tag.value) return false;
-  }
-  return true;
-}
-
 bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
   const auto n = static_cast<std::size_t>(shape_.block_voxels), depth = std::size_t{shape_.tile_depth};
   const std::size_t x = tile % tiles_x_ * 2, y = tile / tiles_x_ % tiles_x_ * 2, z = tile / slice_tiles_ * depth;

@@ -63,22 +63,12 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // Like check(), for callers that already know that a tile is missing or not the most recently used.
-  const Misses& ask(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-    return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
-  }
-
-  // Like check(), but calls fetch(tile) for each missing tile. Only for a cache with plain_tags() that does not write back.
+  // Like check(), but calls fetch(tile) for each missing tile. Only for a cache that is_plain() and does not write back.
   template <typename Fetch>
   void for_each_miss(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, const Fetch& fetch);
 
-  // The block of each tile of a direct mapped cache, by tile, for a caller that checks many samples of one block; else null.
-  const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
-  std::size_t tiles_x() const { return tiles_x_; }
-
-  // Whether all tiles of the neighbourhood are present and each is the most recently used of its set, so that check() would
-  // change only counters. Not for `linear` or direct mapped caches.
-  bool latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
+  // Whether it is direct mapped by the position in the block and has one tag per tile.
+  bool is_plain() const { return plain_; }
 
   // Whether a tile is present or requested.
   bool holds(std::uint32_t block, std::uint32_t tile) const {
@@ -126,7 +116,6 @@ class VolumeCache {
   const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
-  bool has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
   bool holds_voxels(std::uint32_t block, std::uint32_t tile) const;
   bool holds_in_set(std::uint32_t block, std::uint32_t tile) const;
   void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
@@ -220,20 +209,6 @@ template <typename Fetch>
   counters_.packets += packets;
   counters_.missed_voxels += packets * voxels_of_tile;
   ++counters_.misses[packets * voxels_of_tile];
-}
-
-inline bool VolumeCache::latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
-  if (shape_.tags_of_voxels) return has_neighbourhood(block, voxel);
-  const std::size_t two_x = voxel[0] & 1, row = (voxel[1] & 1) * tiles_x_;
-  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
-  const std::uint32_t tags = block * static_cast<std::uint32_t>(tiles_of_block());
-  std::uint32_t differ = 0;
-  for (const std::size_t of_row : {first, first + row, first + slice_tiles_, first + slice_tiles_ + row}) {
-    const std::size_t next = of_row + two_x;
-    differ |= tags_[first_way_[of_row]] ^ (tags + static_cast<std::uint32_t>(of_row));
-    differ |= tags_[first_way_[next]] ^ (tags + static_cast<std::uint32_t>(next));
-  }
-  return differ == 0;
 }
 
 }  // namespace gicube::emu

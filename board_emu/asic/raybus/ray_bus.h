@@ -64,7 +64,6 @@ struct RayBusCounters {
 
 class RayBus {
  public:
-  static constexpr std::uint32_t kRunPackets = 2;  // [C] first ray, differential
   static constexpr std::uint32_t kRunBuffers = 2;  // [C] runs per processor
 
   // `runs` carries handles of `pool`, which has one listener per processor.
