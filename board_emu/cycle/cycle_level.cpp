@@ -15,14 +15,14 @@ Machine& CycleLevel::machine_for(const Frame& frame) {
     machine_ = std::make_unique<Machine>(config_, frame.volume->blocks());
     machine_->set_observer(observer_);
   }
-  const bool sums = frame.sums != nullptr;
-  if (caches_sums_ != sums) machine_->invalidate_caches();
-  caches_sums_ = sums;
+  const bool accumulates = frame.sums != nullptr;
+  if (caches_accumulators_ != accumulates) machine_->invalidate_caches();
+  caches_accumulators_ = accumulates;
   return *machine_;
 }
 
 Machine& CycleLevel::machine_to_go_on(RaySource& source, const Frame& frame) {
-  const bool fits = machine_->blocks() == frame.volume->blocks() && caches_sums_ == (frame.sums != nullptr);
+  const bool fits = machine_->blocks() == frame.volume->blocks() && caches_accumulators_ == (frame.sums != nullptr);
   if (!fits) throw CheckpointFault("run", "that of its command", "another");
   NumbersArchive archive(true, of_source_);
   archive.field("source", [&](Archive::Record& record) { source.state(record, run_->begin); });
@@ -107,7 +107,7 @@ void CycleLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
   if (machine_ && machine_->blocks() != blocks) reset();
   archive("past_rays", past_rays_);
   counters_state(archive, "past", past_);
-  archive("caches_sums", caches_sums_);
+  archive("caches_sums", caches_accumulators_);
   bool has_machine = machine_ != nullptr, is_in_run = in_run();
   archive("has_machine", has_machine);
   archive("in_run", is_in_run);

@@ -66,7 +66,7 @@ class CycleLevel : public Level {
   OpacityCorrection correction_;
   SimdTracer tracer_{correction_};
   std::unique_ptr<Machine> machine_;  // kept while the volume keeps its size
-  bool caches_sums_ = false;          // its caches hold accumulators instead of voxels
+  bool caches_accumulators_ = false;  // its caches hold accumulators instead of voxels
   std::optional<Run> run_;
   std::vector<std::uint64_t> of_source_;  // source's state in a checkpoint's run
   RayCounters past_rays_;                 // rays of dropped machines, and of sources

@@ -9,11 +9,11 @@
 namespace gicube::emu {
 
 // Takes a ray whose values are known on by a pass, over its block, whose least corner is `low` and whose edge `size`, if it `leaps`.
-inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool leaps, const Frame& frame,
+inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool skips, const Frame& frame,
                     RayCounters& counters) {
   const std::int32_t left = ray.steps_left();
   std::int32_t steps = 1;
-  if (leaps) {
+  if (skips) {
     steps = leap(ray, low, size, frame, counters);
   } else {
     jitter_step(ray, frame);

@@ -83,17 +83,17 @@ bool Machine::tick() {
   moved |= links_->tick(now_);
   ticked_.clear();
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (go_alone_) {
-      if ((asleep_since_[i] != kAwake || lone_.goes_alone(i, now_)) && !processors_[i]->has_input()) continue;
+    if (looks_ahead_) {
+      if ((asleep_since_[i] != kAwake || lookahead_.is_ahead(i, now_)) && !processors_[i]->has_input()) continue;
       wake(i);
-      run_.moved_at = std::max(run_.moved_at, lone_.take(i, now_));
+      run_.moved_at = std::max(run_.moved_at, lookahead_.stop(i, now_));
     }
     moved |= processors_[i]->tick_sorter(now_);
     moved |= processors_[i]->tick_pipeline(now_);
     ticked_.push_back(i);
   }
   const bool is_seen = is_seen_soon();
-  if (go_alone_) {
+  if (looks_ahead_) {
     for (const std::size_t i : ticked_) moved |= memories_[i]->tick_ahead(now_);
   } else {
     for (const auto& memory : memories_) moved |= is_seen ? memory->tick(now_) : memory->tick_ahead(now_);
@@ -103,8 +103,8 @@ bool Machine::tick() {
   for (const std::size_t i : ticked_) {
     Processor& processor = *processors_[i];
     processor.account(now_, processor.holds_rays() ? Cause::kLatency : upstream());
-    if (!go_alone_) continue;
-    lone_.leave(i, now_ + 1, processor.alone_until(now_));
+    if (!looks_ahead_) continue;
+    lookahead_.start(i, now_ + 1, processor.lookahead_until(now_));
     if (!processor.sleeps()) continue;
     asleep_since_[i] = upstream_.size();
     ++asleep_;
@@ -131,7 +131,7 @@ Cycle Machine::next_cycle() const {
   Cycle next = run_.report_at;
   for (std::size_t i = 0; i < processors_.size(); ++i) {
     if (processors_[i]->has_input()) return now_ + 1;
-    if (asleep_since_[i] == kAwake) next = std::min(next, lone_.alone_until(i));
+    if (asleep_since_[i] == kAwake) next = std::min(next, lookahead_.ahead_until(i));
   }
   if (!dsp_->rests()) next = std::min(next, dsp_->free_at());
   const bool is_quiet = next > now_ + 1 && down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() &&
@@ -147,13 +147,13 @@ Cause Machine::upstream() {
 }
 
 bool Machine::some_hold_rays() {
-  const auto goes_alone = [this](std::size_t i) { return go_alone_ && lone_.goes_alone(i, now_); };
+  const auto is_ahead = [this](std::size_t i) { return looks_ahead_ && lookahead_.is_ahead(i, now_); };
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (goes_alone(i) ? lone_.has_many_rays(i) : processors_[i]->holds_rays()) return true;
+    if (is_ahead(i) ? lookahead_.has_many_rays(i) : processors_[i]->holds_rays()) return true;
   }
   for (std::size_t i = 0; i < processors_.size(); ++i) {
-    if (!goes_alone(i)) continue;
-    run_.moved_at = std::max(run_.moved_at, lone_.catch_up(i, now_ + 1));
+    if (!is_ahead(i)) continue;
+    run_.moved_at = std::max(run_.moved_at, lookahead_.catch_up(i, now_ + 1));
     if (processors_[i]->holds_rays()) return true;
   }
   return false;
@@ -165,7 +165,7 @@ void Machine::wake(std::size_t i) {
   for (std::size_t at = asleep_since_[i]; at < upstream_.size(); ++at) {
     processors_[i]->account(first + (at - asleep_since_[i]), upstream_[at], 0);
   }
-  lone_.skip(i, now_);
+  lookahead_.skip(i, now_);
   asleep_since_[i] = kAwake;
   --asleep_;
 }
@@ -204,7 +204,7 @@ void Machine::skip() {
     now_ += stride;
   }
   run_.moved_at = now_;
-  lone_.skip(now_);
+  lookahead_.skip(now_);
 }
 
 void Machine::describe(std::ostream& out) const {
@@ -235,15 +235,15 @@ void Machine::run_state(Archive& archive, TokenLimits& limits) {
     for (std::uint32_t handle = 0; handle < rays_.handles(); ++handle) {
       const RayUnderWay& ray = rays_[handle];
       const bool is_carrier = ray.ray_state.is(wire::kIrradianceCarrier);
-      bool flies = ray.block < partition_.blocks();
-      const auto corner = grid.corner(flies ? ray.block : 0);
+      bool is_valid = ray.block < partition_.blocks();
+      const auto corner = grid.corner(is_valid ? ray.block : 0);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         // A carrier's position may be a voxel outside its block.
         const std::int32_t low = corner[axis] * wire::kVoxel, beyond = is_carrier ? wire::kVoxel : 0;
         const std::int32_t at = ray.ray_state.position[axis];
-        flies = flies && at >= std::max(low - beyond, 0) && at < low + grid.size() + beyond;
+        is_valid = is_valid && at >= std::max(low - beyond, 0) && at < low + grid.size() + beyond;
       }
-      limits.flies.push_back(flies ? 1 : 0);
+      limits.flies.push_back(is_valid ? 1 : 0);
     }
     for (const auto& processor : processors_) limits.queues.push_back(processor->sorter().queues());
     archive.set_token_limits(&limits);
@@ -292,11 +292,11 @@ void Machine::set_out(const Frame& frame, bool values_are_known) {
   is_observed_ = !values_are_known && has_interested_observer();
   watch_.set_observer(is_observed_ ? observer_ : nullptr);
   watch_.begin(frame);
-  go_alone_ = !is_observed_ && shuffle_ == 0 && standard_.sharing == 1;
+  looks_ahead_ = !is_observed_ && shuffle_ == 0 && standard_.sharing == 1;
   asleep_since_.assign(processors_.size(), kAwake);
   asleep_ = 0;
   upstream_.clear();
-  if (go_alone_) lone_.begin(now_, processors_, memories_);
+  if (looks_ahead_) lookahead_.begin(now_, processors_, memories_);
   if (observer_ != nullptr) observer_->begins(now_, *this);
   ask_observer(now_);
 }
@@ -309,7 +309,7 @@ void Machine::take_samples() {
 
 void Machine::be_observed() {
   is_observed_ = true;
-  go_alone_ = false;
+  looks_ahead_ = false;
   take_samples();
   watch_.set_observer(observer_);
 }
@@ -343,7 +343,7 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
   while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= run_.report_at) {
       wake_all();
-      if (go_alone_) lone_.catch_up_all(now_);
+      if (looks_ahead_) lookahead_.catch_up_all(now_);
       run_.report_at = now_ + kReportCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
@@ -365,10 +365,10 @@ RunResult Machine::to_the_end(Progress& progress, RayRange which) {
     if (tick()) run_.moved_at = now_;
     show();
     if (now_ - run_.moved_at > kStallCycles) {
-      if (go_alone_) run_.moved_at = std::max(run_.moved_at, lone_.catch_up_all(now_ + 1));
+      if (looks_ahead_) run_.moved_at = std::max(run_.moved_at, lookahead_.catch_up_all(now_ + 1));
       if (now_ - run_.moved_at > kStallCycles) stalled();
     }
-    if (!go_alone_) {
+    if (!looks_ahead_) {
       ++now_;
       continue;
     }

@@ -17,7 +17,7 @@
 #include "asic/raybus/merge_tree.h"
 #include "asic/raybus/ray_bus.h"
 #include "levels/level.h"
-#include "lone_processors.h"
+#include "lookahead.h"
 #include "memory_port.h"
 #include "observer.h"
 #include "processor.h"
@@ -73,7 +73,7 @@ class Machine {
     void state(Archive::Record& record) { record(activations, samples); }
   };
   // Processor cycles that were computed by inner loops, many at a time, because nobody observed them.
-  std::uint64_t cycles_ahead() const { return lone_.cycles_ahead(); }
+  std::uint64_t cycles_ahead() const { return lookahead_.cycles_ahead(); }
   // Work in each simulated millisecond. The last entry is for all later ones.
   const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
   const dram::Standard& memory_standard() const { return standard_; }
@@ -170,8 +170,8 @@ class Machine {
   bool is_seen_ = false;  // the cycle is over, but not counted yet
   Run run_;
   // Unused if the run is observed, or if two processors share a memory.
-  LoneProcessors lone_;
-  bool go_alone_ = false;
+  Lookahead lookahead_;
+  bool looks_ahead_ = false;
   std::vector<std::size_t> ticked_;  // processors of this cycle
   static constexpr std::size_t kAwake = ~std::size_t{0};
   std::vector<std::size_t> asleep_since_;  // by processor: first entry of `upstream_` that is not booked, or kAwake

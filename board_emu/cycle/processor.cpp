@@ -207,8 +207,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       if (!does_more_) {
         gather(ray_state, site, *frame_, counts_);
       } else {
-        const Point place = ray_state.position;
-        how = after(sample(ray_state, site, *frame_, counts_), place, ray, entry);
+        const Point position = ray_state.position;
+        how = after(sample(ray_state, site, *frame_, counts_), position, ray, entry);
       }
     }
   }
@@ -239,7 +239,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   }
   token.keeps_slot = token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
   if (token.watched) [[unlikely]]
-    tell_pass(now, entry, how);
+    tell_iteration(now, entry, how);
 }
 
 void Processor::tell_deposit(Cycle now, const RayToken& token) {
@@ -250,7 +250,7 @@ void Processor::tell_deposit(Cycle now, const RayToken& token) {
                .count = splats_.oldest().carriers});
 }
 
-void Processor::tell_pass(Cycle now, const InFlight& entry, Termination how) {
+void Processor::tell_iteration(Cycle now, const InFlight& entry, Termination how) {
   watch_.after({.step = entry.sampled ? RayStep::kSampled : RayStep::kLeapt,
                 .cycle = now,
                 .handle = entry.token.ray,
@@ -284,7 +284,7 @@ bool Processor::tick_pipeline(Cycle now) {
   }
   if (issue_.can_pop(now)) {
     if (stages_.can_enter() & (misses_.room() >= (cells_ ? kMaxPackets + kMaxCells : kMaxPackets)) &
-        has_room_for_victims()) {
+        has_room_for_evictions()) {
       check_tags(now, issue_.front());
       issue_.pop(now);
       fed_ = moved = true;

@@ -78,15 +78,15 @@ class Processor {
 
   // Lookahead: as long as nothing enters or leaves a processor, it may be ticked later than the parts around it. Returns the
   // first cycle after `now` in which it may send something; the next cycle if it has sent something or is empty.
-  Cycle alone_until(Cycle now) const;
+  Cycle lookahead_until(Cycle now) const;
   // Whether it will hold rays in every cycle in which it runs ahead.
   bool holds_many_rays() const { return sorter_.waiting() + issue_.size() + stages_.size() >= kMany; }
   // Whether its ticks do nothing but account() until a ray arrives.
   bool sleeps() const { return idle() && misses_.empty() && !has_input(); }
   bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
-  // Ticks it and its memory in the cycles from `from` to before `to`, all of them before alone_until(). Returns the last cycle
+  // Ticks it and its memory in the cycles from `from` to before `to`, all of them before lookahead_until(). Returns the last cycle
   // in which something moved, or 0.
-  Cycle go_alone(Cycle from, Cycle to, MemoryPort& memory);
+  Cycle run_ahead(Cycle from, Cycle to, MemoryPort& memory);
   // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: the cause if there is no ray here.
   void account(Cycle now, Cause upstream) {
     account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
@@ -128,15 +128,15 @@ class Processor {
 
  private:
   // Inner loop for rays with a trace, and whether it applies: it covers only the usual kind of machine.
-  bool goes_round() const;
-  Cycle go_round(Cycle from, Cycle to, MemoryPort& memory);
-  void pass(Cycle now, const RayToken& issued, InFlight& entry, MemoryPort& memory);
+  bool can_run_active_queue() const;
+  Cycle run_active_queue(Cycle from, Cycle to, MemoryPort& memory);
+  void iterate(Cycle now, const RayToken& issued, InFlight& entry, MemoryPort& memory);
 
   bool deliver(Cycle now, const InFlight& ray);
   bool fill(Cycle now);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  Termination after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry);
+  Termination after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry);
   void splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
   bool is_dark(std::size_t block) const { return !frame_->dark.empty() && frame_->dark[block] != 0; }
   void carry_to_host(const Interaction& interaction, const RayUnderWay& ray, InFlight& entry, Splat* work);
@@ -162,7 +162,7 @@ class Processor {
   }
   // Number of blocks that have packets.
   std::uint32_t packet_blocks() const { return static_cast<std::uint32_t>(partition_.max_blocks() * (cells_ ? 2 : 1)); }
-  bool has_room_for_victims() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
+  bool has_room_for_evictions() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
   // In memory, the irradiance of all blocks follows their voxels.
   std::uint32_t irradiance_of(std::uint32_t number) const {
     return number + static_cast<std::uint32_t>(partition_.max_blocks());
@@ -170,7 +170,7 @@ class Processor {
   // Always inlined: GCC takes a function that only prefetches for one without effect, and removes its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream, std::size_t come) const;
-  [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
+  [[gnu::noinline, gnu::cold]] void tell_iteration(Cycle now, const InFlight& entry, Termination how);
   [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
 
   static Cause waiting_for(Delay delay) {

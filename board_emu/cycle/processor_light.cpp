@@ -11,15 +11,15 @@ namespace gicube::emu {
 
 // Applies the effects of a sample at `place` of a ray that does more than gather: splats, a trap, the ray's end. `ray` is still
 // in the block of the sample.
-Termination Processor::after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry) {
+Termination Processor::after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry) {
   if (interaction.deposits) {
     splat_and_carry(interaction, ray, entry);
   } else if (writes_all_voxels() && ray.ray_state.is(wire::kLightingRay) &&
              (interaction.visible || splat_rule_ == v1::all_samples)) {
     Interaction nothing;
-    nothing.place = place;
+    nothing.place = position;
     nothing.lifetime = ray.ray_state.lifetime;
-    nothing.deposit = nothing_at(place);
+    nothing.deposit = nothing_at(position);
     splat_and_carry(nothing, ray, entry);
   }
   if (interaction.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
@@ -173,8 +173,8 @@ bool Processor::send_carrier(Cycle now) {
 
 // Whether the oldest splat is stalled: the previous one is not finished, or the write queue has no room for its tiles.
 bool Processor::splat_waits(Cycle now) const {
-  constexpr std::size_t kPlaces = 16;  // eight tiles, each fetched first
-  return splats_.busy(now) || writes_.room() < kPlaces;
+  constexpr std::size_t kSlots = 16;  // eight tiles, each fetched first
+  return splats_.busy(now) || writes_.room() < kSlots;
 }
 
 void Processor::begin_splat(Cycle now) {

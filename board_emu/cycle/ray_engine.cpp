@@ -19,8 +19,8 @@ RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, 
       partition_(partition),
       lists_(std::max<std::size_t>(1, partition.max_blocks())),
       dsp_(config),
-      places_(config.dsp().overflow_rays()),
-      may_be_under_way_(places_),
+      slots_(config.dsp().overflow_rays()),
+      may_be_under_way_(slots_),
       store_(config.asic().processors() * lists_) {}
 
 void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead) {
@@ -29,7 +29,7 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
   ahead_ = ahead;
   begin_ = made_ = which.begin;
   end_ = which.end;
-  may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+  may_be_under_way_ = std::min<std::uint64_t>(slots_, work.max_under_way());
   rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
   finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
@@ -43,7 +43,7 @@ void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
   work_ = &work;
   frame_ = &frame;
   ahead_ = nullptr;
-  may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
+  may_be_under_way_ = std::min<std::uint64_t>(slots_, work.max_under_way());
   rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
 }
 

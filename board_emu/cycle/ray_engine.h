@@ -139,7 +139,7 @@ class RayEngine {
   const Partition& partition_;
   std::size_t lists_;  // lists of overflowed rays per processor
   Dsp dsp_;
-  std::size_t places_;            // slots for overflowed rays
+  std::size_t slots_;             // slots for overflowed rays
   std::size_t may_be_under_way_;  // rays of the present work
   std::size_t under_way_ = 0;     // rays that were made and have not returned; without carriers
   OverflowStore store_;

@@ -77,7 +77,7 @@ class Stages {
     InFlight* ring;
     std::size_t mask, out, middle, in;
 
-    InFlight& operator[](std::size_t place) const { return ring[place & mask]; }
+    InFlight& operator[](std::size_t slot) const { return ring[slot & mask]; }
   };
   Line line() { return {ring_.data(), mask_, head_, head_ + computing_, head_ + computing_ + prefetching_}; }
   void put_back(const Line& line) {

@@ -48,7 +48,7 @@ std::optional<ValuesAhead::Ray> ValuesAhead::make(std::uint64_t i, RayCounters& 
   return ray ? std::optional<Ray>({*ray, {}, 0}) : std::nullopt;
 }
 
-void ValuesAhead::fly(RayState& ray, std::int32_t steps, RayCounters& counters) const {
+void ValuesAhead::trace_steps(RayState& ray, std::int32_t steps, RayCounters& counters) const {
   const BlockGrid grid(*frame_.volume);
   const std::size_t edge = static_cast<std::size_t>(frame_.volume->block_voxels()) + 1;
   while (steps > 0) {
@@ -69,7 +69,7 @@ void ValuesAhead::fly(RayState& ray, std::int32_t steps, RayCounters& counters) 
 // Takes what happens to a ray on its last steps from `ahead`.
 void ValuesAhead::take_back(RayState ray, std::int32_t steps, RayCounters& ahead) const {
   RayCounters rest;
-  fly(ray, steps, rest);
+  trace_steps(ray, steps, rest);
   count_end(ray, end(ray, frame_), frame_, rest);
   ahead = ahead - of_values(rest);
 }
@@ -77,7 +77,7 @@ void ValuesAhead::take_back(RayState ray, std::int32_t steps, RayCounters& ahead
 RayState ValuesAhead::at(const Ray& ray, std::int32_t steps, RayCounters& ahead) const {
   RayCounters past;
   RayState state = unpack(ray.made, frame_);
-  fly(state, steps, past);
+  trace_steps(state, steps, past);
   if (steps < ray.steps) take_back(state, ray.steps - steps, ahead);
   return state;
 }

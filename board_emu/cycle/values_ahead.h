@@ -53,7 +53,7 @@ class ValuesAhead {
   };
   void trace(RayCounters& ahead);
   void take_back(RayState ray, std::int32_t steps, RayCounters& ahead) const;
-  void fly(RayState& ray, std::int32_t steps, RayCounters& counters) const;
+  void trace_steps(RayState& ray, std::int32_t steps, RayCounters& counters) const;
 
   RaySource& source_;
   RayRange which_;

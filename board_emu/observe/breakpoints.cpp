@@ -83,14 +83,14 @@ Breakpoint of_rays(std::function<bool(std::uint64_t, const wire::Ray&)> watches)
   return out;
 }
 
-Breakpoint at_place(const std::vector<std::string>& words, bool is_voxel) {
+Breakpoint at_position(const std::vector<std::string>& words, bool is_voxel) {
   std::array<std::uint64_t, 3> at{};
   for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = number_at(words, axis + 1, "a coordinate");
   Breakpoint out;
   out.watches = all_rays;
   out.on_ray = [at, is_voxel](const RayEvent& event, const Machine& machine) -> Why {
-    const bool is_pass = event.step == RayStep::kSampled || event.step == RayStep::kLeapt;
-    if (!is_pass || (is_voxel && event.sample == nullptr)) return std::nullopt;
+    const bool is_iteration = event.step == RayStep::kSampled || event.step == RayStep::kLeapt;
+    if (!is_iteration || (is_voxel && event.sample == nullptr)) return std::nullopt;
     std::uint64_t block = event.block;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto blocks = static_cast<std::uint64_t>(machine.blocks()[axis]);
@@ -174,7 +174,7 @@ Breakpoint parse_breakpoint(const std::vector<std::string>& words, const Command
     out = of_rays([x = number_at(words, 1, "a pixel's x"), y = number_at(words, 2, "a pixel's y")](
                       std::uint64_t, const wire::Ray& made) { return made.u >> 4 == x && made.v >> 4 == y; });
   } else if (kind == "voxel" || kind == "block") {
-    out = at_place(words, kind == "voxel");
+    out = at_position(words, kind == "voxel");
   } else if (kind == "queue") {
     out = at_fill(words);
   } else if (kind == "overflow") {

@@ -43,7 +43,7 @@ void Debugger::detach() {
   watched_.clear();
   histories_.clear();
   step_.reset();
-  stops_soon_ = stops_at_command_ = stands_on_ = false;
+  stops_soon_ = stops_at_command_ = pauses_at_cycle_end_ = false;
   goes_ = true;
   is_attached_ = false;
   changed_.notify_all();
@@ -54,7 +54,7 @@ void Debugger::let_go() {
   step_.reset();
   stops_soon_ = stops_at_command_ = false;
   goes_ = is_let_go_ = true;
-  stands_on_ = false;
+  pauses_at_cycle_end_ = false;
   changed_.notify_all();
 }
 
@@ -68,8 +68,8 @@ void Debugger::power_up(std::uint64_t core_khz, bool has_cycles) {
 
 bool Debugger::offer(std::function<void()> job) {
   const std::lock_guard lock(mutex_);
-  if (!stands_) return false;
-  last_word_ = std::chrono::steady_clock::now();
+  if (!is_paused_) return false;
+  last_activity_ = std::chrono::steady_clock::now();
   job_ = std::move(job);
   changed_.notify_all();
   return true;
@@ -87,7 +87,7 @@ void Debugger::begin_command(Picoseconds begin, std::uint32_t ticket) {
   ++commands_;
   const bool is_break = std::ranges::any_of(breakpoints_, &Breakpoint::on_command);
   if (!is_break && !std::exchange(stops_at_command_, false) && !(stops_soon_ && !has_cycles_)) return;
-  stand(lock, now_, fmt::format("command {} begins, ticket {}", commands_, ticket));
+  pause(lock, now_, fmt::format("command {} begins, ticket {}", commands_, ticket));
 }
 
 void Debugger::counted(const std::vector<wire::Counter>& counters) {
@@ -98,7 +98,7 @@ void Debugger::counted(const std::vector<wire::Counter>& counters) {
     const auto why = each.on_counters ? each.on_counters(counters) : std::nullopt;
     if (!why) continue;
     each.on_counters = nullptr;  // it stays above its threshold
-    return stand(lock, now_, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+    return pause(lock, now_, fmt::format("break {} ({}): {}", each.number, each.text, *why));
   }
 }
 
@@ -113,13 +113,13 @@ void Debugger::begins(Cycle now, Machine& machine) {
 Cycle Debugger::next(Cycle from) {
   if (!is_attached()) return kNoCycle;
   const std::lock_guard lock(mutex_);
-  if (stops_soon_ || stands_on_) return from;
+  if (stops_soon_ || pauses_at_cycle_end_) return from;
   Cycle first = kNoCycle;
-  const auto look_at = [&](const Breakpoint& each) {
+  const auto check = [&](const Breakpoint& each) {
     if (each.on_cycle) first = std::min(first, std::max(from, each.cycle.value_or(from)));
   };
-  if (step_) look_at(*step_);
-  std::ranges::for_each(breakpoints_, look_at);
+  if (step_) check(*step_);
+  std::ranges::for_each(breakpoints_, check);
   return first;
 }
 
@@ -127,9 +127,9 @@ void Debugger::see(Cycle now, const Machine& machine) {
   Lock lock(mutex_);
   now_ = now;
   if (!is_attached_) return;
-  if (stands_on_) return wait_for_word(lock, Moment::kEndOfCycle);
+  if (pauses_at_cycle_end_) return wait_while_paused(lock, Moment::kEndOfCycle);
   if (step_) {
-    if (const auto why = step_->on_cycle(now, machine)) return stand(lock, now, *why);
+    if (const auto why = step_->on_cycle(now, machine)) return pause(lock, now, *why);
   }
   for (Breakpoint& each : breakpoints_) {
     if (!each.on_cycle || (each.cycle && now < *each.cycle)) continue;
@@ -137,9 +137,9 @@ void Debugger::see(Cycle now, const Machine& machine) {
     if (!why) continue;
     // A counter above its threshold and a time that is over stay so.
     if (each.cycle || each.on_counters) each.on_cycle = nullptr;
-    return stand(lock, now, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+    return pause(lock, now, fmt::format("break {} ({}): {}", each.number, each.text, *why));
   }
-  if (stops_soon_) stand(lock, now, "stopped");
+  if (stops_soon_) pause(lock, now, "stopped");
 }
 
 bool Debugger::watches(std::uint64_t ray, const wire::Ray& made) {
@@ -170,46 +170,46 @@ void Debugger::happened(const RayEvent& event, const Machine& machine) {
     if (!each.on_ray || each.ticket.value_or(ticket_) != ticket_) continue;
     if (const auto why = each.on_ray(event, machine)) {
       const std::string text = fmt::format("break {} ({}): {}", each.number, each.text, *why);
-      return stand(lock, event.cycle, text, Moment::kInCycle);
+      return pause(lock, event.cycle, text, Moment::kInCycle);
     }
   }
 }
 
-void Debugger::stand(Lock& lock, Cycle now, const std::string& why, Moment moment) {
+void Debugger::pause(Lock& lock, Cycle now, const std::string& why, Moment moment) {
   if (is_let_go_) return;
   step_.reset();
   stops_soon_ = false;
   now_ = now;
   why_ = why;
   ++stops_;
-  last_word_ = std::chrono::steady_clock::now();
-  wait_for_word(lock, moment);
+  last_activity_ = std::chrono::steady_clock::now();
+  wait_while_paused(lock, moment);
 }
 
 // The command's thread stands here.
-void Debugger::wait_for_word(Lock& lock, Moment moment) {
-  stands_ = true;
-  goes_ = stands_on_ = false;
+void Debugger::wait_while_paused(Lock& lock, Moment moment) {
+  is_paused_ = true;
+  goes_ = pauses_at_cycle_end_ = false;
   changed_.notify_all();
-  while (!goes_ && is_attached_ && std::chrono::steady_clock::now() < last_word_ + max_stand_) {
+  while (!goes_ && is_attached_ && std::chrono::steady_clock::now() < last_activity_ + max_pause_) {
     if (job_ && moment == Moment::kInCycle) {
-      stands_on_ = true;  // not all parts have ticked
+      pauses_at_cycle_end_ = true;  // not all parts have ticked
       break;
     }
     if (job_) {
       std::exchange(job_, nullptr)();
     } else {
-      changed_.wait_until(lock, last_word_ + max_stand_);
+      changed_.wait_until(lock, last_activity_ + max_pause_);
     }
   }
-  if (!stands_on_) job_ = nullptr;
-  stands_ = false;
+  if (!pauses_at_cycle_end_) job_ = nullptr;
+  is_paused_ = false;
   changed_.notify_all();
 }
 
 std::string Debugger::where() {
-  told_ = stops_;
-  if (!stands_) return "the board does not stand\n";
+  reported_stops_ = stops_;
+  if (!is_paused_) return "the board does not stand\n";
   const std::string at = machine_ == nullptr ? fmt::format("{} ps", clock_.begin_ps)
                                              : fmt::format("cycle {}, {} ps", now_, clock_.time(now_));
   return fmt::format("command {}, {}: {}\n", commands_, at, why_);
@@ -226,11 +226,11 @@ std::string Debugger::wait_for_stop(Lock& lock, std::uint64_t before, std::chron
 }
 
 std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancelled) {
-  if (stands_ && told_ != stops_) return where();  // it stopped by itself since the client's last line
+  if (is_paused_ && reported_stops_ != stops_) return where();  // it stopped by itself since the client's last line
   std::chrono::seconds limit = kMaxContinue;
   const std::uint64_t before = stops_;
   if (words[0] == "step") {
-    if (!stands_) throw std::invalid_argument("step: expected a board that stands; break or stop comes first");
+    if (!is_paused_) throw std::invalid_argument("step: expected a board that stands; break or stop comes first");
     const std::string unit = words.size() > 1 ? words[1] : "cycle";
     const std::uint64_t count = words.size() > 2 ? number_at(words, 2, "a number of steps") : 1;
     if (unit == "command") {
@@ -266,7 +266,7 @@ void Debugger::add(Breakpoint breakpoint) {
   breakpoints_.push_back(std::move(breakpoint));
 }
 
-std::string Debugger::answer_standing(const Words& words) {
+std::string Debugger::answer_paused(const Words& words) {
   const std::string& what = words[0];
   if (machine_ == nullptr)
     throw std::invalid_argument(what + ": expected a command that is under way at fidelity=cycle");
@@ -302,17 +302,17 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
   if (what == "where") return where();
   if (what == "continue" || what == "step") return go(words, lock, cancelled);
   if (what == "stop") {
-    if (stands_) return where();
+    if (is_paused_) return where();
     stops_soon_ = stops_at_command_ = true;
     const std::uint64_t seconds =
         words.size() > 1 ? std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400) : 5;
     const std::string text = wait_for_stop(lock, stops_, std::chrono::seconds(seconds), cancelled);
-    if (stands_) stops_at_command_ = false;
-    return stands_ ? text : "nothing runs on the board; it will stop at its next command\n";
+    if (is_paused_) stops_at_command_ = false;
+    return is_paused_ ? text : "nothing runs on the board; it will stop at its next command\n";
   }
   if (what == "break") {
     // Which cycle a time is follows from when the command began.
-    if (!rest.empty() && rest[0] == "time" && !stands_) {
+    if (!rest.empty() && rest[0] == "time" && !is_paused_) {
       throw std::invalid_argument("time: expected a board that stands in a command; break command or stop comes first");
     }
     add(parse_breakpoint(rest, clock_));
@@ -345,8 +345,8 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
   if (std::ranges::find(kOfMachine, what) == kOfMachine.end()) {
     throw std::invalid_argument(fmt::format("expected a command as help lists them, got \"{}\"", what));
   }
-  if (!stands_) throw std::invalid_argument(what + ": expected a board that stands; break or stop comes first");
-  return answer_standing(words);
+  if (!is_paused_) throw std::invalid_argument(what + ": expected a board that stands; break or stop comes first");
+  return answer_paused(words);
 }
 
 Debugger::Answer Debugger::carry_out(const std::string& line, const Cancelled& cancelled) {
@@ -354,13 +354,13 @@ Debugger::Answer Debugger::carry_out(const std::string& line, const Cancelled& c
   Words words;
   for (std::string word; text >> word;) words.push_back(word);
   Lock lock(mutex_);
-  last_word_ = std::chrono::steady_clock::now();
-  if (words.empty()) return {"", false, stands_};
+  last_activity_ = std::chrono::steady_clock::now();
+  if (words.empty()) return {"", false, is_paused_};
   try {
-    std::string said = answer(words, lock, cancelled);
-    return {std::move(said), false, stands_};
+    std::string reply = answer(words, lock, cancelled);
+    return {std::move(reply), false, is_paused_};
   } catch (const std::exception& error) {
-    return {std::string(error.what()) + '\n', true, stands_};
+    return {std::string(error.what()) + '\n', true, is_paused_};
   }
 }
 

@@ -23,17 +23,17 @@ namespace gicube::emu {
 
 class Debugger : public Observer {
  public:
-  static constexpr std::chrono::minutes kMaxStand{10};     // chosen: long enough to think
+  static constexpr std::chrono::minutes kMaxPause{10};     // chosen: long enough to think
   static constexpr std::chrono::seconds kMaxContinue{60};  // chosen: `continue` answers by then, whatever comes
 
   struct Answer {
     std::string text;
     bool is_fault = false;
-    bool stands = false;  // the board
+    bool is_paused = false;  // the board
   };
   using Cancelled = std::function<bool()>;
 
-  explicit Debugger(std::chrono::milliseconds max_stand = kMaxStand) : max_stand_(max_stand) {}
+  explicit Debugger(std::chrono::milliseconds max_pause = kMaxPause) : max_pause_(max_pause) {}
 
   // A client comes; false if there is one. From the next command on, or within 4096 cycles, the machine is looked at.
   bool attach();
@@ -46,9 +46,9 @@ class Debugger : public Observer {
   // Calls `job` once on the command's thread where the board stands, at the end of the cycle in which it does; the board stands on. It
   // must not throw. False if it does not stand. If it is told to go on before, the job is dropped. Any thread.
   bool offer(std::function<void()> job);
-  bool stands() const {
+  bool is_paused() const {
     const std::lock_guard lock(mutex_);
-    return stands_;
+    return is_paused_;
   }
   bool is_attached() const { return is_attached_.load(std::memory_order_relaxed); }
 
@@ -77,26 +77,26 @@ class Debugger : public Observer {
   // Whether jobs can be done where the board stands, or not before the end of the cycle.
   enum class Moment : std::uint8_t { kInCycle, kEndOfCycle };
 
-  void stand(Lock& lock, Cycle now, const std::string& why, Moment moment = Moment::kEndOfCycle);
-  void wait_for_word(Lock& lock, Moment moment);
+  void pause(Lock& lock, Cycle now, const std::string& why, Moment moment = Moment::kEndOfCycle);
+  void wait_while_paused(Lock& lock, Moment moment);
   std::string wait_for_stop(Lock& lock, std::uint64_t before, std::chrono::seconds limit, const Cancelled& cancelled);
   std::string where();
   std::string go(const Words& words, Lock& lock, const Cancelled& cancelled);
   std::string answer(const Words& words, Lock& lock, const Cancelled& cancelled);
-  std::string answer_standing(const Words& words);
+  std::string answer_paused(const Words& words);
   const History& history_of(const Words& words, std::size_t at) const;
   void add(Breakpoint breakpoint);
 
-  const std::chrono::milliseconds max_stand_;
+  const std::chrono::milliseconds max_pause_;
   std::atomic<bool> is_attached_ = false;
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   bool has_cycles_ = false;
-  bool stands_ = false;
-  bool goes_ = false;        // it is told to go on
-  bool is_let_go_ = false;   // nothing stops the command any more
-  bool stops_soon_ = false;  // at the next occasion
-  bool stands_on_ = false;   // at the end of the cycle, for job_
+  bool is_paused_ = false;
+  bool goes_ = false;                 // it is told to go on
+  bool is_let_go_ = false;            // nothing stops the command any more
+  bool stops_soon_ = false;           // at the next occasion
+  bool pauses_at_cycle_end_ = false;  // at the end of the cycle, for job_
   std::function<void()> job_;
   bool stops_at_command_ = false;  // that is the next command
   std::optional<Breakpoint> step_;
@@ -105,15 +105,15 @@ class Debugger : public Observer {
   unsigned last_number_ = 0;
   std::string why_;  // it stands
   std::uint64_t stops_ = 0;
-  std::uint64_t told_ = 0;      // of which the client has been told
-  std::uint64_t commands_ = 0;  // that have begun since power-up
-  std::uint32_t ticket_ = 0;    // of the latest
+  std::uint64_t reported_stops_ = 0;  // of which the client has been told
+  std::uint64_t commands_ = 0;        // that have begun since power-up
+  std::uint32_t ticket_ = 0;          // of the latest
   CommandClock clock_;
   bool is_first_run_ = false;  // of the command
   Cycle now_ = 0;
   Machine* machine_ = nullptr;  // of the run; looked at only while it stands
   std::map<std::uint64_t, History> histories_;
-  std::chrono::steady_clock::time_point last_word_;
+  std::chrono::steady_clock::time_point last_activity_;
 };
 
 }  // namespace gicube::emu

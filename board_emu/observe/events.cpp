@@ -84,7 +84,7 @@ std::string to_json(const gicube_event& event) {
   const auto add = [&out](auto text, const auto&... values) {
     fmt::format_to(std::back_inserter(out), fmt::runtime(text), values...);
   };
-  const auto place = [](const std::int32_t(&at)[3]) {
+  const auto position = [](const std::int32_t(&at)[3]) {
     return fmt::format("[{},{},{}]", at[0] / kVoxel, at[1] / kVoxel, at[2] / kVoxel);
   };
   if (event.kind == GICUBE_EVENT_COUNTERS) {
@@ -100,12 +100,12 @@ std::string to_json(const gicube_event& event) {
   if (event.kind == GICUBE_EVENT_SAMPLED && event.is_carrier == 0) {
     constexpr std::array kEnds{"", "left", "opaque", "absorbed", "waits"};
     add(R"(,"sample":{{"position":{},"density":{},"gradient":[{},{},{}],"tag":{},"colour":[{},{},{}],"opacity":{},"end":"{}"}})",
-        place(event.sample_position), event.density / 8.0, event.gradient[0], event.gradient[1], event.gradient[2],
+        position(event.sample_position), event.density / 8.0, event.gradient[0], event.gradient[1], event.gradient[2],
         event.tag, event.sample_colour[0], event.sample_colour[1], event.sample_colour[2], event.sample_opacity,
         kEnds[std::min<std::size_t>(event.end, kEnds.size() - 1)]);
   }
-  add(R"(,"position":{},"colour":[{},{},{}],"opacity":{}}})", place(event.position), event.colour[0], event.colour[1],
-      event.colour[2], event.opacity);
+  add(R"(,"position":{},"colour":[{},{},{}],"opacity":{}}})", position(event.position), event.colour[0],
+      event.colour[1], event.colour[2], event.opacity);
   return out;
 }
 

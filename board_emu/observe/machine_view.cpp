@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kUnitsOfVoxel = wire::kVoxel;
 
-std::string place_of(const Point& at) {
+std::string position_of(const Point& at) {
   return fmt::format("{:.4f} {:.4f} {:.4f}", at[0] / kUnitsOfVoxel, at[1] / kUnitsOfVoxel, at[2] / kUnitsOfVoxel);
 }
 
@@ -31,7 +31,7 @@ std::size_t queues_of(std::size_t processor, const Machine& machine) {
   return machine.has_single_queue() ? 1 : machine.partition().blocks_of(static_cast<unsigned>(processor));
 }
 
-std::string place_of_block(std::size_t block, const Machine& machine) {
+std::string position_of_block(std::size_t block, const Machine& machine) {
   const auto across = static_cast<std::size_t>(machine.blocks()[0]),
              down = static_cast<std::size_t>(machine.blocks()[1]);
   return fmt::format("{} {} {}", block % across, block / across % down, block / (across * down));
@@ -41,7 +41,7 @@ std::string block_of(std::size_t processor, std::size_t queue, const Machine& ma
   if (machine.has_single_queue()) return "all blocks";
   const std::size_t block =
       machine.partition().block(static_cast<unsigned>(processor), static_cast<std::uint32_t>(queue));
-  return "block " + place_of_block(block, machine);
+  return "block " + position_of_block(block, machine);
 }
 
 std::string view_queues(const std::vector<std::string>& words, const Machine& machine) {
@@ -67,7 +67,7 @@ std::string view_set(const std::vector<std::string>& words, std::size_t processo
   std::string out = fmt::format("processor {}, set {} of {}, the latest used first:\n", processor, set, cache.sets());
   for (std::size_t way = 0; way < cache.ways(); ++way) {
     const auto held = cache.way(set, way);
-    out += held ? fmt::format("  way {}: block {}, tile {}{}\n", way, place_of_block(held->tile.block, machine),
+    out += held ? fmt::format("  way {}: block {}, tile {}{}\n", way, position_of_block(held->tile.block, machine),
                               held->tile.tile, held->is_changed ? ", changed" : "")
                 : fmt::format("  way {}: empty\n", way);
   }
@@ -129,7 +129,7 @@ std::string dsp_in_words(Cycle now, const Machine& machine) {
   return dsp.has_rays_to_send() ? "DSP: has rays to send" : "DSP: has sent all rays, and waits for those that are away";
 }
 
-std::string way_up(Cycle now, const Machine& machine) {
+std::string path_up(Cycle now, const Machine& machine) {
   if (!is_full(machine.up())) return "merge tree: moves";
   return "merge tree: its output is full <- " + dsp_in_words(now, machine);
 }
@@ -137,7 +137,7 @@ std::string way_up(Cycle now, const Machine& machine) {
 std::string sorter_in_words(Cycle now, std::size_t number, const Machine& machine) {
   const Processor& processor = *machine.processors()[number];
   if (is_full(processor.overflow)) {
-    return fmt::format("sorter {}: an overflowed ray waits <- {}", number, way_up(now, machine));
+    return fmt::format("sorter {}: an overflowed ray waits <- {}", number, path_up(now, machine));
   }
   return fmt::format("sorter {}: takes two rays a cycle, {} wait in its queues", number, processor.sorter().waiting());
 }
@@ -187,7 +187,7 @@ std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
       return is_held_up ? out + " <- " + sorter_in_words(now, to, machine) : out;
     }
     case Cause::kRayBus:
-      if (is_full(processor.done)) return out + "a finished ray waits <- " + way_up(now, machine);
+      if (is_full(processor.done)) return out + "a finished ray waits <- " + path_up(now, machine);
       return out + "has no ray <- " + ray_bus_in_words(now, machine);
     case Cause::kQueueEmpty: return out + "has no ray; others have";
     case Cause::kDsp:
@@ -201,7 +201,7 @@ std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
 std::string why_nothing_moves(Cycle now, const Machine& machine) {
   std::string out;
   for (std::size_t i = 0; i < machine.processors().size(); ++i) out += chain_of(now, i, machine) + '\n';
-  return out + way_up(now, machine) + '\n' + dsp_in_words(now, machine) + '\n';
+  return out + path_up(now, machine) + '\n' + dsp_in_words(now, machine) + '\n';
 }
 
 std::string view_of(const std::vector<std::string>& words, const Machine& machine) {
@@ -223,7 +223,7 @@ std::string words_of(const RayUnderWay& ray) {
       "  position {}, step {}, block {}\n  pixel {:.2f} {:.2f}, colour {} {} {} of 4095, opacity {} of {}, lifetime "
       "{}, "
       "generation {}, flags 0x{:02x}\n",
-      place_of(state.position), place_of(state.step), ray.block, state.u / 16.0, state.v / 16.0, state.colour[0],
+      position_of(state.position), position_of(state.step), ray.block, state.u / 16.0, state.v / 16.0, state.colour[0],
       state.colour[1], state.colour[2], state.opacity, wire::kOpacityOne, state.lifetime, unsigned{state.generation},
       unsigned{state.flags});
 }

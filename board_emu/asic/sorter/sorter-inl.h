@@ -84,10 +84,11 @@ inline bool Sorter::update_ranks() {
 }
 
 // As work(), without what can't be.
-[[gnu::always_inline]] inline Sorter::Round Sorter::go_round(const RayToken* returned, const std::uint32_t* released,
-                                                             bool may_issue, RayToken& issued) {
-  Round round;
-  if (returned == nullptr && released == nullptr && queues_.waiting() == 0) return round;
+[[gnu::always_inline]] inline Sorter::ActiveQueueTick Sorter::tick_active_queue(const RayToken* returned,
+                                                                                const std::uint32_t* released,
+                                                                                bool may_issue, RayToken& issued) {
+  ActiveQueueTick result;
+  if (returned == nullptr && released == nullptr && queues_.waiting() == 0) return result;
   ranks_->step();
   if (released != nullptr) queues_.release_slot(*released);
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
@@ -95,12 +96,12 @@ inline bool Sorter::update_ranks() {
     issued = queues_.read(active_);
     ++counters_.issued;
     ++issued_since_active_;
-    round.issued = true;
+    result.issued = true;
   }
   if (returned != nullptr) write(returned->queue, *returned);
   const bool ranks_moved = update_ranks();
-  round.moved = ranks_moved || round.issued || returned != nullptr || released != nullptr;
-  return round;
+  result.moved = ranks_moved || result.issued || returned != nullptr || released != nullptr;
+  return result;
 }
 
 }  // namespace gicube::emu

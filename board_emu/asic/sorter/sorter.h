@@ -97,20 +97,21 @@ class Sorter {
   }
 
   // The same where nothing comes from elsewhere before the next cycle.
-  bool tick_alone(Cycle now) {
+  bool tick_ahead(Cycle now) {
     const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
     return rest != 0 && work(now, false);
   }
 
   // The same where, besides, each ray finds a slot, no slot is kept and none is watched (sorter-inl.h). FIFOs are the caller's:
   // `returned` and `released` are what can be popped in this cycle, or null, and `issued` receives what is pushed, if it may.
-  struct Round {
+  struct ActiveQueueTick {
     bool moved = false;
     bool issued = false;
   };
-  Round go_round(const RayToken* returned, const std::uint32_t* released, bool may_issue, RayToken& issued);
+  ActiveQueueTick tick_active_queue(const RayToken* returned, const std::uint32_t* released, bool may_issue,
+                                    RayToken& issued);
   // Whether its configuration lets it.
-  bool may_go_round() const { return ranks_.has_value() && !single_; }
+  bool may_tick_active_queue() const { return ranks_.has_value() && !single_; }
 
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
   bool has_kept_slots() const { return !kept_.empty(); }

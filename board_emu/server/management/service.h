@@ -171,11 +171,11 @@ class Service final : public v1::BoardManagement::Service {
   Debugger::Answer save_in_debug(const ServerContext& context, BoardSlot& slot, const std::string& file) {
     v1::CheckpointInfo info;
     const Status status = save(context, slot, file, info);
-    const bool stands = slot.debugger().stands();
-    if (!status.ok()) return {"checkpoint: " + status.error_message() + '\n', true, stands};
+    const bool is_paused = slot.debugger().is_paused();
+    if (!status.ok()) return {"checkpoint: " + status.error_message() + '\n', true, is_paused};
     return {fmt::format("board {} at {} ps is in {}, {} bytes\n", info.board(), info.simulated_ps(), info.file(),
                         info.bytes()),
-            false, stands};
+            false, is_paused};
   }
 
   Status debug(const ServerContext& context, v1::DebugRequest& request, BoardSlot& slot, DebugStream& stream) {
@@ -198,7 +198,7 @@ class Service final : public v1::BoardManagement::Service {
       v1::DebugAnswer answer;
       answer.set_text(said.text);
       answer.set_is_fault(said.is_fault);
-      answer.set_stands(said.stands);
+      answer.set_stands(said.is_paused);
       if (!stream.Write(answer)) break;
     } while (stream.Read(&request));
     return Status::OK;

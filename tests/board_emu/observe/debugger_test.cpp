@@ -22,8 +22,8 @@ constexpr int kImage = 24;
 // A board with a scene, whose pictures another thread renders.
 class DebuggedBoard {
  public:
-  explicit DebuggedBoard(const v1::BoardConfig& config, std::chrono::milliseconds max_stand = Debugger::kMaxStand)
-      : debugger(max_stand), observation_({}, &debugger), board(config, &observation_) {
+  explicit DebuggedBoard(const v1::BoardConfig& config, std::chrono::milliseconds max_pause = Debugger::kMaxPause)
+      : debugger(max_pause), observation_({}, &debugger), board(config, &observation_) {
     board.load_volume(kObservedSize, observed_voxel);
     board.write_segmentation([](unsigned, unsigned density) { return observed_material(density); });
   }
@@ -41,7 +41,7 @@ class DebuggedBoard {
   std::string say(const std::string& line) {
     const Debugger::Answer answer = debugger.carry_out(line, [] { return false; });
     EXPECT_FALSE(answer.is_fault) << line << ": " << answer.text;
-    stands = answer.stands;
+    is_paused = answer.is_paused;
     return answer.text;
   }
   std::string refused(const std::string& line) {
@@ -52,7 +52,7 @@ class DebuggedBoard {
 
   Debugger debugger;
   std::vector<wire::Pixel> image;
-  bool stands = false;
+  bool is_paused = false;
 
  private:
   Observation observation_;
@@ -96,7 +96,7 @@ TEST(Debugger, StopsAtEachKindOfBreakAndChangesNoBitNoCounterAndNoTime) {
     board.say("break " + text);
     board.render();
     EXPECT_THAT(board.say("continue 20"), HasSubstr(why));
-    EXPECT_TRUE(board.stands) << text;
+    EXPECT_TRUE(board.is_paused) << text;
     board.say("delete 1");
     board.debugger.detach();
     board.finish();
@@ -147,7 +147,7 @@ TEST(Debugger, ShowsARaysWordsAndHistoryAndSetsAWord) {
   board.say("break voxel 12 10 2");
   board.render();
   const std::string why = board.say("continue 20");
-  ASSERT_TRUE(board.stands) << why;
+  ASSERT_TRUE(board.is_paused) << why;
   const std::string ray = why.substr(why.find("ray ") + 4, why.find(" reads") - why.find("ray ") - 4);
   EXPECT_THAT(board.say("history " + ray),
               testing::AllOf(HasSubstr("made"), HasSubstr("queued"), HasSubstr("sampled")));
@@ -233,7 +233,7 @@ TEST(Debugger, DoesAJobAtTheEndOfTheCycleInWhichTheBoardStands) {
     std::atomic<int> done = 0;
     ASSERT_TRUE(board.debugger.offer([&] { ++done; }));
     while (done == 0) std::this_thread::yield();
-    while (!board.debugger.stands()) std::this_thread::yield();
+    while (!board.debugger.is_paused()) std::this_thread::yield();
     EXPECT_EQ(board.say("where"), where);
     EXPECT_EQ(done, 1);
     board.say("delete " + std::string(text[0] == 'c' ? "1" : "2"));

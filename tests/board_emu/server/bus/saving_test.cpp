@@ -101,7 +101,7 @@ TEST(BoardSlot, SavesABoardWhereTheDebuggerHoldsIt) {
     say("break " + place);
     rendering.begin();
     const std::string where = say("continue 20").text;
-    ASSERT_TRUE(debugger.stands()) << place << ": " << where;
+    ASSERT_TRUE(debugger.is_paused()) << place << ": " << where;
     const std::string file = std::string(folder.path()) + '/' + place;
     BoardSlot::Saved saved;
     std::string reason;

@@ -9,7 +9,7 @@
 namespace gicube::emu {
 
 // What enters the pipeline from now on comes out of it behind this time, so only what is in it counts, and what has just left it.
-Cycle Processor::alone_until(Cycle now) const {
+Cycle Processor::lookahead_until(Cycle now) const {
   const Cycle next = now + 1;
   const Cycle line = stages_.prefetch_stages() + stages_.compute_stages();
   // Never empty before then: else it would matter why no ray comes. Carriers end in it.
@@ -41,11 +41,11 @@ Cycle Processor::alone_until(Cycle now) const {
   return next + line;
 }
 
-Cycle Processor::go_alone(Cycle from, Cycle to, MemoryPort& memory) {
-  if (goes_round()) return go_round(from, to, memory);
+Cycle Processor::run_ahead(Cycle from, Cycle to, MemoryPort& memory) {
+  if (can_run_active_queue()) return run_active_queue(from, to, memory);
   Cycle moved_at = 0;
   for (Cycle now = from; now < to; ++now) {
-    bool moved = sorter_.tick_alone(now);
+    bool moved = sorter_.tick_ahead(now);
     moved |= tick_pipeline(now);
     account(now, Cause::kLatency, 0);
     if (moved) moved_at = now;
@@ -55,15 +55,15 @@ Cycle Processor::go_alone(Cycle from, Cycle to, MemoryPort& memory) {
 }
 
 // What joins its parts holds no more than one item at the end of each of its cycles, but for `issue_`.
-bool Processor::goes_round() const {
+bool Processor::can_run_active_queue() const {
   return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !does_more_ && !two_ports_ &&
-         !ideal_memory_ && sorter_.may_go_round() && cache_.is_plain() &&
+         !ideal_memory_ && sorter_.may_tick_active_queue() && cache_.is_plain() &&
          write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
 }
 
 // check_tags() of such a ray.
-[[gnu::always_inline]] inline void Processor::pass(Cycle now, const RayToken& issued, InFlight& entry,
-                                                   MemoryPort& memory) {
+[[gnu::always_inline]] inline void Processor::iterate(Cycle now, const RayToken& issued, InFlight& entry,
+                                                      MemoryPort& memory) {
   RayUnderWay& ray = rays_[issued.ray];
   Point& position = ray.ray_state.position;
   entry.ready = now + stages_.prefetch_stages();
@@ -100,9 +100,9 @@ bool Processor::goes_round() const {
   }
 }
 
-Cycle Processor::go_round(Cycle from, Cycle to, MemoryPort& memory) {
+Cycle Processor::run_active_queue(Cycle from, Cycle to, MemoryPort& memory) {
   Cycle moved_at = 0;
-  const std::size_t room = cells_ ? kMaxPackets + kMaxCells : kMaxPackets, places = stages_.prefetch_stages();
+  const std::size_t room = cells_ ? kMaxPackets + kMaxCells : kMaxPackets, slots = stages_.prefetch_stages();
   Stages::Line line = stages_.line();
   RayToken returned = returned_.front(), issue[kFifoPlaces + 1] = {issue_.front(), issue_.back()};
   std::uint32_t released = released_.front();
@@ -116,13 +116,14 @@ Cycle Processor::go_round(Cycle from, Cycle to, MemoryPort& memory) {
   bool fed = false, backed_up = false, bubble = false;
   std::uint64_t held = 0;
   for (Cycle now = from; now < to; ++now) {
-    const Sorter::Round round = sorter_.go_round(has_returned ? &returned : nullptr, has_released ? &released : nullptr,
-                                                 issued < kFifoPlaces, issue[issued]);
-    bool moved = round.moved;
+    const Sorter::ActiveQueueTick tick =
+        sorter_.tick_active_queue(has_returned ? &returned : nullptr, has_released ? &released : nullptr,
+                                  issued < kFifoPlaces, issue[issued]);
+    bool moved = tick.moved;
     if (has_returned) returns.pop = now;
     if (has_released) releases.pop = now;
     const std::size_t to_enter = issued;
-    if (round.issued) {
+    if (tick.issued) {
       __builtin_prefetch(&rays_[issue[issued].ray]);
       ++issued;
       issues.push = now;
@@ -162,10 +163,10 @@ Cycle Processor::go_round(Cycle from, Cycle to, MemoryPort& memory) {
       }
       ++clock;
       if (to_enter > 0) {
-        fed = line.in - line.middle < places && misses_.room() >= room;
+        fed = line.in - line.middle < slots && misses_.room() >= room;
         backed_up = !fed;
         if (fed) {
-          pass(now, issue[0], line[line.in++], memory);
+          iterate(now, issue[0], line[line.in++], memory);
           issue[0] = issue[1];
           --issued;
           issues.pop = now;
@@ -174,7 +175,7 @@ Cycle Processor::go_round(Cycle from, Cycle to, MemoryPort& memory) {
       }
     }
     // As account(), where some ray is always here.
-    if (bubble) latest = unfed_[(now - places) & unfed_mask_];
+    if (bubble) latest = unfed_[(now - slots) & unfed_mask_];
     ++causes_[static_cast<std::size_t>(latest)];
     const bool sorts = sorter_.waiting() + issued != 0;
     unfed_[now & unfed_mask_] = backed_up ? Cause::kMiss : sorts ? Cause::kSorter : Cause::kLatency;

@@ -1,5 +1,5 @@
-// Processors that go alone (Processor::alone_until()) are ticked later than their cycles, many at a time, when the machine must know
-// what they did. What a processor needs then stays in the host's cache.
+// Lookahead: processors that run ahead (Processor::lookahead_until()) are ticked later than their cycles, many at a time, when the
+// machine must know what they did. What a processor needs then stays in the host's cache.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,20 @@
 
 namespace gicube::emu {
 
-class LoneProcessors {
+class Lookahead {
  public:
   // All are at cycle `now`. Each has a memory of its own.
   void begin(Cycle now, const std::vector<std::unique_ptr<Processor>>& processors,
              const std::vector<std::unique_ptr<MemoryPort>>& memories);
 
   // Whether the machine need not tick it in this cycle, unless something comes.
-  bool goes_alone(std::size_t i, Cycle now) const { return now < parts_[i].alone_until; }
-  Cycle alone_until(std::size_t i) const { return parts_[i].alone_until; }
+  bool is_ahead(std::size_t i, Cycle now) const { return now < parts_[i].ahead_until; }
+  Cycle ahead_until(std::size_t i) const { return parts_[i].ahead_until; }
   // It ticks next in cycle `next`, and goes alone until then.
-  void leave(std::size_t i, Cycle next, Cycle until) {
+  void start(std::size_t i, Cycle next, Cycle until) {
     Part& part = parts_[i];
     part.next = next;
-    part.alone_until = until;
+    part.ahead_until = until;
     part.has_many_rays = part.processor->holds_many_rays();
   }
   // It holds_rays() all the time.
@@ -33,15 +33,15 @@ class LoneProcessors {
   Cycle catch_up(std::size_t i, Cycle to) {
     Part& part = parts_[i];
     if (part.next < to) {
-      part.moved = std::max(part.moved, part.processor->go_alone(part.next, to, *part.memory));
+      part.moved = std::max(part.moved, part.processor->run_ahead(part.next, to, *part.memory));
       cycles_ahead_ += to - part.next;
       part.next = to;
     }
     return part.moved;
   }
   // The same, and it goes alone no longer.
-  Cycle take(std::size_t i, Cycle to) {
-    parts_[i].alone_until = to;
+  Cycle stop(std::size_t i, Cycle to) {
+    parts_[i].ahead_until = to;
     return catch_up(i, to);
   }
   // All that go alone.
@@ -60,7 +60,7 @@ class LoneProcessors {
     Processor* processor = nullptr;
     MemoryPort* memory = nullptr;
     bool has_many_rays = false;
-    Cycle alone_until = 0;
+    Cycle ahead_until = 0;
     Cycle next = 0;
     Cycle moved = 0;
   };
