@@ -1,4 +1,4 @@
-// A pass through the pipeline of a ray whose values are known (values_ahead.h).
+// One iteration of a ray with a trace (values_ahead.h).
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 
 namespace gicube::emu {
 
-// Takes a ray whose values are known on by a pass, over its block, whose least corner is `low` and whose edge `size`, if it `leaps`.
+// Advances a ray with a trace by one iteration: past its block if it `skips`, otherwise by one sample. `low` and `size`: the
+// block's lowest corner and its edge.
 inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool skips, const Frame& frame,
                     RayCounters& counters) {
   const std::int32_t left = ray.steps_left();

@@ -13,23 +13,23 @@ namespace gicube::emu {
 
 class Lookahead {
  public:
-  // All are at cycle `now`. Each has a memory of its own.
+  // All processors are at cycle `now`. Each must have its own memory.
   void begin(Cycle now, const std::vector<std::unique_ptr<Processor>>& processors,
              const std::vector<std::unique_ptr<MemoryPort>>& memories);
 
-  // Whether the machine need not tick it in this cycle, unless something comes.
+  // Whether processor `i` runs ahead: the machine need not tick it in cycle `now`, unless a ray arrives.
   bool is_ahead(std::size_t i, Cycle now) const { return now < parts_[i].ahead_until; }
   Cycle ahead_until(std::size_t i) const { return parts_[i].ahead_until; }
-  // It ticks next in cycle `next`, and goes alone until then.
+  // Processor `i` runs ahead until cycle `until`. `next`: the first cycle in which it has not ticked.
   void start(std::size_t i, Cycle next, Cycle until) {
     Part& part = parts_[i];
     part.next = next;
     part.ahead_until = until;
     part.has_many_rays = part.processor->holds_many_rays();
   }
-  // It holds_rays() all the time.
+  // Whether it holds rays in every cycle in which it runs ahead.
   bool has_many_rays(std::size_t i) const { return parts_[i].has_many_rays; }
-  // It has ticked in all cycles before `to`. Returns the last in which something moved.
+  // Ticks it in all cycles before `to` in which it has not ticked. Returns the last cycle in which something moved.
   Cycle catch_up(std::size_t i, Cycle to) {
     Part& part = parts_[i];
     if (part.next < to) {
@@ -39,20 +39,20 @@ class Lookahead {
     }
     return part.moved;
   }
-  // The same, and it goes alone no longer.
+  // Ends its running ahead, and catches up.
   Cycle stop(std::size_t i, Cycle to) {
     parts_[i].ahead_until = to;
     return catch_up(i, to);
   }
-  // All that go alone.
+  // Calls catch_up() for all processors that run ahead. Returns the last cycle in which something moved.
   Cycle catch_up_all(Cycle to);
-  // While one, or nobody, goes alone: it ticks next in cycle `now`.
+  // The machine has accounted for the cycles before `now` itself, of processor `i` or of all processors.
   void skip(std::size_t i, Cycle now) { parts_[i].next = now; }
   void skip(Cycle now) {
     for (Part& part : parts_) part.next = now;
   }
 
-  // Of all processors, in all runs.
+  // Sum over all processors and runs.
   std::uint64_t cycles_ahead() const { return cycles_ahead_; }
 
  private:

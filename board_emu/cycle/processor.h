@@ -182,7 +182,7 @@ class Processor {
   }
 
   static constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // packets of one neighbourhood, and of its irradiance
-  static constexpr std::size_t kMany = kFifoPlaces + 1;         // more than can be on the way back to the sorter
+  static constexpr std::size_t kMany = kFifoPlaces + 1;         // more than can be returning to the sorter
 
   const std::uint8_t number_;
   const Partition& partition_;

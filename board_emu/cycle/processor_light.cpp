@@ -9,7 +9,7 @@
 
 namespace gicube::emu {
 
-// Applies the effects of a sample at `place` of a ray that does more than gather: splats, a trap, the ray's end. `ray` is still
+// Applies the effects of a sample at `position` of a ray that does more than gather: splats, a trap, the ray's end. `ray` is still
 // in the block of the sample.
 Termination Processor::after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry) {
   if (interaction.deposits) {

@@ -1,4 +1,4 @@
-// For how long nobody round a processor has to know what it does.
+// Lookahead of a processor: how long it can run ahead, and the loops that tick it meanwhile.
 #include <algorithm>
 
 #include "asic/sorter/sorter-inl.h"
@@ -8,11 +8,12 @@
 
 namespace gicube::emu {
 
-// What enters the pipeline from now on comes out of it behind this time, so only what is in it counts, and what has just left it.
+// A ray that enters the pipeline from now on cannot leave it before the returned cycle. Therefore only the rays that are in it,
+// or have just left it, are examined.
 Cycle Processor::lookahead_until(Cycle now) const {
   const Cycle next = now + 1;
   const Cycle line = stages_.prefetch_stages() + stages_.compute_stages();
-  // Never empty before then: else it would matter why no ray comes. Carriers end in it.
+  // It must not become empty before then, because the cause of an empty cycle depends on other parts. Carriers end inside it.
   const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size() + returned_.size();
   const std::size_t outside = has_input() | out_links.size() | done.size() | overflow.size();
   if (rays < (does_more_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_kept_slots() || splats_.has_carrier())
@@ -29,7 +30,7 @@ Cycle Processor::lookahead_until(Cycle now) const {
     const InFlight& ray = stages_[i];
     const bool carries = ray.splats && splats_.waiting(splats++).carriers > 0;
     if (ray.token.keeps_slot && !carries) continue;
-    // When it can come out at the earliest.
+    // Earliest cycle in which it can leave.
     const Cycle out = i < stages_.computing() ? next + (ray.ready > compute_clock_ ? ray.ready - compute_clock_ : 0)
                                               : std::max(ray.ready, next) + stages_.compute_stages();
     const bool is_gone = ray.token.state == TokenStatus::kGone;
@@ -54,14 +55,14 @@ Cycle Processor::run_ahead(Cycle from, Cycle to, MemoryPort& memory) {
   return moved_at;
 }
 
-// What joins its parts holds no more than one item at the end of each of its cycles, but for `issue_`.
+// In run_active_queue(), each FIFO between sorter and pipeline except `issue_` holds at most one item at the end of a cycle.
 bool Processor::can_run_active_queue() const {
   return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !does_more_ && !two_ports_ &&
          !ideal_memory_ && sorter_.may_tick_active_queue() && cache_.is_plain() &&
          write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
 }
 
-// check_tags() of such a ray.
+// check_tags() for rays with a trace, in run_active_queue().
 [[gnu::always_inline]] inline void Processor::iterate(Cycle now, const RayToken& issued, InFlight& entry,
                                                       MemoryPort& memory) {
   RayUnderWay& ray = rays_[issued.ray];
@@ -174,7 +175,7 @@ Cycle Processor::run_active_queue(Cycle from, Cycle to, MemoryPort& memory) {
         }
       }
     }
-    // As account(), where some ray is always here.
+    // Equivalent to account() while the processor holds rays.
     if (bubble) latest = unfed_[(now - slots) & unfed_mask_];
     ++causes_[static_cast<std::size_t>(latest)];
     const bool sorts = sorter_.waiting() + issued != 0;

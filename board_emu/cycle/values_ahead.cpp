@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint64_t kAtOnce = 2048;  // chosen: some groups of the tracer for each thread
+constexpr std::uint64_t kAtOnce = 2048;  // chosen: some groups of the tracer per thread
 
 }  // namespace
 
@@ -66,7 +66,7 @@ void ValuesAhead::trace_steps(RayState& ray, std::int32_t steps, RayCounters& co
   }
 }
 
-// Takes what happens to a ray on its last steps from `ahead`.
+// Subtracts the counters of the ray's last `steps` steps from `ahead`.
 void ValuesAhead::take_back(RayState ray, std::int32_t steps, RayCounters& ahead) const {
   RayCounters rest;
   trace_steps(ray, steps, rest);

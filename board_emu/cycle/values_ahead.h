@@ -1,7 +1,7 @@
-// The values of rays that only gather, computed by the functional level as the rays are made: their times do not depend on them.
-// The machine then moves rays on, and a ray's end is that of its steps.
+// Trace of rays that only gather: the functional level computes their values when they are made, because their times do not
+// depend on their values. The machine then only advances them, and a ray ends with its last step.
 //
-// Who has to see a ray's words on its way, a checkpoint, gets them by taking its passes one by one from its beginning.
+// A checkpoint needs the words of rays under way. They are computed by repeating the ray's steps from its start.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace gicube::emu {
 
-// What happened to rays but their number, samples and leaps, which have a place and a time.
+// Returns the counters except the numbers of rays, samples and skips, which the machine counts when they occur.
 inline RayCounters of_values(RayCounters counters) {
   counters.rays = counters.samples = counters.leaps = 0;
   return counters;
@@ -24,10 +24,10 @@ inline RayCounters of_values(RayCounters counters) {
 
 class ValuesAhead {
  public:
-  // Of the rays `which` of `source`. `tracer`: prepared for the frame, or null. All must outlive this.
+  // Traces the rays `which` of `source`. `tracer`: prepared for the frame, or null. All arguments must outlive this.
   ValuesAhead(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
       : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
-  // Whether the functional level can tell the steps of the frame's rays.
+  // Whether the functional level can compute the numbers of steps of the frame's rays.
   static bool covers(const Frame& frame, const SimdTracer* tracer) {
     return (frame.plain() || (frame.gathers() && tracer != nullptr)) && !frame.in_bricks();
   }
@@ -36,13 +36,13 @@ class ValuesAhead {
     wire::Ray made, ended;
     std::int32_t steps = 0;
   };
-  // Ray `i`, each once and in their order; as RaySource::make(). `ahead`: receives of_values() of rays on their ways. The machine counts
-  // the rest when it comes to it.
+  // Returns ray `i` with its trace, like RaySource::make(). Rays must be requested once each and in order. `ahead`: receives
+  // of_values() of the traced rays, which need not be requested yet. The machine counts the rest when it occurs.
   std::optional<Ray> make(std::uint64_t i, RayCounters& making, RayCounters& ahead);
 
-  // The words of a ray after so many of its steps. What happens to it from there on is taken from `ahead`.
+  // Returns the words of a ray after `steps` steps. Subtracts the values of its further steps from `ahead`.
   RayState at(const Ray& ray, std::int32_t steps, RayCounters& ahead) const;
-  // Computes no more values. What happens to rays that were not asked for yet is taken from `ahead`.
+  // Stops computing values. Subtracts the values of rays that were not requested yet from `ahead`.
   void stop(RayCounters& ahead);
   bool has_stopped() const { return has_stopped_; }
 
@@ -61,8 +61,8 @@ class ValuesAhead {
   const SimdTracer* tracer_;
   unsigned threads_;
   bool has_stopped_ = false;
-  std::uint64_t next_ = 0;   // ray that was not asked for
-  std::uint64_t begin_ = 0;  // the first of
+  std::uint64_t next_ = 0;   // next ray to be requested
+  std::uint64_t begin_ = 0;  // first ray of made_
   std::vector<Made> made_;
 };
 

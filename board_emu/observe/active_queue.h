@@ -1,5 +1,5 @@
-// Which queue of a sorter was active in a cycle. The sorter chooses, issues and gives up within one, so what it holds at the
-// cycle's end is not enough: a queue with a single ray is active for one cycle and leaves no trace in has_active().
+// Determines which queue of a sorter was active in a cycle. has_active() at the end of the cycle is not enough: a queue with a
+// single ray becomes active, issues its ray and is deactivated in the same cycle.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace gicube::emu {
 
 class ActiveQueue {
  public:
-  // After each cycle, or at least after the one before the first that matters.
+  // To be called after each cycle of interest, and after the cycle before the first of them.
   void see(const Sorter& sorter) {
     began_ = sorter.counters().activations != activations_;
     queue_ = began_ || held_ ? std::optional(sorter.latest_active()) : std::nullopt;
@@ -19,14 +19,14 @@ class ActiveQueue {
     held_ = sorter.has_active();
   }
 
-  // Of the cycle seen last.
+  // The queue that was active in the latest cycle, if any.
   std::optional<std::uint32_t> queue() const { return queue_; }
   bool began() const { return began_; }
   bool ended() const { return queue_.has_value() && !held_; }
 
  private:
   std::uint64_t activations_ = 0;
-  bool held_ = false;  // at the end of the cycle seen last
+  bool held_ = false;  // a queue was active at the end of the latest cycle
   bool began_ = false;
   std::optional<std::uint32_t> queue_;
 };

@@ -30,7 +30,7 @@ Picoseconds time_of(const std::string& text) {
   return static_cast<Picoseconds>(std::llround(value * ps));
 }
 
-// A sum over parts that stops the machine when it grows.
+// Returns a condition that is met when `sum`, a sum over parts, has grown. `what`: the reason that it reports.
 template <typename Sum>
 auto grows(const char* what, const Sum& sum) {
   return [what, sum, before = std::optional<std::uint64_t>()](Cycle, const Machine& machine) mutable -> Why {
@@ -69,7 +69,7 @@ Why over(const std::string& name, std::uint64_t value, const std::vector<wire::C
 
 bool all_rays(std::uint64_t, const wire::Ray&) { return true; }
 
-// The rays of a pixel or of a number, as they are made.
+// Breakpoint at each ray that `watches` selects, when the DSP makes it.
 Breakpoint of_rays(std::function<bool(std::uint64_t, const wire::Ray&)> watches) {
   Breakpoint out;
   out.watches = std::move(watches);

@@ -1,4 +1,4 @@
-// What a debugger stops a machine at: conditions on its state, looked at after each cycle, and on the steps of rays.
+// Breakpoints of the debugger: conditions on the machine's state, evaluated after each cycle, and on the steps of rays.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace gicube::emu {
 
-// A place of the timeline: a core cycle, and its simulated time.
+// Converts core cycles of a command to simulated time.
 struct CommandClock {
-  Picoseconds begin_ps = 0;  // of the command in work
+  Picoseconds begin_ps = 0;  // start of the present command
   Cycle begin_cycle = 0;
   std::uint64_t core_khz = 1;
 
@@ -22,33 +22,33 @@ struct CommandClock {
 
 struct Breakpoint {
   unsigned number = 0;
-  std::string text;  // as it was given
+  std::string text;  // the client's words
 
-  // Each may be missing. They answer why the machine is to stop, or nothing.
+  // Each may be empty. The first three return the reason to pause, or nothing.
   std::function<std::optional<std::string>(Cycle now, const Machine& machine)> on_cycle{};
   std::function<std::optional<std::string>(const RayEvent& event, const Machine& machine)> on_ray{};
   std::function<std::optional<std::string>(const std::vector<wire::Counter>& counters)> on_counters{};
   std::function<bool(std::uint64_t ray, const wire::Ray& made)> watches{};
-  std::optional<std::uint32_t> ticket{};  // only in the command of this ticket
+  std::optional<std::uint32_t> ticket{};  // limits it to the command with this ticket
   bool on_command = false;
-  std::optional<Cycle> cycle{};  // on_cycle need not be asked before
+  std::optional<Cycle> cycle{};  // first cycle in which on_cycle can be met
 };
 
-// "cycle N", "time 12.5us", "ray N", "ray TICKET:N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q FILL", "overflow", "trap", "conflict",
-// "counter NAME VALUE", "command". Throws std::invalid_argument, "expected ..., got ...".
+// Parses "cycle N", "time 12.5us", "ray N", "ray TICKET:N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q FILL",
+// "overflow", "trap", "conflict", "counter NAME VALUE" or "command". Throws std::invalid_argument, "expected ..., got ...".
 Breakpoint parse_breakpoint(const std::vector<std::string>& words, const CommandClock& clock);
 
-// The end of a step of `count` cycles, samples or rays from now on.
+// Breakpoint after `count` further units: "cycle", "sample" or "ray" (a finished ray). Throws std::invalid_argument.
 Breakpoint step_of(const std::string& unit, std::uint64_t count, Cycle now, const Machine& machine);
 
-// "N", a ray of any command, or "TICKET:N".
+// A ray as the client names it: "N", in any command, or "TICKET:N".
 struct RayName {
   std::optional<std::uint32_t> ticket{};
   std::uint64_t number = 0;
 };
 RayName ray_at(const std::vector<std::string>& words, std::size_t at);
 
-// The number at words[at]; `what` names it in the fault.
+// Returns the number at words[at]. Throws std::invalid_argument, which states `what` was expected.
 std::uint64_t number_at(const std::vector<std::string>& words, std::size_t at, const char* what);
 
 }  // namespace gicube::emu

@@ -1,8 +1,9 @@
-// Joins the causes of a processor's cycles into slices that can be read.
+// Merges the causes of a processor's cycles into slices that are long enough to read.
 //
-// A run of one cause of kLongRun cycles or more is a slice. Shorter runs that follow one another share a slice, which ends
-// with the run that brings it to kMixed cycles or when a long run comes. What is still shorter than kLongRun joins the slice
-// before it, and so does a long run of that slice's cause. Every cycle is in one slice, which counts its causes.
+// A run is a sequence of cycles with the same cause. A run of at least kLongRun cycles is a slice. Consecutive shorter runs
+// share a slice, which ends with the run that brings it to kMixed cycles, or before the next long run. A slice that is still
+// shorter than kLongRun is merged into the slice before it, and so is a long run with that slice's cause. Each cycle is in
+// exactly one slice, which counts the causes of its cycles.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@ struct CauseSlice {
   Cycle end = 0;  // the cycle after the last
   CauseCounts counts{};
 
-  // The most frequent; of equals the first by number.
+  // The most frequent cause; of equally frequent ones, that with the lowest number.
   Cause cause() const { return static_cast<Cause>(std::max_element(counts.begin(), counts.end()) - counts.begin()); }
 };
 
@@ -27,12 +28,12 @@ class CauseRuns {
   static constexpr Cycle kLongRun = 8;  // chosen: half a pipeline's length
   static constexpr Cycle kMixed = 64;   // chosen: more than half a microsecond at the design point
 
-  // The next cycle will be `cycle`.
+  // `cycle`: the first cycle to be added.
   void start(Cycle cycle) {
     begin_ = cycle;
     mixed_ = pending_ = {.begin = cycle, .end = cycle, .counts = {}};
   }
-  // `cycle` had `cause`; cycles come without a gap from that of start() on. Complete slices go to `emit`.
+  // Adds a cycle. Cycles must be consecutive, beginning with that of start(). Passes complete slices to `emit`.
   template <typename Emit>
   void add(Cycle cycle, Cause cause, const Emit& emit) {
     if (cause == cause_) [[likely]]
@@ -40,7 +41,7 @@ class CauseRuns {
     end_run(cycle, emit);
     cause_ = cause;
   }
-  // `end`: the cycle after the last.
+  // Passes the remaining slices to `emit`. `end`: the cycle after the last.
   template <typename Emit>
   void finish(Cycle end, const Emit& emit) {
     end_run(end, emit);
@@ -84,10 +85,10 @@ class CauseRuns {
     pending_ = slice;
   }
 
-  Cause cause_ = Cause::kBusy;  // of the run since begin_
+  Cause cause_ = Cause::kBusy;  // cause of the run since begin_
   Cycle begin_ = 0;
   CauseSlice mixed_;    // short runs up to begin_
-  CauseSlice pending_;  // complete, unless what follows joins it
+  CauseSlice pending_;  // complete, unless the next slice is merged into it
 };
 
 }  // namespace gicube::emu

@@ -14,8 +14,8 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::chrono::milliseconds kCancelCheck{50};           // chosen: how late a client that has left is noticed
-constexpr std::size_t kMaxHistory = 200, kMaxHistories = 1000;  // chosen: lines of a ray; rays
+constexpr std::chrono::milliseconds kCancelCheck{50};           // chosen: delay until a client that has left is noticed
+constexpr std::size_t kMaxHistory = 200, kMaxHistories = 1000;  // chosen: lines per ray; rays
 
 constexpr const char* kHelp =
     "break cycle N | time 12.5us | ray N | pixel X Y | voxel X Y Z | block X Y Z | queue P Q RAYS | overflow | trap |\n"
@@ -25,7 +25,7 @@ constexpr const char* kHelp =
     "where, why, parts, queue P [Q], cache P X Y Z, cache P set S, bank MEMORY DEVICE BANK, link, counters [BEGIN]\n"
     "ray N, history N, set ray N colour R G B | opacity N, checkpoint FILE\n";
 
-// Where nothing but the end of a command can be looked at.
+// Error at levels where only the start and the end of a command can be observed.
 constexpr const char* kNoCycles =
     "this level has no cycles: expected break command, step command, or break counter, which is looked at when a "
     "command ends";
@@ -97,7 +97,7 @@ void Debugger::counted(const std::vector<wire::Counter>& counters) {
   for (Breakpoint& each : breakpoints_) {
     const auto why = each.on_counters ? each.on_counters(counters) : std::nullopt;
     if (!why) continue;
-    each.on_counters = nullptr;  // it stays above its threshold
+    each.on_counters = nullptr;  // its counter stays above the threshold
     return pause(lock, now_, fmt::format("break {} ({}): {}", each.number, each.text, *why));
   }
 }
@@ -107,7 +107,7 @@ void Debugger::begins(Cycle now, Machine& machine) {
   machine_ = &machine;
   now_ = now;
   if (is_first_run_) clock_.begin_cycle = now;
-  if (std::exchange(is_first_run_, false)) histories_.clear();  // numbers are those of the command's rays
+  if (std::exchange(is_first_run_, false)) histories_.clear();  // ray numbers are those of the command
 }
 
 Cycle Debugger::next(Cycle from) {
@@ -135,7 +135,7 @@ void Debugger::see(Cycle now, const Machine& machine) {
     if (!each.on_cycle || (each.cycle && now < *each.cycle)) continue;
     const auto why = each.on_cycle(now, machine);
     if (!why) continue;
-    // A counter above its threshold and a time that is over stay so.
+    // A counter above its threshold and a time in the past would be met in each further cycle.
     if (each.cycle || each.on_counters) each.on_cycle = nullptr;
     return pause(lock, now, fmt::format("break {} ({}): {}", each.number, each.text, *why));
   }
@@ -186,7 +186,7 @@ void Debugger::pause(Lock& lock, Cycle now, const std::string& why, Moment momen
   wait_while_paused(lock, moment);
 }
 
-// The command's thread stands here.
+// Blocks the command's thread until the board is resumed.
 void Debugger::wait_while_paused(Lock& lock, Moment moment) {
   is_paused_ = true;
   goes_ = pauses_at_cycle_end_ = false;
@@ -215,7 +215,7 @@ std::string Debugger::where() {
   return fmt::format("command {}, {}: {}\n", commands_, at, why_);
 }
 
-// `before`: how often it had stopped.
+// `before`: number of stops before the wait.
 std::string Debugger::wait_for_stop(Lock& lock, std::uint64_t before, std::chrono::seconds limit,
                                     const Cancelled& cancelled) {
   const auto end = std::chrono::steady_clock::now() + limit;
@@ -226,7 +226,7 @@ std::string Debugger::wait_for_stop(Lock& lock, std::uint64_t before, std::chron
 }
 
 std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancelled) {
-  if (is_paused_ && reported_stops_ != stops_) return where();  // it stopped by itself since the client's last line
+  if (is_paused_ && reported_stops_ != stops_) return where();  // it paused by itself after the client's previous line
   std::chrono::seconds limit = kMaxContinue;
   const std::uint64_t before = stops_;
   if (words[0] == "step") {
@@ -311,7 +311,7 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
     return is_paused_ ? text : "nothing runs on the board; it will stop at its next command\n";
   }
   if (what == "break") {
-    // Which cycle a time is follows from when the command began.
+    // The start of the command is needed to convert a time to a cycle.
     if (!rest.empty() && rest[0] == "time" && !is_paused_) {
       throw std::invalid_argument("time: expected a board that stands in a command; break command or stop comes first");
     }

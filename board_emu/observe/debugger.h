@@ -1,8 +1,9 @@
-// Stops a board's machine at conditions, and looks into it while it stands; for one client at a time.
+// Pauses a board's machine at breakpoints, and inspects it while it is paused. It serves one client at a time.
 //
-// The thread of the board's command waits in a callback meanwhile, and the client's thread looks at the machine only while it does, under
-// the same lock; so nothing is read as it changes. Simulated time does not depend on it, unless the client sets a word. A board that
-// stands goes on when the client leaves, after `max_stand` without a word from him, and when its session is to end.
+// While the board is paused, the thread of its command waits in a callback. The client's thread reads the machine only then and
+// under the same lock, so it never reads changing data. Simulated time does not depend on the debugger, unless the client sets a
+// word. A paused board resumes when the client leaves, after `max_pause` without a line from the client, and when its session is
+// to end.
 #pragma once
 
 #include <atomic>
@@ -24,27 +25,30 @@ namespace gicube::emu {
 class Debugger : public Observer {
  public:
   static constexpr std::chrono::minutes kMaxPause{10};     // chosen: long enough to think
-  static constexpr std::chrono::seconds kMaxContinue{60};  // chosen: `continue` answers by then, whatever comes
+  static constexpr std::chrono::seconds kMaxContinue{60};  // chosen: `continue` replies by then in any case
 
   struct Answer {
     std::string text;
     bool is_fault = false;
-    bool is_paused = false;  // the board
+    bool is_paused = false;  // the board is paused
   };
   using Cancelled = std::function<bool()>;
 
   explicit Debugger(std::chrono::milliseconds max_pause = kMaxPause) : max_pause_(max_pause) {}
 
-  // A client comes; false if there is one. From the next command on, or within 4096 cycles, the machine is looked at.
+  // Attaches a client. Returns false if another one is attached. The machine is observed from the next command on, or within
+  // 4096 cycles.
   bool attach();
-  // He has left: nothing stops any more.
+  // Detaches the client, removes its breakpoints and resumes the board.
   void detach();
-  // A line of his. Returns when it is carried out, for `continue` and `step` when the board stands again, or `cancelled` is true.
+  // Executes a line of the client. `continue`, `step` and `stop` wait until the board is paused, their time limit has passed or
+  // `cancelled` returns true.
   Answer carry_out(const std::string& line, const Cancelled& cancelled);
-  // The board goes on, and stops no more until the next line that wants it to: its session is to end. Any thread.
+  // Resumes the board, because its session is to end. Cancels steps and stops; nothing pauses the rest of the command. Any
+  // thread.
   void let_go();
-  // Calls `job` once on the command's thread where the board stands, at the end of the cycle in which it does; the board stands on. It
-  // must not throw. False if it does not stand. If it is told to go on before, the job is dropped. Any thread.
+  // Calls `job` once on the command's thread, at the end of the cycle in which the board is paused; the board stays paused. `job`
+  // must not throw. It is dropped if the board is resumed before. Returns false if the board is not paused. Any thread.
   bool offer(std::function<void()> job);
   bool is_paused() const {
     const std::lock_guard lock(mutex_);
@@ -52,7 +56,7 @@ class Debugger : public Observer {
   }
   bool is_attached() const { return is_attached_.load(std::memory_order_relaxed); }
 
-  // On the command's thread: `begin` as BoardObserver's.
+  // Called on the command's thread. `begin`: as in BoardObserver.
   void power_up(std::uint64_t core_khz, bool has_cycles);
   void begin_command(Picoseconds begin, std::uint32_t ticket);
   void counted(const std::vector<wire::Counter>& counters);
@@ -74,7 +78,7 @@ class Debugger : public Observer {
     bool is_under_way = false;
   };
 
-  // Whether jobs can be done where the board stands, or not before the end of the cycle.
+  // When the board is paused: jobs can be executed at once only at the end of a cycle.
   enum class Moment : std::uint8_t { kInCycle, kEndOfCycle };
 
   void pause(Lock& lock, Cycle now, const std::string& why, Moment moment = Moment::kEndOfCycle);
@@ -89,29 +93,29 @@ class Debugger : public Observer {
 
   const std::chrono::milliseconds max_pause_;
   std::atomic<bool> is_attached_ = false;
-  mutable std::mutex mutex_;  // guards all below
+  mutable std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   bool has_cycles_ = false;
   bool is_paused_ = false;
-  bool goes_ = false;                 // it is told to go on
-  bool is_let_go_ = false;            // nothing stops the command any more
-  bool stops_soon_ = false;           // at the next occasion
-  bool pauses_at_cycle_end_ = false;  // at the end of the cycle, for job_
+  bool goes_ = false;                 // it has been resumed
+  bool is_let_go_ = false;            // nothing pauses the rest of the command
+  bool stops_soon_ = false;           // at the next cycle, or command if there are no cycles
+  bool pauses_at_cycle_end_ = false;  // to execute job_
   std::function<void()> job_;
-  bool stops_at_command_ = false;  // that is the next command
+  bool stops_at_command_ = false;  // the next one
   std::optional<Breakpoint> step_;
   std::vector<Breakpoint> breakpoints_;
   std::vector<Breakpoint> watched_;  // rays whose history is kept
   unsigned last_number_ = 0;
-  std::string why_;  // it stands
+  std::string why_;  // reason of the latest stop
   std::uint64_t stops_ = 0;
-  std::uint64_t reported_stops_ = 0;  // of which the client has been told
-  std::uint64_t commands_ = 0;        // that have begun since power-up
-  std::uint32_t ticket_ = 0;          // of the latest
+  std::uint64_t reported_stops_ = 0;  // those that the client knows of
+  std::uint64_t commands_ = 0;        // begun since power-up
+  std::uint32_t ticket_ = 0;          // of the latest command
   CommandClock clock_;
-  bool is_first_run_ = false;  // of the command
+  bool is_first_run_ = false;  // the command's first run has not begun
   Cycle now_ = 0;
-  Machine* machine_ = nullptr;  // of the run; looked at only while it stands
+  Machine* machine_ = nullptr;  // of the present run; read only while it is paused
   std::map<std::uint64_t, History> histories_;
   std::chrono::steady_clock::time_point last_activity_;
 };

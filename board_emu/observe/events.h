@@ -1,4 +1,4 @@
-// Turns what happens on a machine into records for files and plug-ins (gicube/observer.h).
+// Converts the events of a machine to records for files and plug-ins (gicube/observer.h).
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class Events : public Observer {
   std::uint32_t runs_ = 0;
 };
 
-// The record as a JSON object.
+// Converts a record to a JSON object.
 std::string to_json(const gicube_event& event);
 
 inline constexpr std::uint32_t kEventKinds = GICUBE_EVENT_KINDS;

@@ -1,4 +1,4 @@
-// The life of a pixel's rays as text.
+// Text form of a pixel's rays and their iterations.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace gicube::emu {
 
-// A JSON object in one line; docs/guide/observation.md has its fields.
+// Returns a JSON object in one line. docs/guide/observation.md lists its fields.
 std::string to_json(const PixelLife& life);
 
 }  // namespace gicube::emu

@@ -1,7 +1,7 @@
-// Writes what the processors, links and memories do, cycle by cycle, to a trace.
+// Writes the activity of processors, links and memories in each cycle to a trace.
 //
-// A processor has a track of its active blocks, one of its pipeline's causes (cause_runs.h) and a counter of waiting rays.
-// Counters are sampled every simulated microsecond and written when they change. Only slices that are open are kept.
+// Each processor has a track of its active blocks, a track of its pipeline's causes (cause_runs.h) and a counter of waiting rays.
+// Counters are sampled every simulated microsecond and written when they change. Only open slices are kept in memory.
 #pragma once
 
 #include <fmt/format.h>
@@ -25,10 +25,10 @@ class MachineTrace : public Observer {
   // Process numbers of the file; processor i is kProcessor + i.
   static constexpr int kLinks = 4, kMemory = 5, kProcessor = 10;
 
-  // Of the cycles in `window`.
+  // Records the cycles in `window`.
   explicit MachineTrace(TraceFile& file, const CycleWindow& window = {}) : file_(file), window_(window) {}
 
-  // The machine's next run begins at `at`, on a board of that configuration.
+  // The machine's next run begins at `at`, on a board with this configuration.
   void begin(Picoseconds at, const v1::BoardConfig& config) {
     end();
     begin_ps_ = at;
@@ -53,7 +53,7 @@ class MachineTrace : public Observer {
     if (next_ >= next_sample_) sample(machine);
     if (next_ >= window_.end) end();
   }
-  // Closes what is open: the cycle that was seen last was the last of its command.
+  // Closes all open slices. To be called after the last cycle of a command.
   void end() {
     if (!seen_) return;
     seen_ = false;
@@ -64,7 +64,7 @@ class MachineTrace : public Observer {
     quiet();
     end_ps_ = time(next_);
   }
-  // The end of the cycle that was seen last, once it has been seen.
+  // End of the last recorded cycle, updated by end().
   Picoseconds end_ps() const { return end_ps_; }
 
  private:
@@ -79,13 +79,13 @@ class MachineTrace : public Observer {
   struct Lane {
     CauseRuns causes;
     ActiveQueue active;
-    std::uint32_t queue = 0;  // whose slice is open
+    std::uint32_t queue = 0;  // queue of the open slice
     bool open = false;
     Cycle since = 0;
-    std::string block;  // its name
+    std::string block;  // name of its block
     std::uint64_t issued_before = 0;
-    std::uint64_t issued = 0;   // rays, so far
-    std::uint64_t waiting = 0;  // as shown
+    std::uint64_t issued = 0;   // rays so far
+    std::uint64_t waiting = 0;  // value in the trace
   };
   struct Rate {
     std::string name;
@@ -103,7 +103,7 @@ class MachineTrace : public Observer {
       const Sorter& sorter = machine.processors()[i]->sorter();
       lanes_[i].causes.start(now);
       lanes_[i].active = {};
-      lanes_[i].active.see(sorter);  // no ray has come to it yet in this command
+      lanes_[i].active.see(sorter);  // no ray has reached it yet in this command
       lanes_[i].issued = sorter.counters().issued;
     }
     packets_.resize(machine.memories().size());
@@ -161,9 +161,9 @@ class MachineTrace : public Observer {
     const auto down = static_cast<std::size_t>(machine.blocks()[1]);
     return fmt::format("block {} {} {}", block % across, block / across % down, block / (across * down));
   }
-  // In core cycles, at least one.
+  // Core cycles per microsecond, at least one.
   Cycle microsecond() const { return std::max<Cycle>(1, core_khz_ / kKhzPerMhz); }
-  // A counter, where it changes.
+  // Writes the counter if it has changed.
   void show(int process, std::string_view name, Picoseconds at, std::uint64_t value, std::uint64_t& shown) {
     if (value != shown) file_.counter(process, name, at, value);
     shown = value;
@@ -177,13 +177,13 @@ class MachineTrace : public Observer {
     for (std::size_t i = 0; i < packets_.size(); ++i) {
       Rate& packets = packets_[i];
       const std::uint64_t count = machine.memories()[i]->channel().counters().packets_read;
-      // What came in the microsecond is shown over it.
+      // The packets of the past microsecond are shown from its beginning.
       show(kMemory, packets.name, time(next_ - microsecond()), count - packets.count, packets.shown);
       packets.count = count;
     }
     next_sample_ += microsecond();
   }
-  // Between commands nothing waits and nothing moves.
+  // Sets the counters to 0, because nothing waits or moves between commands.
   void quiet() {
     const Picoseconds at = time(next_);
     for (std::size_t i = 0; i < lanes_.size(); ++i) show(process_of(i), kRaysWaiting, at, 0, lanes_[i].waiting);
@@ -198,10 +198,10 @@ class MachineTrace : public Observer {
   std::uint64_t core_khz_ = 1;
   bool single_queue_ = false;
   Cycle begin_cycle_ = 0;
-  Cycle next_ = 0;  // after the one seen last
+  Cycle next_ = 0;  // after the latest recorded cycle
   Cycle next_sample_ = 0;
-  bool has_begun_ = false;  // a run since begin()
-  bool seen_ = false;       // a cycle since begin(), of the window
+  bool has_begun_ = false;  // a run has begun since begin()
+  bool seen_ = false;       // a cycle was recorded since begin()
   std::vector<Lane> lanes_;
   std::vector<Rate> packets_;  // by memory
   std::uint64_t on_links_ = 0;

@@ -20,7 +20,7 @@ std::string position_of(const Point& at) {
   return fmt::format("{:.4f} {:.4f} {:.4f}", at[0] / kUnitsOfVoxel, at[1] / kUnitsOfVoxel, at[2] / kUnitsOfVoxel);
 }
 
-// A number of at most `most`.
+// Returns the number at words[at]. Throws std::invalid_argument if it is not below `count`.
 std::size_t below(const std::vector<std::string>& words, std::size_t at, const char* what, std::size_t count) {
   const std::uint64_t value = number_at(words, at, what);
   if (value >= count) throw std::invalid_argument(fmt::format("{}: expected 0 to {}, got {}", what, count - 1, value));
@@ -114,13 +114,13 @@ std::string view_parts(const Machine& machine) {
   return out.str();
 }
 
-// A FIFO that is full holds up what wants to push.
+// A full FIFO blocks the part that pushes into it.
 template <typename T>
 bool is_full(const Fifo<T>& fifo) {
   return fifo.size() >= kFifoPlaces;
 }
 
-// What the DSP does.
+// States what the DSP does.
 std::string dsp_in_words(Cycle now, const Machine& machine) {
   const RayEngine& dsp = machine.dsp();
   if (dsp.waits(now)) return fmt::format("DSP: waits for its SDRAM until cycle {}", dsp.free_at());

@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-// Processes and threads of the trace; the machine's follow in machine_trace.h.
+// Processes and threads of the trace; machine_trace.h has those of the machine.
 constexpr Track kHost{1, 11}, kBusDown{2, 21}, kBusUp{2, 22}, kDsp{3, 31};
 
 void name_tracks(TraceFile& trace) {
@@ -101,7 +101,7 @@ void Observation::served(const BusTransaction& transaction, Picoseconds begin, P
   if (!trace_ || end == begin) return;
   constexpr Picoseconds kMillisecond = 1'000'000'000;
   const std::uint64_t khz = config_.asic().core_khz();
-  // To the nearest: asic_ps was rounded down.
+  // Rounds to the nearest cycle, because asic_ps was rounded down.
   const std::uint64_t cycles = transaction.asic_ps / kMillisecond * khz +
                                (transaction.asic_ps % kMillisecond * khz + kMillisecond / 2) / kMillisecond;
   trace_->slice(kDsp, transaction.name, origin_ps_ + begin, origin_ps_ + end,

@@ -1,7 +1,6 @@
-// What a board shows of its inside while it works: a trace for Perfetto, a waveform for GTKWave and a file of events, each if asked
-// for.
+// Records a board's activity: a trace for Perfetto, a waveform for GTKWave and a file of events, each only if requested.
 //
-// The machine is seen through observer(). Time goes on in the trace where a power-up sets the board's time back to 0.
+// The machine is observed through observer(). A power-up sets the board's time to 0; time in the trace continues.
 #pragma once
 
 #include <optional>
@@ -23,23 +22,23 @@ struct ObservationOptions {
   std::string trace_file{};  // empty = none
   std::string vcd_file{};    // empty = none
   CycleWindow vcd_window{};
-  CycleWindow trace_window{};   // of what the machine's cycles leave in the trace
+  CycleWindow trace_window{};   // cycles of the machine that the trace contains
   std::string event_file{};     // empty = none
-  std::string observer_file{};  // a shared object (gicube/observer.h), which runs in a process of its own; empty = none
-  bool is_boxed = true;         // that process
+  std::string observer_file{};  // shared object (gicube/observer.h), run in its own process; empty = none
+  bool is_boxed = true;         // whether that process is sandboxed
   Selection events{};
   Creation trace_creation = Creation::kReplaces;
 
   bool any() const { return !trace_file.empty() || !vcd_file.empty() || !event_file.empty() || !observer_file.empty(); }
 };
 
-// Board 0 writes the files as they are named, board i > 0 to FILE.i.
+// Returns the options of one board: board 0 writes to FILE, board i > 0 to FILE.i.
 ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board);
 
 class Observation : public BoardObserver {
  public:
-  // Opens the files; throws std::runtime_error that names the one that can't be.
-  // `debugger`: sees the machine too; null for none. It must outlive this.
+  // Opens the files. Throws std::runtime_error, which names the file that cannot be opened.
+  // `debugger`: also observes the machine; null: none. It must outlive this.
   explicit Observation(const ObservationOptions& options, Debugger* debugger = nullptr);
 
   const ObservationOptions& options() const { return options_; }
@@ -52,7 +51,7 @@ class Observation : public BoardObserver {
   void begin_command(Picoseconds begin, std::uint32_t ticket) override {
     if (debugger_ != nullptr) debugger_->begin_command(begin, ticket);
     if (!cycles_) return;
-    // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
+    // Later than `begin` only after an aborted command, which takes less time than the cycles recorded of it.
     cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
   }
   void end_command() override {
@@ -67,7 +66,7 @@ class Observation : public BoardObserver {
   void transferred(const BusDelivery& delivery) override;
   void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) override;
 
-  // Which of the files could not be written to its end; empty if all is well.
+  // States which file could not be written completely, or the observer's fault; empty: neither.
   std::string fault() const;
 
  private:
@@ -81,7 +80,7 @@ class Observation : public BoardObserver {
   std::optional<ObserverProcess> observer_;
   std::optional<Events> events_;
   Observers observers_;
-  Picoseconds origin_ps_ = 0;  // of the board's time in the trace
+  Picoseconds origin_ps_ = 0;  // time in the trace at which the board's time is 0
   Picoseconds host_free_ps_ = 0;
   Picoseconds cycles_free_ps_ = 0;
 };

@@ -1,5 +1,5 @@
-// The process of its own in which the code of an observer runs (plug_ins/plug_in_process.h). It gets events through a socket, and gives no
-// answer: what it does changes nothing on the board but how long a command takes on this machine.
+// Runs the code of an observer in its own process (plug_ins/plug_in_process.h). The process receives events through a socket and
+// sends no reply, so it affects only the host time of a command.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ class ObserverProcess {
   // Throws PlugInFault.
   ObserverProcess(const std::string& file, bool is_boxed)
       : process_(PlugInProcess::Kind::kObserver, file, is_boxed), file_(file) {}
-  // It has had all events, and has ended, or was ended for not taking them.
+  // Sends the remaining events, and ends the process.
   ~ObserverProcess() { flush(); }
   ObserverProcess(const ObserverProcess&) = delete;
   ObserverProcess& operator=(const ObserverProcess&) = delete;
@@ -32,7 +32,7 @@ class ObserverProcess {
     }
     events_.clear();
   }
-  // Why it gets no more events; empty: it does.
+  // Why no more events are sent; empty: they are sent.
   const std::string& fault() const { return fault_; }
 
  private:

@@ -1,4 +1,4 @@
-// Several observers of one machine, each of which sees what it asks for.
+// Several observers of one machine. Each receives only the cycles and rays that it has requested.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace gicube::emu {
 
 class Observers final : public Observer {
  public:
-  // It must outlive this.
+  // `observer` must outlive this.
   void add(Observer& observer) { seats_.push_back({&observer}); }
   bool empty() const { return seats_.empty(); }
 
@@ -49,10 +49,10 @@ class Observers final : public Observer {
  private:
   struct Seat {
     Observer* observer;
-    Cycle sees = 0;  // the next cycle that it wants to see
+    Cycle sees = 0;  // the next cycle that it has requested
   };
   std::vector<Seat> seats_;
-  std::unordered_map<std::uint64_t, std::uint32_t> watched_by_;  // by ray: a bit for each seat
+  std::unordered_map<std::uint64_t, std::uint32_t> watched_by_;  // by ray: one bit per seat
 };
 
 }  // namespace gicube::emu

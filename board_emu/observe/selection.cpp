@@ -44,7 +44,7 @@ std::uint32_t steps_of(std::string_view part) {
   refuse("parts", "some of dsp, sorter, pipeline, links with + between", part);
 }
 
-// The text up to `mark`; what is behind it stays.
+// Removes and returns the text up to `mark`, and removes the mark.
 std::string_view take_up_to(char mark, std::string_view& text) {
   const std::string_view item = text.substr(0, text.find(mark));
   text.remove_prefix(item.size() < text.size() ? item.size() + 1 : item.size());

@@ -1,4 +1,4 @@
-// Which events an observer is told: of which rays, of which parts, in which cycles.
+// Selects the events that an observer receives, by ray, part and cycle.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 namespace gicube::emu {
 
 struct Selection {
-  // Rays: of one pixel, of numbers in a range, or both; neither: none.
+  // Rays of one pixel, rays with numbers in a range, or rays that meet both conditions. No rays if neither is set.
   std::optional<std::array<std::uint16_t, 2>> pixel{};
   std::optional<RayRange> rays{};
-  std::optional<std::array<std::uint16_t, 2>> life{};  // of this pixel's rays, with their values at every level
+  std::optional<std::array<std::uint16_t, 2>> life{};  // pixel whose rays are written with their values, at every level
   CycleWindow cycles{};
-  std::uint32_t steps = ~std::uint32_t{0};  // a bit for each RayStep
-  Cycle counters_every = 0;                 // 0: no counters
+  std::uint32_t steps = ~std::uint32_t{0};  // one bit per RayStep
+  Cycle counters_every = 0;                 // interval; 0: no counters
 
   bool has(std::uint64_t ray, const wire::Ray& made) const {
     if (!pixel && !rays) return false;
@@ -32,11 +32,12 @@ struct Selection {
   }
 };
 
-// From items with commas between: pixel=X:Y, life=X:Y (which is pixel=X:Y too), rays=BEGIN:END, cycles=BEGIN:END, parts=PART+PART with the parts dsp, sorter,
-// pipeline and links, counters=CYCLES. Ends are left out. Throws std::invalid_argument, "... expected ..., got ...".
+// Parses items separated by commas: pixel=X:Y, life=X:Y (which implies pixel=X:Y), rays=BEGIN:END, cycles=BEGIN:END,
+// parts=PART+PART with the parts dsp, sorter, pipeline and links, and counters=CYCLES. END is exclusive. Throws
+// std::invalid_argument, "... expected ..., got ...".
 Selection parse_selection(std::string_view text);
 
-// "BEGIN:END" with BEGIN < END; nothing if it is not that.
+// Parses "BEGIN:END" with BEGIN < END. Returns nothing for any other text.
 std::optional<CycleWindow> parse_window(std::string_view text);
 
 }  // namespace gicube::emu

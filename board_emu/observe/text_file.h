@@ -1,4 +1,4 @@
-// A text file that is written in large pieces of whole records, so that what a killed process leaves ends with one.
+// A text file that is written in large pieces of whole records. If the process is killed, the file ends with a whole record.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,12 +17,12 @@
 
 namespace gicube::emu {
 
-// kNew: only where nothing has that name, not even a symbolic link.
+// kNew: fails if the name exists, even as a symbolic link.
 enum class Creation { kReplaces, kNew };
 
 class TextFile {
  public:
-  // Creates the file anew. Throws std::runtime_error that names it.
+  // Creates or replaces the file. Throws std::runtime_error, which names it.
   explicit TextFile(const std::string& path, Creation creation = Creation::kReplaces)
       : path_(path), file_(std::fopen(path.c_str(), creation == Creation::kNew ? "wbxe" : "wbe"), &std::fclose) {
     if (!file_) {
@@ -46,7 +46,7 @@ class TextFile {
     if (text_.size() >= kPiece) flush();
   }
   void flush() { flush_with(""); }
-  // Writes everything, and `ending` behind it; the next record will overwrite the ending.
+  // Writes everything, and then `ending`, which the next record overwrites.
   void flush_with(std::string_view ending) {
     if (!file_) return text_.clear();
     const bool written = write(text_);
@@ -57,7 +57,7 @@ class TextFile {
   }
 
   const std::string& path() const { return path_; }
-  // False once a write has failed, on a full disk for instance; the file is gone then, and nothing is written after that.
+  // False after a write has failed, for example on a full disk. The file is then removed, and nothing more is written.
   bool good() const { return file_ != nullptr; }
 
  private:
@@ -72,7 +72,7 @@ class TextFile {
 
   std::string path_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-  std::string text_;  // not written yet
+  std::string text_;  // not yet written
 };
 
 }  // namespace gicube::emu

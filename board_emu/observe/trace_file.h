@@ -1,6 +1,7 @@
-// A trace in the JSON array form of the Trace Event Format, which Perfetto (ui.perfetto.dev) and chrome://tracing open.
+// A trace in the JSON array form of the Trace Event Format, which Perfetto (ui.perfetto.dev) and chrome://tracing read.
 //
-// Times, picoseconds, are written in microseconds to the nanosecond below. Slices of a track come in order and don't overlap.
+// Times are passed in picoseconds and written in microseconds, rounded down to nanoseconds. Slices of a track must be added in
+// order and must not overlap.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,7 +17,7 @@
 
 namespace gicube::emu {
 
-// What Perfetto shows as a thread of a process. Both from 1; a thread's number is unique in the file.
+// A track, which Perfetto shows as a thread of a process. Numbers start at 1; a thread's number is unique in the file.
 struct Track {
   int process = 1;
   int thread = 1;
@@ -24,7 +25,7 @@ struct Track {
 
 class TraceFile {
  public:
-  // Throws std::runtime_error that names the file.
+  // Throws std::runtime_error, which names the file.
   explicit TraceFile(const std::string& path, Creation creation = Creation::kReplaces) : file_(path, creation) {
     file_.add("[");
   }
@@ -42,7 +43,7 @@ class TraceFile {
     event(0, R"("ph":"M","name":"thread_name","pid":{},"tid":{},"args":{{"name":"{}"}})", track.process, track.thread,
           name);
   }
-  // `args`: members of a JSON object, as "\"bytes\":4".
+  // `args`: members of a JSON object, for example "\"bytes\":4".
   void slice(Track track, std::string_view name, Picoseconds begin, Picoseconds end, std::string_view args) {
     const std::uint64_t from = begin / 1000, length = end / 1000 - from;  // ns
     event(end, R"("ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"name":"{}","args":{{{}}})", track.process,
@@ -53,17 +54,17 @@ class TraceFile {
     event(at, R"("ph":"i","s":"g","pid":{},"tid":{},"ts":{}.{:03},"name":"{}")", track.process, track.thread, ns / 1000,
           ns % 1000, name);
   }
-  // The value from `at` on.
+  // Sets the counter's value from `at` on.
   void counter(int process, std::string_view name, Picoseconds at, std::uint64_t value) {
     const std::uint64_t ns = at / 1000;
     event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}}})", process, ns / 1000, ns % 1000,
           name, value);
   }
 
-  // Makes the file a whole one as it stands; more may follow.
+  // Completes the JSON array. More events may follow.
   void complete() { file_.flush_with("\n]\n"); }
 
-  // The end of the latest slice, or the latest of the other events.
+  // The latest end of a slice or time of another event.
   Picoseconds latest() const { return latest_; }
   const TextFile& file() const { return file_; }
 

@@ -1,4 +1,4 @@
-// A value change dump, IEEE 1364-2005 clause 18, four-state: signals in scopes, and their changes in the order of time.
+// A four-state value change dump, IEEE 1364-2005 clause 18: signals in scopes, and their changes in the order of time.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ class VcdFile {
  public:
   using Signal = std::size_t;
 
-  // Throws std::runtime_error that names the file.
+  // Throws std::runtime_error, which names the file.
   explicit VcdFile(const std::string& path) : file_(path) {}
 
-  // The header: comment, unit of time, then scopes with their signals, then begin().
+  // The header is written in this order: comment, unit of time, scopes with their signals, begin().
   void comment(std::string_view text) { file_.add("$comment {} $end\n", text); }
-  // A unit of 10^`exponent` ps, up to a second.
+  // Sets the unit of time to 10^`exponent` ps, up to a second.
   void timescale(int exponent) {
     constexpr std::array<const char*, 5> kUnits{"ps", "ns", "us", "ms", "s"};
     constexpr std::array<int, 3> kPowers{1, 10, 100};
@@ -44,16 +44,16 @@ class VcdFile {
     file_.add("$enddefinitions $end\n#{}\n$dumpvars\n", time);
   }
 
-  // Values set from now on hold from `time` on; times never decrease.
+  // Values that are set after this call hold from `time` on. Times must not decrease.
   void time(std::uint64_t time) { time_ = time; }
-  // Writes a change, and nothing if the value is the old one. Nothing = high impedance, z.
+  // Writes the value if it has changed. No value = high impedance, z.
   void set(Signal signal, std::optional<std::uint64_t> value) {
     State& state = states_[signal];
     if (state.known && state.value == value) [[likely]]
       return;
     change(state, value);
   }
-  // The last values hold until `time`. Nothing may follow.
+  // Ends the dump: the last values hold until `time`. Nothing may follow.
   void end(std::uint64_t time) {
     time_ = time;
     write_time();
@@ -96,7 +96,7 @@ class VcdFile {
     initial_ = false;
   }
 
-  // Short codes of printable characters, as the standard has them.
+  // Returns a short code of printable characters, as the standard requires.
   static std::string identifier(std::size_t number) {
     constexpr char kFirst = '!';
     constexpr std::size_t kCount = '~' - '!' + 1;

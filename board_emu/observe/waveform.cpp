@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned kCauseBits = 4, kCountBits = 32, kFifoBits = 8;
 static_assert(kCauses <= 1u << kCauseBits);
-constexpr std::uint64_t kPicosecondsPerKhz = 1'000'000'000;  // of a 1 kHz period
+constexpr std::uint64_t kPicosecondsPerKhz = 1'000'000'000;  // period of 1 kHz
 
 // The signals of a part, in the order in which they are declared and set.
 using Value = std::optional<std::uint64_t>;
@@ -90,12 +90,12 @@ void Waveform::begin(Cycle now, const Machine& machine) {
 }
 
 void Waveform::record(Cycle now, const Machine& machine) {
-  if (state_ == State::kWriting && now != next_) return end_machine();  // this is another machine
+  if (state_ == State::kWriting && now != next_) return end_machine();  // another machine
   const bool bus_moved = machine.ray_bus().counters().busy != bus_cycles_;
   bus_cycles_ = machine.ray_bus().counters().busy;
   active_.resize(machine.processors().size());
   for (std::size_t i = 0; i < active_.size(); ++i) active_[i].see(machine.processors()[i]->sorter());
-  if (now < window_.begin) return;  // only to know what was before
+  if (now < window_.begin) return;  // this cycle only gives the state before the window
   if (state_ == State::kWaiting) begin(now, machine);
   vcd_.time(time(now));
   VcdFile::Signal next{};

@@ -1,7 +1,7 @@
 // Writes the signals of the board's clocked parts to a value change dump, for a window of core cycles.
 //
-// The value of a signal at a cycle is what the parts hold at the clock edge that ends it, or what they did in it (cause,
-// active queue, busy). The window is written once, by the first machine whose clock comes to it.
+// The value of a signal in a cycle is the state of its part at the clock edge that ends the cycle, or the part's activity in it
+// (cause, active queue, busy). The window is written once, for the first machine whose clock reaches it.
 #pragma once
 
 #include <algorithm>
@@ -17,16 +17,16 @@ namespace gicube::emu {
 
 class Waveform : public Observer {
  public:
-  // Throws std::runtime_error that names the file.
+  // Throws std::runtime_error, which names the file.
   Waveform(const std::string& path, const CycleWindow& window) : vcd_(path), window_(window) {}
   ~Waveform() override;
 
   Waveform(const Waveform&) = delete;
   Waveform& operator=(const Waveform&) = delete;
 
-  // Of the machines from now on.
+  // Sets the core clock of all further machines.
   void set_clock(std::uint64_t core_khz) { core_khz_ = core_khz; }
-  // The cycle before the window too, to know what was before.
+  // Also requests the cycle before the window, which gives the state before it.
   Cycle next(Cycle from) override {
     if (state_ == State::kEnded) return kNoCycle;
     return std::max(from, std::max<Cycle>(window_.begin, 1) - 1);
@@ -46,7 +46,7 @@ class Waveform : public Observer {
   enum class State : std::uint8_t { kWaiting, kWriting, kEnded };
   void record(Cycle now, const Machine& machine);
   void begin(Cycle now, const Machine& machine);
-  // A clock whose period is a whole number of picoseconds has times without rounding, in the coarsest unit that fits.
+  // Times are exact if the clock's period is a whole number of picoseconds: the unit is then the coarsest that divides it.
   std::uint64_t time(Cycle cycle) const { return cycles_to_ps(cycle, core_khz_) / unit_ps_; }
 
   VcdFile vcd_;
@@ -55,7 +55,7 @@ class Waveform : public Observer {
   std::uint64_t core_khz_ = 1;
   std::uint64_t unit_ps_ = 1;
   Cycle next_ = 0;
-  std::uint64_t bus_cycles_ = 0;     // in which the ray bus was busy, so far
+  std::uint64_t bus_cycles_ = 0;     // busy cycles of the ray bus so far
   std::vector<ActiveQueue> active_;  // by processor
 };
 

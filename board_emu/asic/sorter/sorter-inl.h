@@ -1,4 +1,4 @@
-// What of a sorter's cycle is inlined into those who tick it, and a cycle in which rays only go round.
+// Hot functions of a sorter, inlined into Sorter::work() and into the inner loop of the processor.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline void Sorter::unlist_dirty(std::uint32_t queue) {
 }
 
 inline void Sorter::modified(std::uint32_t queue) {
-  if (queue == active_) return;  // infinite until it is empty
+  if (queue == active_) return;  // its importance is infinite until it is empty
   if (!ranks_) {
     maximum_->set(queue, queues_.importance(queue));
   } else if (dirty_[queue].next == kUnlisted) {
@@ -70,7 +70,7 @@ inline bool Sorter::update_ranks() {
       moved = true;
     }
   } else if (ranks_->top() == kNone && ranks_->size() > 0 && ranks_->can_insert()) {
-    ranks_->shift_up();  // a hole came to the top
+    ranks_->shift_up();  // a hole has reached the top rank
     moved = true;
   }
   if (dirty_head_ != kNone && ranks_->can_insert()) {
@@ -83,7 +83,7 @@ inline bool Sorter::update_ranks() {
   return moved;
 }
 
-// As work(), without what can't be.
+// Equivalent to work(), without the cases that its conditions exclude.
 [[gnu::always_inline]] inline Sorter::ActiveQueueTick Sorter::tick_active_queue(const RayToken* returned,
                                                                                 const std::uint32_t* released,
                                                                                 bool may_issue, RayToken& issued) {

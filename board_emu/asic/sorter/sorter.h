@@ -96,21 +96,22 @@ class Sorter {
     return ((rest != 0) | others_come) && work(now, others_come);
   }
 
-  // The same where nothing comes from elsewhere before the next cycle.
+  // Equivalent to tick() in a cycle in which no ray arrives from other parts.
   bool tick_ahead(Cycle now) {
     const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
     return rest != 0 && work(now, false);
   }
 
-  // The same where, besides, each ray finds a slot, no slot is kept and none is watched (sorter-inl.h). FIFOs are the caller's:
-  // `returned` and `released` are what can be popped in this cycle, or null, and `issued` receives what is pushed, if it may.
+  // Equivalent to tick_ahead() if each ray finds a slot, no slot is reserved and no ray is watched (sorter-inl.h). The caller
+  // replaces the FIFOs: `returned` and `released` can be popped in this cycle, or are null; `issued` receives the issued ray, if
+  // `may_issue`.
   struct ActiveQueueTick {
     bool moved = false;
     bool issued = false;
   };
   ActiveQueueTick tick_active_queue(const RayToken* returned, const std::uint32_t* released, bool may_issue,
                                     RayToken& issued);
-  // Whether its configuration lets it.
+  // Whether the configuration allows this.
   bool may_tick_active_queue() const { return ranks_.has_value() && !single_; }
 
   bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
