@@ -81,8 +81,8 @@ for each in packages.values():
 # What is used has its row in the table, and what script/packages.txt calls a library of the product is used.
 page = (tree / "docs/design/dependencies.md").read_text()
 rows = {name for cell in re.findall(r"^\| ([a-z][^|]*?) \|", page, re.MULTILINE) for name in cell.split(", ")}
-section = re.search(r"# Libraries of the product\n(.*?)\n#", (tree / "script/packages.txt").read_text(), re.DOTALL)[1]
-libraries = sources({line.split()[0] for line in section.splitlines()})
+sections = re.findall(r"# Libraries of [^\n]*\n(.*?)\n#", (tree / "script/packages.txt").read_text(), re.DOTALL)
+libraries = sources({line.split()[0] for section in sections for line in section.splitlines()})
 development = sources({name for name in rows if name.endswith("-dev")})
 if missing := set(source.values()) - set(development.values()) - of_metapackages(development) - TOOLCHAIN:
     faults.append(f"docs/design/dependencies.md: no row for {sorted(missing)}")
