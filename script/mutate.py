@@ -156,7 +156,7 @@ def build(found, chosen, programs, jobs):
 def run(program, names, number=0, reached=None, cpu=600.0, wall=600.0):
     """Runs tests of a program up to the first that fails. Returns the name of that one, "" for none; and its end: pass,
     fail, crash or hang."""
-    environment = dict(os.environ, GICUBE_MUTANT=str(number))
+    environment = dict(os.environ, GICUBE_MUTANT=str(number), GICUBE_ALL_SEEDS="1")
     if reached:
         environment["GICUBE_MUTANTS_REACHED"] = reached
     limit = max(1, int(cpu + 0.999))

@@ -18,6 +18,7 @@
 #include "gicube/board.h"
 #include "gicube/wire/checksum.h"
 #include "random_program.h"
+#include "seeds.h"
 #include "temporary_directory.h"
 
 namespace gicube::system_test {
@@ -87,7 +88,7 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
 
 INSTANTIATE_TEST_SUITE_P(Levels, RandomSave,
                          testing::Combine(testing::Values("functional", "cycle"),
-                                          testing::Range(1u, 17u)),
+                                          seeds(16)),
                          [](const auto& each) {
                            return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
                          });
@@ -142,7 +143,7 @@ TEST_P(RandomLink, ThatLosesAndDamagesFramesChangesNothingForABoardThatGoesOn) {
   EXPECT_THAT(program.heard(), ElementsAreArray(never_stopped));
 }
 
-INSTANTIATE_TEST_SUITE_P(Faulty, RandomLink, testing::Range(1u, 11u));
+INSTANTIATE_TEST_SUITE_P(Faulty, RandomLink, seeds(10));
 
 // A connection carries a megabyte, and a checkpoint has several. One attempt in a row is enough as long as each carries
 // something.

@@ -11,6 +11,7 @@
 
 #include "commands_rig.h"
 #include "random_session.h"
+#include "seeds.h"
 #include "temporary_directory.h"
 
 namespace gicube::emu {
@@ -173,10 +174,10 @@ std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) 
   return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
 }
 
-// As many machines as take a minute of the processor. At cycle level each has some ten moments between transactions and forty in commands.
+// All together take some minutes. At cycle level each has some ten moments between transactions and forty in commands.
 INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
-                         testing::Combine(testing::Values("functional"), testing::Range(1u, 121u)), name_of);
-INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), testing::Range(1u, 26u)),
+                         testing::Combine(testing::Values("functional"), seeds(120)), name_of);
+INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), seeds(25)),
                          name_of);
 
 // ---- one board with something of everything

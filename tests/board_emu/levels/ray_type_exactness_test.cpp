@@ -6,6 +6,7 @@
 
 #include "gicube/wire/material.h"
 #include "random_machine.h"
+#include "seeds.h"
 
 namespace gicube::emu {
 namespace {
@@ -153,7 +154,7 @@ TEST_P(RayTypesOnRandomMachines, GiveTheBitsOfTheFunctionalLevel) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, RayTypesOnRandomMachines, testing::Range(1u, 101u));
+INSTANTIATE_TEST_SUITE_P(Machines, RayTypesOnRandomMachines, seeds(100));
 
 }  // namespace
 }  // namespace gicube::emu
