@@ -42,7 +42,7 @@ class Build(build_py):
 
 setup(
     name="gicube",
-    version=re.search(r"project\(gicube VERSION ([0-9.]+)", Path("CMakeLists.txt").read_text()).group(1),
+    version=".".join(re.findall(r"VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", Path("driver/include/gicube/version.h").read_text())),
     description="A volumetric ray tracing board, emulated, with numpy arrays",
     python_requires=">=3.11",
     install_requires=["numpy"],

@@ -349,8 +349,8 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
   if (pair_rays_ != 0) list.push_back({"dsp.pair_rays", "ray", pair_rays_});
-  for (int level = v1::functional; level <= v1::FidelityLevel_MAX; ++level) {
-    const std::string name = "fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level));
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    const std::string name = "fidelity_answered." + v1::FidelityLevel_Name(level);
     const auto& counts = answered_[static_cast<std::size_t>(level)];
     list.push_back({name, "command", std::accumulate(counts.begin(), counts.end(), std::uint64_t{0})});
     for (std::size_t opcode = 0; opcode < counts.size(); ++opcode) {

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 
@@ -42,6 +42,11 @@ class Image:
         """uint8 [row, column, 3]: over a colour, 0..1 each, mixed in display-referred values as on a screen."""
         left = (1 - self.alpha / 4095.0)[..., None] * np.asarray(background, dtype=float)
         return np.rint(np.clip(self.rgb + 255 * left, 0, 255)).astype("u1")
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Array:
+        """`rgb`: numpy.asarray() and pyplot.imshow() take a picture."""
+        rgb = self.rgb if dtype is None else self.rgb.astype(dtype)
+        return rgb.copy() if copy else rgb
 
     def save(self, path: "os.PathLike[str] | str", background: Optional[Colour] = None) -> None:
         """Writes .png (display-referred) or .exr (linear light), with alpha, or over a colour. Raises FileError."""

@@ -5,6 +5,8 @@
 #include <new>
 #include <stdexcept>
 
+#include "gicube/version.h"
+
 namespace gicube::c_api {
 namespace {
 

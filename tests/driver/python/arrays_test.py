@@ -149,6 +149,7 @@ def test_a_pictures_views_have_no_memory_of_their_own(loaded):
     image = loaded.render(gicube.fit_view(gicube.Volume(ball()), [LOOK], width=40, height=30))
     assert image.rgb.base is not None and np.shares_memory(image.rgb, image.pixels)
     assert image.rgb.shape == (30, 40, 3) and image.alpha.shape == (30, 40)
+    assert np.shares_memory(np.asarray(image), image.pixels) and np.array_equal(np.asarray(image, float), image.rgb)
     assert image._repr_png_().startswith(b"\x89PNG")
     assert (image.over((0, 0, 1))[0, 0] == (0, 0, 255)).all()
 
