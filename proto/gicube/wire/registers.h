@@ -114,7 +114,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
     RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0, "what volume, words and image may take of the host's memory, MiB; all ones: no limit; from --max-memory"},
     RegisterInfo{reg::kMemoryAsked, "MEMORY_ASKED", Access::kReadOnly, 0, "MiB that they would have taken with what last set no_memory"},
-    RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},
+    RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 3 cycle (2: approximate, of 0.2's boards); from the configuration"},
     RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
     RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},
     RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0, "N: the card stores the blocks of N^3 voxels; from the configuration"},

@@ -83,10 +83,9 @@ TEST(LightInBricks, HasTheBitsOfAnEndlessCardIfRaysWaitInAFile) {
   expect_same_light("emu:?set=asic.block_voxels=8", "32", 4, 36, 70, 24, 21, {.max_waiting_rays = 1024});
 }
 
-TEST(LightInBricks, HasTheBitsOfAnEndlessCardAtTheLevelsWithTime) {
+TEST(LightInBricks, HasTheBitsOfAnEndlessCardAtTheCycleLevel) {
   expect_same_light("emu:?fidelity=cycle&set=asic.block_voxels=8", "32", 2, 36, 56, 12, 48);
-  expect_same_light("emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.datapath=wide", "32", 2, 36, 56, 12,
-                    48);
+  expect_same_light("emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.datapath=wide", "32", 1, 36, 56, 12, 48);
 }
 
 }  // namespace

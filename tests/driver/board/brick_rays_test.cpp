@@ -81,10 +81,9 @@ TEST(HostRaysInBricks, HaveTheBitsOfAnEndlessCardOnTheWideDatapath) {
   expect_same_rays("emu:?set=asic.block_voxels=8&set=asic.datapath=wide", "32", 10, 36, 64, 200, 13);
 }
 
-TEST(HostRaysInBricks, HaveTheBitsOfAnEndlessCardAtTheLevelsWithTime) {
+TEST(HostRaysInBricks, HaveTheBitsOfAnEndlessCardAtTheCycleLevel) {
   expect_same_rays("emu:?fidelity=cycle&set=asic.block_voxels=16", "32", 2, 36, 60, 60, 14);
-  expect_same_rays("emu:?fidelity=cycle&set=asic.block_voxels=16&set=asic.datapath=wide", "32", 2, 36, 60, 60,
-                   15);
+  expect_same_rays("emu:?fidelity=cycle&set=asic.block_voxels=16&set=asic.datapath=wide", "32", 1, 36, 60, 60, 15);
 }
 
 class HostRaysOfACard : public testing::Test {
