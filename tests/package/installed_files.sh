@@ -65,11 +65,11 @@ refuses "NAME x COMMAND y FAULTS no/plan" "FAULTS: expected a file, got $scratch
 refuses "NAME x COMMAND y CONFIG no.textproto" "CONFIG: expected a file, got $scratch/no.textproto"
 refuses "NAME x COMMAND y" "COMPONENTS: expected scene or mpi, got scenes" "COMPONENTS scenes"
 
-# Under an older standard each C++ header says first what it needs, and no more is said of it; the C interface needs none.
+# Under an older standard each C++ header says first what it needs, and no more is said of it; the C interface and the version need none.
 while read -r header; do
   printf '#include <%s>\nint main() {}\n' "$header" >"$scratch/old.cpp"
   case $header in
-    *c_api.h | *c_types.h | *bsdf.h | *observer.h) c++ -std=c++17 -fsyntax-only -I"$prefix/include" "$scratch/old.cpp" ;;
+    *c_api.h | *c_types.h | *bsdf.h | *observer.h | *version.h) c++ -std=c++17 -fsyntax-only -I"$prefix/include" "$scratch/old.cpp" ;;
     *)
       if c++ -std=c++17 -fsyntax-only -I"$prefix/include" "$scratch/old.cpp" 2>"$scratch/old.log"; then
         echo "$header was compiled as C++17" >&2 && exit 1
