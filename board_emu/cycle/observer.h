@@ -29,7 +29,7 @@ struct RaySample {
   unsigned tag = 0;
   Colour12 colour{};   // classified and shaded, not weighted by opacity
   double opacity = 0;  // opacity of the step that the sample represents, 0..1; exact
-  Termination end = Termination::kNot;
+  Termination end = Termination::kActive;
 };
 
 class Observer {

@@ -182,7 +182,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   const Point low = grid_.low(ray_state.position);
   const bool carries = does_more_ && ray_state.is(wire::kIrradianceCarrier);
   entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
-  Termination how = Termination::kNot;
+  Termination how = Termination::kActive;
   if (!entry.sampled) {
     values_are_known_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
                       : void(leap(ray_state, low, grid_.size(), *frame_, counts_));
@@ -219,10 +219,10 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     token.contribution = contribution(ray_state);
   }
   // The end of a trapped ray is determined when it has its new direction.
-  if (how == Termination::kNot && token.state != TokenStatus::kTrapped && !values_are_known_) {
+  if (how == Termination::kActive && token.state != TokenStatus::kTrapped && !values_are_known_) {
     how = end(ray_state, *frame_);
   }
-  if (how != Termination::kNot) {
+  if (how != Termination::kActive) {
     token.state = carries ? TokenStatus::kGone : TokenStatus::kDone;
     if (!carries) count_end(ray_state, how, *frame_, counts_);
   } else if (!grid_.same(ray_state.position, low)) {

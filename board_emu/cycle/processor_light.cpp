@@ -23,7 +23,7 @@ Termination Processor::after(const Interaction& interaction, const Point& positi
     splat_and_carry(nothing, ray, entry);
   }
   if (interaction.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
-  return interaction.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
+  return interaction.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kActive;
 }
 
 // Writes the deposit's voxels in the ray's block, and sends carriers to the other blocks that have copies of them.

@@ -174,7 +174,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;
   }
-  if (const Termination how = end(ray.ray_state, *frame_); how != Termination::kNot) {
+  if (const Termination how = end(ray.ray_state, *frame_); how != Termination::kActive) {
     count_end(ray.ray_state, how, *frame_, counts_);
     return Scattered::kEnds;
   }
@@ -208,7 +208,7 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   const WaitingRay* const waited = frame_->in_bricks() ? frame_->waiting->find(index) : nullptr;
   const bool is_trapped = waited != nullptr && waited->trapped;
   if (const Termination how = end(ray.ray_state, *frame_);
-      how != Termination::kNot && !is_trapped) {  // clipping leaves nothing of it
+      how != Termination::kActive && !is_trapped) {  // clipping leaves nothing of it
     count_end(ray.ray_state, computes_ahead() ? Termination::kLeft : how, *frame_, counts_);
     work_->take(index, pack_ended(ray.ray_state, *frame_));
     ++finished_;

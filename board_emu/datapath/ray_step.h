@@ -233,7 +233,7 @@ inline wire::Ray pack(const RayState& ray, const Frame& frame) {
 
 // Whether and how a ray has ended. kLeft: out of the volume, behind a cut plane or at a segment's end. kAbsorbed: or given up.
 // A waiting ray has not ended: kWaits for the host, which has the ray; kAbsent for a block.
-enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits, kAbsent };
+enum class Termination : std::uint8_t { kActive, kLeft, kOpaque, kAbsorbed, kWaits, kAbsent };
 
 inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;
@@ -243,7 +243,7 @@ inline Termination end(const RayState& ray, const Frame& frame) {
       return Termination::kLeft;
     }
   }
-  return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
+  return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kActive;
 }
 
 // The packet of a ray that has ended. With lamps, a ray that left has the last position inside the volume, which is on its

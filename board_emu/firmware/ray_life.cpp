@@ -30,7 +30,7 @@ Termination scatter_by_routine(RayState& ray, const Frame& frame, RayCounters& c
   const auto trap = trap_of(ray, frame);
   const ScatterAnswer answer = frame.routines->scatter(trap->routine, trap->event);
   const bool ends = answer_trap(ray, answer, frame, counters).outcome == Outcome::kEnded;
-  return ends ? Termination::kAbsorbed : Termination::kNot;
+  return ends ? Termination::kAbsorbed : Termination::kActive;
 }
 
 // One iteration of a ray that has not ended.
@@ -41,7 +41,7 @@ Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCount
   pass.block = grid.block(ray.position);
   if (is_leapt_over(pass.block, frame)) {
     pass.leap = leap(ray, low, grid.size(), frame, counters);
-    return Termination::kNot;
+    return Termination::kActive;
   }
   const Cell at = cell(ray.position, low);
   const BlockView view = frame.volume->view(pass.block);
@@ -51,11 +51,11 @@ Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCount
   look_at_sample(pass, drawn.exponent, frame);
   if (frame.plain()) {
     gather(ray, site, frame, counters);
-    return Termination::kNot;
+    return Termination::kActive;
   }
   const auto generation = ray.generation;
   const Outcome outcome = sample(ray, site, frame, counters).outcome;
-  Termination how = outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
+  Termination how = outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kActive;
   if (outcome == Outcome::kTrapped) how = scatter_by_routine(ray, frame, counters);
   pass.scattered = outcome == Outcome::kTrapped || ray.generation != generation;
   return how;
@@ -68,8 +68,8 @@ RayLife follow(const wire::Ray& ray, const Frame& frame) {
   life.ray = ray;
   RayCounters ignored;
   RayState state = unpack(ray, frame);
-  Termination how = Termination::kNot;
-  while (how == Termination::kNot && (how = end(state, frame)) == Termination::kNot) {
+  Termination how = Termination::kActive;
+  while (how == Termination::kActive && (how = end(state, frame)) == Termination::kActive) {
     RayPass pass;
     how = life_pass(state, pass, frame, ignored);
     pass.gathered = state.colour;

@@ -14,11 +14,11 @@ struct Flight {
 
   std::size_t ray;  // index among the rays that are traced together
   RayState ray_state;
-  Termination how = Termination::kNot;  // why it has stopped; kWaits: it is trapped
-  Trap trap;                            // if it is trapped
+  Termination how = Termination::kActive;  // why it has stopped; kWaits: it is trapped
+  Trap trap;                               // if it is trapped
 };
 
-// One iteration of a ray that has not ended, in a frame that is not plain. kNot: it continues.
+// One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues.
 Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters);
 
 // All iterations until the ray stops.

@@ -20,8 +20,8 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   std::size_t here = ~std::size_t{0};
   BlockView view;
   Point low{};
-  Termination how = Termination::kNot;
-  while ((how = end(ray_state, frame)) == Termination::kNot) {
+  Termination how = Termination::kActive;
+  while ((how = end(ray_state, frame)) == Termination::kActive) {
     const std::size_t block = grid.block(ray_state.position);
     if (block != here) {
       if (is_absent(block, frame)) return Termination::kAbsent;
@@ -47,7 +47,7 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
   const Point low = grid.low(ray_state.position);
   if (is_leapt_over(block, frame)) {
     leap(ray_state, low, grid.size(), frame, counters);
-    return Termination::kNot;
+    return Termination::kActive;
   }
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   const Cell at = cell(ray_state.position, low);
@@ -62,13 +62,13 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
     }
   }
   if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
-  return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kNot;
+  return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kActive;
 }
 
 Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
-  Termination how = Termination::kNot;
-  while (how == Termination::kNot && (how = end(ray_state, frame)) == Termination::kNot) {
+  Termination how = Termination::kActive;
+  while (how == Termination::kActive && (how = end(ray_state, frame)) == Termination::kActive) {
     how = pass(ray_state, grid, frame, counters);
   }
   return how;

@@ -88,10 +88,10 @@ class FlightScheduler {
   bool goes_on(Flight& flight) {
     RayState& ray = flight.ray_state;
     flight.how = end(ray, frame_);
-    if (flight.how != Termination::kNot) return false;
+    if (flight.how != Termination::kActive) return false;
     flight.how = take_pass(ray, frame_, counters_);
-    if (flight.how == Termination::kNot) flight.how = end(ray, frame_);
-    return flight.how == Termination::kNot;
+    if (flight.how == Termination::kActive) flight.how = end(ray, frame_);
+    return flight.how == Termination::kActive;
   }
 
   Flight* next_for_lanes() {
@@ -102,7 +102,7 @@ class FlightScheduler {
         continue;
       }
       flight.how = end(flight.ray_state, frame_);
-      if (flight.how == Termination::kNot) return &flight;
+      if (flight.how == Termination::kActive) return &flight;
     }
     return nullptr;
   }

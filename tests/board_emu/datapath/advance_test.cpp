@@ -188,7 +188,7 @@ TEST(Segment, TakesAllItsSamplesHoweverItIsRounded) {
       const auto steps = static_cast<std::int32_t>((word + step - 1) / step);
       ASSERT_EQ(state.steps_left(), steps);
       for (std::int32_t taken = 0; taken < steps; ++taken) {
-        ASSERT_EQ(end(state, frame), Termination::kNot) << "sample " << taken << " of " << steps;
+        ASSERT_EQ(end(state, frame), Termination::kActive) << "sample " << taken << " of " << steps;
         advance(state, 1, frame);
         count_steps(state, 1, frame);
       }

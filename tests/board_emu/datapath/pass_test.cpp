@@ -26,7 +26,7 @@ TEST(Passes, OfASegmentEndWithItsStepsWhetherItGathersOrLeaps) {
   RayState ray = unpack(packet, frame);
   RayCounters counters;
   for (int taken = 0; taken < 16; ++taken) {
-    ASSERT_EQ(end(ray, frame), Termination::kNot);
+    ASSERT_EQ(end(ray, frame), Termination::kActive);
     ASSERT_EQ(ray.steps_left(), 16 - taken);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(0);
@@ -63,7 +63,7 @@ TEST(Passes, OfABackprojectingRayLeaveItsAmountAtEachStepOfItsSegment) {
   const BlockGrid grid(*frame.volume);
   RayCounters counters;
   for (int taken = 0; taken < 16; ++taken) {
-    ASSERT_EQ(end(ray, frame), Termination::kNot);
+    ASSERT_EQ(end(ray, frame), Termination::kActive);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(0);
     const Interaction left = sample(ray, {at, view, 0, 9}, frame, counters);

@@ -27,7 +27,7 @@ struct Plain {
   void add(const wire::Ray& packet, const Frame& frame) {
     RayState ray = unpack(packet, frame);
     ++counters.rays;
-    for (; end(ray, frame) == Termination::kNot; advance(ray, 1, frame), count_steps(ray, 1, frame)) {
+    for (; end(ray, frame) == Termination::kActive; advance(ray, 1, frame), count_steps(ray, 1, frame)) {
       const Deposit deposit = spread_at(ray.position, ray.amount());
       ++counters.samples;
       counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{ray.amount()});
