@@ -7,7 +7,7 @@
 
 #include "board/parts.h"
 #include "firmware/routines/routine_table.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -70,7 +70,7 @@ bool Board::carry_out(const wire::FrameHeader& header, std::span<const std::uint
     do_jobs();
     publish_if_asked();
   };
-  const Finally no_more{[&work] { work.may_count = nullptr; }};
+  const ScopeExit no_more{[&work] { work.may_count = nullptr; }};
   return parts_->command(header, payload, work);
 }
 

@@ -13,7 +13,7 @@
 #include <system_error>
 
 #include "every_thread.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 namespace {
@@ -54,7 +54,7 @@ void add(int ruleset, const Box::Path& allowed, std::uint64_t known) {
   const int fd = ::open(allowed.path.c_str(), O_PATH | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return;
   if (fd < 0) fail_at(allowed.path);
-  const Finally closed{[fd] { ::close(fd); }};
+  const ScopeExit closed{[fd] { ::close(fd); }};
   landlock_path_beneath_attr rule{};
   rule.allowed_access = rights_of(allowed.access) & known;
   rule.parent_fd = fd;
@@ -81,7 +81,7 @@ int restrict_files(const std::vector<Box::Path>& paths) {
   const std::size_t size = version >= kVersionOfTcp ? sizeof attributes : sizeof attributes.files;
   const auto ruleset = static_cast<int>(::syscall(SYS_landlock_create_ruleset, &attributes, size, 0));
   if (ruleset < 0) fail_at("Landlock");
-  const Finally closed{[ruleset] { ::close(ruleset); }};
+  const ScopeExit closed{[ruleset] { ::close(ruleset); }};
   for (const Box::Path& allowed : paths) add(ruleset, allowed, known);
   on_every_thread(restrict_thread, ruleset);
   return version;

@@ -5,7 +5,7 @@
 #include "cycle/machine_counters.h"
 #include "levels/counters.h"
 #include "memory/sum_memory.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -31,7 +31,7 @@ Machine& CycleLevel::machine_to_go_on(RaySource& source, const Frame& frame) {
 }
 
 RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progress) {
-  const Finally over{[this] { run_.reset(); }};
+  const ScopeExit over{[this] { run_.reset(); }};
   bool goes_on = run_.has_value();
   try {
     Machine& machine = goes_on ? machine_to_go_on(source, frame) : machine_for(frame);

@@ -18,7 +18,7 @@
 #include <system_error>
 #include <vector>
 
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -58,7 +58,7 @@ pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawnattr_init(&attributes);
-  const Finally freed{[&] {
+  const ScopeExit freed{[&] {
     ::posix_spawn_file_actions_destroy(&actions);
     ::posix_spawnattr_destroy(&attributes);
   }};
@@ -134,7 +134,7 @@ void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   const bool is_observer = kind == Kind::kObserver;
   // Its size is sealed, or a process that has it could have this one read beyond its end.
   const int memory = high(::memfd_create("gicube-plug-in", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  const Finally closed{[memory] { ::close(memory); }};
+  const ScopeExit closed{[memory] { ::close(memory); }};
   if (::ftruncate(memory, sizeof(CallMemory)) != 0 ||
       ::fcntl(memory, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
     fail(errno, "memory");
@@ -150,7 +150,7 @@ void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   loading.turn.give(Party::kPlugIn);
   {
     const int its = high(ends[1]);
-    const Finally its_closed{[its] { ::close(its); }};  // so that this end says when the process has gone
+    const ScopeExit its_closed{[its] { ::close(its); }};  // so that this end says when the process has gone
     process_ = start(is_observer, file, is_boxed, its, memory);
   }
   const std::int32_t limited = is_observer ? 0 : process_;  // an observer may compute for as long as it is waited for

@@ -35,7 +35,7 @@
 #include "server/management/management.h"
 #include "server/management/registration.h"
 #include "token_files.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 namespace {
@@ -125,7 +125,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   bus.tokens.push_back(own);
   BusServer server(bus);
   ending.set_stop([&server] { server.stop(); });
-  const Finally server_goes{[&ending] { ending.set_stop([] {}); }};
+  const ScopeExit server_goes{[&ending] { ending.set_stop([] {}); }};
   std::vector<Endpoint> endpoints;
   std::vector<std::string> made;  // files that are removed at the end of the process
   const auto add_made = [&](const std::string& path) {

@@ -8,7 +8,7 @@
 #include "datapath/scattering.h"
 #include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -310,7 +310,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const bool known = opcode >= 1 && opcode < wire::kOpcodeNames.size();
   goes_on_ = level_.in_run();
-  const Finally ended{[this] {
+  const ScopeExit ended{[this] {
     if (level_.in_run()) level_.reset();  // the checkpoint's command was not this one
   }};
   try {

@@ -11,7 +11,7 @@
 
 #include <boost/asio/post.hpp>
 
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 namespace {
@@ -200,7 +200,7 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   lock.unlock();
   // Building a large board takes a while, so the lock is not held. The claim keeps others out.
-  const Finally released{[this] { release(); }};
+  const ScopeExit released{[this] { release(); }};
   std::unique_ptr<Board> rebuilt;
   try {
     rebuilt = build(merged, observation_.get());
@@ -229,7 +229,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   const v1::BoardConfig config = config_;
   lock.unlock();
   // See configure(). The board is destroyed before its observation, and both before the release.
-  const Finally released{[this] { release(); }};
+  const ScopeExit released{[this] { release(); }};
   std::unique_ptr<Observation> observation;
   std::unique_ptr<Board> board;
   try {
@@ -309,7 +309,7 @@ BoardSlot::Configured BoardSlot::power_reset(std::string& reason, const Cancelle
   if (owner_ != Owner::kNone) return Configured::kDone;
   owner_ = Owner::kManagement;
   lock.unlock();
-  const Finally released{[this] { release(); }};
+  const ScopeExit released{[this] { release(); }};
   renew(reason);
   return reason.empty() ? Configured::kDone : Configured::kFailed;
 }

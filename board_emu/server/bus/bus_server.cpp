@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "listener.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -172,7 +172,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
     turn_away(*out,
               {ErrorCode::kBusy, 0, "another connection takes the place of this one, which had not said its version"});
   }
-  const Finally left{[&] { guests_.leave(connection); }};
+  const ScopeExit left{[&] { guests_.leave(connection); }};
   std::uint32_t id = 0;
   wire::VersionInfo theirs;
   std::string access_token;
@@ -296,7 +296,7 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
     });
   };
   who.place = slot.stand_in_line(who.force);
-  const Finally left{[&] { slot.leave_line(who.place); }};
+  const ScopeExit left{[&] { slot.leave_line(who.place); }};
   const auto patience =
       steady_clock::now() + std::max(kBusyPatience, std::min(options_.max_wait, milliseconds(theirs.wait_ms)));
   asio::steady_timer timer(connection->executor());

@@ -19,7 +19,7 @@
 #include "gicube/v1/management.grpc.pb.h"
 #include "management.h"
 #include "token_check.h"
-#include "words/finally.h"
+#include "words/scope_exit.h"
 
 namespace gicube::emu {
 
@@ -184,7 +184,7 @@ class Service final : public v1::BoardManagement::Service {
       return noted(AuditEvent::kDebugged, context, slot,
                    {StatusCode::FAILED_PRECONDITION, fmt::format("another caller debugs board {}", slot.index())});
     }
-    const Finally detached{[&debugger] { debugger.detach(); }};
+    const ScopeExit detached{[&debugger] { debugger.detach(); }};
     noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
     do {
       constexpr std::string_view kCheckpoint = "checkpoint ";
@@ -272,7 +272,7 @@ class Service final : public v1::BoardManagement::Service {
               fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
     }
     const int number = ++watchers_;
-    const Finally left{[this] { --watchers_; }};
+    const ScopeExit left{[this] { --watchers_; }};
     if (number > kMaxWatchers) {
       return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
     }

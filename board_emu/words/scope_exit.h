@@ -4,9 +4,9 @@
 namespace gicube::emu {
 
 template <typename Function>
-struct Finally {
+struct ScopeExit {
   Function function;
-  ~Finally() { function(); }
+  ~ScopeExit() { function(); }
 };
 
 }  // namespace gicube::emu
