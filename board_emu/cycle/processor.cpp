@@ -227,8 +227,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     if (!carries) count_end(ray_state, how, *frame_, counts_);
   } else if (!grid_.same(ray_state.position, low)) {
     ray.block = static_cast<std::uint32_t>(grid_.block(ray_state.position));
-    if (token.state != TokenStatus::kTrapped && is_absent(ray.block, *frame_)) {
-      token.state = TokenStatus::kAbsent;
+    if (token.state != TokenStatus::kTrapped && is_non_resident(ray.block, *frame_)) {
+      token.state = TokenStatus::kNonResident;
     } else {
       const Home& home = partition_.home(ray.block);
       token.processor = home.processor;

@@ -138,7 +138,9 @@ class Processor {
   void check_tags(Cycle now, const RayToken& issued);
   Termination after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry);
   void splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
-  bool is_dark(std::size_t block) const { return !frame_->dark.empty() && frame_->dark[block] != 0; }
+  bool is_irradiance_at_host(std::size_t block) const {
+    return !frame_->irradiance_at_host.empty() && frame_->irradiance_at_host[block] != 0;
+  }
   void carry_to_host(const Interaction& interaction, const RayUnderWay& ray, InFlight& entry, Splat* work);
   [[gnu::noinline, gnu::cold]] void watch_carrier(std::uint32_t from, RayToken& carrier);
   bool writes_all_voxels() const { return splat_rule_ != v1::whole_units; }

@@ -40,7 +40,7 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
   }
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) continue;
-    if (is_dark(sharing.block[i])) {  // its copies are made when it comes to the card
+    if (is_irradiance_at_host(sharing.block[i])) {  // its copies are made when it comes to the card
       frame_->irradiance->add(here, sharing.block[i]);
       continue;
     }
@@ -54,18 +54,18 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
 
 // Sends the deposit to the DSP for each block whose irradiance is at the host.
 void Processor::carry_to_host(const Interaction& interaction, const RayUnderWay& ray, InFlight& entry, Splat* work) {
-  if (frame_->dark.empty()) return;
+  if (frame_->irradiance_at_host.empty()) return;
   SharingBlocks owners;
   for_each_share(interaction.deposit, *frame_->irradiance, [&](std::size_t, std::size_t owner, const auto&) {
     const auto known = std::span(owners.block).first(owners.count);
-    if (!is_dark(owner) || std::ranges::find(known, owner) != known.end()) return;
+    if (!is_irradiance_at_host(owner) || std::ranges::find(known, owner) != known.end()) return;
     owners.block[owners.count++] = static_cast<std::uint32_t>(owner);
   });
   for (std::size_t i = 0; i < owners.count; ++i) {
     if (work == nullptr) work = &add_splat(ray.block, entry);
     RayToken& token = work->carrier[work->carriers++];
     token = carrier(ray.ray_state, interaction, owners.block[i]);
-    token.state = TokenStatus::kAbsent;
+    token.state = TokenStatus::kNonResident;
   }
 }
 
@@ -164,7 +164,9 @@ bool Processor::tick_light(Cycle now) {
 // Sends the splat's next carrier. Returns whether it was sent.
 bool Processor::send_carrier(Cycle now) {
   const RayToken& token = splats_.carrier();
-  Fifo<RayToken>& to = token.state == TokenStatus::kAbsent ? done : token.processor == number_ ? returned_ : out_links;
+  Fifo<RayToken>& to = token.state == TokenStatus::kNonResident ? done
+                       : token.processor == number_             ? returned_
+                                                                : out_links;
   if (!to.can_push(now)) return false;
   to.push(now, token);
   splats_.sent_carrier();

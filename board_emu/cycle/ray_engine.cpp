@@ -113,7 +113,7 @@ void RayEngine::take_back(Cycle now) {
 
 void RayEngine::settle(Cycle now, const RayToken& token) {
   const RayUnderWay& carrier = rays_[token.ray];
-  if (token.state == TokenStatus::kAbsent && carrier.ray_state.is(wire::kIrradianceCarrier)) {
+  if (token.state == TokenStatus::kNonResident && carrier.ray_state.is(wire::kIrradianceCarrier)) {
     give_host(brought_by(carrier.ray_state, *frame_).deposit, *frame_, carrier.block);
     rays_.remove(token.ray);
     return carry_out(now, {.loop = &kPassRay});
@@ -122,7 +122,7 @@ void RayEngine::settle(Cycle now, const RayToken& token) {
   if (token.state == TokenStatus::kTrapped) {
     scattered = scatter(now, token);
     if (scattered == Scattered::kSentAgain) return;
-  } else if (token.state == TokenStatus::kAbsent) {
+  } else if (token.state == TokenStatus::kNonResident) {
     wait(now, token, false);
     scattered = Scattered::kWaits;
   }
@@ -155,7 +155,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   RayUnderWay& ray = rays_[token.ray];
   const BlockGrid grid(*frame_->volume);
   ray.block = static_cast<std::uint32_t>(grid.block(ray.ray_state.position));
-  if (is_absent_for_routine(ray.block, *frame_)) {
+  if (is_non_resident_for_routine(ray.block, *frame_)) {
     wait(now, token, true);
     return Scattered::kWaits;
   }
@@ -179,7 +179,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
     return Scattered::kEnds;
   }
   ray.block = static_cast<std::uint32_t>(grid.block(ray.ray_state.position));
-  if (is_absent(ray.block, *frame_)) {
+  if (is_non_resident(ray.block, *frame_)) {
     wait(now, token, false);
     return Scattered::kWaits;
   }
@@ -215,7 +215,7 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
     return std::nullopt;
   }
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
-  if (is_absent(ray.block, *frame_) && !is_trapped) {
+  if (is_non_resident(ray.block, *frame_) && !is_trapped) {
     frame_->waiting->add({.ray_state = ray.ray_state, .block = ray.block}, index);
     ++finished_;
     return std::nullopt;

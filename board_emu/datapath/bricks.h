@@ -33,14 +33,14 @@ class WaitingRayQueue {
 };
 
 // Whether a ray that reaches the block must wait.
-inline bool is_absent(std::size_t block, const Frame& frame) {
-  if (frame.absent.empty() || frame.absent[block] == 0) return false;
+inline bool is_non_resident(std::size_t block, const Frame& frame) {
+  if (frame.non_resident.empty() || frame.non_resident[block] == 0) return false;
   return !frame.leap || frame.empty[block] == 0;
 }
 
 // Whether a trapped ray must wait for the block: its routine needs the sample there, even if rays skip the block.
-inline bool is_absent_for_routine(std::size_t block, const Frame& frame) {
-  return !frame.absent.empty() && frame.absent[block] != 0;
+inline bool is_non_resident_for_routine(std::size_t block, const Frame& frame) {
+  return !frame.non_resident.empty() && frame.non_resident[block] != 0;
 }
 
 // The state in which ray `index` of the run's source, made as `ray`, starts or continues.
@@ -79,18 +79,18 @@ void for_each_share(const Deposit& deposit, const IrradianceMemory& words, const
 // The deposit without the shares for the host.
 inline Deposit on_card(const Deposit& deposit, const Frame& frame) {
   Deposit out = deposit;
-  if (frame.dark.empty()) return out;
+  if (frame.irradiance_at_host.empty()) return out;
   for_each_share(deposit, *frame.irradiance, [&](std::size_t i, std::size_t owner, const auto&) {
-    if (frame.dark[owner] != 0) out.shares[i] = 0;
+    if (frame.irradiance_at_host[owner] != 0) out.shares[i] = 0;
   });
   return out;
 }
 
 // Passes the host its shares; only those of `block`, if one is given.
 inline void give_host(const Deposit& deposit, const Frame& frame, std::size_t block = ~std::size_t{0}) {
-  if (frame.dark.empty()) return;
+  if (frame.irradiance_at_host.empty()) return;
   for_each_share(deposit, *frame.irradiance, [&](std::size_t i, std::size_t owner, const auto& voxel) {
-    if (frame.dark[owner] == 0 || (block != ~std::size_t{0} && owner != block)) return;
+    if (frame.irradiance_at_host[owner] == 0 || (block != ~std::size_t{0} && owner != block)) return;
     const auto n = static_cast<std::uint64_t>(frame.irradiance->block_voxels());
     const auto along = [&](std::size_t axis) { return static_cast<std::uint64_t>(voxel[axis]) % n; };
     frame.host_deposits->add(owner * n * n * n + along(0) + n * (along(1) + n * along(2)), deposit.shares[i]);

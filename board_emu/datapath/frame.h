@@ -40,12 +40,12 @@ struct Frame {
   std::uint64_t segmentation_writes = 0;  // counts changes of `segmentation`, so that derived data can be cached
   const std::uint8_t* reflectance_map = nullptr;  // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
-  const DepthTable* depths = nullptr;        // table of `segmentation`, for lighting rays with the conserving rules
-  std::vector<std::uint8_t> empty;           // one flag per block; nonzero = skip
-  std::vector<std::uint8_t> absent;          // one flag per block; nonzero = rays wait. Empty: all are present
-  WaitingRayQueue* waiting = nullptr;        // takes rays that wait, if some blocks are absent
-  std::vector<std::uint8_t> dark;            // one flag per block; nonzero = irradiance is at the host. Empty: none
-  HostDepositList* host_deposits = nullptr;  // takes the host's shares of deposits, if some blocks are dark
+  const DepthTable* depths = nullptr;            // table of `segmentation`, for lighting rays with the conserving rules
+  std::vector<std::uint8_t> empty;               // one flag per block; nonzero = skip
+  std::vector<std::uint8_t> non_resident;        // one flag per block; nonzero = rays wait. Empty: all are resident
+  WaitingRayQueue* waiting = nullptr;            // takes rays that wait, if some blocks are non-resident
+  std::vector<std::uint8_t> irradiance_at_host;  // one flag per block; nonzero = irradiance is at the host. Empty: none
+  HostDepositList* host_deposits = nullptr;  // takes the host's shares of deposits, if `irradiance_at_host` has flags
   Point extent{};                            // size - 1 in position units
   std::array<std::uint32_t, 3> spacing{};    // 16.16
   std::uint32_t step = 0;                    // 16.16 voxels
@@ -85,7 +85,7 @@ struct Frame {
   bool segments() const { return wire::is_segment(type); }       // each ray has a length and its own step
   bool to_the_hit() const { return wire::has_threshold(type); }  // rays end at the sample that reaches the threshold
   bool colourless() const { return wire::is_one_of<wire::RayType::kFirstHit, wire::RayType::kOpacity>(type); }
-  // Whether blocks may be absent, or rays continue that waited for one.
+  // Whether blocks may be non-resident, or rays continue that waited for one.
   bool in_bricks() const { return waiting != nullptr; }
   // Whether rays go straight and change nothing but themselves.
   bool gathers() const { return !(lights() || backprojects() || scatter || high_albedo); }

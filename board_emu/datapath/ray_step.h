@@ -232,8 +232,8 @@ inline wire::Ray pack(const RayState& ray, const Frame& frame) {
 }
 
 // Whether and how a ray has ended. kLeft: out of the volume, behind a cut plane or at a segment's end. kAbsorbed: or given up.
-// A waiting ray has not ended: kWaits for the host, which has the ray; kAbsent for a block.
-enum class Termination : std::uint8_t { kActive, kLeft, kOpaque, kAbsorbed, kWaits, kAbsent };
+// A waiting ray has not ended: kWaits for the host, which has the ray; kNonResident for a block.
+enum class Termination : std::uint8_t { kActive, kLeft, kOpaque, kAbsorbed, kWaits, kNonResident };
 
 inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;

@@ -225,7 +225,7 @@ void Aperture::drop_block(std::size_t block) {
   ++volume_writes_;
 }
 
-bool Aperture::any_absent() const {
+bool Aperture::any_non_resident() const {
   const auto flags = std::span(absent_flags_).first((volume_.block_count() + 7) / 8);
   return std::ranges::any_of(flags, [](std::uint8_t byte) { return byte != 0; });
 }

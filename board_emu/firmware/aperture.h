@@ -89,9 +89,9 @@ class Aperture {
   // Updates the decoded form of the parts of the volume that `reads` lists.
   void decode(unsigned threads, const VolumeReads& reads);
   bool empty(std::size_t block) const { return flag(empty_flags_, block); }
-  bool absent(std::size_t block) const { return flag(absent_flags_, block); }
-  bool dark(std::size_t block) const { return flag(dark_flags_, block); }
-  bool any_absent() const;
+  bool is_non_resident(std::size_t block) const { return flag(absent_flags_, block); }
+  bool is_irradiance_at_host(std::size_t block) const { return flag(dark_flags_, block); }
+  bool any_non_resident() const;
 
   const VolumeMemory& volume() const { return volume_; }
   // Simulates an RDRAM error. It is not a write, so caches keep their contents.

@@ -24,7 +24,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   while ((how = end(ray_state, frame)) == Termination::kActive) {
     const std::size_t block = grid.block(ray_state.position);
     if (block != here) {
-      if (is_absent(block, frame)) return Termination::kAbsent;
+      if (is_non_resident(block, frame)) return Termination::kNonResident;
       here = block;
       view = frame.volume->view(block);
       low = grid.low(ray_state.position);
@@ -43,7 +43,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
 // One iteration of a ray that also deposits or is scattered.
 Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters) {
   const std::size_t block = grid.block(ray_state.position);
-  if (is_absent(block, frame)) return Termination::kAbsent;
+  if (is_non_resident(block, frame)) return Termination::kNonResident;
   const Point low = grid.low(ray_state.position);
   if (is_leapt_over(block, frame)) {
     leap(ray_state, low, grid.size(), frame, counters);
@@ -126,11 +126,11 @@ class Flights {
   std::vector<Flight> trapped(std::span<Flight> flights) {
     std::vector<Flight> out;
     for (Flight& flight : flights) {
-      if (flight.how == Termination::kAbsent) {
+      if (flight.how == Termination::kNonResident) {
         wait(flight, false);
       } else if (flight.how != Termination::kWaits) {
         end_with(flight, flight.how);
-      } else if (is_absent_for_routine(block_of(flight), frame_)) {
+      } else if (is_non_resident_for_routine(block_of(flight), frame_)) {
         wait(flight, true);
       } else if (const auto trap = trap_of(flight.ray_state, frame_)) {
         flight.trap = *trap;

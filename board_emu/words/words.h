@@ -51,8 +51,8 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
 }
 
 // kTrapped: waits for a routine of the DSP. kGone: a carrier that has delivered its energy. kSlot: no ray; a queue informs the
-// DSP that it has reserved a slot for its first overflowed ray. kAbsent: has reached a block that is not on the card.
-enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot, kAbsent };
+// DSP that it has reserved a slot for its first overflowed ray. kNonResident: has reached a block that is not on the card.
+enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot, kNonResident };
 
 // A cut plane: positions p with normal . p >= offset are kept.
 struct Plane {
@@ -106,7 +106,7 @@ struct TokenLimits {
 // `watched` is left out: no observer of another process follows the ray.
 inline void state_of(Archive::Record& record, RayToken& token) {
   record(token.ray, token.queue, token.contribution, token.processor);
-  record.at_most(token.state, TokenStatus::kAbsent);
+  record.at_most(token.state, TokenStatus::kNonResident);
   record(token.keeps_slot);
   const TokenLimits* const limits = record.token_limits();
   if (limits == nullptr) return;

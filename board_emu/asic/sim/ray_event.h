@@ -27,7 +27,7 @@ enum class RayStep : std::uint8_t {
   kGone,        // a carrier's deposit was written
   kKept,        // an overflowed ray, in the DSP's memory
   kScattered,   // by a routine of the DSP; `count`: DSP cycles that the routine took
-  kWaits,       // the DSP keeps it for the host: a routine of the host's, or a block that is absent
+  kWaits,       // the DSP keeps it for the host: a routine of the host's, or a non-resident block
   kTaken,       // its source has its result: a viewing ray is in the image
 };
 inline constexpr std::array<std::string_view, 16> kRayStepNames{

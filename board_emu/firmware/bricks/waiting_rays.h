@@ -85,10 +85,10 @@ class WaitingRays : public WaitingRayQueue {
   }
 
   // Only add(), add_ended() and find() may be called during a command. take_ready() removes the rays whose blocks are
-  // no longer absent. They are sorted by number, so their order does not depend on threads and time.
+  // resident again. They are sorted by number, so their order does not depend on threads and time.
   std::span<const WaitingRay> take_ready(const Frame& frame) {
     const auto waits = [&frame](const WaitingRay& ray) {
-      return ray.trapped ? is_absent_for_routine(ray.block, frame) : is_absent(ray.block, frame);
+      return ray.trapped ? is_non_resident_for_routine(ray.block, frame) : is_non_resident(ray.block, frame);
     };
     const auto ready = std::partition(waiting_.begin(), waiting_.end(), waits);
     continued_.assign(ready, waiting_.end());

@@ -73,7 +73,7 @@ CommandResult DspCommands::load_coarse(std::span<const std::uint8_t> payload) {
 }
 
 void DspCommands::check_all_there() const {
-  if (aperture_.any_absent()) refuse("absent_flags: expected none set for this command, got some");
+  if (aperture_.any_non_resident()) refuse("absent_flags: expected none set for this command, got some");
 }
 
 void DspCommands::drop_rays() {
@@ -82,35 +82,35 @@ void DspCommands::drop_rays() {
   aperture_.host_rays() = {};
 }
 
-// Allows the frame's rays to wait if blocks may be absent. Deposits in dark blocks go to the host.
+// Allows the frame's rays to wait if blocks may be non-resident. Deposits in blocks with irradiance at the host go there.
 void DspCommands::set_bricks(Frame& frame) {
   if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) {
     expect(frame.light_words == 1, "IRRADIANCE_WORDS", "1 for light in a volume with more blocks than the card stores",
            frame.light_words);
-    set_dark(frame);
+    set_irradiance_at_host(frame);
   }
-  if (!aperture_.any_absent() && waiting_rays_.count() == 0 && waiting_rays_.continued().empty()) return;
-  frame.absent.resize(frame.empty.size());
-  for (std::size_t block = 0; block < frame.absent.size(); ++block) {
-    frame.absent[block] = aperture_.absent(block) ? 1 : 0;
+  if (!aperture_.any_non_resident() && waiting_rays_.count() == 0 && waiting_rays_.continued().empty()) return;
+  frame.non_resident.resize(frame.empty.size());
+  for (std::size_t block = 0; block < frame.non_resident.size(); ++block) {
+    frame.non_resident[block] = aperture_.is_non_resident(block) ? 1 : 0;
   }
   frame.waiting = &waiting_rays_;
 }
 
-void DspCommands::set_dark(Frame& frame) {
+void DspCommands::set_irradiance_at_host(Frame& frame) {
   const VolumeMemory& volume = aperture_.volume();
   std::uint64_t on_card = 0;
-  std::vector<std::uint8_t> dark(frame.empty.size());
-  for (std::size_t block = 0; block < dark.size(); ++block) {
-    dark[block] = aperture_.dark(block) ? 1 : 0;
-    on_card += dark[block] == 0 || volume.is_stored(block) ? 1 : 0;
+  std::vector<std::uint8_t> at_host(frame.empty.size());
+  for (std::size_t block = 0; block < at_host.size(); ++block) {
+    at_host[block] = aperture_.is_irradiance_at_host(block) ? 1 : 0;
+    on_card += at_host[block] == 0 || volume.is_stored(block) ? 1 : 0;
   }
   if (on_card > capacity_blocks()) {
     refuse("dark_flags",
            "clear of at most " + std::to_string(capacity_blocks()) + " blocks, with those that are stored", on_card);
   }
   if (!frame.lights()) return;
-  frame.dark = std::move(dark);
+  frame.irradiance_at_host = std::move(at_host);
   frame.host_deposits = &aperture_.host_deposits();
   if (!goes_on_) aperture_.host_deposits().begin();
 }

@@ -116,7 +116,7 @@ class DspCommands {
     return registers_.value(wire::reg::kBricks) != 0 || aperture_.volume().block_count() > capacity_blocks();
   }  // the card does not store the whole volume, or BRICKS is set
   void set_bricks(Frame& frame);
-  void set_dark(Frame& frame);
+  void set_irradiance_at_host(Frame& frame);
   Frame continued_frame();
   void add_waiting(CommandResult& result);
   bool is_limited() const { return max_memory_bytes_ != kUnlimited; }
@@ -138,7 +138,7 @@ class DspCommands {
   // Runs the level. Throws CommandFault if the command was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);
   std::span<const float> current_wide_depths();
-  // These throw CommandFault if there is no volume, if a block is absent, or if a material is invalid.
+  // These throw CommandFault if there is no volume, if a block is non-resident, or if a material is invalid.
   void check_volume() const;
   void check_all_there() const;
   void check_materials(bool host_answers = true) const;
@@ -181,7 +181,7 @@ class DspCommands {
   // Blocks sent to a card that does not store the whole volume. The second counts those for which rays of an image, a
   // light or a series of trace commands waited, each once.
   std::uint64_t block_loads_ = 0, min_block_loads_ = 0;
-  std::uint64_t host_deposits_total_ = 0;                // voxels of dark blocks with energy, each once per command
+  std::uint64_t host_deposits_total_ = 0;                // voxels of deposits for the host, each once per command
   std::uint64_t forwarded_rays_ = 0, arrived_rays_ = 0;  // sent from the card, and to it
 };
 

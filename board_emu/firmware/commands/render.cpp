@@ -72,7 +72,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
   check_volume();
   Frame frame = this->frame();
-  check_materials(!frame.scatter || !aperture_.any_absent());
+  check_materials(!frame.scatter || !aperture_.any_non_resident());
   frame.lamps = !lamps.empty();
   if (goes_on_) {
     expect(aperture_.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
