@@ -189,11 +189,11 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   } else {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
-    for (const TileOfBlock& changed : cache_.victims()) write_back(changed, false);
+    for (const TileOfBlock& changed : cache_.evictions()) write_back(changed, false);
     if (misses.count > 0) entry.packets = ask(now, misses, partition_.home(ray.block).number);
     if (does_more_ && frame_->lit_by_irradiance && packs_irradiance()) {
       const Misses& words = cells_->check(ray.block, at.voxel);
-      for (const TileOfBlock& changed : cells_->victims()) write_back(changed, true);
+      for (const TileOfBlock& changed : cells_->evictions()) write_back(changed, true);
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
     if (values_are_known_) {

@@ -188,14 +188,14 @@ void Processor::begin_splat(Cycle now) {
 // Records a changed tile. Irradiance in its own packets is loaded into the cache here, not when its voxels are read.
 void Processor::write(std::uint32_t block, std::uint32_t tile, bool irradiance) {
   VolumeCache& cache = irradiance ? *cells_ : cache_;
-  const bool known = irradiance ? cache.touch(block, tile) : cache.holds(block, tile);
+  const bool known = irradiance ? cache.access(block, tile) : cache.probe(block, tile);
   const std::uint32_t number = partition_.home(block).number, at = irradiance ? irradiance_of(number) : number;
   if (write_policy_ != v1::write_back) {
     writes_.put(at, tile, ideal_memory_ || known, write_policy_ != v1::write_through);
     return;
   }
   if (irradiance) {
-    for (const TileOfBlock& changed : cache.victims()) write_back(changed, true);
+    for (const TileOfBlock& changed : cache.evictions()) write_back(changed, true);
   }
   if (known || irradiance) {
     if (!known && !ideal_memory_) writes_.fetch(at, tile);

@@ -35,7 +35,7 @@ DspCycle Dsp::write(std::uint64_t line, DspCycle at) {
 }
 
 // Returns the cycle in which the DSP can continue.
-DspCycle Dsp::touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at) {
+DspCycle Dsp::access_line(std::uint64_t line, SdramUse::Kind kind, DspCycle at) {
   auto& set = sets_[line % sets_.size()];
   if (set[0].number != line && set[1].number == line) std::swap(set[0], set[1]);
   if (set[0].number == line) {
@@ -146,7 +146,7 @@ DspCycle Dsp::work(const DspTask& task, DspCycle begin) {
   for (std::size_t i = 0; i < task.use_count; ++i) {
     const SdramUse& use = task.uses[i];
     const std::uint64_t first = use.address / kLineBytes, last = (use.address + use.bytes - 1) / kLineBytes;
-    for (std::uint64_t line = first; line <= last; ++line) there = touch(line, use.kind, there);
+    for (std::uint64_t line = first; line <= last; ++line) there = access_line(line, use.kind, there);
   }
   waited_until_ = there;
   counters_.compute += compute;

@@ -70,7 +70,7 @@ class Dsp {
   void adopt(const DspLoop& loop);
   DspCycle read(std::uint64_t line, DspCycle at);
   DspCycle write(std::uint64_t line, DspCycle at);
-  DspCycle touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at);
+  DspCycle access_line(std::uint64_t line, SdramUse::Kind kind, DspCycle at);
   DspCycle begin_loop(const DspLoop& loop, DspCycle at);
   DspCycle fetch(const DspLoop& loop, DspCycle at);
 

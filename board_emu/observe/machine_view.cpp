@@ -89,7 +89,7 @@ std::string view_cache(const std::vector<std::string>& words, const Machine& mac
       fmt::format("processor {}, block {} {} {}: tiles in its cache or asked for:", processor, at[0], at[1], at[2]);
   std::size_t held = 0;
   for (std::size_t tile = 0; tile < cache.tiles_of_block(); ++tile) {
-    if (!cache.holds(block, static_cast<std::uint32_t>(tile))) continue;
+    if (!cache.probe(block, static_cast<std::uint32_t>(tile))) continue;
     if (held++ < 32) out += fmt::format(" {}", tile);
   }
   return out + fmt::format("{}; {} of {}\n", held > 32 ? " ..." : "", held, cache.tiles_of_block());

@@ -89,15 +89,15 @@ void VolumeCache::changes_state(Archive& archive) {
   changes_ = places.size();
 }
 
-// Called before the check of a direct mapped cache. With several ways, hit() finds the victims.
-void VolumeCache::note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  victims_.clear();
+// Called before the check of a direct mapped cache. With several ways, hit() finds the evictions.
+void VolumeCache::note_evictions(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  evictions_.clear();
   if (!plain_ || changes_ == 0) return;
   for (std::size_t i = 0; i < 8; ++i) {
     const std::size_t x = (voxel[0] + (i & 1)) >> 1, y = (voxel[1] + (i >> 1 & 1)) >> 1, z = voxel[2] + (i >> 2);
     const std::size_t tile = (z * tiles_x_ + y) * tiles_x_ + x;
     if (tags_[tile] == block || changed_[tile] == 0) continue;
-    victims_.push_back(tile_at(tile));
+    evictions_.push_back(tile_at(tile));
     changed_[tile] = 0;
     --changes_;
   }
@@ -145,7 +145,7 @@ const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<st
   return misses_;
 }
 
-bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
+bool VolumeCache::probe_voxels(std::uint32_t block, std::uint32_t tile) const {
   const auto n = static_cast<std::size_t>(shape_.block_voxels), depth = std::size_t{shape_.tile_depth};
   const std::size_t x = tile % tiles_x_ * 2, y = tile / tiles_x_ % tiles_x_ * 2, z = tile / slice_tiles_ * depth;
   for (std::size_t i = 0; i < 4 * depth; ++i) {  // the last tile of a row holds fewer voxels of the block, and padding
@@ -156,16 +156,16 @@ bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
   return true;
 }
 
-bool VolumeCache::holds_in_set(std::uint32_t block, std::uint32_t tile) const {
-  if (shape_.tags_of_voxels) return holds_voxels(block, tile);
+bool VolumeCache::probe_in_set(std::uint32_t block, std::uint32_t tile) const {
+  if (shape_.tags_of_voxels) return probe_voxels(block, tile);
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
   const std::uint32_t* const way =
       tags_.data() + set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
   return std::find(way, way + shape_.ways, tag) != way + shape_.ways;
 }
 
-bool VolumeCache::touch(std::uint32_t block, std::uint32_t tile) {
-  victims_.clear();
+bool VolumeCache::access(std::uint32_t block, std::uint32_t tile) {
+  evictions_.clear();
   return hit(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
 }
 
@@ -183,7 +183,7 @@ bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::si
     const auto place = last - way;
     const std::uint8_t moves = present ? changed[place] : 0;
     if (!present && changed[place] != 0) {
-      victims_.push_back(tile_at(static_cast<std::size_t>(last - tags_.data())));
+      evictions_.push_back(tile_at(static_cast<std::size_t>(last - tags_.data())));
       --changes_;
     }
     std::copy_backward(changed, changed + place, changed + place + 1);

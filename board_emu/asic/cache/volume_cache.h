@@ -59,7 +59,7 @@ class VolumeCache {
   // Looks up the neighbourhood of the cell at `voxel` of `block`. Missing tiles count as present from now on.
   const Misses& check(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
     if (shape_.writes_back) [[unlikely]]
-      note_victims(block, voxel);
+      note_evictions(block, voxel);
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
@@ -71,17 +71,17 @@ class VolumeCache {
   bool is_plain() const { return plain_; }
 
   // Whether a tile is present or requested.
-  bool holds(std::uint32_t block, std::uint32_t tile) const {
-    return plain_ ? tags_[tile] == block : holds_in_set(block, tile);
+  bool probe(std::uint32_t block, std::uint32_t tile) const {
+    return plain_ ? tags_[tile] == block : probe_in_set(block, tile);
   }
 
   // Returns whether a tile is present, and makes it present. Not for a direct mapped cache of tiles that are one voxel deep.
-  bool touch(std::uint32_t block, std::uint32_t tile);
+  bool access(std::uint32_t block, std::uint32_t tile);
 
   // Write-back caches only. Marks a present tile as changed; false if it was marked already.
   bool change(std::uint32_t block, std::uint32_t tile);
-  // Changed tiles that the latest check() or touch() has evicted.
-  const std::vector<TileOfBlock>& victims() const { return victims_; }
+  // Changed tiles that the latest check() or access() has evicted.
+  const std::vector<TileOfBlock>& evictions() const { return evictions_; }
   bool has_changes() const { return changes_ > 0; }
   // Returns some changed tile and unmarks it. There must be one.
   TileOfBlock clean();
@@ -116,8 +116,8 @@ class VolumeCache {
   const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   const Misses& check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
-  bool holds_voxels(std::uint32_t block, std::uint32_t tile) const;
-  bool holds_in_set(std::uint32_t block, std::uint32_t tile) const;
+  bool probe_voxels(std::uint32_t block, std::uint32_t tile) const;
+  bool probe_in_set(std::uint32_t block, std::uint32_t tile) const;
   void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
     misses_.count = packets;
     ++counters_.checks;
@@ -136,7 +136,7 @@ class VolumeCache {
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
   void changes_state(Archive& archive);
-  void note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  void note_evictions(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   // Index in tags_ of a present tile.
   std::size_t place_of(std::uint32_t block, std::uint32_t tile) const;
   TileOfBlock tile_at(std::size_t place) const;
@@ -152,7 +152,7 @@ class VolumeCache {
   std::vector<std::uint8_t> changed_;     // by index in tags_; write-back caches only
   std::size_t changes_ = 0;               // marked tiles
   std::size_t cleaned_ = 0;               // index in tags_ up to which clean() has searched
-  std::vector<TileOfBlock> victims_;
+  std::vector<TileOfBlock> evictions_;
   Misses misses_;
   CacheCounters counters_;
 };

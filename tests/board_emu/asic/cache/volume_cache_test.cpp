@@ -54,12 +54,12 @@ TEST(VolumeCache, HasAPlaceForEachTileOfABlockWithItsFaces) {
   EXPECT_EQ(VolumeCache({.block_voxels = 32}).tiles_of_block(), 17u * 17 * 33);
   cache.check(0, Voxel{0, 0, 0});  // tiles 0 and 25, in sets 0 and 25
   cache.check(0, Voxel{6, 4, 4});  // tiles 113 and 138, in the same sets
-  EXPECT_TRUE(cache.holds(0, 0));
+  EXPECT_TRUE(cache.probe(0, 0));
   cache.check(1, Voxel{0, 0, 0});
-  EXPECT_FALSE(cache.holds(0, 0));
-  EXPECT_FALSE(cache.holds(0, 25));
-  EXPECT_TRUE(cache.holds(0, 113));
-  EXPECT_TRUE(cache.holds(0, 138));
+  EXPECT_FALSE(cache.probe(0, 0));
+  EXPECT_FALSE(cache.probe(0, 25));
+  EXPECT_TRUE(cache.probe(0, 113));
+  EXPECT_TRUE(cache.probe(0, 138));
 }
 
 TEST(VolumeCache, HoldsTheTilesThatWereAskedForAndNoOthers) {
@@ -70,8 +70,8 @@ TEST(VolumeCache, HoldsTheTilesThatWereAskedForAndNoOthers) {
     ASSERT_EQ(misses.count, 8u);
     for (std::uint32_t tile = 0; tile < cache.tiles_of_block(); ++tile) {
       const bool asked = std::find(misses.tiles.begin(), misses.tiles.begin() + 8, tile) != misses.tiles.begin() + 8;
-      EXPECT_EQ(cache.holds(3, tile), asked) << tile;
-      EXPECT_FALSE(cache.holds(2, tile)) << tile;
+      EXPECT_EQ(cache.probe(3, tile), asked) << tile;
+      EXPECT_FALSE(cache.probe(2, tile)) << tile;
     }
   }
 }
@@ -80,10 +80,10 @@ TEST(VolumeCache, HoldsTheTilesThatWereAskedForAndNoOthers) {
 TEST(VolumeCache, ALinearCacheTakesPlacesByTheAddressInTheVolume) {
   VolumeCache cache({.block_voxels = 16, .linear = true, .blocks = {4, 1, 1}});
   cache.check(0, Voxel{0, 0, 0});
-  EXPECT_TRUE(cache.holds(0, 0));
+  EXPECT_TRUE(cache.probe(0, 0));
   EXPECT_EQ(cache.check(0, Voxel{2, 6, 5}).count, 2u);
-  EXPECT_FALSE(cache.holds(0, 0));
-  EXPECT_TRUE(cache.holds(0, (5 * 9 + 3) * 9 + 1));
+  EXPECT_FALSE(cache.probe(0, 0));
+  EXPECT_TRUE(cache.probe(0, (5 * 9 + 3) * 9 + 1));
   EXPECT_EQ(cache.check(0, Voxel{0, 0, 0}).count, 2u);
 }
 
@@ -97,9 +97,9 @@ TEST(VolumeCache, WithTagsOfVoxelsKeepsOfAPacketOnlyWhatWasAskedFor) {
     EXPECT_FALSE(has_all(cache, 0, Voxel{4, 3, 2}));
     EXPECT_EQ(cache.check(0, Voxel{4, 3, 2}).count, 4u);  // packets that came before, for the voxels at x = 5
     EXPECT_EQ(cache.counters().missed_voxels, 8u + 4u);
-    EXPECT_FALSE(cache.holds(0, (2 * 5 + 2) * 5 + 2));    // y = 5 was never asked for
+    EXPECT_FALSE(cache.probe(0, (2 * 5 + 2) * 5 + 2));    // y = 5 was never asked for
     EXPECT_EQ(cache.check(0, Voxel{4, 4, 2}).count, 2u);  // two voxels each
-    EXPECT_TRUE(cache.holds(0, (2 * 5 + 2) * 5 + 2));
+    EXPECT_TRUE(cache.probe(0, (2 * 5 + 2) * 5 + 2));
     EXPECT_EQ(cache.counters().missed_voxels, 8u + 4u + 4u);
     EXPECT_EQ(cache.counters().filled_voxels, 16u);
   }
@@ -108,7 +108,7 @@ TEST(VolumeCache, WithTagsOfVoxelsKeepsOfAPacketOnlyWhatWasAskedFor) {
 TEST(VolumeCache, OfATileAtABlocksFaceHoldsTheVoxelsThatThereAre) {
   VolumeCache cache({.block_voxels = 8, .blocks = {1, 1, 1}, .tags_of_voxels = true});
   cache.check(0, Voxel{7, 7, 0});
-  EXPECT_TRUE(cache.holds(0, 4 * 5 + 4));
+  EXPECT_TRUE(cache.probe(0, 4 * 5 + 4));
 }
 
 // 9 x 9 x 9 places; 16 voxels are a row of two blocks.
