@@ -130,7 +130,7 @@ class Channel {
 
   // Precharges the conflicting banks, refreshes `at` and returns the time of the refresh.
   Tcycle refresh_next(const Location& at) {
-    std::uint32_t open = devices_[at.device].in_the_way(Command::kRefresh, at.bank);
+    std::uint32_t open = devices_[at.device].conflicting_banks(Command::kRefresh, at.bank);
     for (; open != 0; open &= open - 1) precharge(at.device, std::countr_zero(open), refresh_due_);
     const Tcycle begin = activate<Command::kRefresh>(at, refresh_due_, false);
     ++refresh_count_;
@@ -190,14 +190,14 @@ class Channel {
 
   // Not inline, because most packets hit an open row.
   [[gnu::noinline]] Delay open(const Location& at, Tcycle arrival) {
-    std::uint32_t in_the_way = devices_[at.device].in_the_way(Command::kActivate, at.bank);
+    std::uint32_t conflicting_banks = devices_[at.device].conflicting_banks(Command::kActivate, at.bank);
     const bool refresh_before = static_cast<Derived*>(this)->held_by_refresh(at, arrival);
-    const bool conflict = in_the_way != 0;
+    const bool conflict = conflicting_banks != 0;
     bool rows_queue = false;
     if (conflict) {
-      rows_queue = precharge(at.device, std::countr_zero(in_the_way), arrival);
-      in_the_way &= in_the_way - 1;  // the other neighbour may be open too
-      if (in_the_way != 0) precharge(at.device, std::countr_zero(in_the_way), arrival);
+      rows_queue = precharge(at.device, std::countr_zero(conflicting_banks), arrival);
+      conflicting_banks &= conflicting_banks - 1;  // the other neighbour may be open too
+      if (conflicting_banks != 0) precharge(at.device, std::countr_zero(conflicting_banks), arrival);
     }
     const Tcycle begin = activate<Command::kActivate>(at, arrival, rows_queue);
     ++misses_;

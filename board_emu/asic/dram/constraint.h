@@ -56,12 +56,12 @@ using Delays = std::array<std::array<std::array<std::uint32_t, kCommands>, kComm
 
 class ConstraintTable {
  public:
-  using Honoured = bool (*)(Scope scope, Command from, Command to);
+  using Enforced = bool (*)(Scope scope, Command from, Command to);
 
   // Throws std::invalid_argument if the standard's model does not enforce a row.
-  ConstraintTable(std::string_view standard, Honoured honoured, std::vector<Constraint> rows) : rows_(std::move(rows)) {
+  ConstraintTable(std::string_view standard, Enforced enforced, std::vector<Constraint> rows) : rows_(std::move(rows)) {
     for (const Constraint& row : rows_) {
-      if (!honoured(row.scope, row.from, row.to)) {
+      if (!enforced(row.scope, row.from, row.to)) {
         throw std::invalid_argument(std::string(standard) + " timing " + row.name +
                                     ": expected a pair that the model honours, got " + to_string(row.from) + " to " +
                                     to_string(row.to) + " in a " + to_string(row.scope));

@@ -25,20 +25,20 @@ struct BankAddress {
   std::int32_t row = 0;  // only for kActivate
 };
 
-// `Rules`: the standard's kDevice, kBanks, kBankGroup, kRefreshOpens, must_be_closed() and honoured().
+// `Rules`: the standard's kDevice, kBanks, kBankGroup, kRefreshOpens, requires_precharge() and enforced().
 template <typename Rules>
 class Device {
  public:
   explicit Device(const ConstraintTable& timing) : delays_(timing.delays()) {}
 
   // The earliest time from `t` on at which the command is legal for this device; kNever if a bank is in the wrong state. ACT and
-  // REFA need the banks of must_be_closed() precharged, RD and WR need an open bank, PRE needs a bank that is not precharged.
+  // REFA need the banks of requires_precharge() precharged, RD and WR need an open bank, PRE needs one that is not precharged.
   // Does not consider the channel's wires.
   Tcycle probe(Command command, BankAddress at, Tcycle t) const {
     bool legal = false;
     switch (command) {
       case Command::kActivate:
-      case Command::kRefresh: legal = in_the_way(command, at.bank) == 0; break;
+      case Command::kRefresh: legal = conflicting_banks(command, at.bank) == 0; break;
       case Command::kPrecharge: legal = (open_ >> at.bank & 1) != 0; break;
       case Command::kRead:
       case Command::kWrite: legal = open_row(at.bank) >= 0; break;
@@ -77,7 +77,9 @@ class Device {
   std::uint64_t packets(int bank) const { return banks_[place(bank)].packets; }  // read and written
   std::uint32_t open_banks() const { return open_; }  // mask of banks that are not precharged
   // Mask of the conflicting banks: those to be precharged before `opens` (ACT or REFA) of `bank`.
-  std::uint32_t in_the_way(Command opens, int bank) const { return open_ & Rules::must_be_closed(opens, bank); }
+  std::uint32_t conflicting_banks(Command opens, int bank) const {
+    return open_ & Rules::requires_precharge(opens, bank);
+  }
 
   // Earliest times by the timing alone, whatever the state: by commands to this bank and its neighbours, and to the device.
   Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
@@ -110,7 +112,7 @@ class Device {
   template <Scope kScope, Command kFrom, std::size_t... kTo>
   void raise(Ready& ready, Tcycle t, std::index_sequence<kTo...>) const {
     const auto one = [&]<std::size_t kOne>() {
-      if constexpr (Rules::honoured(kScope, kFrom, static_cast<Command>(kOne))) {
+      if constexpr (Rules::enforced(kScope, kFrom, static_cast<Command>(kOne))) {
         ready[kOne] = std::max(ready[kOne], t + delays_[index(kScope)][index(kFrom)][kOne]);
       }
     };

@@ -20,11 +20,11 @@ struct RankRules {
   static constexpr bool kOneBus = true, kSwitches = true, kLeavesGaps = false;
   static constexpr std::uint32_t kRankSwitch = 1;  // clocks between the data of two ranks [C]
 
-  static constexpr std::uint32_t must_be_closed(Command opens, int bank) {
+  static constexpr std::uint32_t requires_precharge(Command opens, int bank) {
     return opens == Command::kRefresh ? ~0u : 1u << bank;
   }
   // Whether the model enforces a constraint between the pair; a table may have no others. A device is a rank.
-  static constexpr bool honoured(Scope scope, Command from, Command to) {
+  static constexpr bool enforced(Scope scope, Command from, Command to) {
     constexpr auto column = [](Command c) { return c == Command::kRead || c == Command::kWrite; };
     constexpr auto opens = [](Command c) { return c == Command::kActivate || c == Command::kRefresh; };
     switch (scope) {
@@ -57,7 +57,7 @@ ConstraintTable rank_timing(const Config& config) {
     return std::max(first + bl + gap, second + 1) - second;
   };
   return {Rules::kName,
-          Rules::honoured,
+          Rules::enforced,
           {{"tRAS", kActivate, kPrecharge, kBank, config.t_ras()},
            {"tRC", kActivate, kActivate, kBank, config.t_rc()},
            {"tRC", kActivate, kRefresh, kDevice, config.t_rc()},

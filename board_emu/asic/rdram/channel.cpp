@@ -54,7 +54,7 @@ std::vector<Constraint> column_constraints(const v1::RdramConfig& config) {
 dram::ConstraintTable timing(const v1::RdramConfig& config) {
   std::vector<Constraint> rows = row_constraints(config);
   for (Constraint& row : column_constraints(config)) rows.push_back(std::move(row));
-  return {Rules::kName, Rules::honoured, std::move(rows)};
+  return {Rules::kName, Rules::enforced, std::move(rows)};
 }
 
 Channel::Channel(const v1::RdramConfig& config, std::uint32_t devices)

@@ -32,9 +32,9 @@ struct Rules {
   static constexpr bool kRefreshOpens = true;
   static constexpr bool kOneBus = false, kSwitches = false, kLeavesGaps = true;
 
-  static constexpr std::uint32_t must_be_closed(Command, int bank) { return neighbours(bank) | 1u << bank; }
+  static constexpr std::uint32_t requires_precharge(Command, int bank) { return neighbours(bank) | 1u << bank; }
   // Whether the model enforces a constraint between the pair; a table may have no others.
-  static constexpr bool honoured(Scope scope, Command from, Command to) {
+  static constexpr bool enforced(Scope scope, Command from, Command to) {
     constexpr auto opens = [](Command c) { return c == Command::kActivate || c == Command::kRefresh; };
     constexpr auto column = [](Command c) { return c == Command::kRead || c == Command::kWrite; };
     constexpr auto row = [opens](Command c) { return opens(c) || c == Command::kPrecharge; };

@@ -39,7 +39,7 @@ const std::vector<Constraint> kExpected{{"tRAS", kActivate, kPrecharge, kBank, 5
                                         {"CL", kRead, kData, kChannel, 2},
                                         {"WL", kWrite, kData, kChannel, 1}};
 
-dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::honoured, {row}}; }
+dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::enforced, {row}}; }
 
 TEST(DdrTiming, DefaultTableIsTheDataSheets) { EXPECT_EQ(dram::rank_timing<Rules>(v1::DdrConfig()).rows(), kExpected); }
 
@@ -60,7 +60,7 @@ TEST(DdrTiming, HonoursThePairsOfItsTableAndWritesAfterAnotherRanksData) {
         const bool known = after_data || std::ranges::any_of(kExpected, [&row](const Constraint& each) {
                              return each.from == row.from && each.to == row.to && each.scope == row.scope;
                            });
-        EXPECT_EQ(Rules::honoured(row.scope, row.from, row.to), known)
+        EXPECT_EQ(Rules::enforced(row.scope, row.from, row.to), known)
             << to_string(row.from) << ' ' << to_string(row.to) << ' ' << to_string(row.scope);
       }
     }

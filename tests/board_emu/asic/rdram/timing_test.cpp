@@ -36,7 +36,7 @@ const std::vector<Constraint> kExpected{
     {"tPACK+tCWD", kWrite, kData, kChannel, 10},
 };
 
-dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::honoured, {row}}; }
+dram::ConstraintTable table(const Constraint& row) { return {Rules::kName, Rules::enforced, {row}}; }
 
 TEST(RdramTiming, DefaultTableIsTheDataBooks) { EXPECT_EQ(timing(v1::RdramConfig()).rows(), kExpected); }
 
@@ -53,7 +53,7 @@ TEST(RdramTiming, HonoursThePairsOfItsTableAndNoOthers) {
         const bool known = std::ranges::any_of(kExpected, [&row](const Constraint& each) {
           return each.from == row.from && each.to == row.to && each.scope == row.scope;
         });
-        EXPECT_EQ(Rules::honoured(row.scope, row.from, row.to), known)
+        EXPECT_EQ(Rules::enforced(row.scope, row.from, row.to), known)
             << to_string(row.from) << ' ' << to_string(row.to) << ' ' << to_string(row.scope);
       }
     }
