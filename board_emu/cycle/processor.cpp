@@ -103,7 +103,7 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
     return false;
   }
   if (to != nullptr) to->push(now, token);
-  if (!token.keeps_slot) released_.push(now, ray.from);
+  if (!token.has_reserved_slot) released_.push(now, ray.from);
   if (ray.splats) {
     if (token.watched) [[unlikely]]
       tell_deposit(now, token);
@@ -237,7 +237,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   } else if (!values_are_known_) {
     prefetch(frame_->volume->view(ray.block), ray_state.position, low);
   }
-  token.keeps_slot = token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
+  token.has_reserved_slot =
+      token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
   if (token.watched) [[unlikely]]
     tell_iteration(now, entry, how);
 }

@@ -16,20 +16,21 @@ Cycle Processor::lookahead_until(Cycle now) const {
   // It must not become empty before then, because the cause of an empty cycle depends on other parts. Carriers end inside it.
   const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size() + returned_.size();
   const std::size_t outside = has_input() | out_links.size() | done.size() | overflow.size();
-  if (rays < (does_more_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_kept_slots() || splats_.has_carrier())
+  if (rays < (does_more_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_reserved_slots() ||
+      splats_.has_carrier())
     return next;
   const auto others = static_cast<std::uint32_t>(stages_.size() + returned_.size());
   for (std::size_t i = 0; i < returned_.size(); ++i) {
-    if (!returned_[i].keeps_slot && !sorter_.has_room(returned_[i].queue, others)) return next;
+    if (!returned_[i].has_reserved_slot && !sorter_.has_room(returned_[i].queue, others)) return next;
   }
   for (std::size_t i = 0; i < released_.size(); ++i) {
-    if (sorter_.would_keep(released_[i])) return next;
+    if (sorter_.would_reserve(released_[i])) return next;
   }
   std::size_t splats = 0;
   for (std::size_t i = 0; i < stages_.size(); ++i) {
     const InFlight& ray = stages_[i];
     const bool carries = ray.splats && splats_.waiting(splats++).carriers > 0;
-    if (ray.token.keeps_slot && !carries) continue;
+    if (ray.token.has_reserved_slot && !carries) continue;
     // Earliest cycle in which it can leave.
     const Cycle out = i < stages_.computing() ? next + (ray.ready > compute_clock_ ? ray.ready - compute_clock_ : 0)
                                               : std::max(ray.ready, next) + stages_.compute_stages();
@@ -37,7 +38,7 @@ Cycle Processor::lookahead_until(Cycle now) const {
     const bool leaves = !is_gone && (ray.token.state != TokenStatus::kUnderWay || ray.token.processor != number_);
     if (leaves || carries) return out;
     if (!is_gone && !sorter_.has_room(ray.token.queue, others)) return out + 1;
-    if (sorter_.would_keep(ray.from)) return out + 1;
+    if (sorter_.would_reserve(ray.from)) return out + 1;
   }
   return next + line;
 }
@@ -86,18 +87,18 @@ bool Processor::can_run_active_queue() const {
   } else {
     move_on(ray.ray_state, low, grid_.size(), true, *frame_, counts_);
   }
-  entry.token.keeps_slot = false;
+  entry.token.has_reserved_slot = false;
   if (ray.ray_state.steps_left() == 0) {
     entry.token.state = TokenStatus::kDone;
     count_end(ray.ray_state, Termination::kLeft, *frame_, counts_);
   } else if (grid_.same(position, low)) {
-    entry.token.keeps_slot = true;
+    entry.token.has_reserved_slot = true;
   } else {
     ray.block = static_cast<std::uint32_t>(grid_.block(position));
     const Home& home = partition_.home(ray.block);
     entry.token.processor = home.processor;
     entry.token.queue = home.number;
-    entry.token.keeps_slot = home.processor == number_ && home.number == entry.from;
+    entry.token.has_reserved_slot = home.processor == number_ && home.number == entry.from;
   }
 }
 
@@ -137,7 +138,7 @@ Cycle Processor::run_active_queue(Cycle from, Cycle to, MemoryPort& memory) {
         returned = ray.token;
         has_returned = moved = true;
         returns.push = now;
-        if (!ray.token.keeps_slot) {
+        if (!ray.token.has_reserved_slot) {
           released = ray.from;
           has_released = true;
           releases.push = now;

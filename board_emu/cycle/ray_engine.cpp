@@ -276,7 +276,7 @@ void RayEngine::send_again(Cycle now) {
   const OverflowStore::Sent again = store_.send();
   carry_out(now, again.task);
   ray_ = launch(again.ray);
-  ray_.keeps_slot = again.has_slot;
+  ray_.has_reserved_slot = again.has_slot;
   outgoing_ = Outgoing::kRay;
 }
 

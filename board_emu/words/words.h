@@ -90,7 +90,7 @@ struct RayToken {
   TokenStatus state = TokenStatus::kUnderWay;
   // Set by the pipeline on a ray that returns to the queue that issued it: its slot there is reserved, so it cannot overflow.
   // For any other destination it is false, and the pipeline releases the slot (sorter/sorter.h).
-  bool keeps_slot = false;
+  bool has_reserved_slot = false;
   bool watched = false;  // its steps are reported to an observer (asic/sim/ray_event.h)
   // Avoids an odd size: 13 bytes are copied by two overlapping moves, and reading those back stalls the host's store buffer.
   std::array<std::uint8_t, 2> unused{};
@@ -107,7 +107,7 @@ struct TokenLimits {
 inline void state_of(Archive::Record& record, RayToken& token) {
   record(token.ray, token.queue, token.contribution, token.processor);
   record.at_most(token.state, TokenStatus::kNonResident);
-  record(token.keeps_slot);
+  record(token.has_reserved_slot);
   const TokenLimits* const limits = record.token_limits();
   if (limits == nullptr) return;
   const bool has_home = token.processor < limits->queues.size() && token.queue < limits->queues[token.processor];

@@ -44,7 +44,7 @@ class Recirculation {
 
   void leave(RayToken token) {  // always finds room: the sorter takes `returned` first
     if (++token.ray % 32 != 0) {
-      token.keeps_slot = true;
+      token.has_reserved_slot = true;
       returned_.push(now_, token);
       return;
     }

@@ -30,7 +30,7 @@ class Queues {
   bool has_overflowed(std::uint32_t queue) const { return states_[queue].overflowed > 0; }
   // Appends a ray to the queue. It takes a slot unless one is reserved for it. Returns the number of rays in the queue.
   std::uint32_t write(std::uint32_t queue, const RayToken& token);
-  // Removes the ray at the head; the queue must not be empty. The slot stays taken, and the ray's flag keeps_slot is cleared.
+  // Removes the ray at the head; the queue must not be empty. The slot stays taken; the ray's flag has_reserved_slot is cleared.
   RayToken read(std::uint32_t queue);
   // Releases the slot of a ray that has left for good. True if the slot is reserved for an overflowed ray.
   bool release_slot(std::uint32_t queue) {
@@ -92,7 +92,7 @@ class Queues {
 inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
   State& state = states_[queue];
   assert(token.state == TokenStatus::kUnderWay);
-  if (!token.keeps_slot) {
+  if (!token.has_reserved_slot) {
     assert(has_slot(queue));
     ++state.slots;
   }
@@ -102,7 +102,7 @@ inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
   Record& record = records[at];
   free_ = record.next;
   record.token = token;
-  record.token.keeps_slot = false;
+  record.token.has_reserved_slot = false;
   if (state.waiting == 0) {
     state.head = at;
     state.opened = waiting_ == 0 ? openings_ = 0 : ++openings_;

@@ -28,7 +28,7 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
 [[gnu::always_inline]] inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow,
                                                 std::uint32_t& written) {
   const std::uint32_t queue = queue_of(input.front());
-  if (input.front().keeps_slot || queues_.has_slot(queue)) {
+  if (input.front().has_reserved_slot || queues_.has_slot(queue)) {
     if (input.front().watched) [[unlikely]]
       tell(now, RayStep::kQueued, input.front());
     write(queue, input.pop(now));
@@ -47,15 +47,15 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
 }
 
 // After the overflows of the cycle: these hold a FIFO up.
-inline bool Sorter::tell_of_slot(Cycle now) {
-  if (kept_.empty() || !out_.overflow.can_push(now)) return false;
+inline bool Sorter::report_slot(Cycle now) {
+  if (reserved_.empty() || !out_.overflow.can_push(now)) return false;
   RayToken token;
   token.processor = processor_;
-  token.queue = kept_.front();
+  token.queue = reserved_.front();
   token.state = TokenStatus::kSlot;
   out_.overflow.push(now, token);
-  kept_.pop_front();
-  ++counters_.kept_slots;
+  reserved_.pop_front();
+  ++counters_.reserved_slots;
   return true;
 }
 
@@ -66,7 +66,7 @@ bool Sorter::work(Cycle now, bool others_come) {
   if (in_.released.can_pop(now)) {
     const std::uint32_t queue = single_ ? 0 : in_.released.front();
     in_.released.pop(now);
-    if (queues_.release_slot(queue)) kept_.push_back(queue);
+    if (queues_.release_slot(queue)) reserved_.push_back(queue);
     moved = true;
   }
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
@@ -82,7 +82,7 @@ bool Sorter::work(Cycle now, bool others_come) {
   const bool returned = in_.returned.can_pop(now) && take(now, in_.returned, true, written);
   moved |= returned;
   if (others_come) moved |= accept_others(now, returned ? 1 : 2, written);
-  moved |= tell_of_slot(now);
+  moved |= report_slot(now);
   if (ranks_) return update_ranks() || moved;
   if (active_ != kNone && queues_.waiting(active_) == 0) {
     maximum_->set(active_, 0);
@@ -98,7 +98,7 @@ bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written
     Fifo<RayToken>& fifo = *others_[input];
     const std::uint32_t next = input == 2 ? 0 : input + 1;
     if (fifo.can_pop(now)) {
-      if (queue_of(fifo.front()) == written && (fifo.front().keeps_slot || queues_.has_slot(written))) {
+      if (queue_of(fifo.front()) == written && (fifo.front().has_reserved_slot || queues_.has_slot(written))) {
         ++counters_.conflicts;
         turn_ = input;  // the input that lost its turn is first in the next cycle
         break;
@@ -157,8 +157,8 @@ void Sorter::state(Archive& archive) {
     archive("active", active_);
     const bool has_rays = active_ == kNone || (active_ < queues_.count() && queues_.waiting(active_) > 0);
     archive.expect(has_rays, "active", "a queue with rays", active_);
-    archive.list("kept", kept_);
-    for (const std::uint32_t queue : kept_) archive.expect(queue < queues_.count(), "kept", "queues", queue);
+    archive.list("kept", reserved_);
+    for (const std::uint32_t queue : reserved_) archive.expect(queue < queues_.count(), "kept", "queues", queue);
   }
   if (maximum_) {
     archive.expect_idle(maximum_->importance() == 0, "a sorter");

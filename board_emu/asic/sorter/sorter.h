@@ -12,9 +12,9 @@
 // queue conflict: the second waits and loses its turn. `returned` has priority, because the pipeline stalls behind it; the
 // other inputs take turns. An input whose ray finds neither a slot nor room in `overflow` is skipped.
 //
-// Slots are explained in queues.h. The pipeline sets RayToken::keeps_slot on a ray that returns to its last queue; otherwise
-// it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow` reports a reserved slot to
-// the DSP, which sets the flag on the ray that it sends to that slot.
+// Slots are explained in queues.h. The pipeline sets RayToken::has_reserved_slot on a ray that returns to its last queue;
+// otherwise it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow` reports a reserved
+// slot to the DSP, which sets the flag on the ray that it sends to that slot.
 #pragma once
 
 #include <array>
@@ -63,20 +63,20 @@ struct SorterOutputs {
 };
 
 struct SorterCounters {
-  std::uint64_t written = 0;       // rays into queues
-  std::uint64_t conflicts = 0;     // second writes that were lost because both rays were for one queue
-  std::uint64_t overflows = 0;     // rays that found no slot
-  std::uint64_t kept_slots = 0;    // reserved slots reported to the DSP
-  std::uint64_t issued = 0;        // rays to the pipeline
-  std::uint64_t activations = 0;   // queues that became active
-  std::uint64_t inserts = 0;       // modified importances put into the insertion sorter
-  std::uint64_t peak_waiting = 0;  // the most rays that waited in one queue
+  std::uint64_t written = 0;         // rays into queues
+  std::uint64_t conflicts = 0;       // second writes that were lost because both rays were for one queue
+  std::uint64_t overflows = 0;       // rays that found no slot
+  std::uint64_t reserved_slots = 0;  // reserved slots reported to the DSP
+  std::uint64_t issued = 0;          // rays to the pipeline
+  std::uint64_t activations = 0;     // queues that became active
+  std::uint64_t inserts = 0;         // modified importances put into the insertion sorter
+  std::uint64_t peak_waiting = 0;    // the most rays that waited in one queue
   // Activations by the rays issued in them: entry k counts 2^k .. 2^(k+1) - 1.
   std::array<std::uint64_t, 32> activation_rays{};
   std::array<std::uint64_t, 32> activation_issued{};  // the rays issued in them
 
   void state(Archive::Record& record) {
-    record(written, conflicts, overflows, kept_slots, issued, activations, inserts, peak_waiting, activation_rays,
+    record(written, conflicts, overflows, reserved_slots, issued, activations, inserts, peak_waiting, activation_rays,
            activation_issued);
   }
 };
@@ -92,13 +92,13 @@ class Sorter {
   bool tick(Cycle now) {
     // Rays stay in a processor for many samples, so that mostly all three are empty.
     const bool others_come = (in_.from_bus.size() | in_.from_left.size() | in_.from_right.size()) != 0;
-    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | reserved_.size();
     return ((rest != 0) | others_come) && work(now, others_come);
   }
 
   // Equivalent to tick() in a cycle in which no ray arrives from other parts.
   bool tick_ahead(Cycle now) {
-    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | reserved_.size();
     return rest != 0 && work(now, false);
   }
 
@@ -114,14 +114,14 @@ class Sorter {
   // Whether the configuration allows this.
   bool may_tick_active_queue() const { return ranks_.has_value() && !single_; }
 
-  bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
-  bool has_kept_slots() const { return !kept_.empty(); }
+  bool idle() const { return queues_.waiting() == 0 && reserved_.empty(); }
+  bool has_reserved_slots() const { return !reserved_.empty(); }
   // Whether a ray that arrives at the queue after `others` further ones finds a slot.
   bool has_room(std::uint32_t queue, std::uint32_t others) const {
     return queues_.has_slots(single_ ? 0 : queue, others + 1);
   }
   // Whether a released slot would be reserved for an overflowed ray.
-  bool would_keep(std::uint32_t queue) const { return queues_.has_overflowed(single_ ? 0 : queue); }
+  bool would_reserve(std::uint32_t queue) const { return queues_.has_overflowed(single_ ? 0 : queue); }
   std::uint32_t queues() const { return queues_.count(); }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
@@ -153,7 +153,7 @@ class Sorter {
   bool accept_others(Cycle now, std::uint32_t turns, std::uint32_t written);
   // Moves the ray at the input's head to its queue, which becomes `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
-  bool tell_of_slot(Cycle now);
+  bool report_slot(Cycle now);
   void write(std::uint32_t queue, const RayToken& token);
   void modified(std::uint32_t queue);
   bool update_ranks();
@@ -175,7 +175,7 @@ class Sorter {
   std::uint32_t dirty_head_ = kNone;
   std::uint32_t dirty_tail_ = kNone;
   Queues queues_;
-  std::deque<std::uint32_t> kept_;  // queues with a reserved slot that is not yet reported to the DSP
+  std::deque<std::uint32_t> reserved_;  // queues with a reserved slot that is not yet reported to the DSP
   std::optional<InsertionSorter> ranks_;
   std::optional<ExactMaximum> maximum_;  // ideal sorter or single queue: instead of ranks_
   std::vector<Dirty> dirty_;

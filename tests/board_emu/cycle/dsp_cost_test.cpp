@@ -66,7 +66,7 @@ TEST(DspCost, OfAnOverflowedRayIsPaidForKeepingItForItsSlotAndForSendingItAgain)
   const RayEngineCounters& engine = frame.machine.dsp().counters();
   ASSERT_GT(engine.overflows, 100u);
   EXPECT_EQ(engine.sent, engine.taken + engine.overflows);
-  EXPECT_EQ(frame.machine.processors()[0]->sorter().counters().kept_slots, engine.overflows);
+  EXPECT_EQ(frame.machine.processors()[0]->sorter().counters().reserved_slots, engine.overflows);
   EXPECT_GT(frame.ran.dsp_cycles, engine.overflows * 2 * kStoreRay.interval());
 }
 

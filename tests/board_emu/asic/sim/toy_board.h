@@ -81,7 +81,7 @@ class ToyProcessor {
     RayToken to = aim(scene_, from.ray, hop);
     const bool is_done = hop >= 12 + from.ray % 7;
     if (!is_done && to.processor == number_ && (scene_.sorter.single || to.queue == from.queue)) {
-      to.keeps_slot = true;
+      to.has_reserved_slot = true;
       returned.push(now, to);
       return;
     }
@@ -166,7 +166,7 @@ class ToyBoard {
     } else if (down_.can_push(now) && store_.has_ready()) {
       const OverflowStore::Sent again = store_.send();
       RayToken token = ToyProcessor::aim(scene_, again.ray, hops_[again.ray]);
-      token.keeps_slot = again.has_slot;
+      token.has_reserved_slot = again.has_slot;
       down_.push(now, token);
     } else if (down_.can_push(now) && made_ < scene_.rays) {
       down_.push(now, ToyProcessor::aim(scene_, made_++, 0));

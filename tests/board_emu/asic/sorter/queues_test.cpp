@@ -35,7 +35,7 @@ TEST(Queues, KeepASlotUntilItIsReleased) {
   EXPECT_FALSE(queues.has_slot(0));
   RayToken ray = queues.read(0);
   EXPECT_FALSE(queues.has_slot(0));  // in the pipeline
-  ray.keeps_slot = true;
+  ray.has_reserved_slot = true;
   queues.write(0, ray);  // and back
   EXPECT_EQ(queues.slots_taken(0), 2u);
   queues.read(0);

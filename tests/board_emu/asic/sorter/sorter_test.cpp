@@ -100,7 +100,7 @@ TEST(Sorter, CountsARayInThePipelineAsHolderOfItsSlot) {
   rig.tick(2);
   EXPECT_EQ(rig.overflowed(), Rays{2});
   RayToken back = rig.ray(1, 0);
-  back.keeps_slot = true;
+  back.has_reserved_slot = true;
   rig.returned.push(rig.now, back);
   rig.tick(3);
   EXPECT_EQ(rig.issued(), Rays{1});
@@ -198,7 +198,7 @@ TEST(Sorter, GivesAnEmptiedQueueUpAndInsertsItAnewWhenARayReturns) {
   rig.tick(3);
   EXPECT_FALSE(rig.sorter.has_active());
   RayToken back = rig.ray(1, 0);
-  back.keeps_slot = true;
+  back.has_reserved_slot = true;
   rig.returned.push(rig.now, back);
   rig.tick(3);
   EXPECT_EQ(rig.sorter.counters().activations, 2u);
@@ -287,7 +287,7 @@ TEST(Sorter, KeepsTheOrderOfComingWithASingleQueue) {
   EXPECT_EQ(rig.issued(), (Rays{0, 1, 2}));
   rig.released.push(rig.now, 1001);  // a slot, for the ray that has overflowed
   RayToken again = rig.ray(3, 1001);
-  again.keeps_slot = true;
+  again.has_reserved_slot = true;
   rig.bus.push(rig.now, again);
   rig.tick(3);
   EXPECT_EQ(rig.issued(), Rays{3});
