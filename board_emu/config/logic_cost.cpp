@@ -38,7 +38,7 @@ constexpr Count kOver = multiplier(24, 24) + 3 * multiplier(12, 24) + 4 * 24 * k
 constexpr Count kStep = 3 * multiplier(16, 24) + (3 + 6) * 24 * kAdder;  // three axes; six faces to compare with
 constexpr Count kTint = 3 * multiplier(12, 12);                          // multiplication by the LUT's colour
 constexpr Count kPremultiply = 8 * 3 * multiplier(8, 12) + 3 * divider(12, 15);  // eight voxels, and back at the sample
-constexpr Count kLeap = 3 * divider(10, 24);
+constexpr Count kSkip = 3 * divider(10, 24);
 constexpr Count kSplit = 4 * multiplier(14, 14) + 8 * multiplier(28, 14) + 8 * multiplier(12, 28);  // weights, shares
 constexpr Count kPart = 2 * kTrilinear * kInterpolator + divider(24, 24);                           // for lighting rays
 
@@ -79,7 +79,7 @@ std::vector<LogicItem> logic_cost(const v1::BoardConfig& config) {
                              {"Pipeline", "reflectance", processors, kReflectance},
                              {"Pipeline", "shading", processors, kShade},
                              {"Pipeline", "compositing", processors, kOver},
-                             {"Pipeline", "steps and leaps", processors, kStep + kLeap},
+                             {"Pipeline", "steps and leaps", processors, kStep + kSkip},
                              {"Pipeline", "splats", processors, kSplit},
                              {"Pipeline", "parts of lighting rays", processors, kPart}});
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());

@@ -15,7 +15,7 @@ inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool ski
   const std::int32_t left = ray.steps_left();
   std::int32_t steps = 1;
   if (skips) {
-    steps = leap(ray, low, size, frame, counters);
+    steps = skip_block(ray, low, size, frame, counters);
   } else {
     jitter_step(ray, frame);
     advance(ray, 1, frame);

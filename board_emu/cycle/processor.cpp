@@ -181,11 +181,11 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.block = ray.block;
   const Point low = grid_.low(ray_state.position);
   const bool carries = does_more_ && ray_state.is(wire::kIrradianceCarrier);
-  entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
+  entry.sampled = carries || !is_skipped(ray.block, *frame_);
   Termination how = Termination::kActive;
   if (!entry.sampled) {
     values_are_known_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
-                      : void(leap(ray_state, low, grid_.size(), *frame_, counts_));
+                      : void(skip_block(ray_state, low, grid_.size(), *frame_, counts_));
   } else {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);

@@ -75,7 +75,7 @@ bool Processor::can_run_active_queue() const {
   entry.splats = false;
   entry.block = ray.block;
   const Point low = grid_.low(position);
-  entry.sampled = !is_leapt_over(ray.block, *frame_);
+  entry.sampled = !is_skipped(ray.block, *frame_);
   if (entry.sampled) {
     cache_.for_each_miss(ray.block, cell(position, low).voxel, [&](std::uint32_t tile) {
       memory.fetch(now, partition_.home(ray.block).number, tile);

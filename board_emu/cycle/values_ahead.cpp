@@ -54,8 +54,8 @@ void ValuesAhead::trace_steps(RayState& ray, std::int32_t steps, RayCounters& co
   while (steps > 0) {
     const Point low = grid.low(ray.position);
     const std::size_t block = grid.block(ray.position);
-    if (is_leapt_over(block, frame_)) {
-      steps -= leap(ray, low, grid.size(), frame_, counters);
+    if (is_skipped(block, frame_)) {
+      steps -= skip_block(ray, low, grid.size(), frame_, counters);
       continue;
     }
     const Cell at = cell(ray.position, low);

@@ -103,7 +103,7 @@ constexpr bool fine_beyond(const Plane& plane, const FinePoint& position, const 
 // keep the sample positions: without jitter, skipping never changes a bit. (The paper skips to the block's face, "but at least
 // dr"; docs/reference/hardware.md.)
 template <typename Word>
-constexpr std::int32_t leap_steps(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
+constexpr std::int32_t skip_steps(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
                                   const std::array<Word, 3>& low, std::type_identity_t<Word> size) {
   Word least = size;  // a step that moves at all moves at least one unit
   for (std::size_t axis = 0; axis < 3; ++axis) {

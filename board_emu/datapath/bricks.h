@@ -35,7 +35,7 @@ class WaitingRayQueue {
 // Whether a ray that reaches the block must wait.
 inline bool is_non_resident(std::size_t block, const Frame& frame) {
   if (frame.non_resident.empty() || frame.non_resident[block] == 0) return false;
-  return !frame.leap || frame.empty[block] == 0;
+  return !frame.skip_empty || frame.empty[block] == 0;
 }
 
 // Whether a trapped ray must wait for the block: its routine needs the sample there, even if rays skip the block.

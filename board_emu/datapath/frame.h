@@ -52,7 +52,7 @@ struct Frame {
   std::uint32_t opacity_threshold = wire::kOpacityOne;
   bool jitter = false;
   bool shade = false;
-  bool leap = false;
+  bool skip_empty = false;
   std::vector<Plane> cut_planes;
 
   // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the host.
@@ -100,7 +100,7 @@ inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_
 inline VolumeReads reads(const Frame& frame) {
   VolumeReads out;
   out.colours = !(frame.lights() || frame.backprojects() || frame.colourless() || frame.integral());
-  if (frame.plain() && frame.leap) out.leapt_over = frame.empty;
+  if (frame.plain() && frame.skip_empty) out.skipped = frame.empty;
   return out;
 }
 

@@ -73,18 +73,18 @@ void redirect(RayState& ray, const Direction& direction, const Frame& frame);
 inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
 
 // Whether rays skip the block.
-inline bool is_leapt_over(std::size_t block, const Frame& frame) { return frame.leap && frame.empty[block] != 0; }
+inline bool is_skipped(std::size_t block, const Frame& frame) { return frame.skip_empty && frame.empty[block] != 0; }
 
 // One iteration of a ray that has not ended is one of the following three functions.
 
 // Skips the ray's empty block with least corner `low` and edge `size`. Returns the number of steps.
-inline std::int32_t leap(RayState& ray, const Point& low, std::int32_t size, const Frame& frame,
-                         RayCounters& counters) {
+inline std::int32_t skip_block(RayState& ray, const Point& low, std::int32_t size, const Frame& frame,
+                               RayCounters& counters) {
   jitter_step(ray, frame);
   ++counters.leaps;
   leave_surface(ray);
   ray.under_way = true;
-  const std::int32_t steps = leap_steps(ray, low, size, frame);
+  const std::int32_t steps = skip_steps(ray, low, size, frame);
   advance(ray, steps, frame);
   count_steps(ray, steps, frame);
   return steps;

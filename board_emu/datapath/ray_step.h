@@ -380,10 +380,10 @@ inline void advance(RayState& ray, std::int32_t steps, const Frame& frame) {
 }
 
 // The number of steps that take the ray out of its empty block [low, low + size), or a segment to its end.
-inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
+inline std::int32_t skip_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
   const std::int32_t steps =
-      frame.wide ? leap_steps(ray.fine_position(), ray.fine_step(), fine(low, {}), std::int64_t{size} << kRestBits)
-                 : leap_steps(ray.position, ray.step, low, size);
+      frame.wide ? skip_steps(ray.fine_position(), ray.fine_step(), fine(low, {}), std::int64_t{size} << kRestBits)
+                 : skip_steps(ray.position, ray.step, low, size);
   return frame.segments() ? std::min(steps, ray.steps_left()) : steps;
 }
 

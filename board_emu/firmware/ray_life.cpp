@@ -39,8 +39,8 @@ Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCount
   const Point low = grid.low(ray.position);
   pass.position = ray.position;
   pass.block = grid.block(ray.position);
-  if (is_leapt_over(pass.block, frame)) {
-    pass.leap = leap(ray, low, grid.size(), frame, counters);
+  if (is_skipped(pass.block, frame)) {
+    pass.skipped = skip_block(ray, low, grid.size(), frame, counters);
     return Termination::kActive;
   }
   const Cell at = cell(ray.position, low);

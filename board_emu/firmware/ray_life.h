@@ -17,9 +17,9 @@ namespace gicube::emu {
 
 // One iteration of a ray through the pipeline.
 struct RayPass {
-  Point position{};       // at the beginning
-  std::size_t block = 0;  // block of this position
-  std::int32_t leap = 0;  // steps that were skipped; 0: a sample was taken, and the fields up to `alpha` describe it
+  Point position{};          // at the beginning
+  std::size_t block = 0;     // block of this position
+  std::int32_t skipped = 0;  // steps that were skipped; 0: a sample was taken, and the fields up to `alpha` describe it
   unsigned tag = 0;
   std::array<std::int16_t, 4> channels{};   // density and gradient; the gradient is only read for shading
   std::uint32_t entry = 0;                  // entry of the segmentation LUT

@@ -29,8 +29,8 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
       view = frame.volume->view(block);
       low = grid.low(ray_state.position);
     }
-    if (is_leapt_over(block, frame)) {
-      taken += leap(ray_state, low, grid.size(), frame, counters);
+    if (is_skipped(block, frame)) {
+      taken += skip_block(ray_state, low, grid.size(), frame, counters);
       continue;
     }
     const Cell at = cell(ray_state.position, low);
@@ -45,8 +45,8 @@ Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame,
   const std::size_t block = grid.block(ray_state.position);
   if (is_non_resident(block, frame)) return Termination::kNonResident;
   const Point low = grid.low(ray_state.position);
-  if (is_leapt_over(block, frame)) {
-    leap(ray_state, low, grid.size(), frame, counters);
+  if (is_skipped(block, frame)) {
+    skip_block(ray_state, low, grid.size(), frame, counters);
     return Termination::kActive;
   }
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;

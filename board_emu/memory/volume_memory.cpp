@@ -34,7 +34,7 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
 std::uint64_t VolumeMemory::bytes_to_decode(const VolumeReads& reads) const {
   std::uint64_t blocks = densities_.empty() ? 1 : 0;
   for (std::size_t block = 0; block < block_count(); ++block) {
-    const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
+    const bool read = reads.skipped.empty() || reads.skipped[block] == 0;
     if (words_.is_stored(block) && first_[block] == 0 && read) ++blocks;
   }
   blocks -= std::min<std::uint64_t>(blocks, free_.size());
@@ -186,7 +186,7 @@ std::uint16_t VolumeMemory::decode_faces(std::size_t block) {
 }
 
 // Assigns a slot to each stored block that is read. Blocks that have a slot keep it.
-void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
+void VolumeMemory::make_places(std::span<const std::uint8_t> skipped) {
   const std::size_t voxels = voxels_and_faces();
   if (densities_.empty()) {
     densities_.resize(voxels + 1, 0);
@@ -195,7 +195,7 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
   const std::size_t begin = places();
   std::size_t end = begin;
   for (std::size_t block = 0; block < block_count(); ++block) {
-    if (!words_.is_stored(block) || first_[block] != 0 || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
+    if (!words_.is_stored(block) || first_[block] != 0 || (!skipped.empty() && skipped[block] != 0)) continue;
     if (free_.empty()) {
       first_[block] = end;
       end += voxels;
@@ -261,7 +261,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
 
 void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
                           const VolumeReads& reads) {
-  make_places(reads.leapt_over);
+  make_places(reads.skipped);
   if (reads.colours && decoded_colours_.empty() && colours_.stored() > 0) {
     decoded_colours_.resize(places(), DecodedColour{});
     std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
@@ -276,7 +276,7 @@ void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool g
   }
   std::vector<std::size_t> stale;
   for (std::size_t block = 0; block < first_.size(); ++block) {
-    const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
+    const bool read = reads.skipped.empty() || reads.skipped[block] == 0;
     if (first_[block] == 0 || stale_[block] == 0 || !read) continue;
     stale.push_back(block);
     stale_[block] = 0;

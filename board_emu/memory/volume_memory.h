@@ -32,8 +32,8 @@ struct BlockView {
 
 // The part of the volume that a command's rays read.
 struct VolumeReads {
-  bool colours = false;                        // if the volume has any
-  std::span<const std::uint8_t> leapt_over{};  // one flag per block, nonzero: not read; empty: all blocks are read
+  bool colours = false;                     // if the volume has any
+  std::span<const std::uint8_t> skipped{};  // one flag per block, nonzero: not read; empty: all blocks are read
 };
 
 class VolumeMemory : public Blocked {
@@ -120,7 +120,7 @@ class VolumeMemory : public Blocked {
  private:
   void mark_stale(std::size_t block);
   std::size_t places() const { return densities_.size() - 1; }
-  void make_places(std::span<const std::uint8_t> leapt_over);
+  void make_places(std::span<const std::uint8_t> skipped);
   void decode_blocks(std::span<const std::size_t> which, unsigned threads);
   // Decodes the block's own voxels if its words are here, and may free these. Returns the OR of their codes and tags.
   std::uint16_t decode_own(std::size_t block);

@@ -25,8 +25,8 @@ std::string pass_text(const RayPass& pass, const std::array<std::uint32_t, 3>& b
   const std::array<double, 3> position{pass.position[0] / double{wire::kVoxel}, pass.position[1] / double{wire::kVoxel},
                                        pass.position[2] / double{wire::kVoxel}};
   std::string out = fmt::format(R"({{"position":{},"block":{},)", list(position), block_text(pass.block, blocks));
-  if (pass.leap > 0) {
-    out += fmt::format(R"("leap":{},)", pass.leap);
+  if (pass.skipped > 0) {
+    out += fmt::format(R"("leap":{},)", pass.skipped);
   } else {
     constexpr double kDensity = 1 << kDensityFractionBits;
     out += fmt::format(R"("density":{},"gradient":[{},{},{}],"tag":{},"entry":{},"colour":{},"opacity":{},)",

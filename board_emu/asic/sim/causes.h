@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 enum class Cause : std::uint8_t {
   kBusy,        // a sample entered
-  kLeap,        // a ray in an empty block took the cycle to leap
+  kLeap,        // a ray in an empty block took the cycle to skip it
   kSplat,       // the cache's banks were busy with a deposit, or its tiles or carriers could not leave
   kFill,        // the cache's banks were busy with an arrived packet, one of several that the next sample needs
   kMiss,        // the next sample's packets are under way: latency and transfer

@@ -47,7 +47,7 @@ struct RayEvent {
   // Filled in by the machine.
   std::uint64_t ray = 0;    // number in its source: host rays in their order, viewing rays in that of the DSP
   bool is_carrier = false;  // the event is that of a carrier of the ray's deposit
-  std::uint32_t block = 0;  // of the volume, x fastest: that of the sample or leap, else that of the ray's position
+  std::uint32_t block = 0;  // of the volume, x fastest: that of the sample or skip, else that of the ray's position
   const RayState* state = nullptr;    // state of the ray after the step
   const RaySample* sample = nullptr;  // kSampled of rays only, not of carriers
 };

@@ -263,7 +263,7 @@ Frame DspCommands::frame() {
   const std::uint32_t pipeline = registers_.value(reg::kPipeline);
   frame.jitter = (pipeline & wire::kPipelineJitter) != 0;
   frame.shade = (pipeline & wire::kPipelineShade) != 0;
-  frame.leap = (pipeline & wire::kPipelineLeap) != 0;
+  frame.skip_empty = (pipeline & wire::kPipelineLeap) != 0;
   frame.lit_by_irradiance = (pipeline & wire::kPipelineIrradiance) != 0;
   frame.scatter = (pipeline & wire::kPipelineScatter) != 0;
   frame.high_albedo = (pipeline & wire::kPipelineHighAlbedo) != 0;

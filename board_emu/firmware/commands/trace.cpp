@@ -87,7 +87,7 @@ void set_type(Frame& frame, const wire::TraceHeader& header) {
   if (!frame.segments()) return;
   frame.jitter = false;
   frame.cut_planes.clear();
-  if (frame.integral() || frame.backprojects()) frame.leap = false;  // blocks without opacity may have density
+  if (frame.integral() || frame.backprojects()) frame.skip_empty = false;  // blocks without opacity may have density
 }
 
 // The completion of a backprojection. `overflow`: the excess that was clipped from the accumulators.

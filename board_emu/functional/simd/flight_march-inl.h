@@ -44,13 +44,13 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
     V steps = zero;
     Mask still_trapped = hn::FirstN(d, 0);
     if (!hn::AllFalse(d, skips)) {
-      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver)));
-      const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
-      const V most = hn::Add(ray.left, hn::IfThenElseZero(leaps, more));
+      const Mask block_skips = hn::And(skips, hn::Eq(first, set(kSkipped)));
+      const V mask = hn::IfThenElse(block_skips, block_mask, set((1 << kCellShift) - 1));
+      const V most = hn::Add(ray.left, hn::IfThenElseZero(block_skips, more));
       const V out = hn::Min(steps_out<kWide>(ray, mask, pace, field), most);
       steps = hn::IfThenElseZero(skips, out);
-      counters.leaps += hn::CountTrue(d, leaps);
-      passed = hn::Add(passed, hn::IfThenElseZero(hn::AndNot(leaps, skips), out));
+      counters.leaps += hn::CountTrue(d, block_skips);
+      passed = hn::Add(passed, hn::IfThenElseZero(hn::AndNot(block_skips, skips), out));
     }
     if (!hn::AllFalse(d, samples)) {
       const SampleLanes at = sample_at(ray, first, samples, field);

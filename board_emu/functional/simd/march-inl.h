@@ -291,13 +291,13 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = hn::IfThenElseZero(going, one);
     if (!hn::AllFalse(d, skips)) {
-      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver))), unseen = hn::AndNot(leaps, skips);
+      const Mask block_skips = hn::And(skips, hn::Eq(first, set(kSkipped))), unseen = hn::AndNot(block_skips, skips);
       if constexpr (kJitter) pace = pace_of<kWide>(ray);
-      const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
+      const V mask = hn::IfThenElse(block_skips, block_mask, set((1 << kCellShift) - 1));
       V out = steps_out<kWide>(ray, mask, pace, field);
-      if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
+      if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(block_skips, more)));
       steps = hn::IfThenElse(skips, out, steps);
-      counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
+      counters.leaps += hn::CountTrue(d, hn::And(block_skips, running));
       passed = hn::Add(passed, hn::IfThenElseZero(hn::And(unseen, running), out));
     }
     if (!hn::AllFalse(d, samples)) {

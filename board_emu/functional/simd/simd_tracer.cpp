@@ -186,8 +186,8 @@ void SimdTracer::find_first(const Frame& frame) {
     const std::size_t begin = blocks * (row % rows / cells + down * (row / rows / cells));
     for (std::size_t block = begin; block < begin + blocks; ++block, cell += cells) {
       std::int32_t* const out = tables_.first.data() + cell;
-      if (frame.leap && frame.empty[block] != 0) {
-        std::fill_n(out, cells, kLeaptOver);
+      if (frame.skip_empty && frame.empty[block] != 0) {
+        std::fill_n(out, cells, kSkipped);
         continue;
       }
       const auto first = static_cast<std::int32_t>(volume.first()[block]);

@@ -30,11 +30,11 @@ struct PacketTables {
   std::vector<std::uint8_t> specular;                              // for lit samples; empty if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by entry of the jitter LUT
   std::vector<std::uint32_t> reflectance_map;                      // per texel: the square that begins there
-  LargeArray<std::int32_t> first;  // per cell (CellRanges): its block's first decoded voxel; kLeaptOver, kUnseen
+  LargeArray<std::int32_t> first;  // per cell (CellRanges): its block's first decoded voxel; kSkipped, kUnseen
 };
 
-inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays skip
-inline constexpr std::int32_t kUnseen = -2;     // samples count but add nothing
+inline constexpr std::int32_t kSkipped = -1;  // in an empty block, which rays skip
+inline constexpr std::int32_t kUnseen = -2;   // samples count but add nothing
 
 // Parameters of frames whose rays deposit or are scattered.
 struct LightField {

@@ -301,7 +301,7 @@ HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
   return out;
 }
 
-// leap_steps() out of cubes of `mask` + 1 units: the whole steps within the cube, plus one. The quotients are exact: with half
+// skip_steps() out of cubes of `mask` + 1 units: the whole steps within the cube, plus one. The quotients are exact: with half
 // a unit added they differ from whole numbers by at least half of per_unit, and the two roundings of dividends below 2^22 by
 // less.
 HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const InverseStep& pace, std::int32_t most) {

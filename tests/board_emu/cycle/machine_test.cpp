@@ -96,7 +96,7 @@ TEST(Machine, CachesStayWarmFromCommandToCommandUntilTheVolumeChanges) {
 TEST(Machine, LeapingRaysTakeOneCycleABlockAndNoMemory) {
   const v1::BoardConfig config = config_with({"asic.processors=2", "asic.block_voxels=16"});
   Scene scene({64, 64, 64}, 16);
-  scene.frame.leap = true;
+  scene.frame.skip_empty = true;
   std::fill(scene.frame.empty.begin(), scene.frame.empty.end(), std::uint8_t{1});
   Machine machine(config, scene.volume.blocks());
   run(machine, scene, columns(20, 1));

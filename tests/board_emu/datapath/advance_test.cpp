@@ -52,7 +52,7 @@ TEST(Advance, LeapsToTheFirstSampleOutsideTheBlockForEveryPositionAndDirection) 
       step[axis] = trial % 4 == 0 && axis == 0 ? 0 : component(random);
     }
     if (step == Point{}) continue;
-    const std::int32_t steps = leap_steps(position, step, low, 8 * wire::kVoxel);
+    const std::int32_t steps = skip_steps(position, step, low, 8 * wire::kVoxel);
     const auto within = [&](std::int64_t k) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t p = position[axis] + k * step[axis];
@@ -83,7 +83,7 @@ TEST(Advance, FineStepsAreExactHoweverManyAndALeapIsThatManySteps) {
     ray.direction[static_cast<std::size_t>(trial % 3)] = 9000;  // no short one
     frame.step = trial % 2 == 0 ? wire::kStepMin : length(random);
     RayState one = unpack(ray, frame), leaping = one;
-    const std::int32_t steps = leap_steps(leaping, low, 8 * wire::kVoxel, frame);
+    const std::int32_t steps = skip_steps(leaping, low, 8 * wire::kVoxel, frame);
     for (std::int32_t k = 1; k <= steps; ++k) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         ASSERT_GE(one.position[axis], low[axis]) << k;

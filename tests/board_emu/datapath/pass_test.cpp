@@ -38,14 +38,14 @@ TEST(Passes, OfASegmentEndWithItsStepsWhetherItGathersOrLeaps) {
   EXPECT_NEAR(ray.opacity / double{wire::kOpacityOne}, reference::corrected(1000 / 65535.0, 2), 1e-5);
 
   ray = unpack(packet, frame);
-  EXPECT_EQ(leap(ray, {0, 0, 0}, 8 << 14, frame, counters), 16) << "the segment ends before its block";
+  EXPECT_EQ(skip_block(ray, {0, 0, 0}, 8 << 14, frame, counters), 16) << "the segment ends before its block";
   EXPECT_EQ(ray.steps_left(), 0);
   EXPECT_EQ(counters.leaps, 1u);
   EXPECT_EQ(counters.samples, 16u);
   EXPECT_TRUE(ray.under_way);
   packet.set_colour_word(30u << 16);
   ray = unpack(packet, frame);
-  EXPECT_EQ(leap(ray, {0, 0, 0}, 2 << 14, frame, counters), 12) << "the first sample lies at 9/16";
+  EXPECT_EQ(skip_block(ray, {0, 0, 0}, 2 << 14, frame, counters), 12) << "the first sample lies at 9/16";
   EXPECT_EQ(ray.steps_left(), 240 - 12);
 }
 
@@ -146,7 +146,7 @@ TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
   const Cell at = cell(ray.position, grid.low(ray.position));
   const BlockView view = frame.volume->view(0);
   RayCounters counters;
-  leap(ray, {0, 0, 0}, 8 << 14, frame, counters);
+  skip_block(ray, {0, 0, 0}, 8 << 14, frame, counters);
   EXPECT_FALSE(ray.is(wire::kTrapped));
   ray = fog.ray(wire::kLightingRay, 1);
   ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);

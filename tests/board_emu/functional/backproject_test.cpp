@@ -99,7 +99,7 @@ TEST(Backproject, LeavesWhatSamplesLeaveOneByOne) {
         frame.type = wire::RayType::kBackproject;
         frame.step = step;
         frame.opacity_threshold = wire::kOpacityOne;
-        frame.jitter = frame.leap = false;
+        frame.jitter = frame.skip_empty = false;
         frame.sums = &sums;
         Plain plain;
         RayCounters counters;
@@ -134,7 +134,7 @@ TEST(Backproject, CellsAreBroughtToTheWordsBeforeTheyAreFull) {
     frame.type = wire::RayType::kBackproject;
     frame.step = 1 << 16;
     frame.opacity_threshold = wire::kOpacityOne;
-    frame.jitter = frame.leap = false;
+    frame.jitter = frame.skip_empty = false;
     frame.sums = &sums;
     Overflow overflow;
     for (int command = 0; command < 6; ++command) {

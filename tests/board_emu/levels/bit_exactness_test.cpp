@@ -95,7 +95,7 @@ TEST(BlockSize, ChangesNoBitWithoutLeaping) {
       Dice dice(seed);
       Scene scene({70, 30, 45}, n);
       draw(scene, dice);
-      scene.frame.leap = false;
+      scene.frame.skip_empty = false;
       const wire::RenderCommand view = corner_view(scene.volume.size(), 24);
       const v1::BoardConfig config = config_with({"asic.block_voxels=" + std::to_string(n), "asic.processors=3",
                                                   "asic.partition=skewed_block", "asic.max_volume_voxels=128"});

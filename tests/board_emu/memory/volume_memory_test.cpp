@@ -121,8 +121,8 @@ TEST(VolumeMemory, HasNoCodesUntilAVoxelHasOne) {
 TEST(VolumeMemory, DecodesBlocksThatAreLeaptOverWhenTheyAreRead) {
   VolumeMemory memory(kBlock);
   fill(memory, {16, 16, 16});
-  const std::vector<std::uint8_t> leapt_over{1, 0, 1, 1, 1, 1, 1, 1};
-  memory.decode(gradient_lut(), true, 1, {.leapt_over = leapt_over});
+  const std::vector<std::uint8_t> skipped{1, 0, 1, 1, 1, 1, 1, 1};
+  memory.decode(gradient_lut(), true, 1, {.skipped = skipped});
   EXPECT_EQ(memory.decoded_densities().size(), 2 * 9u * 9 * 9 + 1);  // the zero block and one
   EXPECT_EQ(memory.view(1).densities[0], voxel_at(8, 0, 0).density << 3);
   memory.decode(gradient_lut(), false, 1);
@@ -204,9 +204,9 @@ TEST(VolumeMemory, ShowsTheSameHoweverItsBlocksCame) {
         memory.write(offset, bytes);
         whole.write(offset, bytes);
       }
-      std::vector<std::uint8_t> leapt_over(memory.block_count());
-      for (auto& flag : leapt_over) flag = random() % 4 == 0 ? 1 : 0;
-      memory.decode(gradient_lut(), turn == 0, 1 + trial % 2, {.leapt_over = leapt_over});
+      std::vector<std::uint8_t> skipped(memory.block_count());
+      for (auto& flag : skipped) flag = random() % 4 == 0 ? 1 : 0;
+      memory.decode(gradient_lut(), turn == 0, 1 + trial % 2, {.skipped = skipped});
     }
     memory.decode(gradient_lut(), false, 1);
     whole.decode(gradient_lut(), true, 1);

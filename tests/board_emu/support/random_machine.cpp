@@ -48,7 +48,7 @@ void draw(Scene& scene, Dice& dice) {
   }
   scene.frame.shade = dice.chance(70);
   scene.frame.jitter = dice.chance(40);
-  scene.frame.leap = dice.chance(60);
+  scene.frame.skip_empty = dice.chance(60);
   scene.frame.step = static_cast<std::uint32_t>(dice.one_of({20'000, 32'768, 65'536, 150'000}));
   scene.frame.opacity_threshold = dice.one_of<std::uint32_t>({wire::kOpacityOne, wire::kOpacityOne / 2, 0});
   if (dice.chance(80)) scene.frame.opacity_threshold = wire::kOpacityOne / 16 * 15;

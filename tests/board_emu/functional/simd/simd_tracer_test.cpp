@@ -125,7 +125,7 @@ void draw_field(LitScene& scene, Dice& dice) {
   if (frame.type != kSegment && frame.type != kIntegrate) frame.lit_by_irradiance = false;
   frame.shade = dice.chance(60);
   draw_cut_planes(frame, dice);
-  frame.leap = dice.chance(60);
+  frame.skip_empty = dice.chance(60);
   frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
   frame.opacity_threshold = dice.one_of<std::uint32_t>({1, wire::kOpacityOne / 3, wire::kOpacityOne});
   if (dice.chance(50)) frame.spacing = {65'536, 90'000, 131'072};
