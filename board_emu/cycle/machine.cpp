@@ -243,7 +243,7 @@ void Machine::run_state(Archive& archive, TokenLimits& limits) {
         const std::int32_t at = ray.ray_state.position[axis];
         is_valid = is_valid && at >= std::max(low - beyond, 0) && at < low + grid.size() + beyond;
       }
-      limits.flies.push_back(is_valid ? 1 : 0);
+      limits.in_block.push_back(is_valid ? 1 : 0);
     }
     for (const auto& processor : processors_) limits.queues.push_back(processor->sorter().queues());
     archive.set_token_limits(&limits);

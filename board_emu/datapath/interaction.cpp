@@ -322,9 +322,9 @@ Sample sample_at(const Point& position, const Frame& frame) {
 }
 
 std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
-  const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
+  const std::uint16_t segment = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
   const auto value =
-      static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
+      static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, segment, frame.seed) >> 40);
   return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
 }
 

@@ -85,8 +85,9 @@ class OverflowStore {
     for (const Kept& each : kept) {
       expect_new("kept", each.place);
       const TokenLimits* const limits = archive.token_limits();
-      const bool flies = each.ray < limits->flies.size() && limits->flies[each.ray] != 0;
-      archive.expect(each.list <= lists_.size() && flies, "kept", "rays in their blocks, each in a list", each.ray);
+      const bool is_in_block = each.ray < limits->in_block.size() && limits->in_block[each.ray] != 0;
+      archive.expect(each.list <= lists_.size() && is_in_block, "kept", "rays in their blocks, each in a list",
+                     each.ray);
       entries_[each.place] = {each.ray, kNone, each.has_slot};
       link(each.list < lists_.size() ? lists_[each.list] : ready_, each.place);
     }

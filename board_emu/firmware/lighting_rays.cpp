@@ -169,8 +169,8 @@ LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell&
       near ? point_seen(seen, s, t) : std::array{seen.low[0] + s * spacing_[b], seen.low[1] + t * spacing_[c]};
   const Vector through = on_cell(cell, {emitter.at[b] + across[0], emitter.at[c] + across[1]});
 
-  const Vector flight{across[0], across[1], seen.height};
-  const double r = length(flight);
+  const Vector segment{across[0], across[1], seen.height};
+  const double r = length(segment);
   const double share = command_.energy / command_.rays_per_voxel;
   double energy = 0;
   if (command_.kind == wire::LightKind::kPoint && !printed_point) {

@@ -6,8 +6,8 @@
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
-#include "functional/flight.h"
 #include "functional/simd/simd_tracer.h"
+#include "functional/traced_path.h"
 
 namespace gicube::emu {
 
@@ -75,38 +75,33 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) 
 }
 
 // Traces rays until they end, are trapped or wait for a block.
-class Flights {
+class PathTracer {
  public:
-  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const SimdTracer* tracer,
-          std::span<const std::uint64_t> indices)
-      : rays_(rays),
-        frame_(frame),
-        counters_(counters),
-        tracer_(tracer),
-        indices_(indices),
-        ended_(rays.size()) {}
+  PathTracer(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, const SimdTracer* tracer,
+             std::span<const std::uint64_t> indices)
+      : rays_(rays), frame_(frame), counters_(counters), tracer_(tracer), indices_(indices), ended_(rays.size()) {}
 
   std::vector<bool> run() && {
-    std::vector<Flight> flights, traps;
-    flights.reserve(rays_.size());
+    std::vector<TracedPath> paths, traps;
+    paths.reserve(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) {
-      const Flight flight(i, begin_or_go_on(rays_[i], index_of(i), frame_));
-      (waited_trapped(i) ? traps : flights).push_back(flight);
+      const TracedPath path(i, begin_or_go_on(rays_[i], index_of(i), frame_));
+      (waited_trapped(i) ? traps : paths).push_back(path);
     }
-    for (Flight& flight : traps) flight.how = Termination::kWaits;
-    while (!flights.empty() || !traps.empty()) {
-      fly_all(flights);
-      flights.insert(flights.end(), traps.begin(), traps.end());
+    for (TracedPath& path : traps) path.how = Termination::kWaits;
+    while (!paths.empty() || !traps.empty()) {
+      trace_all(paths);
+      paths.insert(paths.end(), traps.begin(), traps.end());
       traps.clear();
-      flights = scattered(trapped(flights));
+      paths = scattered(trapped(paths));
     }
     return std::move(ended_);
   }
 
  private:
-  void fly_all(std::span<Flight> flights) {
-    if (tracer_ != nullptr) return tracer_->fly(flights, frame_, counters_);
-    for (Flight& flight : flights) fly(flight, frame_, counters_);
+  void trace_all(std::span<TracedPath> paths) {
+    if (tracer_ != nullptr) return tracer_->trace_paths(paths, frame_, counters_);
+    for (TracedPath& path : paths) trace_path(path, frame_, counters_);
   }
 
   std::uint64_t index_of(std::size_t ray) const { return indices_.empty() ? ray : indices_[ray]; }
@@ -114,61 +109,61 @@ class Flights {
     const WaitingRay* const waited = frame_.in_bricks() ? frame_.waiting->find(index_of(ray)) : nullptr;
     return waited != nullptr && waited->trapped;
   }
-  std::size_t block_of(const Flight& flight) const {
-    return BlockGrid(*frame_.volume).block(flight.ray_state.position);
+  std::size_t block_of(const TracedPath& path) const {
+    return BlockGrid(*frame_.volume).block(path.ray_state.position);
   }
-  void wait(const Flight& flight, bool is_trapped) {
-    const auto block = static_cast<std::uint32_t>(block_of(flight));
-    frame_.waiting->add({.ray_state = flight.ray_state, .block = block, .trapped = is_trapped}, index_of(flight.ray));
+  void wait(const TracedPath& path, bool is_trapped) {
+    const auto block = static_cast<std::uint32_t>(block_of(path));
+    frame_.waiting->add({.ray_state = path.ray_state, .block = block, .trapped = is_trapped}, index_of(path.ray));
   }
 
-  // Returns the flights that a routine answers; completes the others.
-  std::vector<Flight> trapped(std::span<Flight> flights) {
-    std::vector<Flight> out;
-    for (Flight& flight : flights) {
-      if (flight.how == Termination::kNonResident) {
-        wait(flight, false);
-      } else if (flight.how != Termination::kWaits) {
-        end_with(flight, flight.how);
-      } else if (is_non_resident_for_routine(block_of(flight), frame_)) {
-        wait(flight, true);
-      } else if (const auto trap = trap_of(flight.ray_state, frame_)) {
-        flight.trap = *trap;
-        out.push_back(flight);
+  // Returns the paths that a routine answers; completes the others.
+  std::vector<TracedPath> trapped(std::span<TracedPath> paths) {
+    std::vector<TracedPath> out;
+    for (TracedPath& path : paths) {
+      if (path.how == Termination::kNonResident) {
+        wait(path, false);
+      } else if (path.how != Termination::kWaits) {
+        end_with(path, path.how);
+      } else if (is_non_resident_for_routine(block_of(path), frame_)) {
+        wait(path, true);
+      } else if (const auto trap = trap_of(path.ray_state, frame_)) {
+        path.trap = *trap;
+        out.push_back(path);
       }
     }
     return out;
   }
 
-  // Scatters the flights by their routines. Returns those that continue.
-  std::vector<Flight> scattered(std::vector<Flight> flights) {
-    std::stable_sort(flights.begin(), flights.end(),
-                     [](const Flight& a, const Flight& b) { return a.trap.routine < b.trap.routine; });
+  // Scatters the paths by their routines. Returns those that continue.
+  std::vector<TracedPath> scattered(std::vector<TracedPath> paths) {
+    std::stable_sort(paths.begin(), paths.end(),
+                     [](const TracedPath& a, const TracedPath& b) { return a.trap.routine < b.trap.routine; });
     std::vector<ScatterEvent> events;
-    for (const Flight& flight : flights) events.push_back(flight.trap.event);
+    for (const TracedPath& path : paths) events.push_back(path.trap.event);
     std::vector<ScatterAnswer> answers(events.size());
-    for (std::size_t first = 0, last = 0; first < flights.size(); first = last) {
-      const std::uint8_t routine = flights[first].trap.routine;
-      while (last < flights.size() && flights[last].trap.routine == routine) ++last;
+    for (std::size_t first = 0, last = 0; first < paths.size(); first = last) {
+      const std::uint8_t routine = paths[first].trap.routine;
+      while (last < paths.size() && paths[last].trap.routine == routine) ++last;
       frame_.routines->scatter_all(routine, std::span(events).subspan(first, last - first),
                                    std::span(answers).subspan(first, last - first));
     }
-    std::vector<Flight> out;
-    for (std::size_t i = 0; i < flights.size(); ++i) {
-      const Interaction interaction = answer_trap(flights[i].ray_state, answers[i], frame_, counters_);
+    std::vector<TracedPath> out;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const Interaction interaction = answer_trap(paths[i].ray_state, answers[i], frame_, counters_);
       if (interaction.outcome == Outcome::kEnded) {
-        end_with(flights[i], Termination::kAbsorbed);
+        end_with(paths[i], Termination::kAbsorbed);
       } else {
-        out.push_back(flights[i]);
+        out.push_back(paths[i]);
       }
     }
     return out;
   }
 
-  void end_with(const Flight& flight, Termination how) {
-    count_end(flight.ray_state, how, frame_, counters_);
-    pack_ended(flight.ray_state, frame_, rays_[flight.ray]);
-    ended_[flight.ray] = true;
+  void end_with(const TracedPath& path, Termination how) {
+    count_end(path.ray_state, how, frame_, counters_);
+    pack_ended(path.ray_state, frame_, rays_[path.ray]);
+    ended_[path.ray] = true;
   }
 
   std::span<wire::Ray> rays_;
@@ -195,15 +190,14 @@ Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& coun
   return pass(ray_state, BlockGrid(*frame.volume), frame, counters);
 }
 
-void fly(Flight& flight, const Frame& frame, RayCounters& counters) {
+void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters) {
   std::int32_t taken = 0;
-  flight.how = frame.plain() ? run_plain(flight.ray_state, frame, counters, taken)
-                             : run(flight.ray_state, frame, counters);
+  path.how = frame.plain() ? run_plain(path.ray_state, frame, counters, taken) : run(path.ray_state, frame, counters);
 }
 
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
                                 const SimdTracer* tracer, std::span<const std::uint64_t> indices) {
-  return Flights(rays, frame, counters, tracer, indices).run();
+  return PathTracer(rays, frame, counters, tracer, indices).run();
 }
 
 }  // namespace gicube::emu

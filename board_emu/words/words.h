@@ -98,7 +98,7 @@ struct RayToken {
 
 // Limits for the tokens of a checkpoint.
 struct TokenLimits {
-  std::vector<std::uint8_t> flies{};       // by handle: the ray is in its block and can be sampled
+  std::vector<std::uint8_t> in_block{};    // by handle: the ray is in its block and can be sampled
   std::vector<std::uint32_t> queues{};     // number of queues, by processor
   std::uint32_t here = ~std::uint32_t{0};  // queues of the processor whose state is restored
 };
@@ -114,7 +114,8 @@ inline void state_of(Archive::Record& record, RayToken& token) {
   record.expect(has_home && token.queue < limits->here, "a queue of its processor", token.queue);
   const bool may_have_left = token.state == TokenStatus::kDone || token.state == TokenStatus::kGone;
   const bool is_slot = token.state == TokenStatus::kSlot;
-  const bool is_there = is_slot || (token.ray < limits->flies.size() && (may_have_left || limits->flies[token.ray]));
+  const bool is_there =
+      is_slot || (token.ray < limits->in_block.size() && (may_have_left || limits->in_block[token.ray]));
   record.expect(is_there, "a ray in its block", token.ray);
 }
 

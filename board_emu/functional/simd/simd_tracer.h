@@ -18,7 +18,7 @@
 
 namespace gicube::emu {
 
-struct Flight;
+struct TracedPath;
 
 // The frame's tables in the form for lanes.
 struct PacketTables {
@@ -95,8 +95,8 @@ class SimdTracer {
   // receives each ray's number of steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
-  // Traces flights of other frames until they stop, on the calling thread.
-  void fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters) const;
+  // Traces paths of other frames until they stop, on the calling thread.
+  void trace_paths(std::span<TracedPath> paths, const Frame& frame, RayCounters& counters) const;
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);

@@ -3,22 +3,22 @@
 // masked until scalar code has taken the sample (take_pass()).
 
 // Included once for each instruction set.
-#if defined(GICUBE_FLIGHT_MARCH) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_FLIGHT_MARCH
-#undef GICUBE_FLIGHT_MARCH
+#if defined(GICUBE_PATH_MARCH) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PATH_MARCH
+#undef GICUBE_PATH_MARCH
 #else
-#define GICUBE_FLIGHT_MARCH
+#define GICUBE_PATH_MARCH
 #endif
 
-#include "flight_sample-inl.h"
+#include "path_sample-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
 // Advances all lanes until at least `enough` of them are masked or have no steps left.
-template <FlightKind kKind, bool kWide>
-HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
+template <PathKind kKind, bool kWide>
+HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
                       RayCounters& counters) {
   const D32 d;
   const V zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
@@ -68,7 +68,7 @@ HWY_INLINE void march(FlightLanes& lanes, ShadingQueue& seen, const PacketField&
       interacted = hn::IfThenElse(goes_on, sample.interacted, interacted);
       steps = hn::Add(steps, hn::IfThenElseZero(goes_on, one));
       still_trapped = sample.trapped;
-      if constexpr (kKind == FlightKind::kRendering && !kWide) {
+      if constexpr (kKind == PathKind::kRendering && !kWide) {
         gather_colour(seen, at, sample, ray, lanes, field);
         ray.opacity = hn::Add(ray.opacity, sample.weight);
         stands = hn::Or(stands, hn::And(goes_on, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));

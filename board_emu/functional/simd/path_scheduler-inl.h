@@ -1,11 +1,11 @@
-// Assigns flights to lanes: takes a ray off its masked lane for a scalar iteration, then puts it back, or the next one.
+// Assigns paths to lanes: takes a ray off its masked lane for a scalar iteration, then puts it back, or the next one.
 
 // Included once for each instruction set.
-#if defined(GICUBE_FLIGHT_SCHEDULER) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_FLIGHT_SCHEDULER
-#undef GICUBE_FLIGHT_SCHEDULER
+#if defined(GICUBE_PATH_SCHEDULER) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PATH_SCHEDULER
+#undef GICUBE_PATH_SCHEDULER
 #else
-#define GICUBE_FLIGHT_SCHEDULER
+#define GICUBE_PATH_SCHEDULER
 #endif
 
 #include <algorithm>
@@ -13,62 +13,62 @@
 
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
-#include "flight_march-inl.h"
-#include "functional/flight.h"
+#include "functional/traced_path.h"
 #include "lane_scheduler-inl.h"
+#include "path_march-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-inline FlightKind kind_of(const RayState& ray, const Frame& frame) {
-  if (!ray.is(wire::kLightingRay)) return FlightKind::kRendering;
-  if (ray.is(wire::kHighAlbedo)) return FlightKind::kPhoton;
-  return frame.light_words == 1 ? FlightKind::kBundle : FlightKind::kColouredBundle;
+inline PathKind kind_of(const RayState& ray, const Frame& frame) {
+  if (!ray.is(wire::kLightingRay)) return PathKind::kRendering;
+  if (ray.is(wire::kHighAlbedo)) return PathKind::kPhoton;
+  return frame.light_words == 1 ? PathKind::kBundle : PathKind::kColouredBundle;
 }
 
-class FlightScheduler {
+class PathScheduler {
  public:
-  // Flights of another kind than `kind` are traced by scalar code.
-  FlightScheduler(std::span<Flight> flights, FlightKind kind, const Frame& frame, RayCounters& counters)
-      : flights_(flights),
+  // Paths of another kind than `kind` are traced by scalar code.
+  PathScheduler(std::span<TracedPath> paths, PathKind kind, const Frame& frame, RayCounters& counters)
+      : paths_(paths),
         kind_(kind),
         frame_(frame),
         counters_(counters),
-        seen_(kind == FlightKind::kRendering ? flights.size() : 0) {}
+        seen_(kind == PathKind::kRendering ? paths.size() : 0) {}
 
-  bool has_more() const { return next_ < flights_.size(); }
+  bool has_more() const { return next_ < paths_.size(); }
   std::size_t busy() const { return busy_; }
   ShadingQueue& seen() { return seen_; }
 
-  // To be called when all flights have stopped: adds the colours that rendering rays have gathered on lanes.
+  // To be called when all paths have stopped: adds the colours that rendering rays have gathered on lanes.
   void finish_colours(const PacketField& field) {
-    if (kind_ != FlightKind::kRendering || field.wide) return;
+    if (kind_ != PathKind::kRendering || field.wide) return;
     seen_.finish<false>(field);
-    for (std::size_t i = 0; i < flights_.size(); ++i) {
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
-        std::uint16_t& colour = flights_[i].ray_state.colour[c];
+        std::uint16_t& colour = paths_[i].ray_state.colour[c];
         const auto sum = static_cast<std::uint32_t>(colour + seen_.sum(i).channel[c]);
         colour = static_cast<std::uint16_t>(std::min(sum, wire::kColourOne));
       }
     }
   }
 
-  void serve(FlightLanes& lanes, std::size_t count) {
+  void serve(PathLanes& lanes, std::size_t count) {
     for (std::size_t lane = 0; lane < count; ++lane) {
       Slot& slot = slots_[lane];
-      if (slot.flight != nullptr) {
+      if (slot.path != nullptr) {
         if (lanes.left.lane[lane] > 0 && lanes.stands.lane[lane] == 0) continue;
         take(lanes, lane);
-        if (goes_on(*slot.flight)) {
+        if (goes_on(*slot.path)) {
           put(lanes, lane);
           continue;
         }
-        slot.flight = nullptr;
+        slot.path = nullptr;
         --busy_;
       }
-      if (Flight* const next = next_for_lanes()) {
-        slot.flight = next;
+      if (TracedPath* const next = next_for_lanes()) {
+        slot.path = next;
         slot.fresh = true;
         ++busy_;
         put(lanes, lane);
@@ -80,37 +80,37 @@ class FlightScheduler {
 
  private:
   struct Slot {
-    Flight* flight = nullptr;
+    TracedPath* path = nullptr;
     bool fresh = false;  // the words of the path segment must be set
   };
 
   // The scalar iteration of a ray, if it has not ended. Returns whether the ray continues.
-  bool goes_on(Flight& flight) {
-    RayState& ray = flight.ray_state;
-    flight.how = end(ray, frame_);
-    if (flight.how != Termination::kActive) return false;
-    flight.how = take_pass(ray, frame_, counters_);
-    if (flight.how == Termination::kActive) flight.how = end(ray, frame_);
-    return flight.how == Termination::kActive;
+  bool goes_on(TracedPath& path) {
+    RayState& ray = path.ray_state;
+    path.how = end(ray, frame_);
+    if (path.how != Termination::kActive) return false;
+    path.how = take_pass(ray, frame_, counters_);
+    if (path.how == Termination::kActive) path.how = end(ray, frame_);
+    return path.how == Termination::kActive;
   }
 
-  Flight* next_for_lanes() {
+  TracedPath* next_for_lanes() {
     while (has_more()) {
-      Flight& flight = flights_[next_++];
-      if (kind_of(flight.ray_state, frame_) != kind_) {
-        fly(flight, frame_, counters_);
+      TracedPath& path = paths_[next_++];
+      if (kind_of(path.ray_state, frame_) != kind_) {
+        trace_path(path, frame_, counters_);
         continue;
       }
-      flight.how = end(flight.ray_state, frame_);
-      if (flight.how == Termination::kActive) return &flight;
+      path.how = end(path.ray_state, frame_);
+      if (path.how == Termination::kActive) return &path;
     }
     return nullptr;
   }
 
-  void put(FlightLanes& lanes, std::size_t lane) {
+  void put(PathLanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
-    const RayState& ray = slot.flight->ray_state;
-    if (slot.fresh || !ray.under_way) put_flight(lanes, lane, ray);
+    const RayState& ray = slot.path->ray_state;
+    if (slot.fresh || !ray.under_way) put_segment(lanes, lane, ray);
     slot.fresh = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
@@ -133,7 +133,7 @@ class FlightScheduler {
   }
 
   // Sets the words that are constant until the ray is scattered.
-  void put_flight(FlightLanes& lanes, std::size_t lane, const RayState& ray) const {
+  void put_segment(PathLanes& lanes, std::size_t lane, const RayState& ray) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.step[axis].lane[lane] = ray.step[axis];
       lanes.step_rest[axis].lane[lane] = ray.step_rest[axis];
@@ -145,17 +145,17 @@ class FlightScheduler {
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
     lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
     lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
-    lanes.ray.lane[lane] = static_cast<std::int32_t>(slots_[lane].flight - flights_.data());
-    if (kind_ == FlightKind::kRendering) return;
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(slots_[lane].path - paths_.data());
+    if (kind_ == PathKind::kRendering) return;
     lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
     const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);
     lanes.loss[0].lane[lane] = static_cast<std::int32_t>(loss);
     lanes.loss[1].lane[lane] = static_cast<std::int32_t>(loss >> 32);
   }
 
-  void take(const FlightLanes& lanes, std::size_t lane) {
-    Flight& flight = *slots_[lane].flight;
-    RayState& ray = flight.ray_state;
+  void take(const PathLanes& lanes, std::size_t lane) {
+    TracedPath& path = *slots_[lane].path;
+    RayState& ray = path.ray_state;
     const std::int32_t taken = lanes.taken.lane[lane];
     if (taken == 0) return;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -165,7 +165,7 @@ class FlightScheduler {
     ray.under_way = true;
     if (lanes.trapped.lane[lane] == 0) leave_surface(ray);
     ray.interacted = static_cast<std::uint32_t>(lanes.interacted.lane[lane]);
-    if (kind_ == FlightKind::kRendering) {
+    if (kind_ == PathKind::kRendering) {
       ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
       return;
     }
@@ -175,8 +175,8 @@ class FlightScheduler {
     }
   }
 
-  std::span<Flight> flights_;
-  FlightKind kind_;
+  std::span<TracedPath> paths_;
+  PathKind kind_;
   const Frame& frame_;
   RayCounters& counters_;
   std::array<Slot, 16> slots_{};

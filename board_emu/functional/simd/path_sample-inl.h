@@ -1,11 +1,11 @@
 // One iteration of lighting and scattered rays, side by side, through samples after which a ray only continues.
 
 // Included once for each instruction set.
-#if defined(GICUBE_FLIGHT_SAMPLE) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_FLIGHT_SAMPLE
-#undef GICUBE_FLIGHT_SAMPLE
+#if defined(GICUBE_PATH_SAMPLE) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PATH_SAMPLE
+#undef GICUBE_PATH_SAMPLE
 #else
-#define GICUBE_FLIGHT_SAMPLE
+#define GICUBE_PATH_SAMPLE
 #endif
 
 #include "gradient-inl.h"
@@ -18,8 +18,8 @@ namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
 // Words of lighting and scattered rays in lanes, in addition to those of others. `taken` counts the steps since a ray was put
-// on its lane, and `ray` is its index among the flights.
-struct FlightLanes : Lanes {
+// on its lane, and `ray` is its index among the paths.
+struct PathLanes : Lanes {
   std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and its inverse; 0: no movement on this axis
   Word interacted, value;                    // RayState::interacted, and interaction_value()
   // Masks, all ones if true:
@@ -48,9 +48,9 @@ HWY_INLINE VU64 energy_after(VU64 before, VU64 lost, VU64 chance) {
 }
 
 // draw_at() for the losses of rays at `position`.
-HWY_INLINE VU64 draw_here(const std::array<VU64, 3>& position, VU64 of_flight) {
+HWY_INLINE VU64 draw_here(const std::array<VU64, 3>& position, VU64 of_segment) {
   const VU64 low = hn::Or(position[0], hn::ShiftLeft<32>(position[1]));
-  return mix64(hn::Xor(mix64(hn::Xor(mix64(low), position[2])), of_flight));
+  return mix64(hn::Xor(mix64(hn::Xor(mix64(low), position[2])), of_segment));
 }
 
 // Per irradiance word, 24 bits and 12; only as many words are used as the rays have.
@@ -62,7 +62,7 @@ struct Energy {
 };
 
 template <std::size_t kWords>
-HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& position, const EnergyLanes& energy, V lost) {
+HWY_INLINE Energy lose(const PathLanes& lanes, const std::array<V, 3>& position, const EnergyLanes& energy, V lost) {
   const V phase = lanes.phase.load(), loss_low = lanes.loss[0].load(), loss_high = lanes.loss[1].load();
   const VU64 zero = hn::Zero(DU64());
   struct Half {
@@ -70,8 +70,8 @@ HWY_INLINE Energy lose(const FlightLanes& lanes, const std::array<V, 3>& positio
     VU64 same;
   };
   const auto half = [&](auto of) {
-    const VU64 flight = hn::Or(of(loss_low), hn::ShiftLeft<32>(of(loss_high)));
-    const VU64 chance = draw_here({of(position[0]), of(position[1]), of(position[2])}, flight);
+    const VU64 segment = hn::Or(of(loss_low), hn::ShiftLeft<32>(of(loss_high)));
+    const VU64 chance = draw_here({of(position[0]), of(position[1]), of(position[2])}, segment);
     Half out{};
     VU64 any = zero, all = hn::Not(zero);
     for (std::size_t word = 0; word < kWords; ++word) {
@@ -110,9 +110,9 @@ struct SampleResult {
 };
 
 // kBundle and kColouredBundle: weighted photons, with one or three irradiance words.
-enum class FlightKind : std::uint8_t { kBundle, kColouredBundle, kPhoton, kRendering };
-constexpr std::size_t words_of(FlightKind kind) {  // words of energy that lanes change
-  return kind == FlightKind::kColouredBundle ? kColours : kind == FlightKind::kBundle ? 1 : 0;
+enum class PathKind : std::uint8_t { kBundle, kColouredBundle, kPhoton, kRendering };
+constexpr std::size_t words_of(PathKind kind) {  // words of energy that lanes change
+  return kind == PathKind::kColouredBundle ? kColours : kind == PathKind::kBundle ? 1 : 0;
 }
 
 struct SampleLanes {
@@ -141,7 +141,7 @@ struct PartOpacity {
 // Opacities of the integration intervals of samples in a medium, with the conserving rules. `even`: all eight voxels around the
 // sample have one opacity and one tag.
 template <bool kWide>
-HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneState& ray, V begun,
+HWY_INLINE PartOpacity opacity_of_parts(const PathLanes& lanes, const LaneState& ray, V begun,
                                         const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
                                         const PacketField& field) {
   const D32 d;
@@ -170,7 +170,7 @@ HWY_INLINE PartOpacity opacity_of_parts(const FlightLanes& lanes, const LaneStat
 }
 
 // Rays at a reflecting surface that leave it, as in leaves().
-HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask reflecting, const PacketField& field) {
+HWY_INLINE Mask leave(const PathLanes& lanes, const SampleLanes& sample, Mask reflecting, const PacketField& field) {
   const Mask scattered = hn::And(reflecting, hn::MaskFromVec(lanes.scattered.load()));
   if (hn::AllFalse(D32(), scattered)) return scattered;
   PackedPosition at = small(sample.at);
@@ -184,7 +184,7 @@ HWY_INLINE Mask leave(const FlightLanes& lanes, const SampleLanes& sample, Mask 
 }
 
 // Removes from `in_medium` rays at a surface without interaction. `stands`: rays at a surface that scalar code must handle.
-HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, const FlightLanes& lanes, V trapped,
+HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, const PathLanes& lanes, V trapped,
                               const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
   const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
   out.trapped = hn::And(traps, hn::MaskFromVec(trapped));
@@ -199,15 +199,15 @@ HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, 
 }
 
 // Accumulates the opacity of the samples of `in_medium`. Returns which rays interact, as in interacts().
-HWY_INLINE Mask accumulate(SampleResult& out, V opacity, Mask in_medium, const FlightLanes& lanes) {
+HWY_INLINE Mask accumulate(SampleResult& out, V opacity, Mask in_medium, const PathLanes& lanes) {
   const V before = out.interacted, so_far = hn::Add(before, behind(before, opacity));
   out.interacted = hn::IfThenElse(in_medium, so_far, before);
   return hn::And(in_medium, hn::AndNot(hn::Gt(lanes.value.load(), so_far), hn::Ne(so_far, before)));
 }
 
 // Effects of a medium on lighting rays.
-template <FlightKind kKind>
-HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped, V alpha,
+template <PathKind kKind>
+HWY_INLINE void meet(SampleResult& out, const PathLanes& lanes, const LaneState& ray, V trapped, V alpha,
                      Mask in_medium, const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
@@ -235,8 +235,8 @@ HWY_INLINE void meet(SampleResult& out, const FlightLanes& lanes, const LaneStat
 }
 
 // Effects of a medium on rendering rays.
-HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const LaneState& ray, V trapped,
-                             Mask in_medium, const SampleLanes& sample, const PacketField& field) {
+HWY_INLINE void gather_light(SampleResult& out, const PathLanes& lanes, const LaneState& ray, V trapped, Mask in_medium,
+                             const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
   Mask stands;
@@ -257,15 +257,15 @@ HWY_INLINE void gather_light(SampleResult& out, const FlightLanes& lanes, const 
 }
 
 // Tries the samples of `samples`. Those in a medium cost most, so they wait until enough lanes have one.
-template <FlightKind kKind, bool kWide>
-HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& ray, V begun, V trapped,
+template <PathKind kKind, bool kWide>
+HWY_INLINE SampleResult try_samples(const PathLanes& lanes, const LaneState& ray, V begun, V trapped,
                                     const EnergyLanes& energy, V interacted, const SampleLanes& sample, Mask samples,
                                     const PacketField& field) {
   const D32 d;
   const V zero = hn::Zero(d);
   const Mask visible = hn::Ne(sample.depth, zero), none = hn::FirstN(d, 0);
   SampleResult out{samples, none, visible, none, energy, interacted, zero};
-  if constexpr (kKind == FlightKind::kRendering) {
+  if constexpr (kKind == PathKind::kRendering) {
     if (!hn::AllFalse(d, visible)) gather_light(out, lanes, ray, trapped, visible, sample, field);
   } else {
     const LightField& light = *field.light;
@@ -298,7 +298,7 @@ HWY_INLINE SampleResult try_samples(const FlightLanes& lanes, const LaneState& r
 
 // Queues the samples' colours in `seen`.
 HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, const SampleResult& taken,
-                              const LaneState& ray, const FlightLanes& lanes, const PacketField& field) {
+                              const LaneState& ray, const PathLanes& lanes, const PacketField& field) {
   const Mask coloured = hn::Ne(taken.weight, hn::Zero(D32()));
   if (hn::AllFalse(D32(), coloured)) return;
   V lit = taken.weight;

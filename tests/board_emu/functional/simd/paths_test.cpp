@@ -30,15 +30,15 @@ class MirrorRoutine : public Routines {
   }
 };
 
-struct Flown {
+struct TracedRays {
   std::vector<wire::Ray> rays;
   RayCounters counters;
   std::vector<bool> ended;
   std::vector<std::uint32_t> irradiance;
 };
 
-Flown fly(const Scene& scene, std::vector<wire::Ray> rays, const SimdTracer* tracer) {
-  Flown out{std::move(rays), {}, {}, {}};
+TracedRays trace_rays(const Scene& scene, std::vector<wire::Ray> rays, const SimdTracer* tracer) {
+  TracedRays out{std::move(rays), {}, {}, {}};
   Frame frame = scene.frame;
   std::vector<IrradianceMemory> irradiance;
   for (std::size_t word = 0; word < frame.light_words; ++word) {
@@ -85,7 +85,7 @@ std::vector<std::uint64_t> numbers(const RayCounters& counters) {
   return out;
 }
 
-void expect_equal(const Flown& got, const Flown& expected) {
+void expect_equal(const TracedRays& got, const TracedRays& expected) {
   EXPECT_EQ(numbers(got.counters), numbers(expected.counters));
   EXPECT_EQ(got.ended, expected.ended);
   EXPECT_EQ(got.irradiance, expected.irradiance);
@@ -167,7 +167,7 @@ void draw_light(Scene& scene, IrradianceMemory& light, Dice& dice) {
 }
 
 // Some of another kind than the most, some that have been scattered or trapped before.
-std::vector<wire::Ray> draw_flights(const Scene& scene, Dice& dice) {
+std::vector<wire::Ray> draw_path_rays(const Scene& scene, Dice& dice) {
   std::vector<wire::Ray> rays = draw_rays(scene, dice);
   const bool high = dice.chance(50);
   for (wire::Ray& ray : rays) {
@@ -185,9 +185,9 @@ std::vector<wire::Ray> draw_flights(const Scene& scene, Dice& dice) {
   return rays;
 }
 
-class FlightsOfRandomScenes : public testing::TestWithParam<unsigned> {};
+class PathsOfRandomScenes : public testing::TestWithParam<unsigned> {};
 
-TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
+TEST_P(PathsOfRandomScenes, GiveTheBitsOfThePlainWay) {
   Dice dice(GetParam());
   const MirrorRoutine routine;
   const int n = dice.one_of({8, 16, 32});
@@ -204,13 +204,13 @@ TEST_P(FlightsOfRandomScenes, GiveTheBitsOfThePlainWay) {
   scene.frame.irradiance = light.data();
   SimdTracer tracer(scene.opacity_correction);
   ASSERT_TRUE(tracer.prepare(1 << 20, scene.frame, 0, 2));
-  std::vector<wire::Ray> rays = draw_flights(scene, dice);
+  std::vector<wire::Ray> rays = draw_path_rays(scene, dice);
   if (dice.chance(30)) rays.resize(std::min<std::size_t>(rays.size(), static_cast<std::size_t>(dice.number(1, 17))));
-  const Flown expected = fly(scene, rays, nullptr);
-  on_every_target([&] { expect_equal(fly(scene, rays, &tracer), expected); });
+  const TracedRays expected = trace_rays(scene, rays, nullptr);
+  on_every_target([&] { expect_equal(trace_rays(scene, rays, &tracer), expected); });
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, FlightsOfRandomScenes, seeds(400));
+INSTANTIATE_TEST_SUITE_P(Scenes, PathsOfRandomScenes, seeds(400));
 
 }  // namespace
 }  // namespace gicube::emu

@@ -1,12 +1,12 @@
 // Compiled once for each instruction set of Highway (foreach_target); the host's best is chosen at run time.
 #include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "functional/simd/flights.cpp"
+#define HWY_TARGET_INCLUDE "functional/simd/paths.cpp"
 #include <hwy/foreach_target.h>  // includes this file again
 
 #include "datapath/ray_part.h"
-#include "flight_scheduler-inl.h"
-#include "functional/flight.h"
+#include "functional/traced_path.h"
+#include "path_scheduler-inl.h"
 #include "simd_tracer.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -14,16 +14,16 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField&, RayCounters& counters) {
-  for (Flight& flight : flights) fly(flight, frame, counters);
+void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const PacketField&, RayCounters& counters) {
+  for (TracedPath& path : paths) trace_path(path, frame, counters);
 }
 
 #else
 
-template <FlightKind kKind, bool kWide>
-void fly_with(FlightScheduler& scheduler, const PacketField& field, RayCounters& counters) {
+template <PathKind kKind, bool kWide>
+void trace_paths_with(PathScheduler& scheduler, const PacketField& field, RayCounters& counters) {
   const std::size_t count = hn::Lanes(D32());
-  FlightLanes lanes{};
+  PathLanes lanes{};
   while (true) {
     scheduler.serve(lanes, count);
     if (scheduler.busy() == 0) break;
@@ -34,21 +34,21 @@ void fly_with(FlightScheduler& scheduler, const PacketField& field, RayCounters&
   scheduler.finish_colours(field);
 }
 
-template <FlightKind kKind>
-void fly_kind(FlightScheduler& scheduler, const PacketField& field, RayCounters& counters) {
-  return field.wide ? fly_with<kKind, true>(scheduler, field, counters)
-                    : fly_with<kKind, false>(scheduler, field, counters);
+template <PathKind kKind>
+void trace_paths_of(PathScheduler& scheduler, const PacketField& field, RayCounters& counters) {
+  return field.wide ? trace_paths_with<kKind, true>(scheduler, field, counters)
+                    : trace_paths_with<kKind, false>(scheduler, field, counters);
 }
 
-void fly_all(std::span<Flight> flights, const Frame& frame, const PacketField& field, RayCounters& counters) {
-  if (flights.empty()) return;
-  const FlightKind kind = kind_of(flights.front().ray_state, frame);
-  FlightScheduler scheduler(flights, kind, frame, counters);
+void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const PacketField& field, RayCounters& counters) {
+  if (paths.empty()) return;
+  const PathKind kind = kind_of(paths.front().ray_state, frame);
+  PathScheduler scheduler(paths, kind, frame, counters);
   switch (kind) {
-    case FlightKind::kBundle: return fly_kind<FlightKind::kBundle>(scheduler, field, counters);
-    case FlightKind::kColouredBundle: return fly_kind<FlightKind::kColouredBundle>(scheduler, field, counters);
-    case FlightKind::kPhoton: return fly_kind<FlightKind::kPhoton>(scheduler, field, counters);
-    case FlightKind::kRendering: return fly_kind<FlightKind::kRendering>(scheduler, field, counters);
+    case PathKind::kBundle: return trace_paths_of<PathKind::kBundle>(scheduler, field, counters);
+    case PathKind::kColouredBundle: return trace_paths_of<PathKind::kColouredBundle>(scheduler, field, counters);
+    case PathKind::kPhoton: return trace_paths_of<PathKind::kPhoton>(scheduler, field, counters);
+    case PathKind::kRendering: return trace_paths_of<PathKind::kRendering>(scheduler, field, counters);
   }
 }
 
@@ -59,7 +59,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace gicube::emu {
 
-HWY_EXPORT(fly_all);
+HWY_EXPORT(trace_all_paths);
 
 namespace {
 
@@ -90,11 +90,11 @@ LightField light_field(const Frame& frame) {
 
 }  // namespace
 
-void SimdTracer::fly(std::span<Flight> flights, const Frame& frame, RayCounters& counters) const {
+void SimdTracer::trace_paths(std::span<TracedPath> paths, const Frame& frame, RayCounters& counters) const {
   PacketField field = field_of(frame);
   const LightField light = light_field(frame);
   field.light = &light;
-  HWY_DYNAMIC_DISPATCH(fly_all)(flights, frame, field, counters);
+  HWY_DYNAMIC_DISPATCH(trace_all_paths)(paths, frame, field, counters);
 }
 
 }  // namespace gicube::emu

@@ -9,8 +9,8 @@
 
 namespace gicube::emu {
 
-struct Flight {
-  Flight(std::size_t its_ray, const RayState& as_it_begins) : ray(its_ray), ray_state(as_it_begins) {}
+struct TracedPath {
+  TracedPath(std::size_t its_ray, const RayState& as_it_begins) : ray(its_ray), ray_state(as_it_begins) {}
 
   std::size_t ray;  // index among the rays that are traced together
   RayState ray_state;
@@ -22,6 +22,6 @@ struct Flight {
 Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters);
 
 // All iterations until the ray stops.
-void fly(Flight& flight, const Frame& frame, RayCounters& counters);
+void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters);
 
 }  // namespace gicube::emu
