@@ -173,8 +173,8 @@ bool interact_photon(Interaction& interaction, RayState& ray, const RayPart& par
   return false;
 }
 
-bool interact_bundle(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
-                     const Classified& sample, const Frame& frame, RayCounters& counters) {
+bool interact_weighted(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
+                       const Classified& sample, const Frame& frame, RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t lost = printed ? a : absorption_opacity(a, material);
@@ -359,7 +359,7 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
     } else if (ray.is(wire::kHighAlbedo)) {
       goes_on = interact_photon(interaction, ray, part, material, sample, frame, counters);
     } else {
-      goes_on = interact_bundle(interaction, ray, part, material, sample, frame, counters);
+      goes_on = interact_weighted(interaction, ray, part, material, sample, frame, counters);
     }
   } while (goes_on && part.next());
   if (goes_on) advance(ray, 1, frame);

@@ -33,7 +33,7 @@ struct PathLanes : Lanes {
   std::array<Word, 2> loss;                          // the path segment's part of the draws for the loss: 32 bits each
 };
 
-// A ray's energy after a loss of `lost`, of 24 bits, as in interact_bundle(). 64-bit lanes.
+// A ray's energy after a loss of `lost`, of 24 bits, as in interact_weighted(). 64-bit lanes.
 HWY_INLINE VU64 energy_after(VU64 before, VU64 lost, VU64 chance) {
   constexpr std::uint64_t kLow = (1 << 24) - 1;
   static_assert(wire::kOpacityOne == kLow);
@@ -109,10 +109,10 @@ struct SampleResult {
   V weight;  // weight of the sample in the ray's colour
 };
 
-// kBundle and kColouredBundle: weighted photons, with one or three irradiance words.
-enum class PathKind : std::uint8_t { kBundle, kColouredBundle, kPhoton, kRendering };
+// kWeighted and kColouredWeighted: weighted photons, with one or three irradiance words.
+enum class PathKind : std::uint8_t { kWeighted, kColouredWeighted, kPhoton, kRendering };
 constexpr std::size_t words_of(PathKind kind) {  // words of energy that lanes change
-  return kind == PathKind::kColouredBundle ? kColours : kind == PathKind::kBundle ? 1 : 0;
+  return kind == PathKind::kColouredWeighted ? kColours : kind == PathKind::kWeighted ? 1 : 0;
 }
 
 struct SampleLanes {

@@ -24,7 +24,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 inline PathKind kind_of(const RayState& ray, const Frame& frame) {
   if (!ray.is(wire::kLightingRay)) return PathKind::kRendering;
   if (ray.is(wire::kHighAlbedo)) return PathKind::kPhoton;
-  return frame.light_words == 1 ? PathKind::kBundle : PathKind::kColouredBundle;
+  return frame.light_words == 1 ? PathKind::kWeighted : PathKind::kColouredWeighted;
 }
 
 class PathScheduler {

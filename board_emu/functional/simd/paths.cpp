@@ -45,8 +45,8 @@ void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const Pack
   const PathKind kind = kind_of(paths.front().ray_state, frame);
   PathScheduler scheduler(paths, kind, frame, counters);
   switch (kind) {
-    case PathKind::kBundle: return trace_paths_of<PathKind::kBundle>(scheduler, field, counters);
-    case PathKind::kColouredBundle: return trace_paths_of<PathKind::kColouredBundle>(scheduler, field, counters);
+    case PathKind::kWeighted: return trace_paths_of<PathKind::kWeighted>(scheduler, field, counters);
+    case PathKind::kColouredWeighted: return trace_paths_of<PathKind::kColouredWeighted>(scheduler, field, counters);
     case PathKind::kPhoton: return trace_paths_of<PathKind::kPhoton>(scheduler, field, counters);
     case PathKind::kRendering: return trace_paths_of<PathKind::kRendering>(scheduler, field, counters);
   }

@@ -83,7 +83,7 @@ TEST(LightingPass, ReflectsAndPassesAScatteringLayersSharesWhereverItsFacesLie) 
         const double error = std::hypot(std::sqrt(right.mean * (1 - right.mean) / light.photons), right.error);
         EXPECT_NEAR(share, right.mean, std::max(3 * error, 0.005 * right.mean))
             << layer.begin << " to " << layer.end << ", step " << step << ", depth " << depth << ", albedo " << albedo
-            << (rays == Albedo::kLow ? ", bundles" : ", photons");
+            << (rays == Albedo::kLow ? ", weighted photons" : ", photons");
       }
       EXPECT_LT(light.sideways, 2e-3);
     }
@@ -164,7 +164,7 @@ TEST(LightingPass, ReflectsAndPassesTheSharesOfAScatteringLayerThatEndsByTag) {
       for (const auto& [share, right] : {std::pair{light.back, expected.back}, {light.through, expected.through}}) {
         const double error = std::hypot(std::sqrt(right.mean * (1 - right.mean) / light.photons), right.error);
         EXPECT_NEAR(share, right.mean, std::max(3 * error, 0.005 * right.mean))
-            << "step " << step << (rays == Albedo::kLow ? ", bundles" : ", photons");
+            << "step " << step << (rays == Albedo::kLow ? ", weighted photons" : ", photons");
       }
       EXPECT_LT(light.sideways, 2e-3);
     }
