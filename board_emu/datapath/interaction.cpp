@@ -5,7 +5,7 @@
 
 #include "datapath/illuminate.h"
 #include "datapath/random_stream.h"
-#include "datapath/ray_part.h"
+#include "datapath/ray_interval.h"
 #include "datapath/scatter.h"
 #include "datapath/trilinear_splat.h"
 
@@ -78,10 +78,10 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
 
 // The position at which the fraction `share` of the medium's optical depth is behind the ray; the printed rules use the
 // sample's own position. It may be in another block.
-Point place_in(const RayPart& part, double share, const RayState& ray, const Frame& frame) {
+Point place_in(const RayInterval& interval, double share, const RayState& ray, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
-  const double steps = part.place(share, frame);
+  const double steps = interval.place(share, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.slope(axis)));
     out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
@@ -131,14 +131,14 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
 }
 
 // The ray interacts after the fraction `share` of its medium's optical depth and is scattered.
-void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
-             const Classified& sample, const Frame& frame, RayCounters& counters) {
-  ray.position = place_in(part, share, ray, frame);
+void scatter(Interaction& interaction, RayState& ray, const RayInterval& interval, double share,
+             const wire::Material& material, const Classified& sample, const Frame& frame, RayCounters& counters) {
+  ray.position = place_in(interval, share, ray, frame);
   if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
     ++counters.traps;
-    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | part.tag() << kTrapTagShift);
+    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | interval.tag() << kTrapTagShift);
     interaction.outcome = Outcome::kTrapped;
     return;
   }
@@ -156,26 +156,28 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
 }
 
 // Each of the three interact_ functions handles one medium of the interval. Returns true if the ray continues straight on.
-bool interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
-                     const Classified& sample, const Frame& frame, RayCounters& counters) {
-  const std::uint32_t a = part.opacity();
+bool interact_photon(Interaction& interaction, RayState& ray, const RayInterval& interval,
+                     const wire::Material& material, const Classified& sample, const Frame& frame,
+                     RayCounters& counters) {
+  const std::uint32_t a = interval.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
   if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return true;
   const bool scatters = !straight && draws_scattering(ray, material, frame);
-  const EnergyUnits given = scatters ? keep_colour(ray, part.tag(), frame) : all_units(ray, frame);
-  deposit(interaction, ray, given, place_in(part, share, ray, frame), frame);
+  const EnergyUnits given = scatters ? keep_colour(ray, interval.tag(), frame) : all_units(ray, frame);
+  deposit(interaction, ray, given, place_in(interval, share, ray, frame), frame);
   if (scatters && (frame.light_words == 1 || all_units(ray, frame) != EnergyUnits{})) {
-    scatter(interaction, ray, part, share, material, sample, frame, counters);
+    scatter(interaction, ray, interval, share, material, sample, frame, counters);
   } else {
     interaction.outcome = Outcome::kEnded;
   }
   return false;
 }
 
-bool interact_weighted(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
-                       const Classified& sample, const Frame& frame, RayCounters& counters) {
-  const std::uint32_t a = part.opacity();
+bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterval& interval,
+                       const wire::Material& material, const Classified& sample, const Frame& frame,
+                       RayCounters& counters) {
+  const std::uint32_t a = interval.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t lost = printed ? a : absorption_opacity(a, material);
   // Stochastic rounding: otherwise small energies would never decrease in thin fog.
@@ -190,7 +192,7 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayPart& p
     any_left = any_left || left != 0;
     given[word] = units - left;
     if (!printed || given[word] == 0) continue;  // with the printed rules, scattered energy is lost [P §2.2]
-    const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, part.tag(), frame);
+    const std::uint64_t kept = wire::kScatteringOne - scattering_of(word, material, interval.tag(), frame);
     const std::uint64_t chance = (draw_here(RandomStream::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
     const auto absorbed = static_cast<std::uint32_t>((given[word] * kept + chance) / wire::kScatteringOne);
     counters.energy_of(word).scattered_away += given[word] - absorbed;
@@ -200,15 +202,15 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayPart& p
   const bool scatters = any_left && material.bsdf != wire::Bsdf::kNone &&
                         interacts(ray, printed ? a : scattering_opacity(a, material), frame, share);
   if (scatters && !printed && frame.light_words > 1) {
-    const EnergyUnits absorbed = keep_colour(ray, part.tag(), frame);
+    const EnergyUnits absorbed = keep_colour(ray, interval.tag(), frame);
     for (std::size_t word = 0; word < frame.light_words; ++word) given[word] += absorbed[word];
     any_left = all_units(ray, frame) != EnergyUnits{};
   }
-  deposit_more(interaction, ray, given, place_in(part, 0.5, ray, frame), frame);
+  deposit_more(interaction, ray, given, place_in(interval, 0.5, ray, frame), frame);
   if (!any_left) {
     interaction.outcome = Outcome::kEnded;
   } else if (scatters) {
-    scatter(interaction, ray, part, share, material, sample, frame, counters);
+    scatter(interaction, ray, interval, share, material, sample, frame, counters);
   }
   return any_left && !scatters;
 }
@@ -246,17 +248,17 @@ void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_
   over(ray, ray.wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayPart& part,
+bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayInterval& interval,
                         const wire::Material& material, const Classified& sample, const Frame& frame,
                         RayCounters& counters) {
-  const std::uint32_t a = part.opacity();
+  const std::uint32_t a = interval.opacity();
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double share = 0;
   if (frame.high_albedo) {
     if (!interacts(ray, a, frame, share)) return true;
     if (scatters && draws_scattering(ray, material, frame)) {
-      scatter(interaction, ray, part, share, material, sample, frame, counters);
+      scatter(interaction, ray, interval, share, material, sample, frame, counters);
       return false;
     }
     const Colour12 colour = colour_of(sample, site, frame);
@@ -270,7 +272,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
   }
   absorb(ray, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
   if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return true;
-  scatter(interaction, ray, part, share, material, sample, frame, counters);
+  scatter(interaction, ray, interval, share, material, sample, frame, counters);
   return false;
 }
 
@@ -337,31 +339,31 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   interaction.visible = visible(sample.index, frame);
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
-  RayPart part;
+  RayInterval interval;
   bool in_medium = interaction.visible;
   if (integrates) {
-    in_medium = !RayPart::is_clear(site, sample.tag, opacity, frame);
-    if (in_medium) part = RayPart::of(ray, site, sample.tag, opacity, first, frame);
+    in_medium = !RayInterval::is_clear(site, sample.tag, opacity, frame);
+    if (in_medium) interval = RayInterval::of(ray, site, sample.tag, opacity, first, frame);
   } else if (in_medium) {
-    part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
+    interval = RayInterval::step((*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
   }
   bool goes_on = true;
   do {  // one medium of the interval after the other
-    const wire::Material& material = frame.materials[part.tag()];
-    const bool meets = in_medium && (part.opacity() != 0 || !integrates);
+    const wire::Material& material = frame.materials[interval.tag()];
+    const bool meets = in_medium && (interval.opacity() != 0 || !integrates);
     if (ray.is(wire::kTrapped)) {  // back from the DSP: still at the surface?
       const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
       if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
     }
     if (!meets || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) continue;
     if (!ray.is(wire::kLightingRay)) {
-      goes_on = interact_rendering(interaction, ray, site, part, material, sample, frame, counters);
+      goes_on = interact_rendering(interaction, ray, site, interval, material, sample, frame, counters);
     } else if (ray.is(wire::kHighAlbedo)) {
-      goes_on = interact_photon(interaction, ray, part, material, sample, frame, counters);
+      goes_on = interact_photon(interaction, ray, interval, material, sample, frame, counters);
     } else {
-      goes_on = interact_weighted(interaction, ray, part, material, sample, frame, counters);
+      goes_on = interact_weighted(interaction, ray, interval, material, sample, frame, counters);
     }
-  } while (goes_on && part.next());
+  } while (goes_on && interval.next());
   if (goes_on) advance(ray, 1, frame);
   if (interaction.deposits) ++counters.deposits;
   return interaction;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datapath/frame.h"
-#include "datapath/ray_part.h"
+#include "datapath/ray_interval.h"
 #include "firmware/aperture.h"
 #include "firmware/bricks/waiting_rays.h"
 #include "firmware/host_traps.h"

@@ -10,7 +10,7 @@
 
 #include "gradient-inl.h"
 #include "march-inl.h"
-#include "ray_part-inl.h"
+#include "ray_interval-inl.h"
 #include "shading_queue-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -133,7 +133,7 @@ HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, co
   return out;
 }
 
-struct PartOpacity {
+struct IntervalOpacity {
   V alpha;
   Mask known;
 };
@@ -141,23 +141,23 @@ struct PartOpacity {
 // Opacities of the integration intervals of samples in a medium, with the conserving rules. `even`: all eight voxels around the
 // sample have one opacity and one tag.
 template <bool kWide>
-HWY_INLINE PartOpacity opacity_of_parts(const PathLanes& lanes, const LaneState& ray, V begun,
-                                        const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
-                                        const PacketField& field) {
+HWY_INLINE IntervalOpacity opacity_of_intervals(const PathLanes& lanes, const LaneState& ray, V begun,
+                                                const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
+                                                const PacketField& field) {
   const D32 d;
   const auto doubles = [](const std::array<DoubleWord, 3>& words) {
     return std::array<Doubles, 3>{words[0].load(), words[1].load(), words[2].load()};
   };
   const WayLanes way = way_of<kWide>(ray, doubles(lanes.slope), doubles(lanes.inverse), begun, field);
-  const PartLanes low = part_of_way(way, LowerLanes()), high = part_of_way(way, UpperLanes());
-  const Exponent part = exponent_of({low.begin, high.begin}, {low.end, high.end}, ray.exponent);
-  const V alpha = corrected(sample.depth, part.word, field);
-  const Mask even_parts = hn::And(hn::And(in_medium, even), part.holds), mixed = hn::AndNot(even, in_medium);
-  PartOpacity out{hn::IfThenElseZero(even_parts, alpha), even_parts};
+  const IntervalLanes low = interval_of_way(way, LowerLanes()), high = interval_of_way(way, UpperLanes());
+  const Exponent interval = exponent_of({low.begin, high.begin}, {low.end, high.end}, ray.exponent);
+  const V alpha = corrected(sample.depth, interval.word, field);
+  const Mask even_intervals = hn::And(hn::And(in_medium, even), interval.valid), mixed = hn::AndNot(even, in_medium);
+  IntervalOpacity out{hn::IfThenElseZero(even_intervals, alpha), even_intervals};
   if (hn::AllFalse(d, mixed)) return out;
   const V tag = hn::And(sample.entry, set(~0xFFF));
-  const auto depth = [&](const PartLanes& of, auto half) {
-    return depth_of_part(of, way, sample.corners, sample.at.fraction, tag, ray.exponent, *field.light, half);
+  const auto depth = [&](const IntervalLanes& of, auto half) {
+    return depth_of_interval(of, way, sample.corners, sample.at.fraction, tag, ray.exponent, *field.light, half);
   };
   const DepthLanes below = depth(low, LowerLanes()), above = depth(high, UpperLanes());
   const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
@@ -284,10 +284,11 @@ HWY_INLINE SampleResult try_samples(const PathLanes& lanes, const LaneState& ray
     }
     V alpha;
     if (light.runs != nullptr) {
-      const PartOpacity part = opacity_of_parts<kWide>(lanes, ray, begun, sample, one_tag, even, in_medium, field);
-      out.goes_on = hn::AndNot(hn::AndNot(part.known, in_medium), samples);
-      in_medium = hn::And(hn::And(in_medium, part.known), hn::Ne(part.alpha, zero));
-      alpha = part.alpha;
+      const IntervalOpacity interval =
+          opacity_of_intervals<kWide>(lanes, ray, begun, sample, one_tag, even, in_medium, field);
+      out.goes_on = hn::AndNot(hn::AndNot(interval.known, in_medium), samples);
+      in_medium = hn::And(hn::And(in_medium, interval.known), hn::Ne(interval.alpha, zero));
+      alpha = interval.alpha;
     } else {
       alpha = corrected(sample.depth, ray.exponent, field);
     }

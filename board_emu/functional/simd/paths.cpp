@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "functional/simd/paths.cpp"
 #include <hwy/foreach_target.h>  // includes this file again
 
-#include "datapath/ray_part.h"
+#include "datapath/ray_interval.h"
 #include "functional/traced_path.h"
 #include "path_scheduler-inl.h"
 #include "simd_tracer.h"

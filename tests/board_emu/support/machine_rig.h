@@ -12,7 +12,7 @@
 
 #include "cycle/machine.h"
 #include "cycle/machine_counters.h"
-#include "datapath/ray_part.h"
+#include "datapath/ray_interval.h"
 #include "firmware/lamps.h"
 #include "firmware/ray_sources/host_rays.h"
 #include "firmware/viewing_runs.h"

@@ -1,4 +1,4 @@
-#include "ray_part.h"
+#include "ray_interval.h"
 
 #include <algorithm>
 #include <cmath>
@@ -160,17 +160,17 @@ double DepthTable::way_to(double share, unsigned tag, double from, double to) co
   return std::clamp((at - a.at) / (b.at - a.at), 0.0, 1.0);
 }
 
-RayPart RayPart::step(std::uint32_t opacity, unsigned tag) {
-  RayPart out;
+RayInterval RayInterval::step(std::uint32_t opacity, unsigned tag) {
+  RayInterval out;
   out.piece_[out.pieces_++] = {0, 1, 1, 0, 0, tag};
   out.next();
   out.opacity_ = opacity;
   return out;
 }
 
-RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
-                    const Frame& frame) {
-  RayPart out;
+RayInterval RayInterval::of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity,
+                            bool first, const Frame& frame) {
+  RayInterval out;
   const Cell& cell = site.cell;
   const Neighbourhood voxels = around(site);
   const std::int16_t* const densities = site.view.densities;
@@ -220,7 +220,7 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
   return out;
 }
 
-bool RayPart::next() {
+bool RayInterval::next() {
   first_ = last_;
   if (first_ == pieces_) return false;
   tag_ = piece_[first_].tag;
@@ -234,7 +234,7 @@ bool RayPart::next() {
   return true;
 }
 
-double RayPart::place(double share, const Frame& frame) const {
+double RayInterval::place(double share, const Frame& frame) const {
   double left = share * depth_;
   for (std::size_t i = first_; i < last_; ++i) {
     const Piece& piece = piece_[i];

@@ -1,5 +1,5 @@
 // The table of optical depths against plain sums over the segmentation LUT: what lies between two densities, and where.
-#include "datapath/ray_part.h"
+#include "datapath/ray_interval.h"
 
 #include <gtest/gtest.h>
 
@@ -141,12 +141,12 @@ struct Rough {
     packet.flags = wire::kLightingRay;
     return unpack(packet, lit.scene.frame);
   }
-  RayPart part(const RayState& ray, bool first) {
+  RayInterval interval(const RayState& ray, bool first) {
     const Frame& frame = lit.scene.frame;
     const Cell at = cell(ray.position, {0, 0, 0});
     const BlockView view = frame.volume->view(0);
     const Sample sample = sample_at(ray.position, frame);
-    return RayPart::of(ray, {at, view, 0, 9}, 0, sample.entry.opacity, first, frame);
+    return RayInterval::of(ray, {at, view, 0, 9}, 0, sample.entry.opacity, first, frame);
   }
   // The density at `steps` from the sample.
   double density(const RayState& ray, double steps) const {
@@ -172,7 +172,7 @@ struct Rough {
   std::mt19937 random;
 };
 
-TEST(RayPart, HasTheDepthsOfDensitiesThatAreLinearBetweenItsEndsAndTheSample) {
+TEST(RayInterval, HasTheDepthsOfDensitiesThatAreLinearBetweenItsEndsAndTheSample) {
   Rough rough(1);
   for (std::size_t i = 0; i < 4096; ++i)
     rough.lit.scene.segmentation[i].opacity = static_cast<std::uint16_t>(i < 1400 ? 0 : (i - 1400) * 90);
@@ -184,40 +184,40 @@ TEST(RayPart, HasTheDepthsOfDensitiesThatAreLinearBetweenItsEndsAndTheSample) {
       const double length = ray.exponent / 65536.0, middle = rough.density(ray, 0);
       const double before = first ? 0 : table.between(0, rough.density(ray, -0.5), middle, length / 2).depth;
       const double depth = before + table.between(0, middle, rough.density(ray, 0.5), length / 2).depth;
-      ASSERT_NEAR(rough.part(ray, first).opacity(), -std::expm1(-depth) * wire::kOpacityOne, 0.5 + 1e-3);
+      ASSERT_NEAR(rough.interval(ray, first).opacity(), -std::expm1(-depth) * wire::kOpacityOne, 0.5 + 1e-3);
     }
   }
 }
 
-TEST(RayPart, OfOneOpacityIsCorrectedForItsLengthRounded) {
+TEST(RayInterval, OfOneOpacityIsCorrectedForItsLengthRounded) {
   Rough rough(2);
   for (std::size_t i = 0; i < 4096; ++i) rough.lit.scene.segmentation[i].opacity = 30'000;
   rough.lit.scene.set_depths();
   const OpacityCorrection correct;
   const RayState ray = rough.ray({16384, 0, 0}, 12'001);
   ASSERT_EQ(ray.exponent, 12'001u);
-  EXPECT_EQ(rough.part(ray, false).opacity(), correct(30'000, 12'001));
-  EXPECT_EQ(rough.part(ray, true).opacity(), correct(30'000, 6001)) << "6000.5";
+  EXPECT_EQ(rough.interval(ray, false).opacity(), correct(30'000, 12'001));
+  EXPECT_EQ(rough.interval(ray, true).opacity(), correct(30'000, 6001)) << "6000.5";
   EXPECT_NE(correct(30'000, 6001), correct(30'000, 6000));
 }
 
 // Along x the density grows from 1000 to 2000 in the cell; from 1500 on nothing passes.
-TEST(RayPart, EndsAtAWallAndHasPlacesBeforeIt) {
+TEST(RayInterval, EndsAtAWallAndHasPlacesBeforeIt) {
   Rough rough(3);
   rough.lit.scene.fill([](int x, int, int) { return wire::Voxel{static_cast<std::uint16_t>(x <= 2 ? 1000 : 2000)}; });
   for (std::size_t i = 0; i < 4096; ++i) rough.lit.scene.segmentation[i].opacity = i < 1500 ? 60'000 : 65535;
   rough.lit.scene.set_depths();
   RayState ray = rough.ray({16384, 0, 0}, wire::kStepOne);
   ray.position[0] = (2 << 14) + 4096;
-  const RayPart part = rough.part(ray, false);
-  EXPECT_EQ(part.opacity(), wire::kOpacityOne);
+  const RayInterval interval = rough.interval(ray, false);
+  EXPECT_EQ(interval.opacity(), wire::kOpacityOne);
   const Frame& frame = rough.lit.scene.frame;
   // Depth 2.47 a voxel before the wall, half a unit below 1500; log 2^25 in it.
   const double fog = -std::log1p(-60'000 / 65535.0), way = 0.4995, all = fog * way + std::log(2.0 * wire::kOpacityOne);
-  EXPECT_NEAR(part.place(0, frame), -0.25, 1e-9);
-  EXPECT_NEAR(part.place(0.25 * fog * way / all, frame), -0.25 + 0.25 * way, 1e-3);
-  EXPECT_NEAR(part.place(0.75 * fog * way / all, frame), -0.25 + 0.75 * way, 1e-3);
-  EXPECT_NEAR(part.place(0.5, frame), -0.25 + way, 1e-3);
+  EXPECT_NEAR(interval.place(0, frame), -0.25, 1e-9);
+  EXPECT_NEAR(interval.place(0.25 * fog * way / all, frame), -0.25 + 0.25 * way, 1e-3);
+  EXPECT_NEAR(interval.place(0.75 * fog * way / all, frame), -0.25 + 0.75 * way, 1e-3);
+  EXPECT_NEAR(interval.place(0.5, frame), -0.25 + way, 1e-3);
 }
 
 }  // namespace

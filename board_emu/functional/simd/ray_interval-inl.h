@@ -1,13 +1,13 @@
-// The integration interval of a lighting ray's sample, and its medium, for lanes of rays, as in datapath/ray_part.h and
+// The integration interval of a lighting ray's sample, and its medium, for lanes of rays, as in datapath/ray_interval.h and
 // datapath/interaction.h, except intervals with an opaque entry or voxels of several tags. Doubles take the same operations in
 // the same order, so that their bits are the same; a quotient by a power of two is a product.
 
 // Included once for each instruction set.
-#if defined(GICUBE_RAY_PART) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_RAY_PART
-#undef GICUBE_RAY_PART
+#if defined(GICUBE_RAY_INTERVAL) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_RAY_INTERVAL
+#undef GICUBE_RAY_INTERVAL
 #else
-#define GICUBE_RAY_PART
+#define GICUBE_RAY_INTERVAL
 #endif
 
 #include <limits>
@@ -144,8 +144,8 @@ struct ReachLanes {
   VD entry, exit;
 };
 
-// Intervals of half of the lanes, as in RayPart::of().
-struct PartLanes {
+// Intervals of half of the lanes, as in RayInterval::of().
+struct IntervalLanes {
   VD begin, end;  // ends of the sample's interval
   ReachLanes own;
 };
@@ -194,7 +194,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
 }
 
 template <class HalfOf>
-HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
+HWY_INLINE IntervalLanes interval_of_way(const WayLanes& way, HalfOf half) {
   const DD d;
   const VD size = hn::Set(d, wire::kVoxel);
   const auto reach = [&](const std::array<V, 3>& at, double steps) {
@@ -211,7 +211,7 @@ HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
     return out;
   };
   const VD a_half = hn::Set(d, 0.5);
-  PartLanes out;
+  IntervalLanes out;
   out.own = reach(way.here, 0);
   const VD last_exit = reach(way.before, -1).exit, next_entry = reach(way.after, 1).entry;
   const VD begin = hn::Mul(hn::Add(hn::Min(last_exit, out.own.entry), out.own.entry), a_half);
@@ -227,16 +227,16 @@ HWY_INLINE PartLanes part_of_way(const WayLanes& way, HalfOf half) {
   return out;
 }
 
-// Optical depth of an interval with varying density, as in RayPart::of(), if none of the entries `least` to `most` is opaque.
+// Optical depth of an interval with varying density, as in RayInterval::of(), if no entry from `least` to `most` is opaque.
 struct DepthLanes {
   VD depth, least, most;
 };
 
 // `tag`: of the samples, in the bits above those of a density.
 template <class HalfOf>
-HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, const Corners& corners,
-                                    const std::array<V, 3>& fraction, V tag, V exponent, const LightField& light,
-                                    HalfOf half) {
+HWY_INLINE DepthLanes depth_of_interval(const IntervalLanes& interval, const WayLanes& way, const Corners& corners,
+                                        const std::array<V, 3>& fraction, V tag, V exponent, const LightField& light,
+                                        HalfOf half) {
   const DD d;
   const VD zero = hn::Zero(d), one = hn::Set(d, 1);
   const auto lerp = [](VD a, VD b, VD w) { return hn::Add(a, hn::Mul(hn::Sub(b, a), w)); };
@@ -265,7 +265,7 @@ HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, 
     const VD below = hn::GatherIndex(d, light.sums, index), above = hn::GatherIndex(d, light.sums + 1, index);
     return BinPositionLanes{sum, bin, lerp(below, above, hn::Sub(sum, bin)), hn::Sub(above, below)};
   };
-  const VD entry = hn::Max(part.begin, part.own.entry), exit = hn::Min(part.end, part.own.exit);
+  const VD entry = hn::Max(interval.begin, interval.own.entry), exit = hn::Min(interval.end, interval.own.exit);
   const VD middle = hn::Min(hn::Max(zero, entry), exit);
   const BinPositionLanes from = place(density(entry)), here = place(density(middle)), to = place(density(exit));
   const VD lengths = hn::Mul(half(exponent), hn::Set(d, 1.0 / 65536));
@@ -279,16 +279,16 @@ HWY_INLINE DepthLanes depth_of_part(const PartLanes& part, const WayLanes& way, 
     const MaskD stays = hn::Lt(hn::Abs(passed), hn::Set(d, kNoWay));
     return hn::IfThenElse(stays, a.slope, hn::Div(hn::Sub(b.until, a.until), passed));
   };
-  add(part.begin, entry, from.slope);
+  add(interval.begin, entry, from.slope);
   add(entry, middle, mean(from, here));
   add(middle, exit, mean(here, to));
-  add(exit, part.end, to.slope);
+  add(exit, interval.end, to.slope);
   return DepthLanes{depth, hn::Min(hn::Min(from.bin, here.bin), to.bin), hn::Max(hn::Max(from.bin, here.bin), to.bin)};
 }
 
 struct Exponent {
   V word;
-  Mask holds;  // the exponent is valid
+  Mask valid;  // the exponent fits its word
 };
 
 // The exponent of an interval in a medium of one opacity.

@@ -61,13 +61,13 @@ inline std::uint32_t opacity_of_depth(double depth) {
 }
 
 // Iterates over the media of the interval, if the voxels around the sample have several tags. Begins with the first.
-class RayPart {
+class RayInterval {
  public:
   // A whole step in a medium of one opacity.
-  static RayPart step(std::uint32_t opacity, unsigned tag);
+  static RayInterval step(std::uint32_t opacity, unsigned tag);
   // The interval of a lighting ray's sample at `site` with this material and opacity. `first`: of its path segment.
-  static RayPart of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
-                    const Frame& frame);
+  static RayInterval of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
+                        const Frame& frame);
   // True only if the interval has no opacity. Fast, because most samples are in empty space.
   static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
     return opacity == 0 && has_one_tag(site) &&
