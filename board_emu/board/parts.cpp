@@ -86,7 +86,7 @@ void Board::Parts::control(std::uint32_t bits) {
   }
   if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
   if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
-  if ((bits & wire::kControlClearSums) != 0) commands.clear_sums();
+  if ((bits & wire::kControlClearSums) != 0) commands.clear_accumulators();
   if ((bits & wire::kControlDropBlocks) != 0) commands.drop_blocks();
   if ((bits & wire::kControlDropRays) != 0) commands.drop_rays();
 }

@@ -4,7 +4,7 @@
 
 #include "cycle/machine_counters.h"
 #include "levels/counters.h"
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 #include "words/scope_exit.h"
 
 namespace gicube::emu {
@@ -15,14 +15,15 @@ Machine& CycleLevel::machine_for(const Frame& frame) {
     machine_ = std::make_unique<Machine>(config_, frame.volume->blocks());
     machine_->set_observer(observer_);
   }
-  const bool accumulates = frame.sums != nullptr;
+  const bool accumulates = frame.accumulators != nullptr;
   if (caches_accumulators_ != accumulates) machine_->invalidate_caches();
   caches_accumulators_ = accumulates;
   return *machine_;
 }
 
 Machine& CycleLevel::machine_to_go_on(RaySource& source, const Frame& frame) {
-  const bool fits = machine_->blocks() == frame.volume->blocks() && caches_accumulators_ == (frame.sums != nullptr);
+  const bool fits =
+      machine_->blocks() == frame.volume->blocks() && caches_accumulators_ == (frame.accumulators != nullptr);
   if (!fits) throw CheckpointFault("run", "that of its command", "another");
   NumbersArchive archive(true, of_source_);
   archive.field("source", [&](Archive::Record& record) { source.state(record, run_->begin); });
@@ -36,7 +37,7 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
   try {
     Machine& machine = goes_on ? machine_to_go_on(source, frame) : machine_for(frame);
     if (!goes_on) {
-      if (frame.sums != nullptr) frame.sums->moved_anywhere(frame.max_moved);
+      if (frame.accumulators != nullptr) frame.accumulators->moved_anywhere(frame.max_moved);
       run_.emplace(Run{}).before = ray_counters(machine);
     }
     run_->source = &source;

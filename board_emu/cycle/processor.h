@@ -157,7 +157,7 @@ class Processor {
   void write(std::uint32_t block, std::uint32_t tile, bool irradiance);
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
   // Whether irradiance words have their own packets, and rays of this frame may read or change them.
-  bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
+  bool packs_irradiance() const { return cells_.has_value() && frame_->accumulators == nullptr; }
   // Whether rays of this frame may do more than gather. With a trace, only reading irradiance from its own packets counts.
   bool does_more_than_gather() const {
     return values_are_known_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();

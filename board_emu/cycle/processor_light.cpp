@@ -4,7 +4,7 @@
 #include "asic/cache/splat_tiles.h"
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 #include "processor.h"
 
 namespace gicube::emu {
@@ -32,8 +32,8 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
   const Deposit here = on_card(interaction.deposit, *frame_);
   Deposit written = here;
   if (writes_all_voxels()) written.shares.fill(1);
-  const SharingBlocks sharing =
-      frame_->sums != nullptr ? frame_->sums->blocks_of(written) : frame_->irradiance->blocks_of(written);
+  const SharingBlocks sharing = frame_->accumulators != nullptr ? frame_->accumulators->blocks_of(written)
+                                                                : frame_->irradiance->blocks_of(written);
   Splat* work = nullptr;
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) work = &splat(block, interaction, ray.ray_state, entry);
@@ -88,8 +88,8 @@ Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, con
              gives = std::ranges::any_of(deposit.shares, [](auto share) { return share != 0; });
   if (!gives) {
     // no word changes
-  } else if (frame_->sums != nullptr) {
-    counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
+  } else if (frame_->accumulators != nullptr) {
+    counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->accumulators->add(deposit, block));
   } else if (frame_->light_words == 1) {
     counts_.energy.deposited += frame_->irradiance->add(deposit, block);
   } else {
@@ -101,7 +101,8 @@ Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, con
   Splat& work = add_splat(block, entry);
   const auto edge = static_cast<std::int32_t>(edge_);
   const SplatTiles tiles = tiles_of(
-      deposit, {grid_.corner(block), edge, edge - (frame_->sums != nullptr ? 2 : 1), packs_irradiance() ? 2 : 1}, all);
+      deposit,
+      {grid_.corner(block), edge, edge - (frame_->accumulators != nullptr ? 2 : 1), packs_irradiance() ? 2 : 1}, all);
   work.tiles = static_cast<std::uint8_t>(tiles.count);
   work.tile = tiles.tile;
   return work;
@@ -117,7 +118,7 @@ RayToken Processor::carrier(const RayState& from, const Interaction& interaction
   ray.ray_state.flags = wire::kLightingRay | wire::kIrradianceCarrier;
   for (std::size_t word = 0; word < frame_->light_words; ++word) {
     const std::uint64_t units = interaction.units[word];
-    ray.ray_state.set_energy(word, frame_->sums != nullptr ? units & 0xFF'FFFF : units << kEnergyFractionBits);
+    ray.ray_state.set_energy(word, frame_->accumulators != nullptr ? units & 0xFF'FFFF : units << kEnergyFractionBits);
   }
   ray.block = block;
   RayToken token;

@@ -82,7 +82,7 @@ Interaction brought_by(const RayState& carrier, const Frame& frame) {
   out.deposits = true;
   out.place = carrier.position;
   out.lifetime = carrier.lifetime;
-  if (frame.sums != nullptr) {
+  if (frame.accumulators != nullptr) {
     out.deposit = spread_at(carrier.position, carrier.amount());
     return out;
   }

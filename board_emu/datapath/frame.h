@@ -23,7 +23,7 @@ class DepthTable;
 class HostDepositList;
 class HostTrapQueue;
 class Routines;
-class SumMemory;
+class AccumulatorMemory;
 class WaitingRayQueue;
 
 // Three irradiance words: red, green, blue. Fractions of an energy, wire::kScatteringOne = all.
@@ -57,8 +57,8 @@ struct Frame {
 
   // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the host.
   wire::RayType type = wire::RayType::kIntegrate;
-  SumMemory* sums = nullptr;    // accumulators of backprojecting rays; null: these use irradiance words
-  std::uint64_t max_moved = 0;  // the most by which the rays can change one accumulator
+  AccumulatorMemory* accumulators = nullptr;  // those of backprojecting rays; null: these use irradiance words
+  std::uint64_t max_moved = 0;                // the most by which the rays can change one accumulator
 
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it

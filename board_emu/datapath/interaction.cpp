@@ -282,7 +282,7 @@ Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters
   interaction.visible = true;
   const std::int32_t amount = ray.amount();
   ++counters.deposits;
-  if (frame.sums != nullptr) {
+  if (frame.accumulators != nullptr) {
     interaction.deposits = amount != 0;
     interaction.place = ray.position;
     interaction.units[0] = static_cast<std::uint32_t>(amount);

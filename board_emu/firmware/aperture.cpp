@@ -24,7 +24,7 @@ Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::size_t irrad
       gradients_(wire::kGradientCodes, decode_gradient),
       materials_(wire::kTags, wire::decode<wire::Material>),
       scattering_colours_(wire::kTags, wire::decode<wire::ScatteringColour>),
-      sums_(block_voxels),
+      accumulators_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       absent_flags_(wire::kAbsentFlags.bytes),
@@ -116,7 +116,7 @@ std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int bloc
   for (const int edge : size) blocks *= static_cast<std::uint64_t>((edge + block_voxels - 1) / block_voxels);
   const auto cells = static_cast<std::uint64_t>(block_voxels / 4);
   return blocks * (VolumeMemory::kBytesOfBlock + irradiance_words * IrradianceMemory::kBytesOfBlock +
-                   SumMemory::kBytesOfBlock + cells * cells * cells * kBytesOfCell);
+                   AccumulatorMemory::kBytesOfBlock + cells * cells * cells * kBytesOfCell);
 }
 
 std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, std::uint64_t length) {
@@ -141,7 +141,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     const IrradianceMemory* const words = irradiance_of(*region);
     return words != nullptr ? read_from(*words, 4) : std::nullopt;
   }
-  if (is(region, wire::kSums)) return read_from(sums_, 9);
+  if (is(region, wire::kSums)) return read_from(accumulators_, 9);
   if (is(region, wire::kHostDeposits)) return host_deposits_->read(offset, length);
   if (is(region, wire::kHostRayMemory)) return read_host_rays(offset, length);
   const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)           ? materials_.bytes()
@@ -181,13 +181,13 @@ void Aperture::state(Archive& archive) {
   archive("volume", volume_);
   if (archive.loads()) {
     for (IrradianceMemory& each : irradiance_) each.resize(volume_.size());
-    sums_.resize(volume_.size());
+    accumulators_.resize(volume_.size());
     gradients_changed_ = true;
   }
   for (std::size_t word = 0; word < irradiance_.size(); ++word) {
     archive(wire::irradiance_region(word).name, irradiance_[word]);
   }
-  archive("sums", sums_);
+  archive("sums", accumulators_);
   archive("volume_writes", volume_writes_);
   archive("segmentation_writes", segmentation_writes_);
   archive("framebuffer", framebuffer_);
@@ -206,7 +206,7 @@ void Aperture::state(Archive& archive) {
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
   for (IrradianceMemory& each : irradiance_) each.resize(size);
-  sums_.resize(size);
+  accumulators_.resize(size);
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
   std::fill(absent_flags_.begin(), absent_flags_.end(), std::uint8_t{0});

@@ -15,8 +15,8 @@
 #include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/ray.h"
+#include "memory/accumulator_memory.h"
 #include "memory/irradiance_memory.h"
-#include "memory/sum_memory.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
@@ -109,7 +109,7 @@ class Aperture {
   std::uint64_t free_irradiance_bytes(std::uint64_t blocks) const;
   void clear_irradiance();
   void expect_deposits();
-  SumMemory& sums() { return sums_; }
+  AccumulatorMemory& accumulators() { return accumulators_; }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
   HostDeposits& host_deposits() { return *host_deposits_; }
@@ -133,7 +133,7 @@ class Aperture {
   Table<wire::Material, wire::kMaterialBytes> materials_;
   Table<wire::ScatteringColour, wire::kScatteringColourBytes> scattering_colours_;
   std::vector<IrradianceMemory> irradiance_;
-  SumMemory sums_;
+  AccumulatorMemory accumulators_;
   bool gradients_changed_ = true;
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;

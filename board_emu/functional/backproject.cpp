@@ -13,7 +13,7 @@
 #include "datapath/ray_step.h"
 #include "functional/simd/splat_pieces.h"
 #include "gicube/parallel_for.h"
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 
 namespace gicube::emu {
 
@@ -49,9 +49,10 @@ class Part {
 // Divides the volume into tiles, which are slabs of blocks.
 class Tiles {
  public:
-  explicit Tiles(const SumMemory& sums)
-      : blocks_(sums.blocks()),
-        tile_{.across = static_cast<std::size_t>(sums.block_voxels()), .depth = depth(sums.block_voxels())} {
+  explicit Tiles(const AccumulatorMemory& accumulators)
+      : blocks_(accumulators.blocks()),
+        tile_{.across = static_cast<std::size_t>(accumulators.block_voxels()),
+              .depth = depth(accumulators.block_voxels())} {
     const int bits = std::countr_zero(tile_.across) + wire::kPositionFractionBits;
     slab_bits_ = std::countr_zero(slabs());
     shift_ = {bits, bits, std::countr_zero(tile_.depth) + wire::kPositionFractionBits};
@@ -197,7 +198,7 @@ class Cells {
   explicit Cells(const Tiles& tiles) : tiles_(tiles), lines_(tiles.tile().words() / kLine) {}
 
   // Adds the tile's parts of all cuts to the block's words.
-  void add(std::size_t tile, const std::vector<Cut>& cuts, SumMemory& sums) {
+  void add(std::size_t tile, const std::vector<Cut>& cuts, AccumulatorMemory& accumulators) {
     constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
     const Point corner = tiles_.corner(tile);
     const std::size_t block = tiles_.block_of(tile), slab = tiles_.slab_of(tile);
@@ -212,7 +213,7 @@ class Cells {
         const bool is_full = moved + moves > kMax;
         if (is_full || count_ == pieces_.size()) splat_pieces();
         if (is_full) {
-          join(tiles_.tile(), words(), sums.storage(block) + slab * tiles_.tile().depth * row * row);
+          join(tiles_.tile(), words(), accumulators.storage(block) + slab * tiles_.tile().depth * row * row);
           moved = 0;
         }
         moved += moves;
@@ -221,7 +222,7 @@ class Cells {
     }
     if (count_ == 0) return;
     splat_pieces();
-    join(tiles_.tile(), words(), sums.storage(block) + slab * tiles_.tile().depth * row * row);
+    join(tiles_.tile(), words(), accumulators.storage(block) + slab * tiles_.tile().depth * row * row);
   }
 
  private:
@@ -245,15 +246,15 @@ class Cells {
 class PendingRays : public WaitingAdds {
  public:
   void take(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads, RayCounters& counters) {
-    SumMemory& sums = *frame.sums;
-    const Tiles tiles(sums);
+    AccumulatorMemory& accumulators = *frame.accumulators;
+    const Tiles tiles(accumulators);
     threads_ = std::max(threads, 1u);
     constexpr std::size_t kMinRays = 2048;  // chosen: a thread costs as much as some hundred rays
     const std::size_t parts = std::clamp<std::size_t>(rays.size() / kMinRays, 1, threads_);
     if (cuts_.size() < parts) cuts_.resize(parts);
     for (Cut& cut : cuts_) {
       cut.parts.resize(tiles.layer() * tiles.layers());
-      cut.moves.assign(sums.block_count(), 0);
+      cut.moves.assign(accumulators.block_count(), 0);
     }
     parallel_for(parts, threads_, [&](std::size_t t) {
       const std::size_t first = rays.size() * t / parts, last = rays.size() * (t + 1) / parts;
@@ -267,20 +268,22 @@ class PendingRays : public WaitingAdds {
       bytes += cuts_[t].bytes();
       if (t >= parts) continue;
       counters += cuts_[t].counters;
-      for (std::size_t block = 0; block < sums.block_count(); ++block) sums.moved(block, cuts_[t].moves[block]);
+      for (std::size_t block = 0; block < accumulators.block_count(); ++block)
+        accumulators.moved(block, cuts_[t].moves[block]);
     }
-    if (bytes > sums.max_waiting_bytes()) add_to(sums);
+    if (bytes > accumulators.max_waiting_bytes()) add_to(accumulators);
   }
 
-  void add_to(SumMemory& sums) override {
+  void add_to(AccumulatorMemory& accumulators) override {
     if (std::ranges::all_of(cuts_, [](const Cut& cut) { return cut.rays.empty(); })) return;
-    const Tiles tiles(sums);
+    const Tiles tiles(accumulators);
     // Layer by layer: rays that turn about z stay in a core's cache, and no two threads add to tiles of one block.
     for (std::size_t layer = 0; layer < tiles.layers(); ++layer) {
       std::atomic<std::size_t> next = layer * tiles.layer();
       parallel_for(threads_, threads_, [&](std::size_t) {
         Cells cells(tiles);
-        for (std::size_t tile = next++; tile < (layer + 1) * tiles.layer(); tile = next++) cells.add(tile, cuts_, sums);
+        for (std::size_t tile = next++; tile < (layer + 1) * tiles.layer(); tile = next++)
+          cells.add(tile, cuts_, accumulators);
       });
     }
     forget();
@@ -303,7 +306,7 @@ class PendingRays : public WaitingAdds {
 }  // namespace
 
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
-  std::unique_ptr<WaitingAdds>& waiting = frame.sums->waiting();
+  std::unique_ptr<WaitingAdds>& waiting = frame.accumulators->waiting();
   if (waiting == nullptr) waiting = std::make_unique<PendingRays>();
   RayCounters sum;
   static_cast<PendingRays&>(*waiting).take(rays, frame, threads, sum);

@@ -10,7 +10,7 @@
 
 namespace gicube::emu {
 
-// Queues the rays' contributions to frame.sums. The energy counters' `deposited.kept` is their signed sum, modulo 2^64.
+// Queues the rays' contributions to frame.accumulators. The energy counters' `deposited.kept` is their signed sum, modulo 2^64.
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads);
 
 }  // namespace gicube::emu

@@ -80,7 +80,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
 
 RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& progress) {
   Counts counts;
-  if (frame.sums != nullptr) {
+  if (frame.accumulators != nullptr) {
     counts = backproject_all(source, frame, threads_);
   } else {
     const bool vectors =
@@ -91,7 +91,7 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   ran.answered = v1::functional;
   ran.made = counts.made;
   ran.rays = counts;
-  ran.cancelled = frame.sums == nullptr && progress.cancel;
+  ran.cancelled = frame.accumulators == nullptr && progress.cancel;
   const std::uint64_t made = source.misses_are_free() ? counts.made : source.count();
   ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.looking + counts.trap_cycles;
   if (counts.looked_in != nullptr) ran.dsp_cycles += counts.looked_in->setup();

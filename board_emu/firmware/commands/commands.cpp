@@ -55,8 +55,8 @@ void DspCommands::clear_irradiance() {
   level_.deposits_cleared();
 }
 
-void DspCommands::clear_sums() {
-  aperture_.sums().clear();
+void DspCommands::clear_accumulators() {
+  aperture_.accumulators().clear();
   level_.deposits_cleared();
 }
 
@@ -148,7 +148,7 @@ void DspCommands::state(Archive& archive) {
 }
 
 std::uint64_t DspCommands::stored_words() {
-  return aperture_.stored_irradiance_bytes() + aperture_.sums().stored_bytes();
+  return aperture_.stored_irradiance_bytes() + aperture_.accumulators().stored_bytes();
 }
 
 Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
@@ -201,10 +201,11 @@ bool DspCommands::fits(std::uint64_t bytes) {
 
 void DspCommands::expect_memory(const Frame& frame, std::uint64_t pixels) {
   if (!is_limited()) return;
-  const bool sums = frame.sums != nullptr, deposits = frame.lights() || (frame.backprojects() && !sums);
+  const bool accumulates = frame.accumulators != nullptr,
+             deposits = frame.lights() || (frame.backprojects() && !accumulates);
   words_bytes_ = stored_words();
-  const std::uint64_t more_words =
-      (deposits ? aperture_.free_irradiance_bytes(capacity_blocks()) : 0) + (sums ? aperture_.sums().free_bytes() : 0);
+  const std::uint64_t more_words = (deposits ? aperture_.free_irradiance_bytes(capacity_blocks()) : 0) +
+                                   (accumulates ? aperture_.accumulators().free_bytes() : 0);
   const std::uint64_t decoded = frame.backprojects() ? 0 : aperture_.volume().bytes_to_decode(reads(frame));
   const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture_.image_bytes();
   const std::uint64_t taken = aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image;

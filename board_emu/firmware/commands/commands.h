@@ -66,7 +66,7 @@ class DspCommands {
   bool drop_block(std::uint32_t block);
   void drop_rays();
   void clear_irradiance();
-  void clear_sums();
+  void clear_accumulators();
   void reset();
 
   // Limits the host memory of volume, words and image. Allocations are checked in advance: register and memory writes

@@ -116,7 +116,7 @@ Frame DspCommands::trace_frame(const wire::TraceHeader& header) {
   } else {
     set_type(frame, header);
   }
-  if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
+  if (header.words == wire::SumWords::kWhole) frame.accumulators = &aperture_.accumulators();
   return frame;
 }
 
@@ -153,7 +153,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
          "0..5 of a volume with more blocks than the card stores", static_cast<std::uint64_t>(header.type));
   Frame frame = trace_frame(header);
   if (frame.scatter || deposit) check_materials(false);
-  if (frame.backprojects() && frame.sums == nullptr) {
+  if (frame.backprojects() && frame.accumulators == nullptr) {
     expect(frame.light_words == 1, "words", "1 (sums) on a card of three irradiance words", 0);
     aperture_.expect_deposits();
   }
@@ -169,7 +169,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
       check_words(rays[i], header, max_energy);
     });
   }
-  if (frame.sums != nullptr) {
+  if (frame.accumulators != nullptr) {
     frame.max_moved = max_moved(rays, frame);
     expect(frame.max_moved <= kMaxMoved, "rays", "that can move no sum by more than 2^34", frame.max_moved);
   }
@@ -194,7 +194,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
     return result;
   }
   if (frame.backprojects()) {
-    add_deposits(result, ran.rays, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
+    add_deposits(result, ran.rays, frame.accumulators != nullptr ? frame.accumulators->settle() : Overflow{});
     return result;
   }
   result.payload.resize(count * wire::kRayBytes);

@@ -11,7 +11,7 @@
 #include "datapath/ray_step.h"
 #include "gicube/wire/voxel.h"
 #include "machine_rig.h"
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 #include "simd/instruction_sets.h"
 
 namespace gicube::emu {
@@ -42,17 +42,18 @@ struct Plain {
   }
 };
 
-std::vector<std::int64_t> words_of(SumMemory& sums) {
-  const auto n = static_cast<std::size_t>(sums.block_voxels());
-  std::vector<std::uint8_t> bytes(sums.bytes());
-  sums.read(0, bytes);
+std::vector<std::int64_t> words_of(AccumulatorMemory& accumulators) {
+  const auto n = static_cast<std::size_t>(accumulators.block_voxels());
+  std::vector<std::uint8_t> bytes(accumulators.bytes());
+  accumulators.read(0, bytes);
   std::vector<std::int64_t> words;
   for (int z = 0; z < kSize[2]; ++z) {
     for (int y = 0; y < kSize[1]; ++y) {
       for (int x = 0; x < kSize[0]; ++x) {
         const std::size_t at[] = {static_cast<std::size_t>(x), static_cast<std::size_t>(y),
                                   static_cast<std::size_t>(z)};
-        const auto nx = static_cast<std::size_t>(sums.blocks()[0]), ny = static_cast<std::size_t>(sums.blocks()[1]);
+        const auto nx = static_cast<std::size_t>(accumulators.blocks()[0]),
+                   ny = static_cast<std::size_t>(accumulators.blocks()[1]);
         const std::size_t block = at[0] / n + nx * (at[1] / n + ny * (at[2] / n));
         const std::uint64_t bits =
             wire::load36(bytes, block * n * n * n + at[0] % n + n * (at[1] % n + n * (at[2] % n)));
@@ -93,14 +94,14 @@ TEST(Backproject, LeavesWhatSamplesLeaveOneByOne) {
         SCOPED_TRACE(testing::Message() << n << ' ' << wide << ' ' << step);
         Scene scene(kSize, n);
         if (wide) scene.widen();
-        SumMemory sums(n);
-        sums.resize(kSize);
+        AccumulatorMemory accumulators(n);
+        accumulators.resize(kSize);
         Frame frame = scene.frame;
         frame.type = wire::RayType::kBackproject;
         frame.step = step;
         frame.opacity_threshold = wire::kOpacityOne;
         frame.jitter = frame.skip_empty = false;
-        frame.sums = &sums;
+        frame.accumulators = &accumulators;
         Plain plain;
         RayCounters counters;
         for (const unsigned threads : {1u, 3u, 2u}) {
@@ -108,12 +109,12 @@ TEST(Backproject, LeavesWhatSamplesLeaveOneByOne) {
           for (int i = 0; i < 150; ++i) rays.push_back(random_ray(random));
           for (const wire::Ray& ray : rays) plain.add(ray, frame);
           counters += backproject(rays, frame, threads);
-          EXPECT_EQ(sums.settle().words, 0u);
+          EXPECT_EQ(accumulators.settle().words, 0u);
         }
         EXPECT_EQ(counters.rays, plain.counters.rays);
         EXPECT_EQ(counters.samples, plain.counters.samples);
         EXPECT_EQ(counters.energy.deposited.kept, plain.counters.energy.deposited.kept);
-        EXPECT_EQ(words_of(sums), plain.words);
+        EXPECT_EQ(words_of(accumulators), plain.words);
       }
     }
   }
@@ -128,23 +129,23 @@ TEST(Backproject, CellsAreBroughtToTheWordsBeforeTheyAreFull) {
   ray.opacity = static_cast<std::uint32_t>(-wire::kMaxAmount) & wire::kOpacityOne;
   const std::vector<wire::Ray> rays(400, ray);  // 400 x 2^23, which takes 32 bits
   on_every_target([&] {
-    SumMemory sums(8);
-    sums.resize(kSmall);
+    AccumulatorMemory accumulators(8);
+    accumulators.resize(kSmall);
     Frame frame = scene.frame;
     frame.type = wire::RayType::kBackproject;
     frame.step = 1 << 16;
     frame.opacity_threshold = wire::kOpacityOne;
     frame.jitter = frame.skip_empty = false;
-    frame.sums = &sums;
+    frame.accumulators = &accumulators;
     Overflow overflow;
     for (int command = 0; command < 6; ++command) {
       backproject(rays, frame, 1);
-      const Overflow more = sums.settle();
+      const Overflow more = accumulators.settle();
       overflow.words += more.words;
       overflow.clipped += more.clipped;
     }
-    std::vector<std::uint8_t> bytes(sums.bytes());
-    sums.read(0, bytes);
+    std::vector<std::uint8_t> bytes(accumulators.bytes());
+    accumulators.read(0, bytes);
     const auto word = [&](std::size_t i) { return static_cast<std::int64_t>(wire::load36(bytes, i) << 28) >> 28; };
     EXPECT_EQ(overflow.words, 14u);  // of the 16, the ray's ends get half as much
     EXPECT_EQ(word(7 + 8 * (3 + 8 * 5)), -wire::kMaxSum);

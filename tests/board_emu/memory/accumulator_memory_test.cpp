@@ -1,4 +1,4 @@
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@
 namespace gicube::emu {
 namespace {
 
-std::int64_t sum_at(SumMemory& sums, int n, std::size_t block, std::size_t word) {
+std::int64_t sum_at(AccumulatorMemory& accumulators, int n, std::size_t block, std::size_t word) {
   std::vector<std::uint8_t> bytes(wire::packed36_bytes(static_cast<std::size_t>(n * n * n)));
-  sums.read(block * bytes.size(), bytes);
+  accumulators.read(block * bytes.size(), bytes);
   const std::uint64_t bits = wire::load36(bytes, word);
   return static_cast<std::int64_t>(bits << 28) >> 28;
 }
@@ -44,89 +44,89 @@ TEST(Spread, APlaceOnAVoxelGivesItEverything) {
 }
 
 // All eight voxels of a deposit at the last one may be written (cache.splat_rule), but seven of them are none.
-TEST(SumMemory, ADepositBesideTheLastVoxelHasNoBlockBeyondIt) {
-  SumMemory sums(8);
-  sums.resize({16, 16, 16});
+TEST(AccumulatorMemory, ADepositBesideTheLastVoxelHasNoBlockBeyondIt) {
+  AccumulatorMemory accumulators(8);
+  accumulators.resize({16, 16, 16});
   Deposit deposit{.voxel = {15, 15, 15}};
   deposit.shares.fill(1);
-  const SharingBlocks sharing = sums.blocks_of(deposit);
+  const SharingBlocks sharing = accumulators.blocks_of(deposit);
   EXPECT_EQ(sharing.count, 1u);
   EXPECT_EQ(sharing.block[0], 7u);
 }
 
-TEST(SumMemory, APartBeyondABlocksFaceBelongsToTheNeighboursWord) {
-  SumMemory sums(8);
-  sums.resize({16, 16, 16});
+TEST(AccumulatorMemory, APartBeyondABlocksFaceBelongsToTheNeighboursWord) {
+  AccumulatorMemory accumulators(8);
+  accumulators.resize({16, 16, 16});
   // Block 0's word (8, 3, 4), of its nine a row, is block 1's (0, 3, 4); (8, 8, 8) is block 7's first.
-  sums.storage(0)[8 + 9 * (3 + 9 * 4)] = -5;
-  sums.storage(1)[0 + 9 * (3 + 9 * 4)] = 7;
-  sums.storage(0)[8 + 9 * (8 + 9 * 8)] = 11;
-  EXPECT_EQ(sum_at(sums, 8, 1, 8 * (3 + 8 * 4)), 2);
-  EXPECT_EQ(sum_at(sums, 8, 7, 0), 11);
-  sums.moved_anywhere(std::uint64_t{1} << 40);
-  const Overflow none = sums.settle();  // looks at all words and brings the parts together
+  accumulators.storage(0)[8 + 9 * (3 + 9 * 4)] = -5;
+  accumulators.storage(1)[0 + 9 * (3 + 9 * 4)] = 7;
+  accumulators.storage(0)[8 + 9 * (8 + 9 * 8)] = 11;
+  EXPECT_EQ(sum_at(accumulators, 8, 1, 8 * (3 + 8 * 4)), 2);
+  EXPECT_EQ(sum_at(accumulators, 8, 7, 0), 11);
+  accumulators.moved_anywhere(std::uint64_t{1} << 40);
+  const Overflow none = accumulators.settle();  // looks at all words and brings the parts together
   EXPECT_EQ(none.words, 0u);
-  EXPECT_EQ(sum_at(sums, 8, 1, 8 * (3 + 8 * 4)), 2);
-  EXPECT_EQ(sum_at(sums, 8, 7, 0), 11);
-  EXPECT_EQ(sums.storage(0)[8 + 9 * (3 + 9 * 4)], 0);
+  EXPECT_EQ(sum_at(accumulators, 8, 1, 8 * (3 + 8 * 4)), 2);
+  EXPECT_EQ(sum_at(accumulators, 8, 7, 0), 11);
+  EXPECT_EQ(accumulators.storage(0)[8 + 9 * (3 + 9 * 4)], 0);
 }
 
-TEST(SumMemory, ASumBeyondItsBitsIsClippedAndCounted) {
-  SumMemory sums(8);
-  sums.resize({8, 8, 8});
+TEST(AccumulatorMemory, ASumBeyondItsBitsIsClippedAndCounted) {
+  AccumulatorMemory accumulators(8);
+  accumulators.resize({8, 8, 8});
   Deposit much;
   much.shares[0] = static_cast<std::uint32_t>(-wire::kMaxAmount);
   constexpr int kTimes = 2049;  // beyond 2^34 by a little
   std::int64_t added = 0;
-  for (int i = 0; i < kTimes; ++i) added += sums.add(much, 0);
+  for (int i = 0; i < kTimes; ++i) added += accumulators.add(much, 0);
   EXPECT_EQ(added, -std::int64_t{kTimes} * wire::kMaxAmount);
-  sums.moved(0, static_cast<std::uint64_t>(-added));
-  const Overflow overflow = sums.settle();
+  accumulators.moved(0, static_cast<std::uint64_t>(-added));
+  const Overflow overflow = accumulators.settle();
   EXPECT_EQ(overflow.words, 1u);
   EXPECT_EQ(overflow.clipped, added + wire::kMaxSum);
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), -wire::kMaxSum);
-  EXPECT_EQ(sums.settle().words, 0u);
+  EXPECT_EQ(sum_at(accumulators, 8, 0, 0), -wire::kMaxSum);
+  EXPECT_EQ(accumulators.settle().words, 0u);
 }
 
-TEST(SumMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
-  SumMemory sums(8);
-  sums.resize({16, 8, 8});
+TEST(AccumulatorMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
+  AccumulatorMemory accumulators(8);
+  accumulators.resize({16, 8, 8});
   constexpr std::int64_t kMore = wire::kMaxSum / 2 + 10;
   for (const std::size_t block : {0u, 1u}) {
-    sums.storage(block)[block == 0 ? 8 : 0] = kMore;  // (8, 0, 0) of the volume
-    sums.moved(block, kMore);
+    accumulators.storage(block)[block == 0 ? 8 : 0] = kMore;  // (8, 0, 0) of the volume
+    accumulators.moved(block, kMore);
   }
-  EXPECT_EQ(sums.settle().words, 1u);
-  EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMaxSum);
+  EXPECT_EQ(accumulators.settle().words, 1u);
+  EXPECT_EQ(sum_at(accumulators, 8, 1, 0), wire::kMaxSum);
 }
 
 // Adds 5 to word 3 of block 0.
 class Later : public WaitingAdds {
  public:
-  void add_to(SumMemory& sums) override { sums.storage(0)[3] += std::exchange(waits, 0); }
+  void add_to(AccumulatorMemory& accumulators) override { accumulators.storage(0)[3] += std::exchange(waits, 0); }
   void forget() override { waits = 0; }
   std::int64_t waits = 5;
 };
 
-TEST(SumMemory, WhatWaitsIsAddedBeforeWordsAreLookedAt) {
-  SumMemory sums(8);
-  sums.resize({8, 8, 8});
-  sums.waiting() = std::make_unique<Later>();
-  auto& later = static_cast<Later&>(*sums.waiting());
-  EXPECT_EQ(sum_at(sums, 8, 0, 3), 5);
-  EXPECT_EQ(sum_at(sums, 8, 0, 3), 5);
+TEST(AccumulatorMemory, WhatWaitsIsAddedBeforeWordsAreLookedAt) {
+  AccumulatorMemory accumulators(8);
+  accumulators.resize({8, 8, 8});
+  accumulators.waiting() = std::make_unique<Later>();
+  auto& later = static_cast<Later&>(*accumulators.waiting());
+  EXPECT_EQ(sum_at(accumulators, 8, 0, 3), 5);
+  EXPECT_EQ(sum_at(accumulators, 8, 0, 3), 5);
   later.waits = wire::kMaxSum;
-  sums.moved(0, 5);
-  EXPECT_EQ(sums.settle().words, 0u);  // as far as the bounds tell
+  accumulators.moved(0, 5);
+  EXPECT_EQ(accumulators.settle().words, 0u);  // as far as the bounds tell
   EXPECT_EQ(later.waits, wire::kMaxSum);
-  sums.moved(0, static_cast<std::uint64_t>(wire::kMaxSum));
-  EXPECT_EQ(sums.settle().words, 1u);
+  accumulators.moved(0, static_cast<std::uint64_t>(wire::kMaxSum));
+  EXPECT_EQ(accumulators.settle().words, 1u);
   EXPECT_EQ(later.waits, 0);
-  EXPECT_EQ(sum_at(sums, 8, 0, 3), wire::kMaxSum);
+  EXPECT_EQ(sum_at(accumulators, 8, 0, 3), wire::kMaxSum);
   later.waits = 7;
-  sums.clear();
+  accumulators.clear();
   EXPECT_EQ(later.waits, 0);
-  EXPECT_EQ(sum_at(sums, 8, 0, 3), 0);
+  EXPECT_EQ(sum_at(accumulators, 8, 0, 3), 0);
 }
 
 class Sums : public testing::TestWithParam<v1::FidelityLevel> {

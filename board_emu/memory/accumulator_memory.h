@@ -29,7 +29,7 @@ struct Overflow {
   std::int64_t clipped = 0;  // signed sum of the clipped excess
 };
 
-class SumMemory;
+class AccumulatorMemory;
 
 // Queue of contributions to the words.
 class WaitingAdds {
@@ -38,13 +38,13 @@ class WaitingAdds {
   WaitingAdds(const WaitingAdds&) = delete;
   WaitingAdds& operator=(const WaitingAdds&) = delete;
   virtual ~WaitingAdds() = default;
-  virtual void add_to(SumMemory& sums) = 0;  // empties the queue
+  virtual void add_to(AccumulatorMemory& accumulators) = 0;  // empties the queue
   virtual void forget() = 0;
 };
 
-class SumMemory : public Blocked {
+class AccumulatorMemory : public Blocked {
  public:
-  explicit SumMemory(int block_voxels) : Blocked(block_voxels) {}
+  explicit AccumulatorMemory(int block_voxels) : Blocked(block_voxels) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; deletes everything
   // Frees the words: which blocks have some would depend on what has been queued, and checkpoints must not.

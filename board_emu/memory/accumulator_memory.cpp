@@ -1,4 +1,4 @@
-#include "memory/sum_memory.h"
+#include "memory/accumulator_memory.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 namespace gicube::emu {
 
-void SumMemory::resize(const std::array<int, 3>& size) {
+void AccumulatorMemory::resize(const std::array<int, 3>& size) {
   if (waiting_ != nullptr) waiting_->forget();
   const std::size_t count = resize_blocks(size);
   blocks_words_.clear();
@@ -15,16 +15,16 @@ void SumMemory::resize(const std::array<int, 3>& size) {
   bounds_.assign(count, 0);
 }
 
-void SumMemory::finish() {
+void AccumulatorMemory::finish() {
   if (waiting_ != nullptr) waiting_->add_to(*this);
 }
 
-std::size_t SumMemory::stored_blocks() const {
+std::size_t AccumulatorMemory::stored_blocks() const {
   return static_cast<std::size_t>(
       std::ranges::count_if(blocks_words_, [](const Words& words) { return words != nullptr; }));
 }
 
-void SumMemory::state(Archive& archive) {
+void AccumulatorMemory::state(Archive& archive) {
   constexpr std::uint64_t kMaxBound = std::uint64_t{1} << 40;  // chosen: far above what a command leaves unclipped
   finish();
   archive.field("bounds", [&](Archive::Record& record) {
@@ -46,13 +46,13 @@ void SumMemory::state(Archive& archive) {
   }
 }
 
-std::int64_t* SumMemory::storage(std::size_t block) {
+std::int64_t* AccumulatorMemory::storage(std::size_t block) {
   auto& words = blocks_words_[block];
   if (words == nullptr) words = std::make_unique<std::int64_t[]>(voxels_and_faces());
   return words.get();
 }
 
-SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
+SharingBlocks AccumulatorMemory::blocks_of(const Deposit& deposit) const {
   SharingBlocks out;
   for (std::size_t i = 0; i < 8; ++i) {
     if (deposit.shares[i] == 0) continue;
@@ -70,7 +70,7 @@ SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
   return out;
 }
 
-std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
+std::int64_t AccumulatorMemory::add(const Deposit& deposit, std::uint32_t block) {
   const std::array<int, 3> at = place(block);
   std::int64_t* const words = storage(block);
   std::int64_t sum = 0;
@@ -91,7 +91,7 @@ std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
 }
 
 // Moves the partial sums beyond the blocks' far faces to the words that they belong to.
-void SumMemory::gather_parts() {
+void AccumulatorMemory::gather_parts() {
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
     if (blocks_words_[block] == nullptr) continue;
     std::int64_t* const words = blocks_words_[block].get();
@@ -114,7 +114,7 @@ void SumMemory::gather_parts() {
 }
 
 // A word has partial sums in its block and in the seven blocks before it.
-bool SumMemory::can_overflow() const {
+bool AccumulatorMemory::can_overflow() const {
   for (std::size_t block = 0; block < bounds_.size(); ++block) {
     const std::array<int, 3> at = place(block);
     std::uint64_t sum = 0;
@@ -128,7 +128,7 @@ bool SumMemory::can_overflow() const {
   return false;
 }
 
-Overflow SumMemory::settle() {
+Overflow AccumulatorMemory::settle() {
   Overflow out;
   if (!can_overflow()) return out;
   finish();
@@ -152,7 +152,7 @@ Overflow SumMemory::settle() {
 }
 
 // Reads a row of a block. Words on the block's near faces have partial sums in up to seven neighbours.
-void SumMemory::read_row(std::size_t block, int y, int z, std::span<std::int64_t> row) const {
+void AccumulatorMemory::read_row(std::size_t block, int y, int z, std::span<std::int64_t> row) const {
   std::ranges::fill(row, 0);
   const std::array<int, 3> at = place(block), local{0, y, z};
   for (std::size_t i = 0; i < 8; ++i) {
@@ -173,7 +173,7 @@ void SumMemory::read_row(std::size_t block, int y, int z, std::span<std::int64_t
   }
 }
 
-void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
+void AccumulatorMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) {
   finish();
   constexpr std::uint64_t kMask = (std::uint64_t{1} << wire::kVoxelBits) - 1;
   const std::uint64_t first = offset / 9 * 2, of_block = block_bytes() / 9 * 2;
