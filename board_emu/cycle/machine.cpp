@@ -207,18 +207,18 @@ void Machine::skip() {
   lookahead_.skip(now_);
 }
 
-void Machine::describe(std::ostream& out) const {
-  dsp_->describe(out);
-  ray_bus_->describe(out);
-  links_->describe(out);
-  tree_->describe(out);
-  for (const auto& processor : processors_) processor->describe(out);
+void Machine::dump(std::ostream& out) const {
+  dsp_->dump(out);
+  ray_bus_->dump(out);
+  links_->dump(out);
+  tree_->dump(out);
+  for (const auto& processor : processors_) processor->dump(out);
 }
 
 void Machine::stalled() const {
   std::ostringstream text;
   text << "stall: nothing has moved on the board for " << kStallCycles << " cycles before core cycle " << now_ << '\n';
-  describe(text);
+  dump(text);
   throw Stall(text.str());
 }
 

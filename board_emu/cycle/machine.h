@@ -64,7 +64,7 @@ class Machine {
   const RayStore& rays() const { return rays_; }
   RayStore& rays() { return rays_; }
   // Dumps the state of all parts, in one or more lines each.
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   const RayBus& ray_bus() const { return *ray_bus_; }
   struct Millisecond {
     std::uint64_t activations = 0;  // activations of queues

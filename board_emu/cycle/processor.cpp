@@ -366,7 +366,7 @@ void Processor::run_state(Archive& archive) {
                  "rays of its queues, and their packets and deposits", packets);
 }
 
-void Processor::describe(std::ostream& out) const {
+void Processor::dump(std::ostream& out) const {
   out << "processor " << int{number_} << ": prefetch " << stages_.prefetching() << ", compute " << stages_.computing()
       << ", packets under way " << misses_.size() << ", issue " << issue_.size() << ", returned " << returned_.size()
       << ", from bus " << from_bus.size() << ", from links " << from_left.size() + from_right.size() << ", to links "
@@ -374,7 +374,7 @@ void Processor::describe(std::ostream& out) const {
       << overflow.size() << '\n';
   if (stages_.prefetching() > 0)
     out << "  oldest sample waits for " << int{stages_.oldest_prefetching().packets} << " packets\n";
-  sorter_.describe(out);
+  sorter_.dump(out);
 }
 
 }  // namespace gicube::emu

@@ -101,7 +101,7 @@ class Processor {
   bool holds_rays() const;
   // To be called when no more rays will arrive: writes changes in its cache back, one tile per call.
   void write_rest();
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive);
 
   // Ends of the FIFOs to the ray bus, the ring and the merge tree.

@@ -320,7 +320,7 @@ bool RayEngine::tick(Cycle now) {
   return true;
 }
 
-void RayEngine::describe(std::ostream& out) const {
+void RayEngine::dump(std::ostream& out) const {
   out << "DSP: " << made_ - begin_ << " of " << end_ - begin_ << " rays made, " << finished_ << " finished, "
       << store_.size() << " overflowed rays kept, " << rays_.under_way() << " rays under way, "
       << (outgoing_ == Outgoing::kNothing ? "nothing" : "something") << " waits to be sent\n";

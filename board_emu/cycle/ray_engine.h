@@ -84,7 +84,7 @@ class RayEngine {
   // Counters of rays that ended before they were sent, and of_values() of all others.
   const RayCounters& rays() const { return counts_; }
   void add_values(const RayCounters& counters) { counts_ += counters; }
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(outgoing_ == Outgoing::kNothing, "the DSP");
     const auto clock = [this, &archive](const auto& work) { archive.in_clock(latest(archive.latest()), work); };

@@ -104,13 +104,13 @@ std::string view_bank(const std::vector<std::string>& words, const Machine& mach
   std::ostringstream out;
   out << "memory " << memory << ", device " << device << ", bank " << bank << ": " << packets[device * banks + bank]
       << " packets read and written\n";
-  channel.describe(out);
+  channel.dump(out);
   return out.str();
 }
 
 std::string view_parts(const Machine& machine) {
   std::ostringstream out;
-  machine.describe(out);
+  machine.dump(out);
   return out.str();
 }
 
@@ -211,7 +211,7 @@ std::string view_of(const std::vector<std::string>& words, const Machine& machin
   if (what == "bank") return view_bank(words, machine);
   if (what == "link") {
     std::ostringstream out;
-    machine.links().describe(out);
+    machine.links().dump(out);
     return out.str();
   }
   return view_parts(machine);

@@ -59,7 +59,7 @@ class Channel {
     }
     return all;
   }
-  void describe(std::ostream& out) const {  // for a stall report
+  void dump(std::ostream& out) const {  // for a stall report
     out << Rules::kName << ": " << devices_.size() << ' ' << Rules::kDevices << ", " << reads_ << " packets read, "
         << writes_ << " written, data wires free from " << Rules::kClock << ' ' << dq_free_ << " on\n";
     if (refresh_interval_ != 0) {

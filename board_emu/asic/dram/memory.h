@@ -71,7 +71,7 @@ class Memory {
   virtual ChannelCounters counters() const = 0;
   // Packets read and written by each bank, device by device.
   virtual std::vector<std::uint64_t> bank_packets() const = 0;
-  virtual void describe(std::ostream& out) const = 0;  // for a stall report
+  virtual void dump(std::ostream& out) const = 0;  // for a stall report
   // Appends every further command, in the order of scheduling; null stops the trace.
   virtual void set_trace(std::vector<IssuedCommand>* sink) = 0;
   virtual void state(Archive& archive) = 0;
@@ -107,7 +107,7 @@ class LaidOut final : public Memory {
   std::uint32_t devices() const override { return layout_.devices(); }
   ChannelCounters counters() const override { return channel_.counters(); }
   std::vector<std::uint64_t> bank_packets() const override { return channel_.bank_packets(); }
-  void describe(std::ostream& out) const override { channel_.describe(out); }
+  void dump(std::ostream& out) const override { channel_.dump(out); }
   void set_trace(std::vector<IssuedCommand>* sink) override { channel_.set_trace(sink); }
   void state(Archive& archive) override { channel_.state(archive); }
 

@@ -106,7 +106,7 @@ std::uint64_t Ring::bisection_rays() const {
          counters_[0].rays[kLeft];
 }
 
-void Ring::describe(std::ostream& out) const {
+void Ring::dump(std::ostream& out) const {
   out << "ring: " << inside_ << " rays on links\n";
   for (std::size_t i = 0; i < links_[kRight].size(); ++i) {
     out << "  processor " << i << ": " << ports_[i].out_links->size() << " rays wait to enter, "

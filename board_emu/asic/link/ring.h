@@ -68,7 +68,7 @@ class Ring {
   const RingCounters& counters(std::uint32_t processor) const { return counters_[processor]; }
   // Rays that crossed the two cuts that halve the ring, in both directions.
   std::uint64_t bisection_rays() const;
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(idle(), "the ring");
     archive("counters", counters_);

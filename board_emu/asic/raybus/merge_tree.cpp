@@ -59,7 +59,7 @@ bool MergeTree::merge(Node& node, Cycle now) {
   return true;
 }
 
-void MergeTree::describe(std::ostream& out) const {
+void MergeTree::dump(std::ostream& out) const {
   out << "merge tree: " << inside_ << " rays inside, " << (nodes_.back().output->size())
       << " at its output; at its leaves";
   for (const Fifo<RayToken>* leaf : leaves_) out << ' ' << leaf->size();

@@ -40,7 +40,7 @@ class MergeTree {
   bool idle() const { return inside_ == 0; }  // no ray between leaves and output
   std::uint64_t inside() const { return inside_; }
   const MergeTreeCounters& counters() const { return counters_; }
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(idle(), "the merge tree");
     archive("turns", nodes_);

@@ -176,7 +176,7 @@ void RayBus::runs_state(Archive& archive) {
   });
 }
 
-void RayBus::describe(std::ostream& out) const {
+void RayBus::dump(std::ostream& out) const {
   out << "ray bus: " << down_.size() << " rays and " << runs_.size() << " runs wait";
   if (!down_.empty()) out << "; the first ray is for processor " << int{down_.front().processor};
   for (std::size_t i = 0; i < listeners_.size(); ++i) {

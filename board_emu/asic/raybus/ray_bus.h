@@ -75,7 +75,7 @@ class RayBus {
   // True if no packet is on the bus and no run is being extrapolated.
   bool idle() const { return !sending_ && extrapolating_ == 0; }
   const RayBusCounters& counters() const { return counters_; }
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive) {
     archive.expect_idle(idle() && !sent_run_ && pool_.in_use() == 0, "the ray bus");
     archive("turns", listeners_);

@@ -184,7 +184,7 @@ void Sorter::state(Archive& archive) {
   }
 }
 
-void Sorter::describe(std::ostream& out) const {
+void Sorter::dump(std::ostream& out) const {
   out << "sorter: " << queues_.waiting() << " rays wait in queues";
   if (has_active()) {
     out << "; queue " << active_ << " is active with " << queues_.waiting(active_) << " rays waiting and "

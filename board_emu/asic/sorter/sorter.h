@@ -131,7 +131,7 @@ class Sorter {
   std::uint32_t latest_active() const { return latest_active_; }
   const SorterCounters& counters() const { return counters_; }
   // One fact per line.
-  void describe(std::ostream& out) const;
+  void dump(std::ostream& out) const;
   void state(Archive& archive);
 
  private:

@@ -119,7 +119,7 @@ TEST(DdrChannel, RefusesToBeEmpty) { EXPECT_THROW(Channel(v1::DdrConfig(), 0), s
 TEST(DdrChannel, DescribesItself) {
   Channel channel(v1::DdrConfig(), 1);
   std::ostringstream text;
-  channel.describe(text);
+  channel.dump(text);
   EXPECT_NE(text.str().find("next refresh due at clock 1562"), std::string::npos) << text.str();
 }
 

@@ -214,7 +214,7 @@ TEST(Ring, DescribesWhereRaysStand) {
   rig.send(0, 1);
   rig.tick(2);
   std::ostringstream text;
-  rig.ring->describe(text);
+  rig.ring->dump(text);
   EXPECT_NE(text.str().find("ring: 1 rays on links"), std::string::npos);
   EXPECT_NE(text.str().find("processor 0: 0 rays wait to enter, 1 on the link to the right"), std::string::npos)
       << text.str();

@@ -121,7 +121,7 @@ TEST(MergeTree, DescribesWhereRaysStand) {
   TreeRig rig(2);
   rig.leaves[1].push(0, {});
   std::ostringstream text;
-  rig.tree.describe(text);
+  rig.tree.dump(text);
   EXPECT_EQ(text.str(), "merge tree: 0 rays inside, 0 at its output; at its leaves 0 1\n");
 }
 

@@ -166,7 +166,7 @@ TEST(RayBus, DescribesWhatWaits) {
   BusRig rig(2, 1);
   rig.down.push(0, ray(1, 1));
   std::ostringstream text;
-  rig.bus->describe(text);
+  rig.bus->dump(text);
   EXPECT_NE(text.str().find("1 rays and 0 runs wait; the first ray is for processor 1"), std::string::npos)
       << text.str();
 }

@@ -123,7 +123,7 @@ TEST(RdramChannel, RefusesToBeEmpty) { EXPECT_THROW(Channel(v1::RdramConfig(), 0
 TEST(RdramChannel, DescribesItself) {
   Channel channel(v1::RdramConfig(), 1);
   std::ostringstream text;
-  channel.describe(text);
+  channel.dump(text);
   EXPECT_NE(text.str().find("next refresh due at tCYCLE 781"), std::string::npos) << text.str();
 }
 

@@ -334,7 +334,7 @@ TEST(Sorter, DescribesWhereRaysStand) {
   rig.now = 3;
   rig.tick(2);
   std::ostringstream text;
-  rig.sorter.describe(text);
+  rig.sorter.dump(text);
   EXPECT_NE(text.str().find("queue 4 is active with 1 rays waiting and 2 slots taken"), std::string::npos)
       << text.str();
 }
