@@ -33,13 +33,13 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   watch.waits(ray);
   return cause;
 }
-[[gnu::noinline, gnu::cold]] Cause tell_filled(RayWatch& watch, Cycle now, std::uint32_t ray, int processor,
-                                               Cause cause) {
+[[gnu::noinline, gnu::cold]] Cause report_filled(RayWatch& watch, Cycle now, std::uint32_t ray, int processor,
+                                                 Cause cause) {
   watch.goes_on({.step = RayStep::kFilled, .cycle = now, .handle = ray, .processor = processor});
   return cause;
 }
-[[gnu::noinline, gnu::cold]] void tell_gone(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
-  watch.tell({.step = RayStep::kGone, .cycle = now, .handle = ray, .processor = processor});
+[[gnu::noinline, gnu::cold]] void report_gone(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
+  watch.report({.step = RayStep::kGone, .cycle = now, .handle = ray, .processor = processor});
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   Fifo<RayToken>* to = &returned_;
   if (token.state == TokenStatus::kGone) {
     if (token.watched) [[unlikely]]
-      tell_gone(watch_, now, token.ray, number_);
+      report_gone(watch_, now, token.ray, number_);
     rays_.remove(token.ray);
     to = nullptr;
   } else if (token.state != TokenStatus::kUnderWay) {
@@ -106,7 +106,7 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   if (!token.has_reserved_slot) released_.push(now, ray.from);
   if (ray.splats) {
     if (token.watched) [[unlikely]]
-      tell_deposit(now, token);
+      report_deposit(now, token);
     begin_splat(now);
   }
   return true;
@@ -151,7 +151,7 @@ Cause Processor::enter_compute(Cycle now) {
   const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
   stages_.start_computing(compute_clock_);
   if (head.token.watched) [[unlikely]]
-    return tell_filled(watch_, now, head.token.ray, number_, cause);
+    return report_filled(watch_, now, head.token.ray, number_, cause);
   return cause;
 }
 
@@ -240,18 +240,18 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   token.has_reserved_slot =
       token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
   if (token.watched) [[unlikely]]
-    tell_iteration(now, entry, how);
+    report_iteration(now, entry, how);
 }
 
-void Processor::tell_deposit(Cycle now, const RayToken& token) {
-  watch_.tell({.step = RayStep::kDeposited,
-               .cycle = now,
-               .handle = token.ray,
-               .processor = number_,
-               .count = splats_.oldest().carriers});
+void Processor::report_deposit(Cycle now, const RayToken& token) {
+  watch_.report({.step = RayStep::kDeposited,
+                 .cycle = now,
+                 .handle = token.ray,
+                 .processor = number_,
+                 .count = splats_.oldest().carriers});
 }
 
-void Processor::tell_iteration(Cycle now, const InFlight& entry, Termination how) {
+void Processor::report_iteration(Cycle now, const InFlight& entry, Termination how) {
   watch_.after({.step = entry.sampled ? RayStep::kSampled : RayStep::kLeapt,
                 .cycle = now,
                 .handle = entry.token.ray,

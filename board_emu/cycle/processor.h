@@ -172,8 +172,8 @@ class Processor {
   // Always inlined: GCC takes a function that only prefetches for one without effect, and removes its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream, std::size_t come) const;
-  [[gnu::noinline, gnu::cold]] void tell_iteration(Cycle now, const InFlight& entry, Termination how);
-  [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
+  [[gnu::noinline, gnu::cold]] void report_iteration(Cycle now, const InFlight& entry, Termination how);
+  [[gnu::noinline, gnu::cold]] void report_deposit(Cycle now, const RayToken& token);
 
   static Cause waiting_for(Delay delay) {
     switch (delay) {

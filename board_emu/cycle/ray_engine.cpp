@@ -103,7 +103,7 @@ void RayEngine::take_back(Cycle now) {
   }
   if (token.state == TokenStatus::kOverflowed) {
     ++counters_.overflows;
-    tell(now, RayStep::kKept, token);
+    report(now, RayStep::kKept, token);
     carry_out(now, single_queue_ ? store_.keep_ready(token.ray)
                                  : store_.keep(list_of(token.processor, token.queue), token.ray));
     return;
@@ -127,7 +127,7 @@ void RayEngine::settle(Cycle now, const RayToken& token) {
     scattered = Scattered::kWaits;
   }
   if (scattered == Scattered::kWaits) {
-    tell(now, RayStep::kWaits, token);
+    report(now, RayStep::kWaits, token);
     rays_.remove(token.ray);
     --under_way_;
     ++finished_;
@@ -136,7 +136,7 @@ void RayEngine::settle(Cycle now, const RayToken& token) {
   const wire::Ray ray =
       computes_ahead() ? rays_ahead_[token.ray].ended : pack_ended(rays_[token.ray].ray_state, *frame_);
   work_->take(index_of_[token.ray], ray);
-  tell(now, RayStep::kTaken, token);
+  report(now, RayStep::kTaken, token);
   rays_.remove(token.ray);
   --under_way_;
   ++counters_.taken;
@@ -169,7 +169,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   task.more_cycles = answer.cycles;
   carry_out(now, task);
   const Interaction interaction = answer_trap(ray.ray_state, answer, *frame_, counts_);
-  tell(now, RayStep::kScattered, token, answer.cycles);
+  report(now, RayStep::kScattered, token, answer.cycles);
   if (interaction.outcome == Outcome::kEnded) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;
@@ -284,12 +284,12 @@ void RayEngine::send_again(Cycle now) {
 bool RayEngine::send(Cycle now) {
   if (outgoing_ == Outgoing::kRay) {
     if (!ports_.down.can_push(now)) return false;
-    tell(now, RayStep::kSent, ray_, sends_again_ ? 1 : 0);
+    report(now, RayStep::kSent, ray_, sends_again_ ? 1 : 0);
     ports_.down.push(now, ray_);
     ++counters_.sent;
   } else {
     if (!ports_.runs.can_push(now)) return false;
-    for (const RayToken& ray : run_) tell(now, RayStep::kSent, ray);
+    for (const RayToken& ray : run_) report(now, RayStep::kSent, ray);
     ports_.runs.push(now, ports_.pool.add(run_));
     counters_.sent += run_.size();
   }

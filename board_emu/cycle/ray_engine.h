@@ -125,9 +125,9 @@ class RayEngine {
   void make_ray(Cycle now);
   void make_run(Cycle now, std::uint64_t last);
   RayToken launch(std::uint32_t handle);
-  void tell(Cycle now, RayStep step, const RayToken& token, std::uint64_t count = 0) {
+  void report(Cycle now, RayStep step, const RayToken& token, std::uint64_t count = 0) {
     if (token.watched) [[unlikely]]
-      watch_.tell({.step = step, .cycle = now, .handle = token.ray, .queue = token.queue, .count = count});
+      watch_.report({.step = step, .cycle = now, .handle = token.ray, .queue = token.queue, .count = count});
   }
 
   RayStore& rays_;

@@ -33,7 +33,7 @@ RaySample sample_of(const RayState& ray, const Frame& frame, Termination how) {
 void RayWatch::made(Cycle now, std::uint32_t handle, std::uint64_t number, const wire::Ray& ray) {
   if (observer_ == nullptr || !observer_->watches(number, ray)) return;
   watched_[handle] = {.number = number};
-  tell({.step = RayStep::kMade, .cycle = now, .handle = handle});
+  report({.step = RayStep::kMade, .cycle = now, .handle = handle});
 }
 
 void RayWatch::made_carrier(std::uint32_t from, std::uint32_t carrier) {
@@ -62,10 +62,10 @@ void RayWatch::goes_on(const RayEvent& event) {
   if (watched.missing == 0) return;
   RayEvent whole = event;
   whole.count = watched.waited;
-  tell(whole);
+  report(whole);
 }
 
-void RayWatch::tell(const RayEvent& event) {
+void RayWatch::report(const RayEvent& event) {
   const auto found = watched_.find(event.handle);
   if (found == watched_.end()) return;
   RayEvent whole = event;

@@ -37,7 +37,7 @@ class RayWatch final : public RayListener {
   void waits(std::uint32_t handle) { ++watched_[handle].waited; }
   void goes_on(const RayEvent& event);
 
-  void tell(const RayEvent& event) override;
+  void report(const RayEvent& event) override;
 
  private:
   struct Watched {

@@ -22,8 +22,8 @@ struct PixelLife {
 };
 
 struct ExplainedPixel {
-  std::uint16_t x = 0, y = 0;                    // from the left, from the top
-  std::function<void(const PixelLife&)> tell{};  // called for each image, before its completion
+  std::uint16_t x = 0, y = 0;                      // from the left, from the top
+  std::function<void(const PixelLife&)> report{};  // called for each image, before its completion
 };
 
 }  // namespace gicube::emu

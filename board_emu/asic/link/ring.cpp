@@ -57,11 +57,11 @@ bool Ring::advance(Link& link, Direction direction, RingCounters& counters, Cycl
   if (arrives) {
     --inside_;
     if (to.back().watched) [[unlikely]] {
-      listener_->tell({.step = RayStep::kArrived,
-                       .cycle = now,
-                       .handle = to.back().ray,
-                       .processor = link.end,
-                       .queue = to.back().queue});
+      listener_->report({.step = RayStep::kArrived,
+                         .cycle = now,
+                         .handle = to.back().ray,
+                         .processor = link.end,
+                         .queue = to.back().queue});
     }
   }
   link.sent = 0;
@@ -81,12 +81,12 @@ bool Ring::enter(std::uint32_t processor, Cycle now) {
   }
   entry.push(now, from.pop(now));
   if (entry.back().watched) [[unlikely]] {
-    listener_->tell({.step = RayStep::kLinked,
-                     .cycle = now,
-                     .handle = entry.back().ray,
-                     .processor = static_cast<int>(processor),
-                     .queue = entry.back().queue,
-                     .count = entry.back().processor});
+    listener_->report({.step = RayStep::kLinked,
+                       .cycle = now,
+                       .handle = entry.back().ray,
+                       .processor = static_cast<int>(processor),
+                       .queue = entry.back().queue,
+                       .count = entry.back().processor});
   }
   ++inside_;
   ++counters_[processor].sent;

@@ -54,7 +54,7 @@ struct RayEvent {
 
 class RayListener {
  public:
-  virtual void tell(const RayEvent& event) = 0;
+  virtual void report(const RayEvent& event) = 0;
 
  protected:
   ~RayListener() = default;

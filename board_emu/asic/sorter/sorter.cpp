@@ -21,8 +21,9 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   }
 }
 
-[[gnu::noinline, gnu::cold]] void Sorter::tell(Cycle now, RayStep step, const RayToken& token) const {
-  listener_->tell({.step = step, .cycle = now, .handle = token.ray, .processor = processor_, .queue = queue_of(token)});
+[[gnu::noinline, gnu::cold]] void Sorter::report(Cycle now, RayStep step, const RayToken& token) const {
+  listener_->report(
+      {.step = step, .cycle = now, .handle = token.ray, .processor = processor_, .queue = queue_of(token)});
 }
 
 [[gnu::always_inline]] inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow,
@@ -30,7 +31,7 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   const std::uint32_t queue = queue_of(input.front());
   if (input.front().has_reserved_slot || queues_.has_slot(queue)) {
     if (input.front().watched) [[unlikely]]
-      tell(now, RayStep::kQueued, input.front());
+      report(now, RayStep::kQueued, input.front());
     write(queue, input.pop(now));
     written = queue;
     return true;
@@ -39,7 +40,7 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   RayToken token = input.pop(now);
   token.state = TokenStatus::kOverflowed;
   if (token.watched) [[unlikely]]
-    tell(now, RayStep::kOverflowed, token);
+    report(now, RayStep::kOverflowed, token);
   out_.overflow.push(now, token);
   if (!bus_waits_) queues_.overflow(queue);
   ++counters_.overflows;
@@ -73,7 +74,7 @@ bool Sorter::work(Cycle now, bool others_come) {
   if (active_ != kNone && out_.issue.can_push(now)) {
     out_.issue.push(now, queues_.read(active_));
     if (out_.issue.back().watched) [[unlikely]]
-      tell(now, RayStep::kIssued, out_.issue.back());
+      report(now, RayStep::kIssued, out_.issue.back());
     ++counters_.issued;
     ++issued_since_active_;
     moved = true;

@@ -157,7 +157,7 @@ class Sorter {
   void write(std::uint32_t queue, const RayToken& token);
   void modified(std::uint32_t queue);
   bool update_ranks();
-  void tell(Cycle now, RayStep step, const RayToken& token) const;
+  void report(Cycle now, RayStep step, const RayToken& token) const;
   void list_dirty(std::uint32_t queue);
   void unlist_dirty(std::uint32_t queue);
 

@@ -24,7 +24,7 @@ void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame
   } else {
     follow_pixel(command, frame, life);
   }
-  explained_->tell(life);
+  explained_->report(life);
 }
 
 void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life) {

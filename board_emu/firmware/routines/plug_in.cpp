@@ -16,7 +16,7 @@ constexpr const char* kLost = "its process was ended; it is not called again bef
 // to their next call.
 constexpr unsigned kSpins = 1000;
 
-void tell(const ScatterEvent& event, CallSlot::Event& to) {
+void put_event(const ScatterEvent& event, CallSlot::Event& to) {
   gicube_bsdf_event out{};
   out.size = sizeof out;
   out.tag = event.tag;
@@ -152,7 +152,7 @@ void PlugIn::scatter(std::span<const ScatterEvent> events, std::span<ScatterAnsw
     const auto count = static_cast<std::uint32_t>(std::min(kMaxEvents, answers.size() - first));
     Claim claim(*this);
     CallSlot& slot = claim.slot();
-    for (std::uint32_t i = 0; i < count; ++i) tell(events[first + i], slot.events[i]);
+    for (std::uint32_t i = 0; i < count; ++i) put_event(events[first + i], slot.events[i]);
     if (const auto what = call(claim, CallKind::kScatter, count)) throw RoutineFault(*what);
     for (std::uint32_t i = 0; i < count; ++i) answers[first + i] = answer_of(slot.answers[i]);
     if (slot.has_thrown == 0) continue;

@@ -65,12 +65,12 @@ awaitable<void> Registration::accept() {
     if (error) {
       co_await sleep(pause, kAcceptRetry);
     } else {
-      asio::co_spawn(io_, tell(std::move(caller)), asio::detached);
+      asio::co_spawn(io_, send_message(std::move(caller)), asio::detached);
     }
   }
 }
 
-awaitable<void> Registration::tell(Socket caller) const {
+awaitable<void> Registration::send_message(Socket caller) const {
   const std::string bytes = message();
   error_code gone;
   co_await asio::async_write(caller, asio::buffer(bytes), into(gone));

@@ -36,7 +36,7 @@ class Registration {
   using Socket = asio::local::stream_protocol::socket;
 
   awaitable<void> accept();
-  awaitable<void> tell(Socket caller) const;
+  awaitable<void> send_message(Socket caller) const;
   std::string message() const;
 
   const std::string management_;

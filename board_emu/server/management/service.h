@@ -188,17 +188,17 @@ class Service final : public v1::BoardManagement::Service {
     noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
     do {
       constexpr std::string_view kCheckpoint = "checkpoint ";
-      const Debugger::Answer said = request.line().starts_with(kCheckpoint)
-                                        ? save_in_debug(context, slot, request.line().substr(kCheckpoint.size()))
-                                        : debugger.carry_out(request.line(), given_up(context));
+      const Debugger::Answer reply = request.line().starts_with(kCheckpoint)
+                                         ? save_in_debug(context, slot, request.line().substr(kCheckpoint.size()))
+                                         : debugger.carry_out(request.line(), given_up(context));
       // Commands that change values on the board are logged.
-      if (!said.is_fault && request.line().starts_with("set ")) {
+      if (!reply.is_fault && request.line().starts_with("set ")) {
         noted(AuditEvent::kDebugged, context, slot, Status::OK, request.line().substr(0, 80));
       }
       v1::DebugAnswer answer;
-      answer.set_text(said.text);
-      answer.set_is_fault(said.is_fault);
-      answer.set_stands(said.is_paused);
+      answer.set_text(reply.text);
+      answer.set_is_fault(reply.is_fault);
+      answer.set_stands(reply.is_paused);
       if (!stream.Write(answer)) break;
     } while (stream.Read(&request));
     return Status::OK;
