@@ -33,9 +33,9 @@ HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& f
   const V more = lanes.more.load();
   const auto pace = pace_of<kWide>(ray);
   V passed = zero;
-  Mask stands = hn::MaskFromVec(lanes.stands.load());
+  Mask masked = hn::MaskFromVec(lanes.masked.load());
   while (true) {
-    const Mask going = hn::AndNot(stands, hn::Gt(ray.left, zero));
+    const Mask going = hn::AndNot(masked, hn::Gt(ray.left, zero));
     if (hn::Lanes(d) - hn::CountTrue(d, going) >= enough) break;
     constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
     const V cell = cube_index(ray, going, kCellShift, field.cells_across, field.cells_slice);
@@ -57,7 +57,7 @@ HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& f
       const SampleResult sample =
           try_samples<kKind, kWide>(lanes, ray, begun, trapped, energy, interacted, at, samples, field);
       const Mask goes_on = sample.goes_on;
-      stands = hn::Or(stands, hn::AndNot(hn::Or(goes_on, sample.waits), samples));
+      masked = hn::Or(masked, hn::AndNot(hn::Or(goes_on, sample.waits), samples));
       counters.samples += hn::CountTrue(d, goes_on);
       counters.visible_samples += hn::CountTrue(d, hn::And(goes_on, sample.visible));
       for (std::size_t word = 0; word < kWords; ++word) {
@@ -71,7 +71,7 @@ HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& f
       if constexpr (kKind == PathKind::kRendering && !kWide) {
         gather_colour(seen, at, sample, ray, lanes, field);
         ray.opacity = hn::Add(ray.opacity, sample.weight);
-        stands = hn::Or(stands, hn::And(goes_on, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));
+        masked = hn::Or(masked, hn::And(goes_on, hn::Not(hn::Lt(ray.opacity, set(field.threshold)))));
       }
     }
     const Mask stepped = hn::Gt(steps, zero);
@@ -95,7 +95,7 @@ HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& f
   lanes.trapped.store(trapped);
   lanes.taken.store(taken);
   lanes.left.store(ray.left);
-  lanes.stands.store(hn::VecFromMask(d, stands));
+  lanes.masked.store(hn::VecFromMask(d, masked));
 }
 
 #endif

@@ -26,7 +26,7 @@ struct PathLanes : Lanes {
   Word begun;      // this path segment has taken a step
   Word scattered;  // the ray was scattered before
   Word trapped;    // the ray is still at the surface where it was
-  Word stands;     // masked: scalar code must take its sample
+  Word masked;     // scalar code must take its sample
   // For lighting rays:
   std::array<std::array<Word, 2>, kColours> energy;  // per irradiance word: 24 bits, and 12
   Word phase;                                        // energy_phase()
@@ -183,18 +183,18 @@ HWY_INLINE Mask leave(const PathLanes& lanes, const SampleLanes& sample, Mask re
   return hn::And(hn::Lt(along, hn::Zero(D32())), scattered);
 }
 
-// Removes from `in_medium` rays at a surface without interaction. `stands`: rays at a surface that scalar code must handle.
-HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& stands, const PathLanes& lanes, V trapped,
+// Removes from `in_medium` rays at a surface without interaction. `masked`: rays at a surface that scalar code must handle.
+HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& masked, const PathLanes& lanes, V trapped,
                               const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
   const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);
   out.trapped = hn::And(traps, hn::MaskFromVec(trapped));
-  stands = hn::AndNot(out.trapped, traps);
+  masked = hn::AndNot(out.trapped, traps);
   in_medium = hn::AndNot(traps, in_medium);
   if (hn::AllFalse(D32(), reflecting)) return;
   if (field.light->cubes) {
     in_medium = hn::AndNot(leave(lanes, sample, reflecting, field), in_medium);
   } else {
-    stands = hn::Or(stands, reflecting);
+    masked = hn::Or(masked, reflecting);
   }
 }
 
@@ -211,8 +211,8 @@ HWY_INLINE void meet(SampleResult& out, const PathLanes& lanes, const LaneState&
                      Mask in_medium, const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
-  Mask stands;
-  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+  Mask masked;
+  pass_surfaces(out, in_medium, masked, lanes, trapped, material, sample, field);
   V opacity = alpha;
   constexpr std::size_t kWords = words_of(kKind);
   if constexpr (kWords > 0) {
@@ -226,12 +226,12 @@ HWY_INLINE void meet(SampleResult& out, const PathLanes& lanes, const LaneState&
         out.energy[word][i] = hn::IfThenElse(in_medium, after.words[word][i], energy[word][i]);
       }
     }
-    stands = hn::Or(stands, hn::AndNot(after.same_units, in_medium));
+    masked = hn::Or(masked, hn::AndNot(after.same_units, in_medium));
   } else {
     opacity = hn::IfThenElse(material.straight, absorption_opacity(alpha, material), alpha);
   }
-  stands = hn::Or(stands, accumulate(out, opacity, in_medium, lanes));
-  out.goes_on = hn::AndNot(stands, out.goes_on);
+  masked = hn::Or(masked, accumulate(out, opacity, in_medium, lanes));
+  out.goes_on = hn::AndNot(masked, out.goes_on);
 }
 
 // Effects of a medium on rendering rays.
@@ -239,18 +239,18 @@ HWY_INLINE void gather_light(SampleResult& out, const PathLanes& lanes, const La
                              const SampleLanes& sample, const PacketField& field) {
   const LightField& light = *field.light;
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
-  Mask stands;
-  pass_surfaces(out, in_medium, stands, lanes, trapped, material, sample, field);
+  Mask masked;
+  pass_surfaces(out, in_medium, masked, lanes, trapped, material, sample, field);
   if (field.wide) {  // floats are summed in the order of samples
-    out.goes_on = hn::AndNot(hn::Or(stands, in_medium), out.goes_on);
+    out.goes_on = hn::AndNot(hn::Or(masked, in_medium), out.goes_on);
     return;
   }
   const V alpha = corrected(sample.depth, ray.exponent, field);
   if (light.high_albedo || light.scatters) {
     const V opacity = light.high_albedo ? alpha : scattering_opacity(alpha, material);
-    stands = hn::Or(stands, accumulate(out, opacity, in_medium, lanes));
+    masked = hn::Or(masked, accumulate(out, opacity, in_medium, lanes));
   }
-  out.goes_on = hn::AndNot(stands, out.goes_on);
+  out.goes_on = hn::AndNot(masked, out.goes_on);
   if (light.high_albedo) return;  // colour is taken at the absorption
   const V weight = behind(ray.opacity, absorption_opacity(alpha, material));
   out.weight = hn::IfThenElseZero(hn::And(in_medium, out.goes_on), weight);

@@ -58,7 +58,7 @@ class PathScheduler {
     for (std::size_t lane = 0; lane < count; ++lane) {
       Slot& slot = slots_[lane];
       if (slot.path != nullptr) {
-        if (lanes.left.lane[lane] > 0 && lanes.stands.lane[lane] == 0) continue;
+        if (lanes.left.lane[lane] > 0 && lanes.masked.lane[lane] == 0) continue;
         take(lanes, lane);
         if (goes_on(*slot.path)) {
           put(lanes, lane);
@@ -122,7 +122,7 @@ class PathScheduler {
     lanes.taken.lane[lane] = 0;
     lanes.begun.lane[lane] = ray.under_way != 0 ? -1 : 0;
     lanes.trapped.lane[lane] = ray.is(wire::kTrapped) ? -1 : 0;
-    lanes.stands.lane[lane] = 0;
+    lanes.masked.lane[lane] = 0;
     for (std::size_t word = 0; word < words_of(kind_); ++word) {
       const std::uint64_t energy = ray.energy(word);
       lanes.energy[word][0].lane[lane] = static_cast<std::int32_t>(energy & 0xFF'FFFF);

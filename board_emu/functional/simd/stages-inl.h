@@ -294,9 +294,9 @@ HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
   InverseStep out{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto way = hn::ConvertTo(DF(), hn::Abs(step[axis]));
-    const auto stands = hn::Eq(way, hn::Zero(DF()));
+    const auto still = hn::Eq(way, hn::Zero(DF()));
     out.turned[axis] = hn::VecFromMask(D32(), hn::Gt(step[axis], hn::Zero(D32())));
-    out.per_unit[axis] = hn::IfThenElse(stands, hn::Set(DF(), 0x1p24f), hn::Div(hn::Set(DF(), 1), way));
+    out.per_unit[axis] = hn::IfThenElse(still, hn::Set(DF(), 0x1p24f), hn::Div(hn::Set(DF(), 1), way));
   }
   return out;
 }
