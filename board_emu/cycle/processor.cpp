@@ -4,7 +4,7 @@
 #include <bit>
 #include <ostream>
 
-#include "cycle/known_pass.h"
+#include "cycle/traced_iteration.h"
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "asic/sorter/sorter-inl.h"
-#include "cycle/known_pass.h"
+#include "cycle/traced_iteration.h"
 #include "memory_port.h"
 #include "processor.h"
 

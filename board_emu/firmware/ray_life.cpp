@@ -9,18 +9,19 @@ namespace gicube::emu {
 namespace {
 
 // Records the sample at the ray's position. `exponent`: of the step that it represents.
-void look_at_sample(RayPass& pass, std::uint32_t exponent, const Frame& frame) {
-  const Sample sample = sample_at(pass.position, frame);
-  pass.tag = sample.tag;
-  pass.channels = sample.channels;
-  pass.entry = static_cast<std::uint32_t>(sample.index);
-  pass.colour = frame.shade ? shade(sample.entry, sample.gradient(), frame.reflectance_map)
-                            : Colour12{sample.entry.colour[0], sample.entry.colour[1], sample.entry.colour[2]};
+void record_sample(RayIteration& iteration, std::uint32_t exponent, const Frame& frame) {
+  const Sample sample = sample_at(iteration.position, frame);
+  iteration.tag = sample.tag;
+  iteration.channels = sample.channels;
+  iteration.entry = static_cast<std::uint32_t>(sample.index);
+  iteration.colour = frame.shade ? shade(sample.entry, sample.gradient(), frame.reflectance_map)
+                                 : Colour12{sample.entry.colour[0], sample.entry.colour[1], sample.entry.colour[2]};
   if (!visible(sample.index, frame)) return;
   if (gathers_wide(frame)) {
-    pass.alpha = static_cast<std::uint32_t>(wide_alpha(frame.wide_depths[sample.index], exponent) * wire::kOpacityOne);
+    iteration.alpha =
+        static_cast<std::uint32_t>(wide_alpha(frame.wide_depths[sample.index], exponent) * wire::kOpacityOne);
   } else {
-    pass.alpha = (*frame.opacity_correction)(sample.entry.opacity, exponent);
+    iteration.alpha = (*frame.opacity_correction)(sample.entry.opacity, exponent);
   }
 }
 
@@ -34,21 +35,21 @@ Termination scatter_by_routine(RayState& ray, const Frame& frame, RayCounters& c
 }
 
 // One iteration of a ray that has not ended.
-Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCounters& counters) {
+Termination life_iteration(RayState& ray, RayIteration& iteration, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const Point low = grid.low(ray.position);
-  pass.position = ray.position;
-  pass.block = grid.block(ray.position);
-  if (is_skipped(pass.block, frame)) {
-    pass.skipped = skip_block(ray, low, grid.size(), frame, counters);
+  iteration.position = ray.position;
+  iteration.block = grid.block(ray.position);
+  if (is_skipped(iteration.block, frame)) {
+    iteration.skipped = skip_block(ray, low, grid.size(), frame, counters);
     return Termination::kActive;
   }
   const Cell at = cell(ray.position, low);
-  const BlockView view = frame.volume->view(pass.block);
-  const SampleSite site{at, view, pass.block, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
+  const BlockView view = frame.volume->view(iteration.block);
+  const SampleSite site{at, view, iteration.block, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
   RayState drawn = ray;  // with the step that the iteration will draw
   jitter_step(drawn, frame);
-  look_at_sample(pass, drawn.exponent, frame);
+  record_sample(iteration, drawn.exponent, frame);
   if (frame.plain()) {
     gather(ray, site, frame, counters);
     return Termination::kActive;
@@ -57,7 +58,7 @@ Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCount
   const Outcome outcome = sample(ray, site, frame, counters).outcome;
   Termination how = outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kActive;
   if (outcome == Outcome::kTrapped) how = scatter_by_routine(ray, frame, counters);
-  pass.scattered = outcome == Outcome::kTrapped || ray.generation != generation;
+  iteration.scattered = outcome == Outcome::kTrapped || ray.generation != generation;
   return how;
 }
 
@@ -70,11 +71,11 @@ RayLife follow(const wire::Ray& ray, const Frame& frame) {
   RayState state = unpack(ray, frame);
   Termination how = Termination::kActive;
   while (how == Termination::kActive && (how = end(state, frame)) == Termination::kActive) {
-    RayPass pass;
-    how = life_pass(state, pass, frame, ignored);
-    pass.gathered = state.colour;
-    pass.opacity = state.opacity;
-    life.passes.push_back(pass);
+    RayIteration iteration;
+    how = life_iteration(state, iteration, frame, ignored);
+    iteration.gathered = state.colour;
+    iteration.opacity = state.opacity;
+    life.iterations.push_back(iteration);
   }
   constexpr const char* kEnds[] = {"", "left", "opaque", "absorbed", "host", ""};
   life.end = kEnds[static_cast<std::size_t>(how)];

@@ -16,7 +16,7 @@
 namespace gicube::emu {
 
 // One iteration of a ray through the pipeline.
-struct RayPass {
+struct RayIteration {
   Point position{};          // at the beginning
   std::size_t block = 0;     // block of this position
   std::int32_t skipped = 0;  // steps that were skipped; 0: a sample was taken, and the fields up to `alpha` describe it
@@ -33,7 +33,7 @@ struct RayPass {
 struct RayLife {
   std::uint64_t number = 0;  // number in its source
   wire::Ray ray;             // at its end
-  std::vector<RayPass> passes;
+  std::vector<RayIteration> iterations;
   // "left", "opaque", "absorbed"; "missed": the ray missed the volume; "host": it waits for the host's routine.
   const char* end = "";
 };

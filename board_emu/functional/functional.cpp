@@ -41,7 +41,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
 }
 
 // One iteration of a ray that also deposits or is scattered.
-Termination pass(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters) {
+Termination iterate(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters) {
   const std::size_t block = grid.block(ray_state.position);
   if (is_non_resident(block, frame)) return Termination::kNonResident;
   const Point low = grid.low(ray_state.position);
@@ -69,7 +69,7 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) 
   const BlockGrid grid(*frame.volume);
   Termination how = Termination::kActive;
   while (how == Termination::kActive && (how = end(ray_state, frame)) == Termination::kActive) {
-    how = pass(ray_state, grid, frame, counters);
+    how = iterate(ray_state, grid, frame, counters);
   }
   return how;
 }
@@ -186,8 +186,8 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   pack(ray_state, frame, ray);
 }
 
-Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters) {
-  return pass(ray_state, BlockGrid(*frame.volume), frame, counters);
+Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters) {
+  return iterate(ray_state, BlockGrid(*frame.volume), frame, counters);
 }
 
 void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters) {

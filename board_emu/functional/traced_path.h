@@ -19,7 +19,7 @@ struct TracedPath {
 };
 
 // One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues.
-Termination take_pass(RayState& ray_state, const Frame& frame, RayCounters& counters);
+Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters);
 
 // All iterations until the ray stops.
 void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters);

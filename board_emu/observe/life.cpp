@@ -21,20 +21,21 @@ std::string pixel_text(const wire::Pixel& pixel) {
   return fmt::format("[{},{},{},{}]", pixel.red, pixel.green, pixel.blue, pixel.alpha);
 }
 
-std::string pass_text(const RayPass& pass, const std::array<std::uint32_t, 3>& blocks) {
-  const std::array<double, 3> position{pass.position[0] / double{wire::kVoxel}, pass.position[1] / double{wire::kVoxel},
-                                       pass.position[2] / double{wire::kVoxel}};
-  std::string out = fmt::format(R"({{"position":{},"block":{},)", list(position), block_text(pass.block, blocks));
-  if (pass.skipped > 0) {
-    out += fmt::format(R"("leap":{},)", pass.skipped);
+std::string iteration_text(const RayIteration& iteration, const std::array<std::uint32_t, 3>& blocks) {
+  const std::array<double, 3> position{iteration.position[0] / double{wire::kVoxel},
+                                       iteration.position[1] / double{wire::kVoxel},
+                                       iteration.position[2] / double{wire::kVoxel}};
+  std::string out = fmt::format(R"({{"position":{},"block":{},)", list(position), block_text(iteration.block, blocks));
+  if (iteration.skipped > 0) {
+    out += fmt::format(R"("leap":{},)", iteration.skipped);
   } else {
     constexpr double kDensity = 1 << kDensityFractionBits;
     out += fmt::format(R"("density":{},"gradient":[{},{},{}],"tag":{},"entry":{},"colour":{},"opacity":{},)",
-                       pass.channels[0] / kDensity, pass.channels[1], pass.channels[2], pass.channels[3], pass.tag,
-                       pass.entry, list(pass.colour), pass.alpha);
-    if (pass.scattered) out += R"("scattered":true,)";
+                       iteration.channels[0] / kDensity, iteration.channels[1], iteration.channels[2],
+                       iteration.channels[3], iteration.tag, iteration.entry, list(iteration.colour), iteration.alpha);
+    if (iteration.scattered) out += R"("scattered":true,)";
   }
-  return out + fmt::format(R"("gathered":{{"colour":{},"opacity":{}}}}})", list(pass.gathered), pass.opacity);
+  return out + fmt::format(R"("gathered":{{"colour":{},"opacity":{}}}}})", list(iteration.gathered), iteration.opacity);
 }
 
 }  // namespace
@@ -46,8 +47,8 @@ std::string to_json(const PixelLife& life) {
   for (const RayLife& ray : life.rays) {
     out += fmt::format(R"({}{{"ray":{},"at":[{},{}],"end":"{}","passes":[)", &ray == life.rays.data() ? "" : ",",
                        ray.number, ray.ray.u / 16.0, ray.ray.v / 16.0, ray.end);
-    for (const RayPass& pass : ray.passes) {
-      out += (&pass == ray.passes.data() ? "" : ",") + pass_text(pass, life.blocks);
+    for (const RayIteration& iteration : ray.iterations) {
+      out += (&iteration == ray.iterations.data() ? "" : ",") + iteration_text(iteration, life.blocks);
     }
     out += "]}";
   }

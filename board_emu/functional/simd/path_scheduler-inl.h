@@ -89,7 +89,7 @@ class PathScheduler {
     RayState& ray = path.ray_state;
     path.how = end(ray, frame_);
     if (path.how != Termination::kActive) return false;
-    path.how = take_pass(ray, frame_, counters_);
+    path.how = take_iteration(ray, frame_, counters_);
     if (path.how == Termination::kActive) path.how = end(ray, frame_);
     return path.how == Termination::kActive;
   }
