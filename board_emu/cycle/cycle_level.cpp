@@ -47,10 +47,10 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
     const bool vectors = may_compute_ahead(machine) && !frame.in_bricks() &&
                          tracer_.prepare(count, frame, frame.segmentation_writes, threads_);
     const SimdTracer* const tracer = vectors ? &tracer_ : nullptr;
-    const bool can_be_ahead = ValuesAhead::covers(frame, tracer);
+    const bool can_be_ahead = FunctionalTrace::covers(frame, tracer);
     do {
       const RayRange which{run_->begin, std::min(count, run_->begin + at_once)};
-      std::optional<ValuesAhead> values;
+      std::optional<FunctionalTrace> values;
       if (can_be_ahead && !goes_on && may_compute_ahead(machine))
         values.emplace(source, which, frame, tracer, threads_);
       const RunResult ran = goes_on ? machine.go_on(source, frame, progress, which)

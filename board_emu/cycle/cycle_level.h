@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "asic/sorter/policies.h"
+#include "cycle/functional_trace.h"
 #include "cycle/machine.h"
-#include "cycle/values_ahead.h"
 #include "datapath/opacity_correction.h"
 #include "functional/simd/simd_tracer.h"
 #include "levels/level.h"

@@ -287,9 +287,9 @@ void Machine::state(Archive& archive) {
   archive.expect(worked <= dsp_->latest(now - run_.begin + kMostAhead), "run", "DSP cycles of the run", worked);
 }
 
-void Machine::set_out(const Frame& frame, bool values_are_known) {
-  for (const auto& processor : processors_) processor->begin(frame, values_are_known);
-  is_observed_ = !values_are_known && has_interested_observer();
+void Machine::set_out(const Frame& frame, bool has_trace) {
+  for (const auto& processor : processors_) processor->begin(frame, has_trace);
+  is_observed_ = !has_trace && has_interested_observer();
   watch_.set_observer(is_observed_ ? observer_ : nullptr);
   watch_.begin(frame);
   looks_ahead_ = !is_observed_ && shuffle_ == 0 && standard_.sharing == 1;
@@ -314,7 +314,8 @@ void Machine::be_observed() {
   watch_.set_observer(observer_);
 }
 
-RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead) {
+RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which,
+                       FunctionalTrace* ahead) {
   set_out(frame, ahead != nullptr);
   dsp_->begin(now_, work, frame, which, ahead);
   run_ = {

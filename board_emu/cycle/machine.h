@@ -37,7 +37,8 @@ class Machine {
   // Traces the rays `which` of `work` to their ends. Progress is in rays that have returned. The result has the counters of
   // making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or the trace of these
   // rays, whose values the policy must not read.
-  RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which, ValuesAhead* ahead = nullptr);
+  RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which,
+                FunctionalTrace* ahead = nullptr);
   // Continues the run of a checkpoint with the same source. Throws CheckpointFault if it was another one.
   RunResult go_on(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
   RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
@@ -106,7 +107,7 @@ class Machine {
     }
   };
 
-  void set_out(const Frame& frame, bool values_are_known);
+  void set_out(const Frame& frame, bool has_trace);
   // From then on the run is ticked part by part, and rays have their words in each cycle.
   void be_observed();
   // Computes the words of rays under way.

@@ -72,9 +72,9 @@ Processor::Processor(const ProcessorConfig& config)
   sorter_.set_listener(&watch_);
 }
 
-void Processor::begin(const Frame& frame, bool values_are_known) {
+void Processor::begin(const Frame& frame, bool has_trace) {
   frame_ = &frame;
-  values_are_known_ = values_are_known;
+  has_trace_ = has_trace;
   does_more_ = does_more_than_gather();
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -184,8 +184,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.sampled = carries || !is_skipped(ray.block, *frame_);
   Termination how = Termination::kActive;
   if (!entry.sampled) {
-    values_are_known_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
-                      : void(skip_block(ray_state, low, grid_.size(), *frame_, counts_));
+    has_trace_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
+               : void(skip_block(ray_state, low, grid_.size(), *frame_, counts_));
   } else {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
@@ -196,7 +196,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       for (const TileOfBlock& changed : cells_->evictions()) write_back(changed, true);
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
-    if (values_are_known_) {
+    if (has_trace_) {
       move_on(ray_state, low, grid_.size(), false, *frame_, counts_);
     } else if (carries) {
       splat(ray.block, brought_by(ray_state, *frame_), ray_state, entry);
@@ -213,13 +213,13 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     }
   }
 
-  if (values_are_known_) {
+  if (has_trace_) {
     if (ray_state.steps_left() == 0) how = Termination::kLeft;
   } else {
     token.contribution = contribution(ray_state);
   }
   // The end of a trapped ray is determined when it has its new direction.
-  if (how == Termination::kActive && token.state != TokenStatus::kTrapped && !values_are_known_) {
+  if (how == Termination::kActive && token.state != TokenStatus::kTrapped && !has_trace_) {
     how = end(ray_state, *frame_);
   }
   if (how != Termination::kActive) {
@@ -234,7 +234,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       token.processor = home.processor;
       token.queue = single_queue_ ? 0 : home.number;
     }
-  } else if (!values_are_known_) {
+  } else if (!has_trace_) {
     prefetch(frame_->volume->view(ray.block), ray_state.position, low);
   }
   token.has_reserved_slot =

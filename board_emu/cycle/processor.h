@@ -26,10 +26,10 @@
 #include "cycle/stages.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
+#include "functional_trace.h"
 #include "ray_store.h"
 #include "ray_watch.h"
 #include "splat_unit.h"
-#include "values_ahead.h"
 
 namespace gicube::emu {
 
@@ -49,9 +49,9 @@ class Processor {
  public:
   explicit Processor(const ProcessorConfig& config);
 
-  // All rays until the next call belong to this frame. The processor must be idle. `values_are_known`: rays have a trace, so
+  // All rays until the next call belong to this frame. The processor must be idle. `has_trace`: rays have a trace, so
   // that of their state only steps_left(), the steps to their ends, is used.
-  void begin(const Frame& frame, bool values_are_known);
+  void begin(const Frame& frame, bool has_trace);
   // Returns of_values() of its rays, and subtracts them from its counters.
   RayCounters take_values() {
     const RayCounters values = of_values(counts_);
@@ -60,8 +60,8 @@ class Processor {
   }
   // From then on values are computed here.
   void take_samples() {
-    if (!values_are_known_) return;
-    values_are_known_ = false;
+    if (!has_trace_) return;
+    has_trace_ = false;
     does_more_ = does_more_than_gather();
   }
   void invalidate_cache() {
@@ -160,7 +160,7 @@ class Processor {
   bool packs_irradiance() const { return cells_.has_value() && frame_->accumulators == nullptr; }
   // Whether rays of this frame may do more than gather. With a trace, only reading irradiance from its own packets counts.
   bool does_more_than_gather() const {
-    return values_are_known_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
+    return has_trace_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
   }
   // Number of blocks that have packets.
   std::uint32_t packet_blocks() const { return static_cast<std::uint32_t>(partition_.max_blocks() * (cells_ ? 2 : 1)); }
@@ -211,7 +211,7 @@ class Processor {
   WriteQueue writes_;
   SplatUnit splats_;
 
-  bool values_are_known_ = false;
+  bool has_trace_ = false;
   bool does_more_ = false;  // does_more_than_gather()
   bool fed_ = false;        // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;

@@ -58,9 +58,9 @@ Cycle Processor::run_ahead(Cycle from, Cycle to, MemoryPort& memory) {
 
 // In run_active_queue(), each FIFO between sorter and pipeline except `issue_` holds at most one item at the end of a cycle.
 bool Processor::can_run_active_queue() const {
-  return returned_.size() <= 1 && released_.size() <= 1 && values_are_known_ && !does_more_ && !two_ports_ &&
-         !ideal_memory_ && sorter_.may_tick_active_queue() && cache_.is_plain() &&
-         write_policy_ != v1::write_back && !frame_->jitter && !frame_->wide;
+  return returned_.size() <= 1 && released_.size() <= 1 && has_trace_ && !does_more_ && !two_ports_ && !ideal_memory_ &&
+         sorter_.may_tick_active_queue() && cache_.is_plain() && write_policy_ != v1::write_back && !frame_->jitter &&
+         !frame_->wide;
 }
 
 // check_tags() for rays with a trace, in run_active_queue().

@@ -23,7 +23,7 @@ RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, 
       may_be_under_way_(slots_),
       store_(config.asic().processors() * lists_) {}
 
-void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead) {
+void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, FunctionalTrace* ahead) {
   work_ = &work;
   frame_ = &frame;
   ahead_ = ahead;
@@ -52,7 +52,7 @@ void RayEngine::stop_ahead() {
   const std::vector<bool> in_use = rays_.in_use();
   for (std::uint32_t handle = 0; handle < in_use.size(); ++handle) {
     if (!in_use[handle]) continue;
-    const ValuesAhead::Ray& ray = rays_ahead_[handle];
+    const FunctionalTrace::Ray& ray = rays_ahead_[handle];
     RayState& ray_state = rays_[handle].ray_state;
     ray_state = ahead_->at(ray, ray.steps - ray_state.steps_left(), counts_);
   }
@@ -187,8 +187,8 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   return Scattered::kSentAgain;
 }
 
-std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, ValuesAhead::Ray& values) {
-  const std::optional<ValuesAhead::Ray> ray = ahead_->make(index, making_, counts_);
+std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, FunctionalTrace::Ray& values) {
+  const std::optional<FunctionalTrace::Ray> ray = ahead_->make(index, making_, counts_);
   if (!ray) return std::nullopt;
   values = *ray;
   return values.made;
@@ -197,7 +197,7 @@ std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, ValuesAhead:
 // Makes the next ray. Returns nothing if it does not go to the ASIC.
 std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint64_t index = made_++;
-  ValuesAhead::Ray values;
+  FunctionalTrace::Ray values;
   const auto made = ahead_ == nullptr ? work_->make(index, making_) : make_ahead(index, values);
   if (!made) {
     ++finished_;

@@ -18,11 +18,11 @@
 #include "asic/sim/fifo.h"
 #include "dsp/dsp.h"
 #include "dsp/overflow_store.h"
+#include "functional_trace.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 #include "ray_store.h"
 #include "ray_watch.h"
-#include "values_ahead.h"
 
 namespace gicube::emu {
 
@@ -46,7 +46,7 @@ class RayEngine {
 
   // Starts with the rays `which` of `work` at core cycle `now`. `work` and `frame` must outlive the run. `ahead`: the trace of
   // these rays, or null.
-  void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, ValuesAhead* ahead);
+  void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, FunctionalTrace* ahead);
   // Continues a run of a checkpoint. Throws CheckpointFault if it was another one.
   void go_on(RaySource& work, const Frame& frame, RayRange which);
 
@@ -118,7 +118,7 @@ class RayEngine {
 
   bool send(Cycle now);
   std::optional<RayToken> make(Cycle now);
-  std::optional<wire::Ray> make_ahead(std::uint64_t index, ValuesAhead::Ray& values);
+  std::optional<wire::Ray> make_ahead(std::uint64_t index, FunctionalTrace::Ray& values);
   bool computes_ahead() const { return ahead_ != nullptr && !ahead_->has_stopped(); }
   void make_rays(Cycle now);
   void send_again(Cycle now);
@@ -146,10 +146,10 @@ class RayEngine {
 
   RaySource* work_ = nullptr;
   const Frame* frame_ = nullptr;
-  ValuesAhead* ahead_ = nullptr;              // may have stopped
-  std::vector<ValuesAhead::Ray> rays_ahead_;  // by handle
-  std::uint64_t begin_ = 0, end_ = 0;         // range of the work's rays
-  std::uint64_t made_ = 0;                    // next ray to make
+  FunctionalTrace* ahead_ = nullptr;              // may have stopped
+  std::vector<FunctionalTrace::Ray> rays_ahead_;  // by handle
+  std::uint64_t begin_ = 0, end_ = 0;             // range of the work's rays
+  std::uint64_t made_ = 0;                        // next ray to make
   std::uint64_t rays_made_ = 0;
   RayCounters making_;
   std::uint64_t finished_ = 0;

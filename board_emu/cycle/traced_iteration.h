@@ -1,4 +1,4 @@
-// One iteration of a ray with a trace (values_ahead.h).
+// One iteration of a ray with a trace (functional_trace.h).
 #pragma once
 
 #include <algorithm>

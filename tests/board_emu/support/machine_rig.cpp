@@ -90,13 +90,13 @@ Picture ahead_picture(const Scene& scene, const wire::RenderCommand& view, Machi
   const RayCounters before = ray_counters(machine);
   ImageRays rays(view, scene.frame, framebuffer, runs);
   const RayRange all{0, rays.count()};
-  std::optional<ValuesAhead> values;
+  std::optional<FunctionalTrace> values;
   OpacityCorrection correction;
   SimdTracer vectors(correction);
   const bool lit = scene.frame.lit_by_irradiance && scene.frame.gathers() && !scene.frame.in_bricks() &&
                    vectors.prepare(rays.count(), scene.frame, scene.frame.segmentation_writes, 1);
   const SimdTracer* const tracer = lit ? &vectors : nullptr;
-  if (ValuesAhead::covers(scene.frame, tracer)) values.emplace(rays, all, scene.frame, tracer, 1);
+  if (FunctionalTrace::covers(scene.frame, tracer)) values.emplace(rays, all, scene.frame, tracer, 1);
   if (saves) {
     progress.may_count = [&machine, at = machine.now()] {
       if (machine.now() - at > 3 * 4096) return;  // early in the run

@@ -22,10 +22,10 @@ inline RayCounters of_values(RayCounters counters) {
   return counters;
 }
 
-class ValuesAhead {
+class FunctionalTrace {
  public:
   // Traces the rays `which` of `source`. `tracer`: prepared for the frame, or null. All arguments must outlive this.
-  ValuesAhead(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
+  FunctionalTrace(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
       : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
   // Whether the functional level can compute the numbers of steps of the frame's rays.
   static bool covers(const Frame& frame, const SimdTracer* tracer) {

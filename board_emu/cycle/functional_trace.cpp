@@ -1,4 +1,4 @@
-#include "cycle/values_ahead.h"
+#include "cycle/functional_trace.h"
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ constexpr std::uint64_t kAtOnce = 2048;  // chosen: some groups of the tracer pe
 
 }  // namespace
 
-void ValuesAhead::trace(RayCounters& ahead) {
+void FunctionalTrace::trace(RayCounters& ahead) {
   std::vector<wire::Ray> rays;
   for (const Made& made : made_) {
     if (made.ray) rays.push_back(made.ray->made);
@@ -29,7 +29,7 @@ void ValuesAhead::trace(RayCounters& ahead) {
   }
 }
 
-std::optional<ValuesAhead::Ray> ValuesAhead::make(std::uint64_t i, RayCounters& making, RayCounters& ahead) {
+std::optional<FunctionalTrace::Ray> FunctionalTrace::make(std::uint64_t i, RayCounters& making, RayCounters& ahead) {
   next_ = i + 1;
   if (i >= begin_ + made_.size() && !has_stopped_) {
     begin_ = i;
@@ -48,7 +48,7 @@ std::optional<ValuesAhead::Ray> ValuesAhead::make(std::uint64_t i, RayCounters& 
   return ray ? std::optional<Ray>({*ray, {}, 0}) : std::nullopt;
 }
 
-void ValuesAhead::trace_steps(RayState& ray, std::int32_t steps, RayCounters& counters) const {
+void FunctionalTrace::trace_steps(RayState& ray, std::int32_t steps, RayCounters& counters) const {
   const BlockGrid grid(*frame_.volume);
   const std::size_t edge = static_cast<std::size_t>(frame_.volume->block_voxels()) + 1;
   while (steps > 0) {
@@ -67,14 +67,14 @@ void ValuesAhead::trace_steps(RayState& ray, std::int32_t steps, RayCounters& co
 }
 
 // Subtracts the counters of the ray's last `steps` steps from `ahead`.
-void ValuesAhead::take_back(RayState ray, std::int32_t steps, RayCounters& ahead) const {
+void FunctionalTrace::take_back(RayState ray, std::int32_t steps, RayCounters& ahead) const {
   RayCounters rest;
   trace_steps(ray, steps, rest);
   count_end(ray, end(ray, frame_), frame_, rest);
   ahead = ahead - of_values(rest);
 }
 
-RayState ValuesAhead::at(const Ray& ray, std::int32_t steps, RayCounters& ahead) const {
+RayState FunctionalTrace::at(const Ray& ray, std::int32_t steps, RayCounters& ahead) const {
   RayCounters past;
   RayState state = unpack(ray.made, frame_);
   trace_steps(state, steps, past);
@@ -82,7 +82,7 @@ RayState ValuesAhead::at(const Ray& ray, std::int32_t steps, RayCounters& ahead)
   return state;
 }
 
-void ValuesAhead::stop(RayCounters& ahead) {
+void FunctionalTrace::stop(RayCounters& ahead) {
   has_stopped_ = true;
   for (std::uint64_t i = next_; i < begin_ + made_.size(); ++i) {
     if (const auto& ray = made_[i - begin_].ray) take_back(unpack(ray->made, frame_), ray->steps, ahead);
