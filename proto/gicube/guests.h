@@ -41,7 +41,7 @@ class Guests {
     Connected out;
     if (crowd != nullptr) {
       const auto oldest = std::ranges::find_if(
-          guests_, [&](const Guest& each) { return !each.in_line && each.connection->host() == *crowd; });
+          guests_, [&](const Guest& each) { return !each.queued && each.connection->host() == *crowd; });
       out = oldest->connection;  // it exists: the queue leaves places free
       guests_.erase(oldest);
     }
@@ -55,18 +55,18 @@ class Guests {
   }
   // Adds a connection that has requested a board to the queue. Returns an empty string, or the reason why the queue is
   // full. A connection stays in the queue while it owns the board.
-  std::string stand_in_line(const Connected& guest) {
+  std::string enqueue(const Connected& guest) {
     const auto found = std::ranges::find(guests_, guest, &Guest::connection);
     if (found == guests_.end()) return "another connection has taken its place";
-    if (found->in_line) return {};
+    if (found->queued) return {};
     const std::string& host = guest->host();
-    if (count(&host, true) >= line_of(places_of_peer_)) {
-      return std::to_string(line_of(places_of_peer_)) + " connections of " + host + " wait for a board already";
+    if (count(&host, true) >= queue_share(places_of_peer_)) {
+      return std::to_string(queue_share(places_of_peer_)) + " connections of " + host + " wait for a board already";
     }
-    if (count(nullptr, true) >= line_of(places_)) {
-      return std::to_string(line_of(places_)) + " connections wait for a board already";
+    if (count(nullptr, true) >= queue_share(places_)) {
+      return std::to_string(queue_share(places_)) + " connections wait for a board already";
     }
-    found->in_line = true;
+    found->queued = true;
     return {};
   }
 
@@ -80,18 +80,18 @@ class Guests {
  private:
   struct Guest {
     Connected connection;
-    bool in_line = false;
+    bool queued = false;
   };
 
   // The share of the places that the queue may take.
-  static std::size_t line_of(std::size_t places) {
+  static std::size_t queue_share(std::size_t places) {
     constexpr std::size_t kPartForOthers = 8;  // chosen: an eighth is enough for handshakes, which take milliseconds
     return places - std::max<std::size_t>(1, places / kPartForOthers);
   }
   // Counts connections of this host, or of all hosts if null.
-  std::size_t count(const std::string* host, bool in_line) const {
+  std::size_t count(const std::string* host, bool queued) const {
     return static_cast<std::size_t>(std::ranges::count_if(guests_, [&](const Guest& each) {
-      return each.in_line == in_line && (host == nullptr || each.connection->host() == *host);
+      return each.queued == queued && (host == nullptr || each.connection->host() == *host);
     }));
   }
 

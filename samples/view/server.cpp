@@ -106,8 +106,7 @@ awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Par
     if (parser.chunked() && is_get) throw Refusal{http::status::bad_request, "a body: expected none"};
     if (is_page || is_file || target.path == "/" || target.path == "/download") {
       door.check_token(target);
-      if (!guests.stand_in_line(visitor).empty())
-        throw Refusal{http::status::service_unavailable, "too many connections"};
+      if (!guests.enqueue(visitor).empty()) throw Refusal{http::status::service_unavailable, "too many connections"};
       visitor->knows = true;
     }
     if (is_file) {

@@ -119,7 +119,7 @@ void BoardSlot::log_fault(const Observation* observation) const {
 
 Claim BoardSlot::claim(const Claimant& who) {
   const std::lock_guard lock(mutex_);
-  if (!line_.empty() && line_.front() != who.place) return Claim::kBusy;
+  if (!queue_.empty() && queue_.front() != who.place) return Claim::kBusy;
   if (owner_ == Owner::kManagement || releasing_) return Claim::kSoonFree;
   if (owner_ == Owner::kSession) {
     if (!who.force && !away_) return Claim::kBusy;

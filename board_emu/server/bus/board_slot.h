@@ -74,16 +74,16 @@ class BoardSlot {
 
   std::uint32_t index() const { return index_; }
 
-  // Enters the queue, at its end or at its head. leave_line() must be called later.
-  std::uint64_t stand_in_line(bool at_head) {
+  // Enters the queue, at its end or at its head. leave_queue() must be called later.
+  std::uint64_t enqueue(bool at_head) {
     const std::lock_guard lock(mutex_);
     const std::uint64_t place = ++last_place_;
-    line_.insert(at_head ? line_.begin() : line_.end(), place);
+    queue_.insert(at_head ? queue_.begin() : queue_.end(), place);
     return place;
   }
-  void leave_line(std::uint64_t place) {
+  void leave_queue(std::uint64_t place) {
     const std::lock_guard lock(mutex_);
-    std::erase(line_, place);
+    std::erase(queue_, place);
   }
   // Claims the board for a session.
   Claim claim(const Claimant& who);
@@ -229,7 +229,7 @@ class BoardSlot {
   std::string owner_name_;
   std::chrono::system_clock::time_point owner_since_;  // for display
   std::chrono::steady_clock::time_point owner_began_;  // for durations, because the system clock may be changed
-  std::deque<std::uint64_t> line_;
+  std::deque<std::uint64_t> queue_;
   std::uint64_t last_place_ = 0;
   std::uint64_t sessions_ = 0;  // total number
   EndSession end_session_;

@@ -183,7 +183,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
     if (!welcome) co_return;
   }
   if (theirs.session != 0) co_return resume(connection, slot, id, theirs);
-  if (const std::string full = guests_.stand_in_line(connection); !full.empty()) {
+  if (const std::string full = guests_.enqueue(connection); !full.empty()) {
     turn_away(*connection, {ErrorCode::kBusy, id, full});
     co_return;
   }
@@ -295,8 +295,8 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
       if (self) self->end(error, text);
     });
   };
-  who.place = slot.stand_in_line(who.force);
-  const ScopeExit left{[&] { slot.leave_line(who.place); }};
+  who.place = slot.enqueue(who.force);
+  const ScopeExit left{[&] { slot.leave_queue(who.place); }};
   const auto patience =
       steady_clock::now() + std::max(kBusyPatience, std::min(options_.max_wait, milliseconds(theirs.wait_ms)));
   asio::steady_timer timer(connection->executor());

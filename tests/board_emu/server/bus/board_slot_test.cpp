@@ -177,14 +177,14 @@ TEST(BoardSlot, GivesTheBoardToThoseInLineInItsOrder) {
     who.place = place;
     return slot.claim(who);
   };
-  const std::uint64_t first = slot.stand_in_line(false), second = slot.stand_in_line(false);
+  const std::uint64_t first = slot.enqueue(false), second = slot.enqueue(false);
   EXPECT_EQ(claims(0), Claim::kBusy);
   EXPECT_EQ(claims(second), Claim::kBusy);
-  const std::uint64_t forced = slot.stand_in_line(true);
+  const std::uint64_t forced = slot.enqueue(true);
   EXPECT_EQ(claims(first), Claim::kBusy);
   for (const std::uint64_t place : {forced, first, second}) {
     EXPECT_EQ(claims(place), Claim::kGranted);
-    slot.leave_line(place);
+    slot.leave_queue(place);
     slot.release();
   }
   EXPECT_EQ(claims(0), Claim::kGranted);

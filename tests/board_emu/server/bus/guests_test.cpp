@@ -42,7 +42,7 @@ void expect_busy(const std::optional<RawFrame>& answer, const std::string& words
 }
 
 // Sends its version and does not wait for the answer.
-void stand_in_line(RawClient& client) {
+void enqueue_client(RawClient& client) {
   std::array<std::uint8_t, wire::kVersionBytes> payload{};
   wire::encode(waiting(60'000), payload);
   client.send(wire::FrameType::kVersion, 0, 0, payload);
@@ -112,7 +112,7 @@ TEST(Guests, AFullLineLeavesAPlaceForTheOwnerWhoComesBack) {
   std::vector<RawClient> line;
   for (int i = 0; i < 3; ++i) {
     line.push_back(boards.connect());
-    stand_in_line(line.back());
+    enqueue_client(line.back());
   }
   expect_busy(boards.connect().handshake(waiting(60'000)), "3 connections wait for a board already");
   RawClient back = boards.connect();
@@ -126,8 +126,8 @@ TEST(Guests, OfOneProcessOnlySomeMayWait) {
   const ServedBoards boards(1, options);
   const RawClient owner = boards.open();
   RawClient first = boards.connect(), second = boards.connect();
-  stand_in_line(first);
-  stand_in_line(second);
+  enqueue_client(first);
+  enqueue_client(second);
   expect_busy(boards.connect().handshake(waiting(60'000)),
               "2 connections of process " + std::to_string(::getpid()) + " wait for a board already");
 }
@@ -141,7 +141,7 @@ TEST(Guests, AnEighthOfThePlacesIsNotForTheLine) {
   std::vector<RawClient> line;
   for (int i = 0; i < 14; ++i) {
     line.push_back(boards.connect());
-    stand_in_line(line.back());
+    enqueue_client(line.back());
   }
   wire::VersionInfo briefly = waiting(1000);
   expect_busy(boards.connect().handshake(briefly), "14 connections wait for a board already");
@@ -183,7 +183,7 @@ TEST(Guests, ForceThatIsHeldBackDoesNotOvertake) {
   const RawClient owner = boards.open();
   RawClient thief = boards.open(forcing);
   RawClient first = boards.connect();
-  stand_in_line(first);
+  enqueue_client(first);
   RawClient again = boards.connect();
   std::array<std::uint8_t, wire::kVersionBytes> payload{};
   wire::encode(forcing, payload);
