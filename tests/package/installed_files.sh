@@ -45,6 +45,12 @@ cmake --build "$scratch/small"
 "$scratch/small/host_bsdf" >"$scratch/host_bsdf.txt"
 "$prefix/bin/gicube-smi" doctor "emu:?bsdf=$scratch/small/brushed_metal.so"
 
+# The short samples, with their tests.
+cmake -S "$prefix/share/doc/gicube/samples/short" -B "$scratch/short" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
+cmake --build "$scratch/short"
+ctest --test-dir "$scratch/short" --output-on-failure
+
 # What gicube_add_test() does not understand it says, instead of making a test of something else.
 refuses() {
   printf 'cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES NONE)\nfind_package(gicube REQUIRED %s)\n%s\n' \
