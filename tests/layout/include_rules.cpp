@@ -215,11 +215,7 @@ const std::vector<Rule>& rules() {
       program("samples/photon_map", {"samples/transport"}, {}),
       program("samples/photon_map/photon_tree.cpp", {"samples/photon_map", "samples/transport"}, {"nanoflann.hpp"}),
       program("samples/photon_map/program", {"samples/photon_map", "samples/transport"}, {kAnything}),
-      program("samples/polygon_gi", {"samples/meshes", "samples/transport"}, {}),
-      program("samples/polygon_gi/program", {"samples/polygon_gi", "samples/meshes", "samples/transport"}, {kAnything}),
       program("samples/render", {"driver/hosts/include"}, {kAnything}),
-      program("samples/subsurface", {"samples/meshes", "samples/transport"}, {}),
-      program("samples/subsurface/program", {"samples/subsurface", "samples/meshes", "samples/transport"}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
       program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/guests.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),
   };

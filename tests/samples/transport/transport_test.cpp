@@ -11,7 +11,6 @@
 #include "transport/flights.h"
 #include "transport/lights.h"
 #include "transport/paths.h"
-#include "transport/zones.h"
 
 namespace gicube::samples {
 namespace {
@@ -228,26 +227,6 @@ TEST(Optics, DrawDirectionsOfTheirMeanCosine) {
     }
     EXPECT_NEAR(sum / 1e5, g, 3 * 0.58 / std::sqrt(1e5));
     EXPECT_NEAR(all / 1e5, 1, 0.03);
-  }
-}
-
-// Whole multiples of the zones' edge or not: places are even over what of a zone is in the volume.
-TEST(Zones, DrawEvenPlacesAlsoWhereTheyAreCutShort) {
-  Loaded loaded(fog(0.1));  // 15 edges across
-  const Zones zones(loaded.medium, 4);
-  PathRandom random(6, 0);
-  for (const auto& [zone, low, high] : {std::tuple{std::size_t{0}, 0.0, 4.0}, {zones.count() - 1, 12.0, 15.0}}) {
-    constexpr int kPlaces = 20000;
-    Vec3 sum{};
-    int beyond = 0;
-    for (int i = 0; i < kPlaces; ++i) {
-      const Vec3 place = zones.place(zone, random);
-      sum = sum + place;
-      beyond += place.x > low + 0.9 * (high - low) ? 1 : 0;
-    }
-    const double error = (high - low) / std::sqrt(12.0 * kPlaces);
-    for (const double part : {sum.x, sum.y, sum.z}) EXPECT_NEAR(part / kPlaces, (low + high) / 2, 3 * error);
-    EXPECT_NEAR(beyond, 0.1 * kPlaces, 3 * std::sqrt(0.09 * kPlaces));
   }
 }
 
