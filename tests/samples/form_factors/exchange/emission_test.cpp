@@ -79,6 +79,28 @@ TEST(Emission, OfTheGlowingRoomIsThatOfItsBall) {
   }
 }
 
+// Inside a solid shape of fog that is as dense as the lamp, no step of density says where the lamp's surface lies.
+TEST(Emission, OfALampWithinSomethingAsDenseIsItsAreaTimesItsEmission) {
+  const Scene scene = parse_scene(
+      "world { low { x: -1 y: -1 z: -1 } high { x: 1 y: 1 z: 1 }"
+      " node { material: \"wax\" sphere { radius: 0.8 } } node { material: \"lamp\" sphere { radius: 0.3 } } }"
+      " material { name: \"wax\" transfer_function { colour { value: 0 colour { red: 1 green: 1 blue: 1 } }"
+      " opacity { value: 1200 opacity: 0 } opacity { value: 2800 opacity: 0.3 } } scattering: 0.9 bsdf: \"isotropic\" }"
+      " material { name: \"lamp\" solid { } emission: 2 } camera { eye { y: -3 } look_at { } }",
+      "lamp", ".");
+  for (const int size : {21, 41, 81}) {
+    const double bound = size == 21 ? 0.11 : 0.04;  // at 21 its radius is three voxels
+    EXPECT_NEAR(power_of(scene, size) / (kEmission * 4 * kPi * 0.3 * 0.3), 1, bound) << size << " voxels";
+  }
+}
+
+TEST(Emission, OfTheLanternIsThatOfItsBall) {
+  const Scene lantern = read_scene(GICUBE_SOURCE_DIR "/samples/scenes/radiosity/lantern.scene");
+  for (const int size : {48, 64, 96}) {
+    EXPECT_NEAR(power_of(lantern, size) / (30 * 4 * kPi * 0.13 * 0.13), 1, 0.04) << size;
+  }
+}
+
 // Its ramp has more volume at edges and corners: of 7 x 5 x 3 voxels 20% more, of twice as many along each edge 3.4%.
 TEST(Emission, OfAFogIsItsVolumeTimesItsEmission) {
   for (const int size : {21, 41}) {
