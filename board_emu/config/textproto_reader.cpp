@@ -205,7 +205,8 @@ std::string expected_value(const FieldDescriptor& field) {
   std::string names;
   for (int i = 0; i < field.enum_type()->value_count(); ++i) {
     const auto* value = field.enum_type()->value(i);
-    if (value->number() != 0 && !value->options().deprecated()) names += (names.empty() ? "one of " : ", ") + value->name();
+    if (value->number() != 0 && !value->options().deprecated())
+      names += (names.empty() ? "one of " : ", ") + value->name();
   }
   return names;
 }

@@ -118,9 +118,8 @@ Cycle Processor::run_active_queue(Cycle from, Cycle to, MemoryPort& memory) {
   bool fed = false, backed_up = false, bubble = false;
   std::uint64_t held = 0;
   for (Cycle now = from; now < to; ++now) {
-    const Sorter::ActiveQueueTick tick =
-        sorter_.tick_active_queue(has_returned ? &returned : nullptr, has_released ? &released : nullptr,
-                                  issued < kFifoPlaces, issue[issued]);
+    const Sorter::ActiveQueueTick tick = sorter_.tick_active_queue(
+        has_returned ? &returned : nullptr, has_released ? &released : nullptr, issued < kFifoPlaces, issue[issued]);
     bool moved = tick.moved;
     if (has_returned) returns.pop = now;
     if (has_released) releases.pop = now;

@@ -24,7 +24,6 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
 // others wait for the host or for a block, in the frame's HostTrapQueue or WaitingRayQueue. `tracer`: null, or traces rays side by side, prepared for this frame.
 // `indices`: of the rays in their source, for a frame in bricks.
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
-                                const SimdTracer* tracer = nullptr,
-                                std::span<const std::uint64_t> indices = {});
+                                const SimdTracer* tracer = nullptr, std::span<const std::uint64_t> indices = {});
 
 }  // namespace gicube::emu

@@ -86,9 +86,7 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
   EXPECT_THAT(program.heard(), ElementsAreArray(never_stopped));
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, RandomSave,
-                         testing::Combine(testing::Values("functional", "cycle"),
-                                          seeds(16)),
+INSTANTIATE_TEST_SUITE_P(Levels, RandomSave, testing::Combine(testing::Values("functional", "cycle"), seeds(16)),
                          [](const auto& each) {
                            return std::string(std::get<0>(each.param)) + std::to_string(std::get<1>(each.param));
                          });

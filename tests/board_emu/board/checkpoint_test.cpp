@@ -175,10 +175,9 @@ std::string name_of(const testing::TestParamInfo<RandomBoard::ParamType>& each) 
 }
 
 // All together take some minutes. At cycle level each has some ten moments between transactions and forty in commands.
-INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard,
-                         testing::Combine(testing::Values("functional"), seeds(120)), name_of);
-INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), seeds(25)),
+INSTANTIATE_TEST_SUITE_P(WithoutTime, RandomBoard, testing::Combine(testing::Values("functional"), seeds(120)),
                          name_of);
+INSTANTIATE_TEST_SUITE_P(ByCycles, RandomBoard, testing::Combine(testing::Values("cycle"), seeds(25)), name_of);
 
 // ---- one board with something of everything
 

@@ -197,10 +197,9 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
   EXPECT_THAT(texts(apply_override(config, "asic.procesors=4")),
               testing::ElementsAre(AllOf(HasSubstr("asic.procesors: expected one of processors, block_voxels, "),
                                          HasSubstr("got \"procesors\""))));
-  EXPECT_THAT(
-      texts(apply_override(config, "chip.processors=4")),
-      testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                                     "memory, rdram, ddr, sdram, ideal, pace, threads, got \"chip\"")));
+  EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
+              testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
+                                             "memory, rdram, ddr, sdram, ideal, pace, threads, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
         "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {

@@ -34,8 +34,8 @@ TEST(Show, ReadsPicturesAndStatisticsOfARender) {
     EXPECT_EQ(from.at("program"), "gicube-render");
     EXPECT_EQ(from.at("fidelity"), "cycle");
     EXPECT_EQ(from.at("command"),
-              "gicube-render builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity cycle -o " +
-                  picture + " --stats " + statistics);
+              "gicube-render builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity cycle -o " + picture +
+                  " --stats " + statistics);
     EXPECT_EQ(from.at("config_hash").get<std::string>().size(), 16u);
     EXPECT_EQ(from, shown(statistics));
   }

@@ -123,9 +123,8 @@ TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
 
 TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
   const auto answered = [&](const std::string& options) {
-    const ProgramResult result =
-        run("builtin:buckyball --volume-size 40 --size 16x16 --quiet --fidelity cycle -o " + path("a.png") +
-            " --stats " + path("a.json") + " " + options);
+    const ProgramResult result = run("builtin:buckyball --volume-size 40 --size 16x16 --quiet --fidelity cycle -o " +
+                                     path("a.png") + " --stats " + path("a.json") + " " + options);
     EXPECT_EQ(result.code, 0) << result.err;
     std::map<std::string, int> commands;
     const nlohmann::json statistics = nlohmann::json::parse(text_of(path("a.json")));

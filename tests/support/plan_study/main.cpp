@@ -33,8 +33,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--scene", options.scenes, "only this scene (repeatable)");
   app.add_option("--size", options.size, "pixels an edge of the picture")->capture_default_str();
   app.add_option("--max-error", options.percents, "percent (repeatable)")->capture_default_str();
-  app.add_option("--time-budget", options.milliseconds,
-                 "of board time, in place of an error; needs fidelity=cycle");
+  app.add_option("--time-budget", options.milliseconds, "of board time, in place of an error; needs fidelity=cycle");
   app.add_flag("--exact", options.exact, "also against the double-precision march, which takes minutes");
   app.add_flag("--lit", options.lit, "plans of light too, of lit scenes with targets of their own");
   app.add_flag("--radiosity", options.radiosity, "plans of gicube-form-factors, with targets of their own");

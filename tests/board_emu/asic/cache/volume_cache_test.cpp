@@ -12,7 +12,9 @@ namespace {
 using Voxel = std::array<std::uint32_t, 3>;
 
 // Whether a check would find all eight voxels.
-bool has_all(VolumeCache cache, std::uint32_t block, const Voxel& voxel) { return cache.check(block, voxel).count == 0; }
+bool has_all(VolumeCache cache, std::uint32_t block, const Voxel& voxel) {
+  return cache.check(block, voxel).count == 0;
+}
 
 TEST(VolumeCache, AColdNeighbourhoodTakesTwoToEightTilesByItsParity) {
   VolumeCache cache({.block_voxels = 32});
