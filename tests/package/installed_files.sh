@@ -93,7 +93,8 @@ done < <(cd "$prefix/include" && find gicube -name '*.h')
 
 # pkg-config: the README's program, by one command.
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$prefix/lib64/pkgconfig:$prefix/lib/$(cc -dumpmachine)/pkgconfig
-[[ $(pkg-config --modversion gicube) == "$(sed -nE 's/^project\(gicube VERSION ([0-9.]+).*/\1/p' "$source/CMakeLists.txt")" ]]
+version=$(sed -nE 's/^#define GICUBE_VERSION_(MAJOR|MINOR|PATCH) //p' "$prefix/include/gicube/version.h" | paste -sd .)
+[[ $(pkg-config --modversion gicube) == "$version" ]]
 libraries=$(pkg-config --variable=libdir gicube)
 # shellcheck disable=SC2046
 c++ -std=c++20 "$source/samples/small/hello/main.cpp" "-Wl,-rpath,$libraries" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
