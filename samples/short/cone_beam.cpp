@@ -11,6 +11,7 @@
 // of the large ball, and its error. Returns 1 if that is above 2%.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

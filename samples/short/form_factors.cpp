@@ -11,6 +11,7 @@
 // and against a sum over points with exact visibility. Returns 1 if an error is above 1%.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

@@ -11,6 +11,7 @@
 // irradiance that is read back does not sum to what was deposited.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

@@ -7,6 +7,7 @@
 // formula itself, which needs no voxels: the error of voxels and samples together. Returns 1 if it is above 0.01.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>

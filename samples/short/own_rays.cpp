@@ -10,6 +10,7 @@
 // rays whose visibility differs from the exact one. Returns 1 if they are above 0.2 voxels or 1%.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

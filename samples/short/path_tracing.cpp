@@ -157,7 +157,7 @@ int main() {
   }
   write_light("path_tracing.ppm", kPixels, pixels);
 
-  // What a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, by paths that begin in it.
+  // The power that a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, by paths that begin in it.
   const gicube::VoxelBox box{{14, 16, 14}, {16, 12, 16}};
   const double volume = box.size[0] * box.size[1] * box.size[2];
   constexpr std::size_t kBegins = 30'000;

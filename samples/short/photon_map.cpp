@@ -11,6 +11,7 @@
 // is above 3%.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

@@ -11,6 +11,7 @@
 // all light meets a polygon or the fog. Returns 1 if it is above 3%.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

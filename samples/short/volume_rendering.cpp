@@ -9,6 +9,7 @@
 // closed form, 1 - exp(-sum of extinction times chord). Returns 1 if that error is above 0.01.
 #include <gicube/board.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

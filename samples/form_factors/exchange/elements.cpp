@@ -99,7 +99,7 @@ class SurfaceShares {
     return dot(at_a, at_b) < kEdge ? std::max(along(at_a), along(at_b)) : along(at_a + at_b);
   }
 
-  // Of the voxels' sides across an axis; half or a quarter at the volume's edges.
+  // The area of the voxels' sides across an axis; half or a quarter of it at the volume's edges.
   double area(const GridCell& cell, std::size_t axis) const {
     double area = 1;
     for (std::size_t other = 0; other < 3; ++other) {
@@ -120,7 +120,7 @@ class SurfaceShares {
       }
     });
   }
-  // Of the face's axis with the direction away from the middle of the solid's voxels nearby.
+  // The cosine of the face's axis to the direction away from the middle of the solid's voxels nearby.
   double outline_cosine(const GridCell& open, const GridCell& solid, std::size_t axis) const {
     constexpr int kReach = 2;  // chosen: a ball of three voxels' radius has its area within 11%, of six within 4%
     const std::uint8_t tag = medium_.tags[medium_.at(solid)];

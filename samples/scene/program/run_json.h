@@ -30,7 +30,7 @@ double bus_ms(const Counters& counters);
 // "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
 std::string memory_of(const Counters& counters);
 
-// What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters fidelity_report.
+// The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters fidelity_report.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // this_run() with the board, and the hash of what was computed with.
