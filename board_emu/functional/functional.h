@@ -21,7 +21,8 @@ class SimdTracer;
 void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 // Traces rays that routines may scatter; trapped rays are collected and scattered together. Returns which rays have ended; the
-// others wait for the host or for a block, in the frame's HostTrapQueue or WaitingRayQueue. `tracer`: null, or traces rays side by side, prepared for this frame.
+// others wait for the host or for a block, in the frame's HostTrapQueue or WaitingRayQueue.
+// `tracer`: null, or traces rays side by side, prepared for this frame.
 // `indices`: of the rays in their source, for a frame in bricks.
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
                                 const SimdTracer* tracer = nullptr, std::span<const std::uint64_t> indices = {});
