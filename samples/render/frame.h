@@ -23,7 +23,7 @@ struct Frame {
 
 // Renders the pictures that `options` ask for, in their order; what the last picture left on the board is used again:
 // the volume while it stays the same, the irradiance while moreover lights and settings do. `done` is called for each.
-// `ranks`: of the job, null if there is one host; rank 0 alone has the pictures' pixels.
+// `ranks`: of the job, null if there is one host.
 // Throws UsageError (options, URI), InputError and FileError (scene, volume), and the driver's errors.
 void render_frames(const RenderOptions& options, ProgressLine& progress, const std::function<void(const Frame&)>& done,
                    MpiExchange* ranks = nullptr);

@@ -134,14 +134,4 @@ void share_statistics(RayExchange& ranks, FrameStatistics& statistics) {
   }
 }
 
-void check_composited(const Scene& scene) {
-  const View& view = scene.view;
-  const char* const against = scene.lighting.on           ? "light of its own"
-                              : view.scatter              ? "rays that are scattered"
-                              : view.jitter               ? "--jitter"
-                              : view.samples_per_axis > 1 ? "several --samples a pixel"
-                                                          : nullptr;
-  if (against != nullptr) throw UsageError(std::string("--mpi=pictures: expected a picture without ") + against);
-}
-
 }  // namespace gicube::samples

@@ -31,7 +31,4 @@ void choose_part(const RayExchange& ranks, RenderOptions& options);
 // Collective: tells rank 0 what each rank did for a frame.
 void share_statistics(RayExchange& ranks, FrameStatistics& statistics);
 
-// Throws UsageError: a picture that can't be composited.
-void check_composited(const Scene& scene);
-
 }  // namespace gicube::samples

@@ -195,16 +195,16 @@ void check_explain_options(const RenderOptions& options) {
   if (against != nullptr) throw UsageError(std::string("--explain-pixel: expected without ") + against);
 }
 
-void add_host_options(CLI::App& app, RenderOptions& options) {
+void add_host_options(CLI::App& app) {
   OptionGroup group(app, "Several hosts");
   group.parsed(
       "--mpi", "HOW",
-      "under mpirun: each rank has a board and a part of the volume. rays: rays go from rank to rank, bits are those "
-      "of one board. pictures: the parts' pictures are composited, for rendering alone",
-      [&](const std::string& name, const std::string& text) {
-        if (text != "rays" && text != "pictures")
-          throw CLI::ValidationError(name, "expected rays or pictures, got " + in_quotes(text));
-        options.hosts = text == "rays" ? Hosts::kRays : Hosts::kPictures;
+      "rays: under mpirun each rank has a board and a part of the volume, and rays go from rank to rank; the picture "
+      "has the bits of one board",
+      [](const std::string& name, const std::string& text) {
+        if (text != "rays")
+          throw CLI::ValidationError(name,
+                                     "expected rays, a picture with the bits of one board, got " + in_quotes(text));
       });
 }
 
@@ -302,7 +302,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_explain_options(app, options);
   add_checkpoint_options(app, options);
   add_plan_options(app, options.plan, "a picture");
-  add_host_options(app, options);
+  add_host_options(app);
   add_board_options(app, options.board, true);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options);

@@ -61,9 +61,6 @@ std::vector<double> frame_times(const AnimationOptions& options);
 // "out.png" as "out_0007.png"; `output` itself for a single picture.
 std::filesystem::path frame_file(const std::filesystem::path& output, const AnimationOptions& options, int frame);
 
-// How the ranks of an MPI job share a picture.
-enum class Hosts { kOne, kRays, kPictures };
-
 // What is not set is left to the scene, or to its default.
 struct RenderOptions {
   std::string input;
@@ -99,7 +96,6 @@ struct RenderOptions {
   PlanOptions plan;
   CheckpointOptions checkpoint;
   BoardOptions board;
-  Hosts hosts = Hosts::kOne;
 };
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.

@@ -89,8 +89,7 @@ Renderer::Renderer(const RenderOptions& options, Steps steps, const std::functio
       board_(boards_.board(0)),
       ranks_(ranks) {
   if (boards_.size() > 1) check_several_boards(options);
-  if (options.hosts == Hosts::kPictures) composited_.emplace(board_, *ranks_);
-  if (options.hosts == Hosts::kRays) board_.share_blocks({std::shared_ptr<void>(), ranks_});
+  if (ranks_ != nullptr) board_.share_blocks({std::shared_ptr<void>(), ranks_});
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
 
@@ -109,10 +108,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
                    const std::function<void(const Frame&)>& done) {
   const Scene scene = at(times[first]);
   Picoseconds load = 0;
-  together(ranks_, [&] {
-    if (composited_) check_composited(scene);
-    load = set_voxels(scene);
-  });
+  together(ranks_, [&] { load = set_voxels(scene); });
   const std::vector<LightPass> passes = passes_of(setup_, board_.info().irradiance_words);
   const bool one_picture = passes.size() == 1 && pictures_of(passes[0]).size() == 1;
   if (events_ && !one_picture) {
@@ -339,8 +335,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
     frame.image =
         picture_of(board_, *field_, view, asked > 0 ? asked : exposure_for(*field_), frame.background, steps_(what));
   } else {
-    const Image image = composited_ ? composited_->render(view, steps_(what)) : boards_.render(view, steps_(what));
-    put_together(pass, image, frame.background, frame.image);
+    put_together(pass, boards_.render(view, steps_(what)), frame.background, frame.image);
   }
 
   FrameStatistics& statistics = frame.statistics;

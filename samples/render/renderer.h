@@ -9,7 +9,6 @@
 
 #include "gicube/board.h"
 #include "gicube/board_group.h"
-#include "gicube/composited_ranks.h"
 #include "gicube/light_plan.h"
 #include "gicube/mpi.h"
 #include "gicube/plan.h"
@@ -93,7 +92,6 @@ class Renderer {
   BoardGroup boards_;
   Board& board_;  // the first of them; what all must do goes to boards_
   MpiExchange* ranks_;
-  std::optional<CompositedRanks> composited_;
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   bool set_up_before_ = false;     // the board can't take another codebook

@@ -44,7 +44,7 @@ if [[ -e $build/lib/libgicube-mpi.so ]]; then
   dpkg-deb -x "$mpi" "$scratch/root"
   [[ $(dpkg-deb -f "$mpi" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"*mpi* ]]
   test -e "$scratch/root/usr/include/gicube/mpi.h"
-  "$scratch/root/usr/bin/gicube-render" builtin:buckyball --volume-size 32 --size 8x8 --mpi=pictures -o "$scratch/picture.png" | grep -q '^.*picture.png: frame '
+  "$scratch/root/usr/bin/gicube-render" builtin:buckyball --volume-size 32 --size 8x8 --mpi=rays -o "$scratch/picture.png" | grep -q '^.*picture.png: frame '
 fi
 dpkg-deb -x "$python" "$scratch/root"
 [[ $(dpkg-deb -f "$python" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"* ]]

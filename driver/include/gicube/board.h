@@ -351,8 +351,7 @@ class GICUBE_API Board {
   Counters counters();
 
  private:
-  friend class BoardGroup;       // gicube/board_group.h
-  friend class CompositedRanks;  // gicube/composited_ranks.h
+  friend class BoardGroup;  // gicube/board_group.h
   struct State;
   explicit Board(std::shared_ptr<State> state);
   std::shared_ptr<State> state_;  // futures have weak ones

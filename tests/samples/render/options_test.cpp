@@ -161,6 +161,7 @@ TEST(RenderOptions, AreRefusedWithTheOptionsName) {
       {{"a.nrrd", "--light-rays", "0"}, "--light-rays"},
       {{"a.nrrd", "--lifetime", "1024"}, "--lifetime"},
       {{"a.nrrd", "--exposure", "-1"}, "--exposure"},
+      {{"a.nrrd", "--mpi=pictures"}, "--mpi: expected rays"},
       {{"a.nrrd", "--frames", "0"}, "--frames"},
       {{"a.nrrd", "--fps", "25"}, "--frames"},
       {{"a.nrrd", "--frames", "2", "--fps", "25", "--duration", "1"}, "--fps"},

@@ -1,7 +1,7 @@
 // The ranks of an MPI job as hosts that share a volume: libgicube-mpi, CMake's gicube::mpi. docs/guide/mpi.md.
 //
 //   auto ranks = gicube::MpiExchange::open();                 // mpirun -n 4 program
-//   gicube::CompositedRanks pictures(board, *ranks);
+//   board.share_blocks(std::move(ranks));
 #pragma once
 
 #include <cstddef>

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "board/hosts/volume_parts.h"
 #include "gicube/wire/bytes.h"
+#include "volume_parts.h"
 
 namespace gicube {
 namespace {
