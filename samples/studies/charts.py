@@ -116,7 +116,7 @@ def scaling(_):
     shutil.rmtree(RUNS / "scaling")
 
 
-POINTS = {"lighting": [], "light": ["gicube-render", "gicube-path", "gicube-photon-map", "gicube-light-reference"],
+POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},

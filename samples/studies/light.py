@@ -38,11 +38,11 @@ LIGHTING = {
     "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces within a voxel
 }
 PLANS = {"plan-10": "10%"}  # gicube-render --max-error
-# Pictures by rays of the host: the program, and its words.
+# Pictures by rays of the host: the method of gicube-light, and its options.
 HOST_RAYS = {
-    **{f"eye-{n}": ("gicube-path", f"--light-scatterings 0 --passes {n}") for n in (4, 16)},
-    **{f"both-ends-{n}": ("gicube-path", f"--passes {n}") for n in (4, 16)},
-    **{f"photons-{n}": ("gicube-photon-map", f"--photons 100000 --neighbours 60 --passes {n}") for n in (1, 4)},
+    **{f"eye-{n}": ("path", f"--light-scatterings 0 --passes {n}") for n in (4, 16)},
+    **{f"both-ends-{n}": ("path", f"--passes {n}") for n in (4, 16)},
+    **{f"photons-{n}": ("photon-map", f"--photons 100000 --neighbours 60 --passes {n}") for n in (1, 4)},
 }
 
 
@@ -131,13 +131,14 @@ def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fide
     shown, noise = (np.array(truth[name]) for name in ("shown", "noise"))
     fields, board = LIGHTING.get(method, ({}, ""))
     plan = f" --max-error {PLANS[method]}" if method in PLANS else ""
-    program, words = HOST_RAYS.get(method, ("gicube-render", f"-o @x.exr{plan}"))
     by_host = method in HOST_RAYS
+    program = "gicube-light" if by_host else "gicube-render"
+    command, words = HOST_RAYS.get(method, ("", f"-o @x.exr{plan}"))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file, **{"rays_per_face_voxel": 16, "step": 0.5, **fields}))
         settings = " ".join(f"--set {each}" for each in dict.fromkeys(["asic.datapath=wide", board]) if each)
-        run(folder, program, f"@x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
+        run(folder, program, f"{command} @x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
             + " --pixels @x.csv" * by_host)
         picture = truth["factor"] * radiances(folder / "x.csv", shown.shape)[0] if by_host else read_picture(folder / "x.exr")[..., :3].astype(float)
         stats = statistics(folder / "x.json")

@@ -208,13 +208,11 @@ const std::vector<Rule>& rules() {
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
       program("samples/form_factors", {}, {kAnything}),
       // Paths of light know neither files nor the program.
-      program("samples/transport", {}, {"fmt"}),
-      program("samples/transport/program", {"samples/transport"}, {kAnything}),
-      program("samples/path", {"samples/transport"}, {"fmt"}),
-      program("samples/path/program", {"samples/path", "samples/transport"}, {kAnything}),
-      program("samples/photon_map", {"samples/transport"}, {}),
-      program("samples/photon_map/photon_tree.cpp", {"samples/photon_map", "samples/transport"}, {"nanoflann.hpp"}),
-      program("samples/photon_map/program", {"samples/photon_map", "samples/transport"}, {kAnything}),
+      program("samples/light/transport", {}, {"fmt"}),
+      program("samples/light/path", {"samples/light/transport"}, {}),
+      program("samples/light/photon_map", {"samples/light/transport"}, {}),
+      program("samples/light/photon_map/photon_tree.cpp", {"samples/light/transport", "samples/light/photon_map"}, {"nanoflann.hpp"}),
+      program("samples/light/program", {"samples/light"}, {kAnything}),
       program("samples/render", {"driver/hosts/include"}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
       program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/guests.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),

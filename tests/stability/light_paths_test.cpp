@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "../samples/path/light_scenes.h"
-#include "path/bidirectional.h"
-#include "photon_map/photon_map.h"
+#include "../samples/light/path/light_scenes.h"
+#include "light/path/bidirectional.h"
+#include "light/photon_map/photon_map.h"
 #include "stability.h"
 
 namespace gicube::stability {

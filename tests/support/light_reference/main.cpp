@@ -1,15 +1,15 @@
-// gicube-light-reference: a scene's light by the path tracer of tests/support/reference/paths, as gicube-path writes it: a picture, and
+// gicube-light-reference: a scene's light by the path tracer of tests/support/reference/paths, as gicube-light writes it: a picture, and
 // with --pixels the radiance of each pixel and its standard error.
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "light/program/radiance_report.h"
 #include "light_reference/path_scene_of.h"
 #include "light_reference/tiles.h"
 #include "scene/program/option_group.h"
 #include "scene/program/program.h"
-#include "transport/program/radiance_report.h"
 
 namespace {
 

@@ -1,0 +1,155 @@
+#include "light/photon_map/photon_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace gicube::samples {
+namespace {
+
+constexpr std::size_t kPathsAtOnce = 32768;  // chosen: of paths that are in memory together
+
+void add_product(Rgb& sum, const Rgb& a, const Rgb& b, double factor) {
+  for (std::size_t c = 0; c < 3; ++c) sum[c] += a[c] * b[c] * factor;
+}
+
+}  // namespace
+
+PhotonMapping::PhotonMapping(Board& board, const Medium& medium, const Lights& lights, const View& view,
+                             const PhotonSettings& settings)
+    : medium_(medium),
+      lights_(lights),
+      eye_(view, medium),
+      settings_(settings),
+      flights_(board, medium, settings.step, settings.seed),
+      paths_(medium, lights, flights_),
+      surfaces_({}),
+      media_({}),
+      sum_(view.width, view.height) {}
+
+void PhotonMapping::shoot() {
+  std::vector<Photon> surfaces, media;
+  for (std::uint64_t first = 0; first < settings_.photons; first += kPathsAtOnce) {
+    std::vector<Path> paths;
+    for (std::uint64_t i = first; i < std::min(first + kPathsAtOnce, settings_.photons); ++i) {
+      const std::uint64_t number = sum_.passes() * settings_.photons + i;
+      paths.push_back(paths_.from_light({settings_.seed, 2 * number}));
+    }
+    paths_.walk(paths, settings_.max_scatterings);
+    for (const Path& path : paths) {
+      // The first interaction is the light's own, for which shadow rays are sent.
+      for (std::size_t i = 2; i < path.vertices.size(); ++i) {
+        const Vertex& vertex = path.vertices[i];
+        if (vertex.sharp) continue;
+        Photon photon{vertex.place, vertex.direction, vertex.weight};
+        for (double& part : photon.power) part /= static_cast<double>(settings_.photons);
+        (vertex.normal == Vec3{} ? media : surfaces).push_back(photon);
+      }
+    }
+  }
+  statistics_.emitted += settings_.photons;
+  statistics_.on_surfaces += surfaces.size();
+  statistics_.in_media += media.size();
+  surfaces_ = PhotonTree(std::move(surfaces));
+  media_ = PhotonTree(std::move(media));
+}
+
+// Radiance towards the eye of what the photons bring, times the vertex's weight.
+Rgb PhotonMapping::gathered(const Vertex& vertex) const {
+  using std::numbers::pi;
+  const Optics& optics = medium_.optics(vertex.tag);
+  const bool surface = vertex.normal != Vec3{};
+  const auto near = (surface ? surfaces_ : media_)
+                        .nearest(vertex.place, static_cast<std::size_t>(settings_.neighbours), settings_.radius);
+  const double r = near.radius;
+  Rgb sum{};
+  for (const Photon* photon : near.photons) {
+    double share = density(optics, photon->direction, vertex.normal, -1.0 * vertex.direction);
+    if (surface) {  // as much light leaves as arrives, of all directions alike; behind the surface none
+      const double cosine = std::abs(dot(vertex.normal, vertex.direction));
+      share = cosine > 0 ? share / cosine / (pi * r * r) : 0;
+    } else {
+      share /= 4.0 / 3 * pi * r * r * r;
+    }
+    add_product(sum, photon->power, optics.albedo, share);
+  }
+  // A path of the eye interacts with a chance that grows with the extinction, as photons do.
+  const double extinction = surface ? 1 : medium_.extinction(vertex.place);
+  Rgb out{};
+  if (extinction > 0) add_product(out, vertex.weight, sum, 1 / extinction);
+  return out;
+}
+
+void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>& pixels) {
+  std::vector<Path> paths;
+  const auto width = static_cast<std::size_t>(eye_.width());
+  for (std::size_t pixel = first; pixel < first + count; ++pixel) {
+    Path& path = paths.emplace_back();
+    path.random = {settings_.seed, 2 * (sum_.passes() * sum_.pixels() + pixel) + 1};
+    const double x = static_cast<double>(pixel % width) + path.random.uniform();
+    const double y = static_cast<double>(pixel / width) + path.random.uniform();
+    path.flight = {eye_.place(), eye_.direction(x, y)};
+    path.weight = {1, 1, 1};
+    path.vertices.push_back({.place = eye_.place()});
+  }
+  struct Shadow {
+    Segment segment;
+    std::size_t pixel = 0;
+    Rgb value;
+  };
+  std::vector<Shadow> shadows;
+  const auto see = [&](const Path& path, double reach) {
+    if (!path.vertices.back().sharp) return;
+    const auto pixel = first + static_cast<std::size_t>(&path - paths.data());
+    lights_.meet(path.flight.place, path.flight.direction,
+                 [&](const LightPoint&, double distance, const Rgb& radiance) {
+                   if (distance < reach) add_product(pixels[pixel], path.weight, radiance, 1);
+                 });
+  };
+  std::vector<char> found(paths.size(), 0);
+  // Through mirrors and glass to the first place that scatters every way.
+  for (int i = 0; i < settings_.max_scatterings; ++i) {
+    paths_.walk(paths, 1, see);
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      Path& path = paths[k];
+      const Vertex& vertex = path.vertices.back();
+      if (vertex.tag < 0 || vertex.sharp || found[k] != 0) continue;
+      path.ended = true;
+      found[k] = 1;
+      const Rgb light = gathered(vertex);
+      for (std::size_t c = 0; c < 3; ++c) pixels[first + k][c] += light[c];
+      const LightPoint point = lights_.point(path.random);
+      const bool distant = lights_.is_distant(point.light);
+      const Vec3 target = distant ? vertex.place + 4 * medium_.radius() * point.place : point.place;
+      const Vec3 way = target - vertex.place, direction = normalise(way);
+      const Optics& optics = medium_.optics(vertex.tag);
+      Rgb value{}, share{};
+      const double towards = density(optics, vertex.direction, vertex.normal, direction);
+      add_product(share, vertex.weight, optics.albedo, towards / (distant ? 1 : dot(way, way)));
+      add_product(value, share, lights_.emitted(point, -1.0 * direction), 1);
+      if (!(std::ranges::max(value) > 0)) continue;
+      const Vec3 from =
+          vertex.normal == Vec3{} ? vertex.place : off_surface({vertex.place, 0, 0, vertex.normal}, direction);
+      shadows.push_back({{from, target}, first + k, value});
+    }
+    if (std::ranges::all_of(paths, [](const Path& path) { return path.ended; })) break;
+  }
+  std::vector<Segment> segments;
+  for (const Shadow& shadow : shadows) segments.push_back(shadow.segment);
+  const std::vector<double> through = flights_.transmittances(segments);
+  for (std::size_t i = 0; i < shadows.size(); ++i)
+    add_product(pixels[shadows[i].pixel], shadows[i].value, {1, 1, 1}, through[i]);
+}
+
+void PhotonMapping::pass() {
+  shoot();
+  std::vector<Rgb> pixels(sum_.pixels());
+  for (std::size_t first = 0; first < pixels.size(); first += kPathsAtOnce) {
+    look(first, std::min(kPathsAtOnce, pixels.size() - first), pixels);
+  }
+  sum_.add(pixels);
+  statistics_.rays = flights_.rays();
+}
+
+}  // namespace gicube::samples

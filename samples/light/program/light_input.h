@@ -1,0 +1,42 @@
+// What each method of gicube-light is asked for: a scene, and a picture of the light in it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gicube/image.h"
+#include "gicube/scene/scene.h"
+#include "light/transport/optics.h"
+#include "scene/names.h"
+
+namespace gicube::samples {
+
+struct LightInput {
+  std::string input;
+  std::optional<int> volume_size;
+  std::string transfer_function;
+  bool allow_outside = false;
+  // Of a volume without materials of a scene:
+  Bsdf bsdf = Bsdf::kDiffuse;
+  double albedo = 0.8;
+  double step = 0.5;
+  std::string camera_name;
+  std::optional<std::array<int, 2>> size;
+  double exposure = 0;                   // 0: chosen
+  std::filesystem::path output, pixels;  // empty: none
+};
+
+void add_light_input(CLI::App& app, LightInput& input);
+// Throws UsageError.
+void check(const LightInput& input);
+// The scene as read, with what the options change, and its setup. Throws what reading and setting up a scene throws.
+Scene light_scene(const LightInput& input);
+SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads);
+
+// A pixel shows pi times its radiance times the exposure, 1 is white; 0: one by which nine of ten lit pixels are below 0.8.
+Image image_of(int width, int height, const std::vector<Rgb>& radiance, double exposure);
+
+}  // namespace gicube::samples
