@@ -16,7 +16,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 os.environ.setdefault("GICUBE_BIN_DIR", str(ROOT / "build/release/bin"))
-sys.path.insert(0, str(ROOT / "tests/samples/view"))
+sys.path.insert(0, str(ROOT / "tests/samples/apps/view"))
 from view_program import Page, Program, Running  # noqa: E402
 
 SECONDS = 8

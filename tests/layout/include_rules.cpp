@@ -11,8 +11,8 @@ namespace {
 
 // Where the build looks for our headers, and under which folder of the tree they stand.
 constexpr std::array<std::string_view, 8> kIncludeFolders{
-    "proto",     "driver/include", "driver/hosts/include", "driver/scene/include", "driver", "driver/src",
-    "board_emu", "samples"};
+    "proto",      "driver/include", "driver/hosts/include", "driver/scene/include", "driver",
+    "driver/src", "board_emu",      "samples/apps"};
 
 // The part of the ASIC between two FIFOs: knows itself, the records that pass, and the wire.
 Rule sibling(std::string_view folder) {
@@ -32,7 +32,7 @@ Rule room(std::string_view folder, const std::vector<std::string_view>& below,
 Rule program(std::string_view folder, const std::vector<std::string_view>& besides,
              const std::vector<std::string_view>& outside) {
   std::vector<std::string_view> ours{folder,
-                                     "samples/scene",
+                                     "samples/apps/scene",
                                      "driver/scene/common",
                                      "driver/scene/include",
                                      "driver/include",
@@ -170,7 +170,7 @@ const std::vector<Rule>& rules() {
       // The Python package: an application of the public headers.
       {"driver/python/core",  {"driver/python/core", "driver/include", "driver/hosts/include", "driver/scene/include"}, {"cxxabi.h", "pybind11", "unistd.h"}},
 
-      program("samples/scene", {"proto/gicube/v1/board_config.pb.h"}, {kAnything}),
+      program("samples/apps/scene", {"proto/gicube/v1/board_config.pb.h"}, {kAnything}),
       {"samples/short",            {"samples/short", "driver/include"}, {}},
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
@@ -188,34 +188,34 @@ const std::vector<Rule>& rules() {
       {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},
                              {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
-      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/names.h", "proto/gicube/parallel_for.h", "driver/include"},
+      {"samples/apps/cone_beam",  {"samples/apps/cone_beam/*", "samples/apps/scene/names.h", "proto/gicube/parallel_for.h", "driver/include"},
                              {"fmt", "fftw3.h"}},
-      {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene/names.h",
+      {"samples/apps/cone_beam/phantom", {"samples/apps/cone_beam/phantom", "samples/apps/cone_beam/*", "samples/apps/scene/names.h",
                               "proto/gicube/parallel_for.h", "driver/include"}, {"fmt"}},
-      {"samples/cone_beam/plan", {"samples/cone_beam/plan", "samples/cone_beam/phantom", "samples/cone_beam/*",
+      {"samples/apps/cone_beam/plan", {"samples/apps/cone_beam/plan", "samples/apps/cone_beam/phantom", "samples/apps/cone_beam/*",
                               "driver/include"}, {"fmt"}},
       // Projections are read by the parts that read volumes.
-      program("samples/cone_beam/scan", {"samples/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
+      program("samples/apps/cone_beam/scan", {"samples/apps/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
               {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),
-      program("samples/cone_beam/program", {"samples/cone_beam"}, {kAnything}),
+      program("samples/apps/cone_beam/program", {"samples/apps/cone_beam"}, {kAnything}),
       // Its files are read by the parts that read scenes.
-      program("samples/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h", "samples/meshes"},
+      program("samples/apps/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h", "samples/apps/meshes"},
               {"fmt"}),
-      program("samples/compose/program", {"samples/compose", "samples/meshes"}, {kAnything}),
-      program("samples/meshes", {}, {"embree3", "fmt"}),
-      program("samples/form_factors/exchange", {"samples/form_factors/radiosity/radiosity.h"}, {"boost", "fmt"}),
-      program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
-      program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
-      program("samples/form_factors", {}, {kAnything}),
+      program("samples/apps/compose/program", {"samples/apps/compose", "samples/apps/meshes"}, {kAnything}),
+      program("samples/apps/meshes", {}, {"embree3", "fmt"}),
+      program("samples/apps/form_factors/exchange", {"samples/apps/form_factors/radiosity/radiosity.h"}, {"boost", "fmt"}),
+      program("samples/apps/form_factors/radiosity", {"samples/apps/form_factors/exchange"}, {"fmt"}),
+      program("samples/apps/form_factors/plan", {"samples/apps/form_factors/radiosity"}, {"fmt"}),
+      program("samples/apps/form_factors", {}, {kAnything}),
       // Paths of light know neither files nor the program.
-      program("samples/light/transport", {}, {"fmt"}),
-      program("samples/light/path", {"samples/light/transport"}, {}),
-      program("samples/light/photon_map", {"samples/light/transport"}, {}),
-      program("samples/light/photon_map/photon_tree.cpp", {"samples/light/transport", "samples/light/photon_map"}, {"nanoflann.hpp"}),
-      program("samples/light/program", {"samples/light"}, {kAnything}),
-      program("samples/render", {"driver/hosts/include"}, {kAnything}),
+      program("samples/apps/light/transport", {}, {"fmt"}),
+      program("samples/apps/light/path", {"samples/apps/light/transport"}, {}),
+      program("samples/apps/light/photon_map", {"samples/apps/light/transport"}, {}),
+      program("samples/apps/light/photon_map/photon_tree.cpp", {"samples/apps/light/transport", "samples/apps/light/photon_map"}, {"nanoflann.hpp"}),
+      program("samples/apps/light/program", {"samples/apps/light"}, {kAnything}),
+      program("samples/apps/render", {"driver/hosts/include"}, {kAnything}),
       // Has gicube-render's parts make its pictures, and asks the board's process beside the driver.
-      program("samples/view", {"samples/render", "proto/gicube/access.h", "proto/gicube/guests.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),
+      program("samples/apps/view", {"samples/apps/render", "proto/gicube/access.h", "proto/gicube/guests.h", "proto/gicube/registry.h", "proto/gicube/v1/management.pb.h"}, {kAnything}),
   };
   // clang-format on
   return table;

@@ -37,7 +37,7 @@ const Files kTree{"proto/gicube/wire/ray.h",
                   "driver/scene/include/gicube/scene/scene.h",
                   "driver/scene/common/faults.h",
                   "driver/scene/graph/graph_reader.h",
-                  "samples/scene/names.h",
+                  "samples/apps/scene/names.h",
                   "tests/support/scenes.h"};
 
 Files files_of(const std::filesystem::path& root, const std::string& folder) {
@@ -85,7 +85,7 @@ TEST(IncludeRules, AllowWhatTheArchitectureNeeds) {
   EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board/board.h\"\n#include \"bus/session.h\"\n"),
               IsEmpty());
   EXPECT_THAT(
-      faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"gicube/scene/scene.h\"\n"),
+      faults(kTree, "samples/apps/render/main.cpp", "#include \"gicube/board.h\"\n#include \"gicube/scene/scene.h\"\n"),
       IsEmpty());
   EXPECT_THAT(faults(kTree, "driver/scene/graph/graph_reader.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
 }
@@ -145,14 +145,14 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
       {"board_emu/board/board.cpp", "\"gicube/board.h\""},                   // board -> driver
       {"board_emu/board/board.cpp", "\"server/bus/session.h\""},             // core -> server
       {"board_emu/server/main.cpp", "\"board/timeline.h\""},                 // server -> inside of the board
-      {"samples/render/main.cpp", "\"gicube/wire/ray.h\""},                  // sample -> wire
-      {"samples/render/main.cpp", "\"../../driver/src/link.h\""},            // sample -> private header by a path
+      {"samples/apps/render/main.cpp", "\"gicube/wire/ray.h\""},             // sample -> wire
+      {"samples/apps/render/main.cpp", "\"../../../driver/src/link.h\""},    // sample -> private header by a path
       {"driver/scene/common/faults.h", "\"gicube/v1/management.pb.h\""},
       {"driver/scene/include/gicube/scene/scene.h",
        "\"scene/graph/graph_reader.h\""},  // public header -> private header
       {"driver/scene/include/gicube/scene/scene.h", "\"gicube/v1/scene.pb.h\""},
-      {"driver/scene/common/faults.h", "\"scene/names.h\""},          // library -> sample
-      {"samples/render/main.cpp", "\"scene/graph/graph_reader.h\""},  // sample -> private header
+      {"driver/scene/common/faults.h", "\"scene/names.h\""},               // library -> sample
+      {"samples/apps/render/main.cpp", "\"scene/graph/graph_reader.h\""},  // sample -> private header
       {"board_emu/firmware/framebuffer.h", "\"tests/support/scenes.h\""},
   };
   for (const Case& c : forbidden) {
@@ -167,8 +167,8 @@ TEST(IncludeRules, CatchThirdPartyHeadersWhereOnlyTheStandardLibraryIsAllowed) {
 }
 
 TEST(IncludeRules, CatchNamesThatNoFileHasAndFoldersThatNoRuleFits) {
-  EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gone.h\"\n"),
-              ElementsAre("samples/render/main.cpp:1: no file of ours is called gone.h"));
+  EXPECT_THAT(faults(kTree, "samples/apps/render/main.cpp", "#include \"gone.h\"\n"),
+              ElementsAre("samples/apps/render/main.cpp:1: no file of ours is called gone.h"));
   EXPECT_THAT(faults(kTree, "board_emu/novelty/part.h", ""), testing::SizeIs(1));
 }
 

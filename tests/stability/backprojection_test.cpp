@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "../samples/cone_beam/small_scan.h"
+#include "../samples/apps/cone_beam/small_scan.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"

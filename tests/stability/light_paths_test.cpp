@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../samples/light/path/light_scenes.h"
+#include "../samples/apps/light/path/light_scenes.h"
 #include "light/path/bidirectional.h"
 #include "light/photon_map/photon_map.h"
 #include "stability.h"

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "../../driver/scene/damage.h"
+#include "../../../driver/scene/damage.h"
 
 namespace gicube::samples {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../driver/board/test_board.h"
+#include "../../../../driver/board/test_board.h"
 #include "gicube/scene/scene.h"
 #include "light/transport/eye.h"
 #include "light/transport/flights.h"

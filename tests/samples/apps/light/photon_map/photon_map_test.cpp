@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../driver/board/test_board.h"
+#include "../../../../driver/board/test_board.h"
 #include "../path/light_scenes.h"
 #include "reference/paths/path_tracer.h"
 

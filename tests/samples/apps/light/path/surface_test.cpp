@@ -5,7 +5,7 @@
 #include <functional>
 #include <numbers>
 
-#include "../../../driver/board/test_board.h"
+#include "../../../../driver/board/test_board.h"
 #include "light/path/bidirectional.h"
 #include "light_scenes.h"
 

@@ -3,7 +3,7 @@
 // HTTP, one address: http://127.0.0.1:PORT/?token=T, or https: with a certificate. Host and Origin are checked on every request, the
 // token on all but the page's own modules. The page's address may carry the state of a view after a #, which the program never sees.
 //   GET  /?token=T                          index.html
-//   GET  /NAME                              the other files of samples/view/page
+//   GET  /NAME                              the other files of samples/apps/view/page
 //   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}, and what is open by that name
 //                                   stays until then; NAME has no slash and no leading dot. 204; 413 too large; 507 a
 //                                   full disk

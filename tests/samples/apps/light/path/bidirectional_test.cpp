@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "../../../driver/board/test_board.h"
+#include "../../../../driver/board/test_board.h"
 #include "light_scenes.h"
 #include "reference/paths/path_tracer.h"
 
