@@ -171,7 +171,7 @@ const std::vector<Rule>& rules() {
       {"driver/python/core",  {"driver/python/core", "driver/include", "driver/hosts/include", "driver/scene/include"}, {"cxxabi.h", "pybind11", "unistd.h"}},
 
       program("samples/apps/scene", {"proto/gicube/v1/board_config.pb.h"}, {kAnything}),
-      {"samples/short",            {"samples/short", "driver/include"}, {}},
+      {"samples/short",            {"samples/short", "driver/include"}, {"poll.h", "spawn.h", "sys/wait.h", "unistd.h"}},
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
