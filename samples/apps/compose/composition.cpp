@@ -8,6 +8,7 @@
 #include "scene/common/faults.h"
 #include "scene/common/whole_file.h"
 #include "scene/graph/graph_reader.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples {
 namespace {
@@ -65,18 +66,10 @@ struct Translator {
   // Of a volume or shell. What it throws names the field.
   template <typename Part>
   Scene scene(const Part& source) const {
-    constexpr std::string_view kBuiltin = "builtin:";
-    Scene scene;
     const std::string& input = source.input();
     if (input.empty()) throw InputError("input", "a scene, a volume file or builtin:buckyball", "none");
-    if (input.starts_with(kBuiltin)) {
-      scene.volume.builtin = input.substr(kBuiltin.size());
-    } else if (is_scene_path(input)) {
-      scene = at_time(read_scene(files.file("input", input), files.allow_outside), 0);
-    } else {
-      scene.volume.file = files.file("input", input);
-      scene.volume.allow_outside = files.allow_outside;
-    }
+    const std::string named = input.starts_with(kBuiltin) ? input : files.file("input", input).string();
+    Scene scene = at_time(read_input(named, files.allow_outside), 0);
     if (source.has_volume_size()) {
       if (!scene.world && scene.volume.builtin.empty()) {
         throw InputError("volume_size", "none for a volume file, which has its own", shown(source.volume_size()));

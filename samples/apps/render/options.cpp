@@ -10,11 +10,11 @@
 #include "gicube/scene/scene.h"
 #include "scene/common/checks.h"
 #include "scene/program/option_group.h"
+#include "scene/program/program.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples {
 namespace {
-
-constexpr const char* kBuiltin = "builtin:";
 
 const char* const kFooter =
     "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin; in a scene with a "
@@ -140,13 +140,9 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
 }
 
 void check_output(const RenderOptions& options) {
-  const std::filesystem::path& output = options.output;
-  const std::string extension = output.extension().string();
-  if (extension != ".png" && extension != ".exr") {
-    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(output.string()));
-  }
+  check_picture_name(options.output);
   if (options.composite && options.no_background) throw UsageError("--composite: expected with a background, got none");
-  if (extension == ".exr" && options.background && !options.composite)
+  if (options.output.extension() == ".exr" && options.background && !options.composite)
     throw UsageError("--background: expected with --composite for an EXR file, which keeps its alpha otherwise");
 }
 
@@ -269,16 +265,10 @@ void set_view(const RenderOptions& options, View& view) {
 }  // namespace
 
 Scene input_scene(const RenderOptions& options) {
-  Scene scene;
-  if (options.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
-    if (scene.volume.builtin != "buckyball")
-      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
-  } else if (is_scene_path(options.input)) {
-    scene = read_scene(options.input, options.allow_outside);
-  } else {
-    scene.volume.file = options.input;
+  if (options.input.starts_with(kBuiltin) && options.input != "builtin:buckyball") {
+    throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
   }
+  Scene scene = read_input(options.input, options.allow_outside);
   set_volume(options, scene);
   if (options.allow_outside) allow_outside(scene);
   if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);

@@ -29,7 +29,7 @@ int draw(int argc, char** argv) {
   method.number("--seed", seed, CLI::Range(0, 1'000'000'000), "of the random numbers");
   method.number("--threads", threads, CLI::Range(0, 1024), "0: one a core; the picture does not depend on it");
   if (!parsed(app, argc, argv, std::cout)) return 0;
-  samples::check(input);
+  if (!input.output.empty()) check_picture_name(input.output);
 
   const SceneSetup setup = set_up_light(light_scene(input), input, 0);
   reference::paths::PathScene scene = to_paths(setup);

@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "scene/program/option_group.h"
+#include "scene/program/program.h"
 
 namespace gicube::samples {
 
@@ -19,11 +20,7 @@ std::optional<ComposeOptions> parse_compose_options(int argc, const char* const*
       .flag("--allow-outside", options.allow_outside, "let it and its scenes name files outside of their folders");
   OptionGroup picture(app, "Picture");
   picture.file("-o,--output", options.picture, "PNG or EXR");
-  picture.parsed("--size", "WxH", "pixels (the composition's)",
-                 [&options](const std::string& name, const std::string& text) {
-                   const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
-                   options.size = {sizes[0], sizes[1]};
-                 });
+  picture.size("--size", options.size, "pixels (the composition's)");
   picture.value("--samples", options.samples_per_axis, "rays a pixel and axis: 1, 2 or 4 (the composition's)")
       ->check(CLI::IsMember({1, 2, kMaxSamples}));
   picture.value("--step", options.step, "voxels between samples (the composition's)")
@@ -36,10 +33,7 @@ std::optional<ComposeOptions> parse_compose_options(int argc, const char* const*
                  "boards that share the volumes, each of its own bus; more than one only with emu:");
   add_board_options(app, options.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
-  const std::string extension = options.picture.extension().string();
-  if (!options.picture.empty() && extension != ".png" && extension != ".exr") {
-    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(options.picture.string()));
-  }
+  if (!options.picture.empty()) check_picture_name(options.picture);
   if (options.boards > 1 && !options.board.board.starts_with("emu:")) {
     throw UsageError("--boards: expected 1 with a running board, got " + std::to_string(options.boards));
   }

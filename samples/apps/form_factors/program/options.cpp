@@ -9,26 +9,12 @@
 #include "gicube/scene/scene.h"
 #include "scene/common/checks.h"
 #include "scene/program/option_group.h"
+#include "scene/program/program.h"
 
 namespace gicube::samples {
 namespace {
 
-const CLI::Range kShares(1e-12, 1.0), kSteps(1.0 / 64, 16.0), kWorldSizes(kMinWorldSize, kMaxWorldSize),
-    kLeafVoxels(1, 1024);
-
-void add_input(CLI::App& app, InputOptions& options) {
-  app.add_option("INPUT", options.input,
-                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, or a volume file with a header")
-      ->required();
-  OptionGroup group(app, "Scene");
-  group.value("--volume-size", options.volume_size, "voxels along the longest edge of a world or built-in volume")
-      ->check(kWorldSizes);
-  group
-      .value("--transfer-function", options.transfer_function,
-             "of all materials: a file, or a preset: " + preset_names())
-      ->type_name("FILE|NAME");
-  group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
-}
+const CLI::Range kShares(1e-12, 1.0), kSteps(1.0 / 64, 16.0), kLeafVoxels(1, 1024);
 
 // "2=5" or "2=5,4,3".
 SolveOptions::ByTag by_tag(const std::string& option, const std::string& text, double most) {
@@ -103,11 +89,7 @@ void add_output(CLI::App& app, SolveOptions& options) {
              "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance");
   group.file("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR");
   group.value("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
-  group.parsed("--size", "WxH", "pixels of the picture (the scene's)",
-               [&options](const std::string& name, const std::string& text) {
-                 const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
-                 options.size = {sizes[0], sizes[1]};
-               });
+  group.size("--size", options.size, "pixels of the picture (the scene's)");
   group.number("--exposure", options.exposure, CLI::Range(0.0, 1e12),
                "brightness of a unit of light on a unit of area; 0: chosen");
 }
@@ -122,10 +104,7 @@ void add_visibility(CLI::App& app, VisibilityOptions& options) {
 }
 
 void check_solve(SolveOptions& options) {
-  const std::string extension = options.picture.extension().string();
-  if (!options.picture.empty() && extension != ".png" && extension != ".exr") {
-    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(options.picture.string()));
-  }
+  if (!options.picture.empty()) check_picture_name(options.picture);
   const RadiositySettings& settings = options.settings;
   if (settings.max_rays < settings.rays) {
     throw UsageError(fmt::format("--max-rays: expected {} (--rays) or more, got {}", settings.rays, settings.max_rays));
@@ -147,13 +126,13 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   app.require_subcommand(1);
   CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
   CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and what it costs");
-  add_input(*solving, solve.input);
+  add_scene_input(*solving, solve.input);
   add_materials(*solving, solve);
   add_method(*solving, solve.settings);
   add_output(*solving, solve);
   add_plan_options(*solving, solve.plan, "the solution's pairs");
   add_board_options(*solving, solve.board);
-  add_input(*looking, visibility.input);
+  add_scene_input(*looking, visibility.input);
   add_visibility(*looking, visibility);
   add_board_options(*looking, visibility.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
@@ -164,27 +143,6 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
     if (solve.plan.wanted()) refuse_with_plan(*solving, chosen);
   }
   return solve;
-}
-
-Scene scene_of(const InputOptions& options) {
-  Scene scene;
-  if (constexpr std::string_view kBuiltin = "builtin:"; options.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = options.input.substr(kBuiltin.size());
-  } else if (is_scene_path(options.input)) {
-    scene = at_time(read_scene(options.input, options.allow_outside), 0);
-  } else {
-    scene.volume.file = options.input;
-  }
-  if (options.volume_size) {
-    if (!scene.world && scene.volume.builtin.empty()) {
-      throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
-                       " has its own size");
-    }
-    (scene.world ? scene.world->size : scene.volume.size) = *options.volume_size;
-  }
-  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
-  if (options.allow_outside) allow_outside(scene);
-  return scene;
 }
 
 void set_materials(const SolveOptions& options, Scene& scene) {

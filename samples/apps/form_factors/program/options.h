@@ -14,6 +14,7 @@
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
 #include "scene/program/progress.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples {
 
@@ -21,16 +22,8 @@ namespace gicube::samples {
 inline const std::map<std::string, PairRays> kPairRays{{"board", PairRays::kByBoard}, {"host", PairRays::kByHost}};
 inline const std::map<std::string, Solver> kSolvers{{"gathering", Solver::kGathering}, {"shooting", Solver::kShooting}};
 
-// What is solved or looked through.
-struct InputOptions {
-  std::string input;
-  std::optional<int> volume_size;
-  std::string transfer_function;
-  bool allow_outside = false;
-};
-
 struct SolveOptions {
-  InputOptions input;
+  SceneInput input;
   struct ByTag {
     int tag = 0;
     Power value{};
@@ -46,7 +39,7 @@ struct SolveOptions {
 };
 
 struct VisibilityOptions {
-  InputOptions input;
+  SceneInput input;
   std::uint32_t pairs = 100'000;
   int rays = 16;  // a pair
   double step = 0.5;
@@ -63,9 +56,6 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
 // Do what the options ask for. Throw UsageError, InputError, FileError, and what Board throws.
 void run(const SolveOptions& options, ProgressLine& progress);
 void run(const VisibilityOptions& options, ProgressLine& progress);
-
-// The input as a scene. Throws UsageError, InputError.
-Scene scene_of(const InputOptions& options);
 
 // The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have none.
 void set_materials(const SolveOptions& options, Scene& scene);

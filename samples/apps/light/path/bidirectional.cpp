@@ -10,14 +10,6 @@ constexpr std::size_t kPathsAtOnce = 32768;  // chosen: some 100 MB of vertices 
 
 bool is_dark(const Rgb& colour) { return !(std::ranges::max(colour) > 0); }
 
-Rgb product(const Rgb& a, const Rgb& b, double factor) {
-  return {a[0] * b[0] * factor, a[1] * b[1] * factor, a[2] * b[2] * factor};
-}
-
-void add(Rgb& sum, const Rgb& value, double factor = 1) {
-  for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c] * factor;
-}
-
 Vec3 beside(const Vertex& vertex, Vec3 direction) {
   return vertex.tag < 0 || vertex.normal == Vec3{} ? vertex.place
                                                    : off_surface({vertex.place, 0, 0, vertex.normal}, direction);

@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::size_t kPathsAtOnce = 32768;  // chosen: of paths that are in memory together
 
-void add_product(Rgb& sum, const Rgb& a, const Rgb& b, double factor) {
-  for (std::size_t c = 0; c < 3; ++c) sum[c] += a[c] * b[c] * factor;
-}
-
 }  // namespace
 
 PhotonMapping::PhotonMapping(Board& board, const Medium& medium, const Lights& lights, const View& view,
@@ -72,13 +68,11 @@ Rgb PhotonMapping::gathered(const Vertex& vertex) const {
     } else {
       share /= 4.0 / 3 * pi * r * r * r;
     }
-    add_product(sum, photon->power, optics.albedo, share);
+    add(sum, product(photon->power, optics.albedo, share));
   }
   // A path of the eye interacts with a chance that grows with the extinction, as photons do.
   const double extinction = surface ? 1 : medium_.extinction(vertex.place);
-  Rgb out{};
-  if (extinction > 0) add_product(out, vertex.weight, sum, 1 / extinction);
-  return out;
+  return extinction > 0 ? product(vertex.weight, sum, 1 / extinction) : Rgb{};
 }
 
 void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>& pixels) {
@@ -104,7 +98,7 @@ void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>&
     const auto pixel = first + static_cast<std::size_t>(&path - paths.data());
     lights_.meet(path.flight.place, path.flight.direction,
                  [&](const LightPoint&, double distance, const Rgb& radiance) {
-                   if (distance < reach) add_product(pixels[pixel], path.weight, radiance, 1);
+                   if (distance < reach) add(pixels[pixel], product(path.weight, radiance, 1));
                  });
   };
   std::vector<char> found(paths.size(), 0);
@@ -117,17 +111,15 @@ void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>&
       if (vertex.tag < 0 || vertex.sharp || found[k] != 0) continue;
       path.ended = true;
       found[k] = 1;
-      const Rgb light = gathered(vertex);
-      for (std::size_t c = 0; c < 3; ++c) pixels[first + k][c] += light[c];
+      add(pixels[first + k], gathered(vertex));
       const LightPoint point = lights_.point(path.random);
       const bool distant = lights_.is_distant(point.light);
       const Vec3 target = distant ? vertex.place + 4 * medium_.radius() * point.place : point.place;
       const Vec3 way = target - vertex.place, direction = normalise(way);
       const Optics& optics = medium_.optics(vertex.tag);
-      Rgb value{}, share{};
       const double towards = density(optics, vertex.direction, vertex.normal, direction);
-      add_product(share, vertex.weight, optics.albedo, towards / (distant ? 1 : dot(way, way)));
-      add_product(value, share, lights_.emitted(point, -1.0 * direction), 1);
+      const Rgb share = product(vertex.weight, optics.albedo, towards / (distant ? 1 : dot(way, way)));
+      const Rgb value = product(share, lights_.emitted(point, -1.0 * direction), 1);
       if (!(std::ranges::max(value) > 0)) continue;
       const Vec3 from =
           vertex.normal == Vec3{} ? vertex.place : off_surface({vertex.place, 0, 0, vertex.normal}, direction);
@@ -138,8 +130,7 @@ void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>&
   std::vector<Segment> segments;
   for (const Shadow& shadow : shadows) segments.push_back(shadow.segment);
   const std::vector<double> through = flights_.transmittances(segments);
-  for (std::size_t i = 0; i < shadows.size(); ++i)
-    add_product(pixels[shadows[i].pixel], shadows[i].value, {1, 1, 1}, through[i]);
+  for (std::size_t i = 0; i < shadows.size(); ++i) add(pixels[shadows[i].pixel], shadows[i].value, through[i]);
 }
 
 void PhotonMapping::pass() {

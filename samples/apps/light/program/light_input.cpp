@@ -10,58 +10,23 @@
 namespace gicube::samples {
 
 void add_light_input(CLI::App& app, LightInput& input) {
-  app.add_option("INPUT", input.input,
-                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, or a volume file with a header")
-      ->required();
+  add_scene_input(app, input.scene);
   OptionGroup scene(app, "Scene");
-  scene.value("--volume-size", input.volume_size, "voxels along the longest edge of a world or built-in volume")
-      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
-  scene
-      .value("--transfer-function", input.transfer_function, "of all materials: a file, or a preset: " + preset_names())
-      ->type_name("FILE|NAME");
   scene.choice("--bsdf", input.bsdf, {{"diffuse", Bsdf::kDiffuse}, {"isotropic", Bsdf::kIsotropic}},
                "of a volume without a scene's materials: a diffuse surface or an isotropic medium (diffuse)");
   scene.number("--albedo", input.albedo, CLI::Range(0.0, 1.0), "the share that such a volume scatters");
-  scene.flag("--allow-outside", input.allow_outside, "let headers and scenes name files outside of their folders");
   OptionGroup picture(app, "Picture");
   picture.file("-o,--output", input.output, "the picture, PNG or EXR");
   picture.file("--pixels", input.pixels, "radiance of each pixel and its standard error, CSV");
   picture.value("--camera", input.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
-  picture.parsed("--size", "WxH", "pixels of the picture (the scene's)",
-                 [&input](const std::string& name, const std::string& text) {
-                   const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
-                   input.size = {sizes[0], sizes[1]};
-                 });
+  picture.size("--size", input.size, "pixels of the picture (the scene's)");
   picture.number("--exposure", input.exposure, CLI::Range(0.0, 1e12),
                  "brightness of a white surface with a unit of power on a unit of area; 0: chosen");
   picture.number("--step", input.step, CLI::Range(1.0 / 64, 16.0), "of the board's rays, voxels");
 }
 
-void check(const LightInput& input) {
-  const std::string extension = input.output.extension().string();
-  if (!input.output.empty() && extension != ".png" && extension != ".exr") {
-    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(input.output.string()));
-  }
-}
-
 Scene light_scene(const LightInput& input) {
-  Scene scene;
-  if (constexpr std::string_view kBuiltin = "builtin:"; input.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = input.input.substr(kBuiltin.size());
-  } else if (is_scene_path(input.input)) {
-    scene = at_time(read_scene(input.input, input.allow_outside), 0);
-  } else {
-    scene.volume.file = input.input;
-  }
-  if (input.volume_size) {
-    if (!scene.world && scene.volume.builtin.empty()) {
-      throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(input.input) +
-                       " has its own size");
-    }
-    (scene.world ? scene.world->size : scene.volume.size) = *input.volume_size;
-  }
-  if (!input.transfer_function.empty()) scene.transfer_function = find_transfer_function(input.transfer_function);
-  if (input.allow_outside) allow_outside(scene);
+  Scene scene = scene_of(input.scene);
   if (!input.camera_name.empty()) choose_camera(scene, input.camera_name);
   if (input.size) scene.view.width = (*input.size)[0], scene.view.height = (*input.size)[1];
   scene.lighting.on = true;

@@ -11,14 +11,12 @@
 #include "gicube/scene/scene.h"
 #include "light/transport/optics.h"
 #include "scene/names.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples {
 
 struct LightInput {
-  std::string input;
-  std::optional<int> volume_size;
-  std::string transfer_function;
-  bool allow_outside = false;
+  SceneInput scene;
   // Of a volume without materials of a scene:
   Bsdf bsdf = Bsdf::kDiffuse;
   double albedo = 0.8;
@@ -30,8 +28,6 @@ struct LightInput {
 };
 
 void add_light_input(CLI::App& app, LightInput& input);
-// Throws UsageError.
-void check(const LightInput& input);
 // The scene as read, with what the options change, and its setup. Throws what reading and setting up a scene throws.
 Scene light_scene(const LightInput& input);
 SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads);

@@ -48,7 +48,7 @@ struct LightCommand {
 // Throws UsageError, InputError, FileError, and what Board throws.
 template <class Method, class Settings, class Statistics>
 void run_light(const LightCommand<Settings, Statistics>& command, LightOptions<Settings> options) {
-  check(options.light);
+  if (!options.light.output.empty()) check_picture_name(options.light.output);
   options.settings.step = options.light.step;
   options.settings.seed = options.board.seed;
   check_outputs(

@@ -10,6 +10,13 @@
 
 namespace gicube::samples {
 
+inline Rgb product(const Rgb& a, const Rgb& b, double factor) {
+  return {a[0] * b[0] * factor, a[1] * b[1] * factor, a[2] * b[2] * factor};
+}
+inline void add(Rgb& sum, const Rgb& value, double factor = 1) {
+  for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c] * factor;
+}
+
 // Rows from the top. A radiance of L shows a white surface on which pi L of power falls on a unit of area (a square of the smallest
 // voxel edge).
 struct RadiancePicture {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -70,6 +71,12 @@ class OptionGroup {
         ->type_name(type)
         ->expected(1)
         ->group(name_);
+  }
+  CLI::Option* size(const std::string& option, std::optional<std::array<int, 2>>& target, const std::string& help) {
+    return parsed(option, "WxH", help, [&target](const std::string& name, const std::string& text) {
+      const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
+      target = {sizes[0], sizes[1]};
+    });
   }
   CLI::Option* vector(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
     return parsed(option, "X,Y,Z", help,

@@ -65,6 +65,12 @@ std::vector<Output> with_data_files(const std::vector<Output>& outputs) {
 
 }  // namespace
 
+void check_picture_name(const std::filesystem::path& output) {
+  const std::string extension = output.extension().string();
+  if (extension == ".png" || extension == ".exr") return;
+  throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(output.string()));
+}
+
 void check_inputs_stay(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs) {
   for (const auto& [option, file] : with_data_files(outputs)) {
     if (file.empty() || !is_file(file)) continue;

@@ -21,6 +21,9 @@ struct Output {
   std::filesystem::path file;
 };
 
+// Throws UsageError of --output unless that is a name which write_image() takes.
+void check_picture_name(const std::filesystem::path& output);
+
 // Checks before the work what would be found behind it. Throws InputError if the folder that is to hold a file isn't
 // there or the file may not be written to, UsageError if two options name one file, or an option a file of `inputs`.
 // An .mhd stands for its .raw too. A pipe or a device may have several.

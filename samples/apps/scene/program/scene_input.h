@@ -1,0 +1,33 @@
+// The scene that a program is given, and the options that change it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
+
+namespace CLI {
+class App;
+}
+
+namespace gicube::samples {
+
+inline constexpr const char* kBuiltin = "builtin:";
+
+// Of a scene file, builtin:NAME or a volume file; engines are left as they are. Throws InputError.
+Scene read_input(const std::string& input, bool allow_outside);
+
+struct SceneInput {
+  std::string input;  // as of read_input()
+  std::optional<int> volume_size;
+  std::string transfer_function;  // empty: the scene's
+  bool allow_outside = false;
+};
+
+// Adds INPUT, and as the group "Scene" --volume-size --transfer-function --allow-outside.
+void add_scene_input(CLI::App& app, SceneInput& input);
+// The scene at the time 0 with these options. Throws UsageError, InputError.
+Scene scene_of(const SceneInput& input);
+
+}  // namespace gicube::samples
