@@ -2,7 +2,7 @@
 //
 // The zonal method (Hottel and Sarofim 1967, Rushmeier and Torrance 1987): the polygons are cut into patches and the fog
 // into zones, and each exchanges light with all others. The board holds fog and cube, and finds how much of the light
-// gets from one element to another. The picture's rays are polylines, whose legs say what the fog lets through.
+// gets from one element to another. The picture's rays go in legs, which say what the fog lets through.
 //
 //   c++ -std=c++20 -O2 polygons.cpp $(pkg-config --cflags --libs gicube) -o polygons
 //   ./polygons
@@ -159,7 +159,7 @@ int main() {
   const Vec3 eye{6, 38, -50};
   std::vector<Colour> pixels(kPixels * kPixels), ends(pixels.size());  // the light at each line's end
   std::vector<std::array<Vec3, kLegs + 1>> points(pixels.size());
-  std::vector<gicube::Polyline> lines;
+  std::vector<gicube::HostRay> sent;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     // Through the wall z = 0, which shows its back and is not drawn.
     const Vec3 begin{kLast * (double(i % kPixels) + 0.5) / kPixels, kLast * (1 - (double(i / kPixels) + 0.5) / kPixels),
@@ -184,13 +184,15 @@ int main() {
       }
     }
     for (std::size_t k = 0; k <= kLegs; ++k) points[i][k] = begin + 0.999 * nearest * double(k) / kLegs * way;
-    lines.push_back({std::uint32_t(i), points[i]});
+    for (std::size_t k = 0; k < kLegs; ++k) {
+      sent.push_back(gicube::ray_between(std::uint32_t(i), points[i][k], points[i][k + 1]));
+    }
   }
-  const gicube::RayBatch legs = board.receive(board.submit(lines));  // opacities from the line's first point on
+  const gicube::RayBatch legs = board.rays().start(sent, {.type = gicube::RayType::kOpacity}).get();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     double clear = 1;
     for (std::size_t k = 0; k < kLegs; ++k) {
-      const double before = std::exchange(clear, 1 - legs.rays[i * kLegs + k].opacity);
+      const double before = std::exchange(clear, clear * (1 - legs.rays[i * kLegs + k].opacity));
       add(pixels[i], before - clear, fog_light(0.5 * (points[i][k] + points[i][k + 1])));
     }
     add(pixels[i], clear, ends[i]);

@@ -111,7 +111,9 @@ std::vector<HostRay> rays(double energy = 0) {
   return list;
 }
 
-RayBatch traced(Board& board, const RayRequest& request, double energy = 0) {
+// Version 0.2's driver, which recorded these sessions, sampled rays as the last view.
+RayBatch traced(Board& board, RayRequest request, const View& view, double energy = 0) {
+  request.sampling = sampling_of(view);
   return board.receive(board.submit(rays(energy), request));
 }
 
@@ -128,16 +130,21 @@ std::string picture(Board& board) {
   cut.samples_per_axis = 2;
   cut.cut_planes = {{.normal = {0, 0, 1}, .offset = 6}};
   add(text, "cut", board.render(cut));
-  add(text, "integrate", traced(board, {.type = RayType::kIntegrate, .step = 0.5}));
-  add(text, "first_hit", traced(board, {.type = RayType::kFirstHit, .opacity = 0.25, .step = 0.5}));
-  add(text, "segment", traced(board, {.type = RayType::kSegment, .step = 0.5}));
-  add(text, "opacity", traced(board, {.type = RayType::kOpacity, .opacity = 0.5, .step = 0.5}));
-  add(text, "integral", traced(board, {.type = RayType::kIntegral, .step = 0.5}));
+  add(text, "integrate", traced(board, {.type = RayType::kIntegrate, .step = 0.5}, cut));
+  add(text, "first_hit", traced(board, {.type = RayType::kFirstHit, .opacity = 0.25, .step = 0.5}, cut));
+  add(text, "segment", traced(board, {.type = RayType::kSegment, .step = 0.5}, cut));
+  add(text, "opacity", traced(board, {.type = RayType::kOpacity, .opacity = 0.5, .step = 0.5}, cut));
+  add(text, "integral", traced(board, {.type = RayType::kIntegral, .step = 0.5}, cut));
   const std::array<Vec3, 3> points{Vec3{2, 2, 2}, Vec3{10, 12, 9}, Vec3{17, 3, 15}};
-  const std::array<Polyline, 1> lines{{{.id = 7, .points = points}}};
-  add(text, "polyline", board.receive(board.submit(lines)));
+  // A polyline of version 0.2, whose legs the driver added up.
+  const std::array legs{ray_between(7, points[0], points[1]), ray_between(7, points[1], points[2])};
+  RayBatch line = board.receive(board.submit(legs, {.type = RayType::kSegment, .sampling = sampling_of(cut)}));
+  const double seen = 1 - line.rays[0].opacity;
+  for (std::size_t c = 0; c < 3; ++c) line.rays[1].colour[c] = line.rays[0].colour[c] + seen * line.rays[1].colour[c];
+  line.rays[1].opacity = line.rays[0].opacity + seen * line.rays[1].opacity;
+  add(text, "polyline", line);
   board.clear_sums(0.001);
-  const RayBatch spread = traced(board, {.type = RayType::kBackproject, .step = 0.5}, 0.25);
+  const RayBatch spread = traced(board, {.type = RayType::kBackproject, .step = 0.5}, cut, 0.25);
   text.line("backproject", {static_cast<double>(spread.deposits->rays), static_cast<double>(spread.deposits->samples),
                             spread.deposits->kept, spread.deposits->clipped});
   const VoxelBox box{.low = {1, 4, 2}, .size = {9, 8, 7}};
@@ -171,7 +178,8 @@ std::string light(Board& board) {
   add(text, "lit", board.render(lit));
 
   board.clear_irradiance(0.0001);
-  const RayBatch left = traced(board, {.type = RayType::kDeposit, .rules = EnergyRules::kAsPrinted, .step = 0.5}, 0.01);
+  const RayBatch left =
+      traced(board, {.type = RayType::kDeposit, .rules = EnergyRules::kAsPrinted, .step = 0.5}, lit, 0.01);
   add(text, "deposit", *left.lighting);
   text.line("deposited", board.read_irradiance());
 
@@ -198,7 +206,7 @@ std::string faces_and_pairs(Board& board) {
   const LightingReport report = board.illuminate(lights, {.albedo = Albedo::kLow, .seed = 3});
   add(text, "light", report);
   text.line("escaped_by_face", std::vector<double>(report.escaped_by_face.begin(), report.escaped_by_face.end()));
-  const RayBatch left = traced(board, {.type = RayType::kDeposit}, 0.001);
+  const RayBatch left = traced(board, {.type = RayType::kDeposit}, View{}, 0.001);
   text.line("deposit_by_face",
             std::vector<double>(left.lighting->escaped_by_face.begin(), left.lighting->escaped_by_face.end()));
   const std::array<Element, 4> elements{

@@ -90,7 +90,7 @@ const std::vector<Rule>& rules() {
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
       {"driver/hosts",       {"driver/hosts", "driver/include"}, {"mpi.h"}},
       {"driver/hosts/include", {"driver/hosts/include", "driver/include"}, {}},
-      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/archive.h", "proto/gicube/fidelity_levels.h", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/archive.h", "proto/gicube/fidelity_levels.h", "proto/gicube/parallel_for.h", "proto/gicube/registry.h", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/wire"}, {"fmt"}},

@@ -13,33 +13,30 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <future>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gicube/counters.h"
 #include "gicube/error.h"
 #include "gicube/export.h"
-#include "gicube/illumination.h"
-#include "gicube/image.h"
-#include "gicube/level_of_detail.h"
-#include "gicube/material.h"
-#include "gicube/pair.h"
-#include "gicube/ray.h"
-#include "gicube/scattering.h"
-#include "gicube/shading.h"
+#include "gicube/illuminator.h"
+#include "gicube/look_up_tables.h"
+#include "gicube/pair_integrator.h"
+#include "gicube/pending.h"
+#include "gicube/ray_tracer.h"
+#include "gicube/renderer.h"
 #include "gicube/time.h"
-#include "gicube/transfer_function.h"
-#include "gicube/view.h"
-#include "gicube/volume.h"
+#include "gicube/volume_store.h"
 
 namespace gicube {
 
 class RayExchange;  // gicube/ray_exchange.h
+struct BoardState;  // the driver's own
 
 enum class Fidelity { kFunctional, kApproximate /* boards of 0.2 only */, kCycle };
 
@@ -113,6 +110,9 @@ struct OpenOptions {
   // incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next call. It is not called while frames
   // wait to be sent. It may ask its Board for now() and info() only, and must outlive it.
   std::function<void()> while_waiting{};
+  // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of the call that
+  // resumed it. It must not throw, and may ask its Board for info() only.
+  std::function<void(const std::string&)> log{};
 };
 
 // What Board::reopen() found.
@@ -121,11 +121,8 @@ struct Reopened {
   bool volume = false;   // there is a volume on the board
 };
 
-// Parts done and parts in all of a long call; called on the calling thread, at the end with all of them.
-using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
-
 // One Board owns one session, which ends with it. It can be moved, not copied; a moved-from Board may only be destroyed or
-// assigned to. Several threads may call it: each call is one transaction, and they take turns.
+// assigned to. Several threads may call it: each call is one transaction, and they take turns in the order in which they were made.
 class GICUBE_API Board {
  public:
   // Opens a board and resets it.
@@ -171,156 +168,16 @@ class GICUBE_API Board {
 
   const BoardInfo& info() const;
 
-  // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends those that are
-  // not zero including their shared faces. The simulated host waits for the transfer. The transfer functions are kept, and
-  // the empty flags are found again.
-  // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: pictures, rays and light have its blocks sent as
-  // rays need them, also to a new board after reopen(), and have the same bits. Edges have up to 1024 voxels then. Rays of type
-  // kBackproject, write_volume(), verify_volume(), sums, and the application's scattering routine throw Unsupported then
-  // (docs/guide/bricks.md).
-  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags, colours): the board keeps its volume. Throws Rejected
-  // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
-  // On DeviceLost or TimedOut the volume is lost with the board.
-  void load_volume(const VolumeView& volume, const Progress& progress = {});
-  // The same of a volume that is read in planes: some n + 3 of them are in memory at a time. The driver writes the blocks that are not
-  // zero, 4.5 bytes a voxel, to a file without a name in the folder TMPDIR, or else in /var/tmp, and sends them from there; it keeps
-  // the file if the card does not store the volume whole. Throws Error, too, if the file can't be written, and what `read` throws:
-  // the board keeps its volume. Pictures throw Error if the file can't be read.
-  void load_volume(const VolumeStream& volume, const Progress& progress = {});
+  // What a board does, by part. Each is a view of this Board, as cheap as a pointer, and lives as long.
+  VolumeStore volume() const { return VolumeStore(*state_); }
+  LookUpTables tables() const { return LookUpTables(*state_); }
+  Renderer renderer() const { return Renderer(*state_); }
+  RayTracer rays() const { return RayTracer(*state_); }
+  Illuminator light() const { return Illuminator(*state_); }
+  PairIntegrator pairs() const { return PairIntegrator(*state_); }
 
-  // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
-  // transfer. Throws Rejected (no volume), BadArgument (box).
-  std::vector<float> read_volume(const VoxelBox& box);
-  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags and colours do not change.
-  // Gradients of the box and its neighbours are found again, unless load_volume() was told to find none; so are the empty
-  // flags. The simulated host waits for the transfers, which are of whole blocks in both directions.
-  // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
-  void write_volume(const VoxelBox& box, std::span<const float> values);
-  // Has the board read its whole volume back, and compares each block with what was written there. Returns the blocks that
-  // differ, ascending, numbered as in empty_flags(). They lost bits unnoticed: pictures and rays since then may be wrong, and
-  // the volume should be loaded again. The simulated host waits as long as the fullest memory channel needs to read its
-  // blocks. Throws Rejected before load_volume(), MemoryFault.
-  std::vector<std::size_t> verify_volume();
-
-  // The loaded volume's size, voxels. Throws Rejected before load_volume().
-  Dims dims() const;
-  // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
-  ValueRange value_range() const;
-
-  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again. After
-  // load_volume() the simulated host waits for that; a tag never set is invisible. Throws BadArgument: the board is untouched.
-  void set_transfer_function(const TransferFunction& function, int tag = 0);
-
-  // Phong coefficients and light of the next renderings. The reflectance map is made for each view's direction, and sent when
-  // it changes. The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
-  void set_shading(const Shading& shading);
-
-  // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
-  void set_material(const Material& material, int tag = 0);
-
-  // Scatters the rays that meet a material with kTrap and kHostRoutine, in illuminate() and in pictures with View::scatter.
-  // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
-  // ask this Board for now() and info() only. What it throws leaves the call that needed it; an answer that no ray can
-  // follow throws ScatteringFailed. In both cases rays that had not ended are lost, the irradiance is incomplete, there is no
-  // picture, and the board is ready for the next call. An empty routine removes the former one.
-  void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
-
-  // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
-  // remains until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
-  // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine), Unsupported (the application's
-  // scattering routine in a volume that the card does not store whole): the irradiance is incomplete.
-  LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
-  // One value per voxel, x fastest, in units of the lights' power: of the whole volume or of a box; with three irradiance words a
-  // voxel's red, green and blue side by side. The simulated host waits for
-  // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
-  std::vector<float> read_irradiance();
-  std::vector<float> read_irradiance(const VoxelBox& box);
-  // Overwrites it, with as many values: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
-  // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
-  void write_irradiance(const VoxelBox& box, std::span<const float> values);
-  // Sets the irradiance to zero, and one unit of its words to `unit` of the lights' power: for kDeposit rays and
-  // write_irradiance(). Words saturate at 2047, on the wide datapath at 2^32 - 1. Throws BadArgument, Rejected (no volume).
-  void clear_irradiance(double unit);
-  // Sets the sums of kBackproject rays to zero, and one unit of them to `unit`, an energy times a length.
-  // They are kept in addition to the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
-  void clear_sums(double unit);
-  // One sum a voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them. The
-  // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
-  std::vector<float> read_sums(const VoxelBox& box);
-
-  // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
-  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded: the board is untouched.
-  void set_gradient_codebook(std::span<const Vec3> codebook);
-
-  // Overrides the flags that the driver found, until the next load_volume() or set_transfer_function(). One value a
-  // block, x fastest, nonzero = nothing visible. A flag that is set on a visible block hides that block.
-  // Throws BadArgument if the count is not the volume's number of blocks: the board is untouched.
-  void set_empty_flags(std::span<const std::uint8_t> flags);
-  // The flags in force, one per block.
-  std::vector<std::uint8_t> empty_flags() const;
-  Dims blocks() const;  // how many blocks along each axis
-
-  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
-  // BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (the application's scattering routine in
-  // a volume that the card does not store whole): the framebuffer is unchanged.
-  void render_to_framebuffer(const View& view, const Progress& progress = {});
-  // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
-  Image read_framebuffer();
-  // Both.
-  Image render(const View& view, const Progress& progress = {});
-  // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a sentence for people, which
-  // ends with the likely reason: no transfer function, values that it does not show, empty flags, a camera that looks elsewhere, cut
-  // planes. The last view rendered is taken into account. It costs no simulated time.
-  std::string why_invisible(const Image& image) const;
-
-  // Sends rays, in as many DSP commands as they need. The application's routine does not scatter them. Returns at once unless
-  // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
-  // batches may be under way; the caller's memory is free again on return. If the card does not store the volume whole, the
-  // simulated host waits for the rays, and the batch is complete on return; what the board refuses is thrown at once.
-  // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before
-  // clear_irradiance() or illuminate(), kBackproject before clear_irradiance() or clear_sums()), WouldBlock: nothing was sent.
-  Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});
-  // The same with rays that lie in several places, as one batch in that order.
-  Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
-  Ticket submit(std::span<const Polyline> lines);
-  // Blocks until that batch has returned, and moves the simulated host's clock to its arrival. Throws BadArgument if the ticket
-  // is unknown or its rays were received already; Rejected, Unsupported if the board refused it: the batch is gone;
-  // DeadlinePassed if it has not arrived by the simulated time `deadline`: the clock is there, the batch still under way.
-  RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
-  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs). None are written of
-  // a cancelled batch, and of kDeposit and kBackproject, for which any size will do. Throws BadArgument if it has another size:
-  // the batch is still there.
-  BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline = kNoDeadline);
-  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. If the board
-  // refused one, that is thrown first (Rejected, Unsupported): it is gone, the others are still there.
-  std::vector<RayBatch> poll();
-  // Takes back the part of a batch that the DSP has not begun by now(). Its rays are lost, and receive() or poll() return it
-  // as cancelled. False: it is too late, and the batch comes back whole. The simulated host waits for the answer.
-  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject, which can't be taken back.
-  bool cancel(Ticket ticket);
-
-  // A file descriptor that poll(), epoll or an event loop can wait for: it becomes readable, and stays so, when receive() would
-  // no longer have to wait for the board's work, or if the board is lost or the Board is destroyed. Don't read from it. It is the
-  // caller's to close, at any time. It moves no clock: receive() does, as ever.
-  // The board answers once it has worked out all that was sent before this call, so ask right after submit(). With
-  // `pace: realtime` receive() may still wait until the wall clock has come to the batch's arrival. After reopen() on a new board
-  // ask again. Throws BadArgument as receive(), Error if the process has no descriptor left.
-  int descriptor(Ticket ticket);
-  // receive() as a future: get() and wait() call it, on their thread, and the simulated clock moves then. So it is a deferred one:
-  // wait_for() says std::future_status::deferred. When a batch arrives in simulated time depends on what else the host does
-  // before it waits, so a thread of the driver can't wait in its place. To wait in wall-clock time use descriptor(). The future may outlive this Board, and never hangs: if the Board is destroyed, before get() or while it waits, that
-  // throws DeviceLost (Loss::kClosed). Throws BadArgument as receive().
-  std::future<RayBatch> future(Ticket ticket);
-
-  // How much light goes between pairs of elements: one factor per pair. Near pairs are divided
-  // (PairFactor). The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
-  // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), if PairRequest::leap is on) are summed up by
-  // the driver, without rays: PairFactor::clear.
-  // Throws BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
-  std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                                       const PairRequest& request = {}, const Progress& progress = {});
-
-  // The simulated host's clock, since open().
+  // The simulated host's clock, since open(). While calls that were started are not at their end, it waits for them, so that what it
+  // says does not depend on the wall clock; but not on the thread of a callback.
   Picoseconds now() const;
   // The host works for that long; the board goes on meanwhile.
   void host_compute(Picoseconds duration);
@@ -328,15 +185,6 @@ class GICUBE_API Board {
   // DeadlinePassed, with the clock at that deadline. The board finishes its command, but the result is lost: the
   // framebuffer's content is unknown, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
-
-  // Level of detail in volumes that the card does not store whole [P §5.3]. Where 2, 4 or 8 voxels are at most `detail` pixels wide, a
-  // block is sent as the means of cells of so many voxels an edge, an 8th, 64th or 512th of its bytes, and the card gives its voxels
-  // these values. 1: cells are no larger than a pixel; 0, the default: blocks are as they are. Of a block the part nearest to the eye
-  // counts; near the eye, for scattered pictures, host rays and light they are as they are. So a picture depends on its view alone.
-  // Throws BadArgument (detail: 0..64), Unsupported (a board before protocol 2.3).
-  void set_brick_detail(double detail);
-  // What the last picture had of it; nothing if the card stores the volume whole. Throws Rejected if there is no picture.
-  std::optional<BrickDetail> brick_detail();
 
   // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume, tables and materials,
   // and its card is sent only its own blocks of the volume and their faces; rays that come to others' blocks go there (RayExchange), and
@@ -350,11 +198,64 @@ class GICUBE_API Board {
 
   Counters counters();
 
+  // The calls of the parts by their names of version 0.2; each is the part's.
+  void load_volume(const VolumeView& of, const Progress& progress = {}) { volume().load(of, progress); }
+  void load_volume(const VolumeStream& of, const Progress& progress = {}) { volume().load(of, progress); }
+  std::vector<float> read_volume(const VoxelBox& box) { return volume().read(box); }
+  void write_volume(const VoxelBox& box, std::span<const float> values) { volume().write(box, values); }
+  std::vector<std::size_t> verify_volume() { return volume().verify(); }
+  Dims dims() const { return volume().dims(); }
+  ValueRange value_range() const { return volume().value_range(); }
+  Dims blocks() const { return volume().blocks(); }
+  std::vector<std::uint8_t> empty_flags() const { return volume().empty_flags(); }
+  void set_empty_flags(std::span<const std::uint8_t> flags) { volume().set_empty_flags(flags); }
+  void set_brick_detail(double detail) { volume().set_detail(detail); }
+  std::optional<BrickDetail> brick_detail() { return volume().detail(); }
+  void set_transfer_function(const TransferFunction& function, int tag = 0) {
+    tables().set_transfer_function(function, tag);
+  }
+  void set_shading(const Shading& shading) { tables().set_shading(shading); }
+  void set_material(const Material& material, int tag = 0) { tables().set_material(material, tag); }
+  void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0) {
+    tables().set_scattering_routine(std::move(routine), time_per_ray);
+  }
+  void set_gradient_codebook(std::span<const Vec3> codebook) { tables().set_gradient_codebook(codebook); }
+  Image render(const View& view, const Progress& progress = {}) { return renderer().render(view, progress); }
+  void render_to_framebuffer(const View& view, const Progress& progress = {}) {
+    renderer().render_to_framebuffer(view, progress);
+  }
+  Image read_framebuffer() { return renderer().read_framebuffer(); }
+  std::string why_invisible(const Image& image) const { return renderer().why_invisible(image); }
+  Ticket submit(std::span<const HostRay> of, const RayRequest& request = {}) { return rays().submit(of, request); }
+  Ticket submit(std::span<const std::span<const HostRay>> of, const RayRequest& request = {}) {
+    return rays().submit(of, request);
+  }
+  RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline) { return rays().receive(ticket, deadline); }
+  BatchReport receive(Ticket ticket, std::span<TracedRay> traced, Picoseconds deadline = kNoDeadline) {
+    return rays().receive(ticket, traced, deadline);
+  }
+  std::vector<RayBatch> poll() { return rays().poll(); }
+  bool cancel(Ticket ticket) { return rays().cancel(ticket); }
+  int descriptor(Ticket ticket) { return rays().descriptor(ticket); }
+  LightingReport illuminate(std::span<const Light> lights, const Illumination& settings,
+                            const Progress& progress = {}) {
+    return light().illuminate(lights, settings, progress);
+  }
+  std::vector<float> read_irradiance() { return light().read(); }
+  std::vector<float> read_irradiance(const VoxelBox& box) { return light().read(box); }
+  void write_irradiance(const VoxelBox& box, std::span<const float> values) { light().write(box, values); }
+  void clear_irradiance(double unit) { light().clear(unit); }
+  void clear_sums(double unit) { light().clear_sums(unit); }
+  std::vector<float> read_sums(const VoxelBox& box) { return light().read_sums(box); }
+  std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> of,
+                                       const PairRequest& request = {}, const Progress& progress = {}) {
+    return pairs().factors(elements, of, request, progress);
+  }
+
  private:
   friend class BoardGroup;  // gicube/board_group.h
-  struct State;
-  explicit Board(std::shared_ptr<State> state);
-  std::shared_ptr<State> state_;  // futures have weak ones
+  explicit Board(std::shared_ptr<BoardState> state);
+  std::shared_ptr<BoardState> state_;  // handles of rays have weak ones
 };
 
 }  // namespace gicube

@@ -314,6 +314,9 @@ typedef struct gicube_ray_request {
   double step;
   int32_t leap;
   int32_t reserved; /* 0 */
+  /* The rays are sampled as those of this view (gicube/ray.h: Sampling). NULL: as those of the last view that this handle has
+     rendered, or of a default one. */
+  const gicube_view* sampled_as;
 } gicube_ray_request;
 
 /* Rays that lie together, of several that make one batch. */
@@ -322,7 +325,7 @@ typedef struct gicube_ray_span {
   size_t count;
 } gicube_ray_span;
 
-/* gicube/ray.h: Polyline */
+/* A line through several points, of version 0.2: its legs are GICUBE_RAY_SEGMENT rays, whose colour and opacity the library adds up. */
 typedef struct gicube_polyline {
   uint32_t id;
   uint32_t reserved;

@@ -88,6 +88,12 @@ struct GICUBE_API DeadlinePassed : Error {
   using Error::Error;
 };
 
+// The application has cancelled the call (Pending::cancel()). What the call had begun is unfinished: a picture is unknown, the irradiance
+// incomplete, a volume that was loading is lost. The Board takes the next call.
+struct GICUBE_API Cancelled : Error {
+  using Error::Error;
+};
+
 // As many rays are under way as OpenOptions::max_rays allows. Nothing was sent: receive or poll before the next try.
 struct GICUBE_API WouldBlock : Error {
   using Error::Error;

@@ -18,18 +18,18 @@
 #include "gicube/illumination.h"
 #include "gicube/time.h"
 #include "gicube/vector.h"
+#include "gicube/view.h"
 
 namespace gicube {
 
-// What is asked of the rays of a batch. Jitter, cut planes, and for rays that gather colour shading are those of the last view
-// rendered, or of a default View; step and leaping are the request's own.
+// What is asked of the rays of a batch.
 enum class RayType {
-  // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has the view's
-  // opacity_threshold. Scattered if the view says so. With the view's jitter.
+  // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has Sampling::opacity_threshold. Scattered if
+  // Sampling::scatter says so. With jitter.
   kIntegrate,
   // Until the opacity that it has gathered reaches RayRequest::opacity: its position is then that of the sample which
   // brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the volume
-  // or met a cut plane. No colour. With the view's jitter.
+  // or met a cut plane. No colour. With jitter.
   kFirstHit,
   // Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest::opacity is
   // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so both
@@ -72,6 +72,26 @@ GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
 // is what it would find on the whole.
 GICUBE_API std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims);
 
+// How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of() takes it from a view.
+struct Sampling {
+  bool jitter = false;
+  std::vector<CutPlane> cut_planes{};  // at most 6
+  std::uint32_t seed = 0;              // of scatterings' and deposits' random choices
+  // kIntegrate, kSegment; the threshold, scattering and its lifetime of kIntegrate only.
+  double opacity_threshold = 0.98;
+  bool shade = true;
+  bool irradiance = false;
+  bool incident = false;
+  double exposure = 0;
+  bool scatter = false;
+  bool high_albedo = false;
+  int lifetime = 8;
+  Vec3 looking{0, 0, 1};  // from the eye into the volume, voxels, any length but 0: highlights are those that it sees
+};
+
+// That of the view's own rays.
+GICUBE_API Sampling sampling_of(const View& view);
+
 struct RayRequest {
   RayType type = RayType::kIntegrate;
   double opacity = 1;  // kFirstHit, kSegment, kOpacity: > 0..1
@@ -82,12 +102,7 @@ struct RayRequest {
   SumWords words = SumWords::kSums;  // kBackproject
   double step = 0.5;                 // voxels between samples, 1/64..16; refused as View::step
   bool leap = true;                  // over blocks whose empty flag is set; kIntegral, kBackproject never do
-};
-
-// A line through several points, in voxels: its legs are kSegment rays.
-struct Polyline {
-  std::uint32_t id = 0;
-  std::span<const Vec3> points;  // at least 2
+  Sampling sampling{};
 };
 
 // A ray as it returned.
@@ -129,8 +144,7 @@ struct BatchReport {
 
 // A ray batch that has come back.
 struct RayBatch : BatchReport {
-  // In the order in which they were submitted. Polylines: one for each leg, with colour and opacity of the line from its
-  // first point to the end of that leg. kDeposit, kBackproject: none.
+  // In the order in which they were submitted. kDeposit, kBackproject: none.
   std::vector<TracedRay> rays;
 };
 

@@ -2,8 +2,10 @@
 #include "gicube/board.h"
 #include "gicube/ray_exchange.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <functional>
 
 #include "call.h"
 
@@ -51,14 +53,77 @@ std::uint32_t submit(Handle& self, const py::list& arrays, const py::object& req
   return without_interpreter([&] { return board->submit(places, how).id; });
 }
 
-std::uint32_t submit_lines(Handle& self, const py::list& points, const std::vector<std::uint32_t>& ids) {
-  std::vector<Polyline> lines;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto line = items_of<double>(points[i], "lines[" + std::to_string(i) + "]");
-    lines.push_back({ids.at(i), {reinterpret_cast<const Vec3*>(line.data()), line.size() / 3}});
+// A Pending of the driver. `kept`: what its call reads meanwhile.
+struct Started {
+  std::shared_ptr<PendingCall> call;
+  std::function<py::object(Picoseconds)> result;
+  py::object kept;
+
+  bool wait(const py::object& timeout) const {
+    using std::chrono::milliseconds;
+    const auto longest = timeout.is_none() ? milliseconds::max() : read_as<milliseconds>(timeout, "timeout");
+    constexpr milliseconds kPause{50};  // chosen: as soon as Ctrl-C needs it
+    for (milliseconds waited{0};; waited += kPause) {
+      if (without_interpreter([&] { return call->wait(std::min(kPause, longest - waited)); })) return true;
+      if (longest - waited <= kPause) return false;
+      take_signals();
+    }
   }
-  const auto board = self.board();
-  return without_interpreter([&] { return board->submit(std::span<const Polyline>(lines)).id; });
+};
+
+template <typename T>
+Started started(Pending<T>&& pending, py::object kept = py::none()) {
+  auto call = std::make_shared<Pending<T>>(std::move(pending));
+  const auto result = [call](Picoseconds deadline) -> py::object {
+    if constexpr (std::is_void_v<T>) {
+      without_interpreter([&] { call->get(deadline); });
+      return py::none();
+    } else {
+      return given_back(without_interpreter([&] { return call->get(deadline); }));
+    }
+  };
+  return {call, result, std::move(kept)};
+}
+
+void add_started(py::module_& module, py::class_<Handle>& board) {
+  py::class_<Started> type(module, "Started");
+  type.def("wait", &Started::wait);
+  type.def("result", [](const Started& self, Picoseconds deadline) {
+    self.wait(py::none());
+    return self.result(deadline);
+  });
+  type.def("cancel", [](const Started& self) { return without_interpreter([&] { return self.call->cancel(); }); });
+  type.def("descriptor", [](const Started& self) { return self.call->descriptor(); });
+  type.def("progress", [](const Started& self) {
+    const PendingProgress progress = self.call->progress();
+    return py::make_tuple(progress.done, progress.all);
+  });
+  board.def("start_load", [](const Handle& self, const py::object& volume) {
+    const VolumeView view = view_of(volume);
+    return started(self.board()->volume().start_load(view), volume);
+  });
+  board.def("start_load_stream", [](const Handle& self, const py::object& volume) {
+    return started(self.board()->volume().start_load(stream_of(volume)), volume);
+  });
+  board.def("start_render", [](const Handle& self, const py::object& view) {
+    return started(self.board()->renderer().start(read_as<View>(view, "")));
+  });
+  board.def("start_illuminate", [](const Handle& self, const py::object& lights, const py::object& settings) {
+    const auto all = read_as<std::vector<Light>>(lights, "lights");
+    return started(self.board()->light().start(all, read_as<Illumination>(settings, "")));
+  });
+  board.def("start_pair_factors",
+            [](const Handle& self, const py::object& elements, const py::object& pairs, const py::object& request) {
+              const auto all = items_of<Element>(elements, "elements");
+              const auto of = items_of<ElementPair>(pairs, "pairs");
+              return started(self.board()->pairs().start(all, of, read_as<PairRequest>(request, "")));
+            });
+  board.def("start_rays", [](const Handle& self, const py::object& rays, const py::object& request) {
+    const auto all = items_of<HostRay>(rays, "rays");
+    const auto how = read_as<RayRequest>(request, "");
+    const auto of = self.board();
+    return started(without_interpreter([&] { return of->rays().start(all, how); }));
+  });
 }
 
 // A rank of a job, which an object of Python's tells the others what it is told to.
@@ -247,12 +312,13 @@ void add_board(py::module_& module) {
            [](const Handle& self, const py::array& pixels) { return self.board()->why_invisible(image_of(pixels)); });
 
   type.def("submit", submit);
-  type.def("submit_lines", submit_lines);
   type.def("receive", receive);
   type.def("poll", call(&Board::poll));
   type.def("cancel", call(&Board::cancel, "ticket"));
   type.def("descriptor", call(&Board::descriptor, "ticket"));
   type.def("pair_factors", call(&Board::pair_factors, "elements", "pairs", "", "progress"));
+
+  add_started(module, type);
 
   type.def("host_compute", call(&Board::host_compute, "duration"));
   type.def("share_blocks", [](Handle& self, const py::object& object) {
@@ -271,6 +337,7 @@ void add_board(py::module_& module) {
     for (const auto& [name, unit, value] : counters) list.push_back({name, unit, value});
     return write(fidelity_report(Counters(std::move(list))));
   });
+  module.def("enumerate", call(&enumerate));
   module.def("clip_to_volume", [](const py::object& rays, const py::object& dims) {
     const auto within = read_as<Dims>(dims, "dims");
     std::vector<HostRay> kept;

@@ -53,7 +53,10 @@ void add_group(py::module_& module) {
     const auto how = read_as<RayRequest>(request, "");
     return given_back(without_interpreter([&] { return group->trace(all, how); }));
   });
-  type.def_property_readonly("now", [](const Group& self) { return self.board()->now(); });
+  type.def_property_readonly("now", [](const Group& self) {
+    const auto group = self.board();
+    return without_interpreter([&] { return group->now(); });
+  });
   type.def("times", [](const Group& self) { return write(self.board()->times()); });
   type.def("counters", [](const Group& self) {
     const auto group = self.board();

@@ -66,7 +66,8 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = GICUBE_VERSION;
   add_dtypes(module);
   add_defaults<ValueRange, Phong, Shading, Material, View, CutPlane, Lamp, PointLight, DirectionalLight, RectangleLight,
-               SphereLight, Illumination, RayRequest, PairRequest, Placement, ScatterAnswer, TransferFunction>(module);
+               SphereLight, Illumination, Sampling, RayRequest, PairRequest, Placement, ScatterAnswer,
+               TransferFunction>(module);
   end_forked_ones();
   add_errors();
   add_board(module);

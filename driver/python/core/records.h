@@ -4,6 +4,7 @@
 #include "convert.h"
 #include "gicube/board.h"
 #include "gicube/board_group.h"
+#include "gicube/enumerate.h"
 #include "gicube/fidelity.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/light_plan.h"
@@ -46,11 +47,15 @@ GICUBE_RECORD(LightEnergy, F(emitted), F(deposited), F(escaped), F(scattered_awa
 GICUBE_RECORD(LightingReport, F(rays), F(emitted), F(deposited), F(escaped), F(escaped_by_face), F(scattered_away),
               F(given_up), F(clipped), F(unit), F(warnings), F(colours));
 GICUBE_RECORD(DepositReport, F(rays), F(samples), F(kept), F(clipped), F(overflowed), F(unit));
-GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime), F(words), F(step), F(leap));
+GICUBE_RECORD(Sampling, F(jitter), F(cut_planes), F(seed), F(opacity_threshold), F(shade), F(irradiance), F(incident),
+              F(exposure), F(scatter), F(high_albedo), F(lifetime), F(looking));
+GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime), F(words), F(step), F(leap),
+              F(sampling));
 GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(leap), F(made));
 GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
               F(agp), F(host_rays), F(voxel_format), F(irradiance_words));
+GICUBE_RECORD(FoundBoard, F(uri), F(process), F(product), F(version), F(in_use), F(owner));
 GICUBE_RECORD(AnsweredCommand, F(command), F(count));
 GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),

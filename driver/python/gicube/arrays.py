@@ -1,8 +1,5 @@
 """The arrays that go to the board and come from it: their dtypes, how they are made, how they are checked."""
 
-# mypy: no-warn-return-any
-# What the compiled part returns has the types that are written here.
-
 from __future__ import annotations
 
 from dataclasses import replace

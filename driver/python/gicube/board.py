@@ -1,18 +1,14 @@
 """The host's handle to one GI-Cube board."""
 
-# mypy: no-warn-return-any
-# What the compiled part returns has the types that are written here.
-
 from __future__ import annotations
 
-import asyncio
 import atexit
 import os
 import sys
 import warnings
 import weakref
 from contextlib import contextmanager
-from typing import Any, Callable, Generator, Iterator, List, Optional, Protocol, Sequence, Union
+from typing import Any, Callable, Iterator, List, Optional, Protocol, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +18,8 @@ from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array, as_c
 from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
-from gicube.records import Array, BackPressure, BoardInfo, BrickDetail, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
+from gicube.pending import Pending, readable
+from gicube.records import Array, BackPressure, BoardInfo, BrickDetail, FoundBoard, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
 from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
 from gicube.records import ValueRange, View, VoxelBox
 from gicube.volume import Volume, VolumeStream
@@ -53,26 +50,6 @@ def shown(progress: ProgressLike, what: str) -> Iterator[Optional[Callable[[int,
         yield show
 
 
-class Future:
-    """A batch to come, by Board.future(). It does not keep its board open: result() raises DeviceLost once that is closed."""
-
-    def __init__(self, board: "Board", ticket: Ticket) -> None:
-        self._board, self._ticket = weakref.ref(board), ticket
-
-    def _open_board(self) -> "Board":
-        board = self._board()
-        if board is None:
-            raise DeviceLost("the board is lost: the application has closed it")
-        return board
-
-    def result(self) -> RayBatch:
-        """As Board.receive(), on the caller's thread."""
-        return self._open_board().receive(self._ticket)
-
-    def __await__(self) -> Generator[Any, None, RayBatch]:
-        return self._open_board().receive_async(self._ticket).__await__()
-
-
 _open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()
 
 
@@ -80,6 +57,10 @@ _open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()
 def _close_boards() -> None:
     for board in list(_open_boards):
         board._end()
+
+
+def _as_volume(given: Union[Volume, ArrayLike]) -> Volume:
+    return given if isinstance(given, Volume) else Volume(np.asarray(unmasked(given, "samples")))
 
 
 class RayExchange(Protocol):
@@ -240,8 +221,13 @@ class Board:
             if isinstance(volume, VolumeStream):
                 self._core.load_stream(volume, told)
             else:
-                array = volume if isinstance(volume, Volume) else Volume(np.asarray(unmasked(volume, "samples")))
-                self._core.load_volume(array, told)
+                self._core.load_volume(_as_volume(volume), told)
+
+    def start_load(self, volume: Union[Volume, VolumeStream, ArrayLike]) -> Pending[None]:
+        """load_volume(), started: the array must not change until it has ended."""
+        if isinstance(volume, VolumeStream):
+            return Pending(self._core.start_load_stream(volume))
+        return Pending(self._core.start_load(_as_volume(volume)))
 
     def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox], words: int = 1) -> Array:
         """The values of a box, or of all; `words` a voxel."""
@@ -338,6 +324,10 @@ class Board:
         with shown(progress, "lighting") as told:
             return self._core.illuminate(list(lights), settings, told)
 
+    def start_illuminate(self, lights: Sequence[Light], settings: Illumination = Illumination()) -> Pending[LightingReport]:
+        """illuminate(), started."""
+        return Pending(self._core.start_illuminate(list(lights), settings))
+
     def read_irradiance(self, box: Optional[VoxelBox] = None) -> Array:
         """float32 [z, y, x], in units of the lights' power, of a box or of all; with three irradiance words [z, y, x, 3].
         Raises Rejected, BadArgument."""
@@ -369,6 +359,10 @@ class Board:
         """
         self.render_to_framebuffer(view, progress=progress)
         return self._warned(self._core.read_framebuffer())
+
+    def start_render(self, view: View) -> Pending[Image]:
+        """render(), started, without its warning."""
+        return Pending(self._core.start_render(view))
 
     def render_to_framebuffer(self, view: View, *, progress: ProgressLike = None) -> None:
         """The same without reading it."""
@@ -402,13 +396,9 @@ class Board:
         none_return = as_choice(RayType, asked.type, "type") in (RayType.DEPOSIT, RayType.BACKPROJECT)
         return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
 
-    def submit_lines(self, lines: Sequence[ArrayLike], ids: Optional[Sequence[int]] = None) -> Ticket:
-        """Lines through several points, arrays (n, 3) in voxels: their legs are SEGMENT rays, one of which returns for each leg."""
-        points = [as_array(line, f"lines[{i}]", "float64", (None, 3)) for i, line in enumerate(lines)]
-        numbers = list(range(len(points))) if ids is None else list(ids)
-        if len(numbers) != len(points):
-            raise BadArgument("ids", f"{len(points)} of them", str(len(numbers)))
-        return Ticket(self._core.submit_lines(points, numbers), sum(len(line) - 1 for line in points))
+    def start_rays(self, rays: Array, request: Optional[RayRequest] = None, **fields: Any) -> Pending[RayBatch]:
+        """submit() with a handle in place of a ticket: its result() is receive()."""
+        return Pending(self._core.start_rays(as_array(rays, "rays", RAY, (None,)), as_request(RayRequest, request, fields)))
 
     def receive(self, ticket: Ticket, *, out: Optional[Array] = None, deadline: int = NO_DEADLINE) -> RayBatch:
         """Waits until that batch has returned, and moves the simulated clock to its arrival.
@@ -422,21 +412,9 @@ class Board:
             raise BadArgument("out", "a contiguous array of gicube.TRACED_RAY", str(space.dtype))
         return self._core.receive(ticket.id, space, deadline)
 
-    def future(self, ticket: Ticket) -> Future:
-        """receive() as a future: result() calls it, and the simulated clock moves then. It may outlive this board, and never hangs."""
-        return Future(self, ticket)
-
     async def receive_async(self, ticket: Ticket) -> RayBatch:
         """receive() for asyncio: other tasks run until the board has worked the batch out."""
-        arrived = asyncio.Event()
-        descriptor = self.descriptor(ticket)
-        loop = asyncio.get_running_loop()
-        try:
-            loop.add_reader(descriptor, arrived.set)
-            await arrived.wait()
-        finally:
-            loop.remove_reader(descriptor)
-            os.close(descriptor)
+        await readable(self.descriptor(ticket))
         return self.receive(ticket)
 
     def descriptor(self, ticket: Ticket) -> int:
@@ -469,6 +447,13 @@ class Board:
         with shown(progress, "pairs") as told:
             all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
             return self._core.pair_factors(all_elements, all_pairs, asked, told)
+
+    def start_pair_factors(
+        self, elements: Array, pairs: Array, request: Optional[PairRequest] = None, **fields: Any
+    ) -> Pending[Array]:
+        """pair_factors(), started."""
+        all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
+        return Pending(self._core.start_pair_factors(all_elements, all_pairs, as_request(PairRequest, request, fields)))
 
     # Time.
 
@@ -506,6 +491,12 @@ class Board:
     def counters(self) -> Counters:
         """What the board has counted so far."""
         return Counters(self._core.counters())
+
+
+def enumerate() -> List[FoundBoard]:
+    """The boards on this machine that listen and are of this user. Private ones (emu:) of other programs are none. Raises Error if the
+    folder in which boards make themselves known can't be trusted."""
+    return _core.enumerate()
 
 
 #: gicube.open("emu:") reads better; it is the class.

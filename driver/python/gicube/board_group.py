@@ -1,8 +1,5 @@
 """Several boards in one host."""
 
-# mypy: no-warn-return-any
-# What the compiled part returns has the types that are written here.
-
 from __future__ import annotations
 
 import inspect

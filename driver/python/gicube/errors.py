@@ -11,7 +11,7 @@ from typing import Any
 from gicube.records import Loss
 
 __all__ = [
-    "BadArgument", "BoardBusy", "DeadlinePassed", "DeviceLost", "Error", "Fault", "FileError", "InputError", "MemoryFault",
+    "BadArgument", "BoardBusy", "Cancelled", "DeadlinePassed", "DeviceLost", "Error", "Fault", "FileError", "InputError", "MemoryFault",
     "OpenFailed", "Rejected", "ScatteringFailed", "TimedOut", "Unsupported", "VersionMismatch", "WouldBlock",
 ]
 
@@ -72,6 +72,10 @@ class DeviceLost(Error, ConnectionError):
 
 class DeadlinePassed(Error):
     """The simulated host waited until its deadline, a simulated time. The board works on."""
+
+
+class Cancelled(Error):
+    """The call was cancelled by Pending.cancel(). A picture is unknown, irradiance incomplete, a loading volume lost."""
 
 
 class WouldBlock(Error, BlockingIOError):

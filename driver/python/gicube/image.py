@@ -1,6 +1,5 @@
 """Pictures read from the framebuffer."""
 
-# mypy: no-warn-return-any
 from __future__ import annotations
 
 import os
@@ -41,7 +40,8 @@ class Image:
     def over(self, background: Colour = (0.0, 0.0, 0.0)) -> Array:
         """uint8 [row, column, 3]: over a colour, 0..1 each, mixed in display-referred values as on a screen."""
         left = (1 - self.alpha / 4095.0)[..., None] * np.asarray(background, dtype=float)
-        return np.rint(np.clip(self.rgb + 255 * left, 0, 255)).astype("u1")
+        mixed: Array = np.rint(np.clip(self.rgb + 255 * left, 0, 255)).astype("u1")
+        return mixed
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Array:
         """`rgb`: numpy.asarray() and pyplot.imshow() take a picture."""

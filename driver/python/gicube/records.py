@@ -6,23 +6,22 @@ Times are simulated, in picoseconds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# mypy: no-warn-return-any
 from gicube import _core
 
 __all__ = [  # of the package
-    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
+    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "FoundBoard", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
     "BackPressure", "BoardInfo", "BrickDetail", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
     "BoardTime", "HostBuses",
     "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
-    "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
+    "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "Sampling", "ScatterAnswer", "ScatterEvent", "Shading",
     "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
 ]
 
@@ -410,6 +409,43 @@ class DepositReport:
     unit: float
 
 
+@dataclass(frozen=True)
+class FoundBoard:
+    """A board that gicube.open(uri) could open (gicube/enumerate.h)."""
+
+    uri: str
+    process: int
+    product: str
+    version: str
+    in_use: bool
+    owner: str
+
+
+@dataclass
+class Sampling:
+    """How rays are sampled, as the fields of View of the same names (gicube/ray.h)."""
+
+    jitter: bool = False
+    cut_planes: Sequence[CutPlane] = field(default_factory=list)
+    seed: int = 0
+    opacity_threshold: float = 0.98
+    shade: bool = True
+    irradiance: bool = False
+    incident: bool = False
+    exposure: float = 0.0
+    scatter: bool = False
+    high_albedo: bool = False
+    lifetime: int = 8
+    looking: Vec3 = (0.0, 0.0, 1.0)
+
+    @classmethod
+    def of(cls, view: View) -> "Sampling":
+        """That of the view's own rays."""
+        same = {each.name: getattr(view, each.name) for each in fields(cls) if each.name != "looking"}
+        x, y, z = (float(b) - float(a) for a, b in zip(view.eye, view.look_at))
+        return cls(**same, looking=(x, y, z)) if (x, y, z) != (0, 0, 0) else cls(**same)
+
+
 @dataclass
 class RayRequest:
     """What is asked of the rays of a batch (gicube/ray.h)."""
@@ -422,6 +458,7 @@ class RayRequest:
     words: SumWords = SumWords.SUMS
     step: float = 0.5
     leap: bool = True
+    sampling: Sampling = field(default_factory=Sampling)
 
 
 @dataclass(frozen=True)

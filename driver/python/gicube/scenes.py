@@ -1,8 +1,5 @@
 """Files of volumes, looks and scenes, by the SDK's own readers; levels of detail; plans."""
 
-# mypy: no-warn-return-any
-# What the compiled part returns has the types that are written here.
-
 from __future__ import annotations
 
 import os

@@ -50,11 +50,9 @@ std::size_t bytes_of_result(RayType type, std::size_t rays, std::uint16_t minor,
 
 }  // namespace
 
-Batches::Batch Batches::begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-                              std::vector<std::size_t> lines) const {
+Batches::Batch Batches::begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup) const {
   Batch batch;
   for (const auto& part : rays) batch.rays += part.size();
-  batch.lines = std::move(lines);
   batch.type = setup.request.type;
   batch.energy_unit = setup.energy_unit;
   batch.irradiance_words = setup.irradiance_words;
@@ -75,9 +73,8 @@ std::size_t Batches::max_rays_of_command() const {
   return std::min(kRaysPerCommand, limit);
 }
 
-Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-                       std::vector<std::size_t> lines) {
-  Batch batch = begin(rays, setup, std::move(lines));
+Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup) {
+  Batch batch = begin(rays, setup);
   if (back_pressure_ == BackPressure::kThrow) make_room(batch.rays);
   const std::size_t max_rays = max_rays_of_command();
   const std::uint32_t ticket = next_ticket();
@@ -98,9 +95,8 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   return {ticket};
 }
 
-Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-                       std::vector<std::size_t> lines, const TraceAll& trace) {
-  Batch batch = begin(rays, setup, std::move(lines));
+Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, const TraceAll& trace) {
+  Batch batch = begin(rays, setup);
   std::vector<EncodedRays> commands;
   auto all = rays | std::views::join;
   auto ray = all.begin();
@@ -275,10 +271,6 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
       const wire::Ray ray = wire::decode<wire::Ray>(bytes.subspan(i * wire::kRayBytes));
       rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);
     }
-  }
-  for (const std::size_t legs : batch.lines) {
-    add_up(rays.first(legs));
-    rays = rays.subspan(legs);
   }
   return report;
 }

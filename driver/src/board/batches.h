@@ -61,13 +61,11 @@ class Batches {
   Batches(Device& device, const OpenOptions& options)
       : device_(device), max_rays_(options.max_rays), back_pressure_(options.back_pressure) {}
 
-  // For rays that passed their checks. `lines`: how many of them each polyline has, or nothing. Throws WouldBlock.
-  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-                std::vector<std::size_t> lines = {});
+  // For rays that passed their checks. Throws WouldBlock.
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup);
   // The same of a batch that is complete when it returns: `trace` has the commands carried out, and returns what each would return.
   using TraceAll = std::function<std::vector<CommandResult>(std::span<const EncodedRays>)>;
-  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, std::vector<std::size_t> lines,
-                const TraceAll& trace);
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, const TraceAll& trace);
   // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone then.
   RayBatch receive(Ticket ticket, Picoseconds deadline);
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
@@ -105,7 +103,6 @@ class Batches {
     std::size_t irradiance_words = 1;
     View sampling;
     Vec3 towards_eye;
-    std::vector<std::size_t> lines;
     std::vector<Part> parts;
     std::shared_ptr<Event> worked_out;  // once somebody has asked for its descriptor
 
@@ -116,8 +113,7 @@ class Batches {
   };
   using Entry = std::map<std::uint32_t, Batch>::iterator;
 
-  Batch begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
-              std::vector<std::size_t> lines) const;
+  Batch begin(std::span<const std::span<const HostRay>> rays, const RaySetup& setup) const;
   std::uint32_t next_ticket();
   std::size_t max_rays_of_command() const;
   Entry find(Ticket ticket);

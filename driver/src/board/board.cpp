@@ -83,12 +83,12 @@ BoardInfo read_info(Device& device) {
 
 }  // namespace
 
-ValueRange Board::value_range() const {
+ValueRange VolumeStore::value_range() const {
   const auto lock = state_->begin();
   return state_->loaded("value_range()").range;
 }
 
-void Board::set_transfer_function(const TransferFunction& function, int tag) {
+void LookUpTables::set_transfer_function(const TransferFunction& function, int tag) {
   const auto lock = state_->begin();
   check(function, tag);
   state_->tables.set_function(function, tag);
@@ -98,7 +98,7 @@ void Board::set_transfer_function(const TransferFunction& function, int tag) {
   state_->check_fence();
 }
 
-void Board::set_shading(const Shading& shading) {
+void LookUpTables::set_shading(const Shading& shading) {
   const auto lock = state_->begin();
   check(shading);
   state_->tables.set_shading(shading);
@@ -107,14 +107,14 @@ void Board::set_shading(const Shading& shading) {
   state_->check_fence();
 }
 
-void Board::set_gradient_codebook(std::span<const Vec3> codebook) {
+void LookUpTables::set_gradient_codebook(std::span<const Vec3> codebook) {
   const auto lock = state_->begin();
   GradientCodebook checked(codebook);
   if (state_->volume) throw Rejected("set_gradient_codebook() comes before load_volume(): the voxels hold its codes");
   state_->tables.set_codebook(std::move(checked));
 }
 
-void Board::set_empty_flags(std::span<const std::uint8_t> flags) {
+void VolumeStore::set_empty_flags(std::span<const std::uint8_t> flags) {
   const auto lock = state_->begin();
   LoadedVolume& volume = state_->loaded("set_empty_flags()");
   const std::size_t blocks = volume.statistics.size();
@@ -125,22 +125,27 @@ void Board::set_empty_flags(std::span<const std::uint8_t> flags) {
   state_->check_fence();
 }
 
-std::vector<std::uint8_t> Board::empty_flags() const {
+std::vector<std::uint8_t> VolumeStore::empty_flags() const {
   const auto lock = state_->begin();
   return state_->loaded("empty_flags()").flags;
 }
 
-Dims Board::dims() const {
+Dims VolumeStore::dims() const {
   const auto lock = state_->begin();
   return state_->loaded("dims()").dims;
 }
 
-Dims Board::blocks() const {
+Dims VolumeStore::blocks() const {
   const auto lock = state_->begin();
   return state_->loaded("blocks()").blocks;
 }
 
-Picoseconds Board::now() const { return state_->device.clock().now(); }
+Picoseconds Board::now() const {
+  if (!state_->started.any() || state_->started.is_here() || state_->is_in_callback())
+    return state_->device.clock().now();
+  const auto lock = state_->lock();
+  return state_->device.clock().now();
+}
 
 void Board::host_compute(Picoseconds duration) {
   const auto lock = state_->begin();
@@ -154,7 +159,7 @@ Counters Board::counters() {
 
 Board Board::open(std::string_view text, const OpenOptions& options) {
   const Uri uri = parse_uri(text);
-  auto state = std::make_shared<State>(uri, checked(options));
+  auto state = std::make_shared<BoardState>(uri, checked(options));
   try {
     if (options.go_on || uri.restores) {
       state->go_on();
@@ -172,7 +177,7 @@ Board Board::open(std::string_view text, const OpenOptions& options) {
 }
 
 // Whatever can't be put back as it was is as on a board that was just opened.
-void Board::State::restore() {
+void BoardState::restore() {
   if (!std::exchange(restoring, true)) registers_before = device.registers();
   const int block_voxels = info.block_voxels;
   info = read_info(device);  // resets the board
@@ -214,16 +219,16 @@ Reopened Board::reopen() {
   return {resumed, state_->volume.has_value()};
 }
 
-Board::Board(std::shared_ptr<State> state) : state_(std::move(state)) {}
+Board::Board(std::shared_ptr<BoardState> state) : state_(std::move(state)) {}
 Board::Board(Board&&) noexcept = default;
 Board& Board::operator=(Board&& other) noexcept {
   Board taken(std::move(other));
   std::swap(state_, taken.state_);
   return *this;
 }
-// A future of one of its batches may be waiting on another thread.
+// A handle of one of its batches may be waiting on another thread.
 Board::~Board() {
-  if (state_) state_->device.close();
+  if (state_) state_->end();
 }
 
 const BoardInfo& Board::info() const { return state_->info; }

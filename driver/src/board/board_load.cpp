@@ -26,7 +26,7 @@ Dims block_grid(Dims dims, int n) { return {(dims[0] + n - 1) / n, (dims[1] + n 
 
 }  // namespace
 
-LoadedVolume& Board::State::whole(const char* what) {
+LoadedVolume& BoardState::whole(const char* what) {
   LoadedVolume& all = loaded(what);
   need_all_blocks(what);
   if (!bricks) return all;
@@ -37,11 +37,11 @@ LoadedVolume& Board::State::whole(const char* what) {
                   what, capacity_blocks(), n, all.dims[0], all.dims[1], all.dims[2], all.statistics.size()));
 }
 
-void Board::State::need_all_blocks(const char* what) const {
+void BoardState::need_all_blocks(const char* what) const {
   if (shared) throw Unsupported(fmt::format("{} is not for a board that shares its volume's blocks with others", what));
 }
 
-void Board::State::need_no_routine_in_bricks(const char* what, bool lighting) {
+void BoardState::need_no_routine_in_bricks(const char* what, bool lighting) {
   if (!bricks) return;
   for (const Material& material : tables.materials()) {
     const bool asks_host = material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine;
@@ -49,7 +49,7 @@ void Board::State::need_no_routine_in_bricks(const char* what, bool lighting) {
   }
 }
 
-void Board::State::need_colours_on_card(const char* what) {
+void BoardState::need_colours_on_card(const char* what) {
   if (info.irradiance_words == 1) return;
   whole(what);
   for (std::size_t tag = 0; tag < tables.materials().size(); ++tag) {
@@ -62,14 +62,14 @@ void Board::State::need_colours_on_card(const char* what) {
   }
 }
 
-void Board::load_volume(const VolumeView& view, const Progress& progress) {
+void VolumeStore::load(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
   check_volume(view, state_->max_edge());
   state_->check_colours(!view.colours.empty());
   state_->load(Planes(view), progress);
 }
 
-void Board::load_volume(const VolumeStream& stream, const Progress& progress) {
+void VolumeStore::load(const VolumeStream& stream, const Progress& progress) {
   const auto lock = state_->begin();
   expect(stream.read != nullptr, "read", "a function", "none");
   Planes planes(stream);
@@ -78,17 +78,27 @@ void Board::load_volume(const VolumeStream& stream, const Progress& progress) {
   state_->load(std::move(planes), progress);
 }
 
-void Board::State::check_colours(bool given) const {
+Pending<void> VolumeStore::start_load(const VolumeView& view) {
+  return state_->start<void>(
+      [state = state_, view](const Progress& progress) { VolumeStore(*state).load(view, progress); });
+}
+
+Pending<void> VolumeStore::start_load(const VolumeStream& stream) {
+  return state_->start<void>(
+      [state = state_, stream](const Progress& progress) { VolumeStore(*state).load(stream, progress); });
+}
+
+void BoardState::check_colours(bool given) const {
   expect(!given || info.voxel_format != VoxelFormat::kDensity, "colours",
          "none on a card whose voxels have none (asic.voxel_format is density)", "some");
 }
 
-int Board::State::max_edge() const {
+int BoardState::max_edge() const {
   const bool in_bricks = info.protocol_minor >= wire::kBricksMinor && capacity_blocks() >= kMinCapacity;
   return in_bricks ? static_cast<int>(wire::kMaxVolumeEdge) : info.max_volume_voxels;
 }
 
-void Board::State::load(Planes planes, const Progress& progress) {
+void BoardState::load(Planes planes, const Progress& progress) {
   const VolumeView& shape = planes.shape();
   const int n = info.block_voxels;
   LoadedVolume loaded;
@@ -137,7 +147,7 @@ void Board::State::load(Planes planes, const Progress& progress) {
   if (!bricks && std::exchange(batches_wait, false)) send_batches_again();
 }
 
-void Board::State::forget_volume() {
+void BoardState::forget_volume() {
   volume.reset();
   bricks.reset();
   kept_blocks.clear();
@@ -148,7 +158,7 @@ void Board::State::forget_volume() {
 
 // Calls take(block, words) for the blocks that are not zero, in their order; finds the statistics of all. A layer of blocks at a time, so
 // that few planes are held in other forms than the caller's.
-void Board::State::for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take) {
+void BoardState::for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take) {
   const std::size_t all = voxel_count(of.blocks);
   std::vector<std::uint8_t> bytes;
   for_each_layer(planes, info.block_voxels, of.range, tables.codebook(), threads, [&](const BlockLayer& layer) {
@@ -163,7 +173,7 @@ void Board::State::for_each_block(Planes& planes, LoadedVolume& of, const Progre
   if (progress) progress(static_cast<std::uint32_t>(all), static_cast<std::uint32_t>(all));
 }
 
-BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
+BlockStore BoardState::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
   BlockStore store(voxel_count(of.blocks), bytes_of_block(static_cast<std::size_t>(info.block_voxels), of.coloured),
                    planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory);
   for_each_block(planes, of, progress,
@@ -185,7 +195,7 @@ void Board::share_blocks(std::shared_ptr<RayExchange> exchange) {
   state_->device.set_register(reg::kBricks, 1);
 }
 
-void Board::State::begin_volume(const LoadedVolume& of) {
+void BoardState::begin_volume(const LoadedVolume& of) {
   device.write_register(reg::kControl, wire::kControlClearVolume);
   for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
     device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
@@ -196,7 +206,7 @@ void Board::State::begin_volume(const LoadedVolume& of) {
 }
 
 // A volume that the card stores whole, all of whose blocks are zero.
-void Board::State::begin_blocks(const LoadedVolume& of) {
+void BoardState::begin_blocks(const LoadedVolume& of) {
   begin_volume(of);
   blocks_are_kept = keep_volume;
   const std::size_t count = voxel_count(of.blocks);
@@ -207,7 +217,7 @@ void Board::State::begin_blocks(const LoadedVolume& of) {
 }
 
 // Waits for all that was written and asks whether the board took it.
-void Board::State::check_fence() {
+void BoardState::check_fence() {
   constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue | wire::kStatusNoMemory;
   const std::uint32_t faults = device.read_register(reg::kStatus) & kFaults;
   if (faults == 0) return;
@@ -223,7 +233,7 @@ void Board::State::check_fence() {
       fmt::format("the board did not take what was written to it: STATUS {}, ERROR_ADDRESS {}", faults, address));
 }
 
-std::vector<std::size_t> Board::verify_volume() {
+std::vector<std::size_t> VolumeStore::verify() {
   const auto lock = state_->begin();
   state_->whole("verify_volume()");
   Device& device = state_->device;

@@ -118,9 +118,9 @@ struct Parts {
 
 }  // namespace
 
-std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> elements,
-                                                      std::span<const ElementPair> pairs, const PairRequest& request,
-                                                      const Progress& progress) {
+std::vector<PairFactor> BoardState::factors_by_rays(std::span<const Element> elements,
+                                                    std::span<const ElementPair> pairs, const PairRequest& request,
+                                                    const Progress& progress) {
   const LoadedVolume& of = *volume;
   Sorted sorted = without_clear(elements, pairs, request, of, info.block_voxels);
   const auto clear = static_cast<std::uint32_t>(pairs.size() - sorted.left.size());
@@ -136,7 +136,7 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
   std::vector<PairFactor> found;
   const bool board_makes_them = device.agreed().minor >= wire::kPairsMinor && !bricks;
   if (request.made == PairRays::kByBoard && board_makes_them) {
-    View sampled = sampling;
+    View sampled;
     sampled.step = request.step, sampled.leap = request.leap;
     set_sampling(sampled);
     const auto send = [&](std::span<const ElementPair> piece) {
@@ -152,7 +152,7 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
       const std::span<const HostRay> rays(made.rays);
       const RayRequest asked{
           .type = RayType::kOpacity, .opacity = request.opacity, .step = request.step, .leap = request.leap};
-      return {submit(std::span(&rays, 1), asked, {}), std::move(made.weights)};
+      return {submit(std::span(&rays, 1), asked), std::move(made.weights)};
     };
     const auto take = [&](const SentRays& sent) {
       return gicube::sum_up(sent.second, batches.receive(sent.first, kNoDeadline).rays, request.rays);
@@ -163,8 +163,17 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
   return std::move(sorted.factors);
 }
 
-std::vector<PairFactor> Board::pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                                            const PairRequest& request, const Progress& progress) {
+Pending<std::vector<PairFactor>> PairIntegrator::start(std::span<const Element> elements,
+                                                       std::span<const ElementPair> pairs, const PairRequest& request) {
+  return state_->start<std::vector<PairFactor>>(
+      [state = state_, elements = std::vector<Element>(elements.begin(), elements.end()),
+       pairs = std::vector<ElementPair>(pairs.begin(), pairs.end()), request](const Progress& progress) {
+        return PairIntegrator(*state).factors(elements, pairs, request, progress);
+      });
+}
+
+std::vector<PairFactor> PairIntegrator::factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                                const PairRequest& request, const Progress& progress) {
   const auto lock = state_->begin();
   check(request);
   const LoadedVolume& volume = state_->loaded("pair_factors()");

@@ -1,17 +1,67 @@
 // Rays of the host application.
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "encode/argument.h"
+#include "encode/camera.h"
 #include "encode/host_ray.h"
+#include "gicube/ray_tracer.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
 
 namespace gicube {
+namespace {
 
-Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
-                            std::vector<std::size_t> lines, std::span<const std::size_t> numbers) {
+// A batch goes on by itself: its handle is a ticket and the descriptor of its end.
+class SentBatch final : public OperationOf<RayBatch> {
+ public:
+  SentBatch(std::weak_ptr<BoardState> board, Ticket ticket, Fd ended)
+      : board_(std::move(board)), ticket_(ticket), ended_(std::move(ended)) {}
+
+  bool wait(std::chrono::milliseconds timeout) override {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds kAtOnce = std::chrono::hours(24);
+    const bool is_long = timeout > kAtOnce;  // poll() takes an int
+    const auto end = Clock::now() + std::min(timeout, kAtOnce);
+    for (;;) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+      pollfd polled{ended_.get(), POLLIN, 0};
+      const int found = ::poll(&polled, 1, static_cast<int>(std::max(left, std::chrono::milliseconds(0)).count()));
+      if (found > 0) return true;
+      if (found == 0) return is_long && wait(timeout - kAtOnce);
+      if (errno != EINTR) throw Error(std::string("waiting for a batch: ") + std::strerror(errno));
+    }
+  }
+  bool cancel() override { return RayTracer(*open_board()).cancel(ticket_); }
+  PendingProgress progress() const override { return {}; }
+  Fd descriptor() override { return duplicate(ended_); }
+  RayBatch take(Picoseconds deadline) override { return RayTracer(*open_board()).receive(ticket_, deadline); }
+
+ private:
+  std::shared_ptr<BoardState> open_board() const {
+    if (auto board = board_.lock()) return board;
+    throw DeviceLost("the board is lost: the application has closed it", Loss::kClosed);
+  }
+
+  const std::weak_ptr<BoardState> board_;
+  const Ticket ticket_;
+  const Fd ended_;
+};
+
+}  // namespace
+
+Ticket BoardState::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
+                          std::span<const std::size_t> numbers) {
   if (!info.host_rays) throw Unsupported("this board takes no host rays");
   check(request);
+  check(request.sampling);
   const LoadedVolume& of = request.type == RayType::kBackproject ? whole("RayType::kBackproject") : loaded("submit()");
   check_drift("request.step", request.step);
   const bool deposits = request.type == RayType::kDeposit;
@@ -28,14 +78,14 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
     throw Unsupported(
         "backprojection into irradiance words needs a board with one of them a voxel (asic.irradiance_words)");
   }
-  View sampled = sampling;
-  sampled.step = request.step, sampled.leap = request.leap;
+  const View sampled = view_of(request);
+  const Vec3 to_eye = towards_eye(sampled, of.relative_spacing);
   const RaySetup setup{request,
                        of.dims,
                        backprojects && sums ? sum_unit : irradiance_unit,
                        info.wide,
                        sampled,
-                       sampling_towards_eye,
+                       to_eye,
                        of.min_spacing * of.relative_spacing,
                        of.range,
                        static_cast<std::size_t>(info.irradiance_words)};
@@ -45,10 +95,10 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
     for (const HostRay& ray : rays[list]) check(ray, index++, setup);
   }
   set_sampling(sampled);
-  if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
+  if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampled.seed);
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
-  if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
-  if (!bricks) return batches.submit(rays, setup, std::move(lines));
+  if (gathers_colour && sampled.shade) tables.send_reflectance(to_eye);
+  if (!bricks) return batches.submit(rays, setup);
   if (shared) share_anew();
   BrickRun run;
   run.of = {.of = wire::RaysOf::kTrace, .trace = trace_header(request, 0)};
@@ -58,80 +108,58 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   } else if (gathers_colour && sampled.irradiance) {
     run.needs.light = LightUse::kSeen;
   }
-  return batches.submit(rays, setup, std::move(lines), [&](std::span<const EncodedRays> parts) {
+  return batches.submit(rays, setup, [&](std::span<const EncodedRays> parts) {
     return deposits ? deposit_in_bricks(parts, run) : trace_in_bricks(parts, run);
   });
 }
 
-Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {
-  const auto lock = state_->begin();
-  return state_->submit(std::span(&rays, 1), request, {});
+Pending<RayBatch> BoardState::handle_of(Ticket ticket) {
+  return Pending<RayBatch>(std::make_shared<SentBatch>(weak_from_this(), ticket, batches.descriptor(ticket)));
 }
 
-Ticket Board::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request) {
+Ticket RayTracer::submit(std::span<const HostRay> rays, const RayRequest& request) {
   const auto lock = state_->begin();
-  return state_->submit(rays, request, {});
+  return state_->submit(std::span(&rays, 1), request);
 }
 
-Ticket Board::submit(std::span<const Polyline> lines) {
+Ticket RayTracer::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("submit()");
-  std::vector<HostRay> legs;
-  std::vector<std::size_t> legs_of;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Polyline& line = lines[i];
-    check(line, i, volume.dims);
-    for (std::size_t p = 1; p < line.points.size(); ++p) {
-      legs.push_back(ray_between(line.id, line.points[p - 1], line.points[p]));
-    }
-    legs_of.push_back(line.points.size() - 1);
-  }
-  const std::span<const HostRay> all(legs);
-  return state_->submit(std::span(&all, 1), {.type = RayType::kSegment}, std::move(legs_of));
+  return state_->submit(rays, request);
 }
 
-RayBatch Board::receive(Ticket ticket, Picoseconds deadline) {
+Pending<RayBatch> RayTracer::start(std::span<const HostRay> rays, const RayRequest& request) {
+  const auto lock = state_->begin();
+  return state_->handle_of(state_->submit(std::span(&rays, 1), request));
+}
+
+RayBatch RayTracer::receive(Ticket ticket, Picoseconds deadline) {
   const auto lock = state_->begin();
   state_->need_batches();
   return state_->batches.receive(ticket, deadline);
 }
 
-BatchReport Board::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
+BatchReport RayTracer::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
   const auto lock = state_->begin();
   state_->need_batches();
   return state_->batches.receive(ticket, rays, deadline);
 }
 
-std::vector<RayBatch> Board::poll() {
+std::vector<RayBatch> RayTracer::poll() {
   const auto lock = state_->begin();
   state_->need_batches();
   return state_->batches.poll();
 }
 
-bool Board::cancel(Ticket ticket) {
+bool RayTracer::cancel(Ticket ticket) {
   const auto lock = state_->begin();
   state_->need_batches();
   return state_->batches.cancel(ticket);
 }
 
-int Board::descriptor(Ticket ticket) {
+int RayTracer::descriptor(Ticket ticket) {
   const auto lock = state_->begin();
   state_->need_batches();
   return state_->batches.descriptor(ticket).release();
-}
-
-std::future<RayBatch> Board::future(Ticket ticket) {
-  {
-    const auto lock = state_->begin();
-    state_->batches.check(ticket);
-  }
-  return std::async(std::launch::deferred, [weak = std::weak_ptr(state_), ticket] {
-    const auto state = weak.lock();
-    if (!state) throw DeviceLost("the board is lost: the application has closed it", Loss::kClosed);
-    const auto lock = state->begin();
-    state->need_batches();
-    return state->batches.receive(ticket, kNoDeadline);
-  });
 }
 
 void Board::set_time_limit(Picoseconds limit) {

@@ -34,6 +34,12 @@ void check_values(const VoxelBox& box, std::span<const float> values, double min
   }
 }
 
+void check_room(const VoxelBox& box, std::span<float> values, std::size_t of_voxel = 1) {
+  const std::size_t needed = of_voxel * count(box);
+  expect(values.size() == needed, "values", fmt::format("room for {}, {} a voxel of the box", needed, of_voxel),
+         values.size());
+}
+
 // The box with `more` voxels on every side, inside the volume.
 VoxelBox grown(const VoxelBox& box, int more, Dims dims) {
   VoxelBox out;
@@ -106,10 +112,8 @@ class Words {
   }
 
   // What value(word) makes of each.
-  std::vector<float> values(const VoxelBox& box, const auto& value) {
-    std::vector<float> out(count(box));
+  void values(const VoxelBox& box, std::span<float> out, const auto& value) {
     read(box, [&](std::size_t index, std::uint64_t word) { out[index] = static_cast<float>(value(word)); });
-    return out;
   }
 
   // Of 32 bits: words of voxels outside of the box stay as they are.
@@ -177,16 +181,35 @@ VoxelBox whole_blocks(const VoxelBox& box, int above, int n, Dims dims) {
 
 }  // namespace
 
-std::vector<float> Board::read_volume(const VoxelBox& box) {
+std::vector<float> VolumeStore::read(const VoxelBox& box) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("read_volume()");
-  check(box, volume.dims);
-  const double unit = (volume.range.high - volume.range.low) / wire::kDensityMax;
-  Words words(state_->device, wire::kVolume, volume, state_->info.block_voxels, state_->bricks.get());
-  return words.values(box, [&](std::uint64_t word) { return volume.range.low + wire::to_voxel(word).density * unit; });
+  return state_->values_of(box, "read_volume()", 1, &BoardState::read_volume);
 }
 
-void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
+void VolumeStore::read(const VoxelBox& box, std::span<float> values) {
+  const auto lock = state_->begin();
+  state_->read_volume(box, values);
+}
+
+// As much room as the box of the volume needs, filled by `read`.
+std::vector<float> BoardState::values_of(const VoxelBox& box, const char* what, std::size_t of_voxel,
+                                         void (BoardState::*read)(const VoxelBox&, std::span<float>)) {
+  check(box, loaded(what).dims);
+  std::vector<float> values(of_voxel * count(box));
+  (this->*read)(box, values);
+  return values;
+}
+
+void BoardState::read_volume(const VoxelBox& box, std::span<float> values) {
+  const LoadedVolume& of = loaded("read_volume()");
+  check(box, of.dims);
+  check_room(box, values);
+  const double unit = (of.range.high - of.range.low) / wire::kDensityMax;
+  Words words(device, wire::kVolume, of, info.block_voxels, bricks.get());
+  words.values(box, values, [&](std::uint64_t word) { return of.range.low + wire::to_voxel(word).density * unit; });
+}
+
+void VolumeStore::write(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
   LoadedVolume& volume = state_->whole("write_volume()");
   check(box, volume.dims);
@@ -236,7 +259,7 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
   state_->check_fence();
 }
 
-void Board::State::clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit) {
+void BoardState::clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit) {
   expect(std::isfinite(unit) && unit > 0, "unit", "a finite number above 0", unit);
   const bool irradiance = bits == wire::kControlClearIrradiance;
   irradiance ? loaded(what) : whole(what);
@@ -245,43 +268,52 @@ void Board::State::clear_words(const char* what, std::uint32_t bits, double unit
   kept_unit = unit;
 }
 
-void Board::clear_irradiance(double unit) {
+void Illuminator::clear(double unit) {
   const auto lock = state_->begin();
   state_->clear_words("clear_irradiance()", wire::kControlClearIrradiance, unit, state_->irradiance_unit);
 }
 
-void Board::clear_sums(double unit) {
+void Illuminator::clear_sums(double unit) {
   const auto lock = state_->begin();
   state_->clear_words("clear_sums()", wire::kControlClearSums, unit, state_->sum_unit);
 }
 
-std::vector<float> Board::read_irradiance() {
+std::vector<float> Illuminator::read() {
   const auto lock = state_->begin();
-  return state_->read_irradiance({{0, 0, 0}, state_->loaded("read_irradiance()").dims});
+  return state_->irradiance_of({{0, 0, 0}, state_->loaded("read_irradiance()").dims});
 }
 
-std::vector<float> Board::read_irradiance(const VoxelBox& box) {
+std::vector<float> Illuminator::read(const VoxelBox& box) {
   const auto lock = state_->begin();
-  return state_->read_irradiance(box);
+  return state_->irradiance_of(box);
 }
 
-std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
+std::vector<float> BoardState::irradiance_of(const VoxelBox& box) {
+  const auto words = static_cast<std::size_t>(info.irradiance_words);
+  return values_of(box, "read_irradiance()", words, &BoardState::read_irradiance);
+}
+
+void Illuminator::read(const VoxelBox& box, std::span<float> values) {
+  const auto lock = state_->begin();
+  state_->read_irradiance(box, values);
+}
+
+void BoardState::read_irradiance(const VoxelBox& box, std::span<float> out) {
   const LoadedVolume& of = loaded("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
   if (info.irradiance_words > 1) whole("read_irradiance()");  // the host holds one word of blocks that are not there
   check(box, of.dims);
   const auto count_of_words = static_cast<std::size_t>(info.irradiance_words);
-  std::vector<float> out(count_of_words * count(box));
+  check_room(box, out, count_of_words);
   for (std::size_t colour = 0; colour < count_of_words; ++colour) {
     Words words(device, wire::irradiance_region(colour), of, info.block_voxels, bricks.get());
     words.read(box, [&](std::size_t index, std::uint64_t word) {
       out[index * count_of_words + colour] = static_cast<float>(static_cast<double>(word) * irradiance_unit);
     });
   }
-  return out;
 }
 
-void Board::write_irradiance(const VoxelBox& box, std::span<const float> values) {
+void Illuminator::write(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
   const LoadedVolume& volume = state_->loaded("write_irradiance()");
   const double unit = state_->irradiance_unit;
@@ -302,16 +334,26 @@ void Board::write_irradiance(const VoxelBox& box, std::span<const float> values)
   state_->check_fence();
 }
 
-std::vector<float> Board::read_sums(const VoxelBox& box) {
+std::vector<float> Illuminator::read_sums(const VoxelBox& box) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->whole("read_sums()");
-  if (state_->sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
-  check(box, volume.dims);
-  Words words(state_->device, wire::kSums, volume, state_->info.block_voxels);
-  return words.values(box, [&](std::uint64_t word) {
+  return state_->values_of(box, "read_sums()", 1, &BoardState::read_sums);
+}
+
+void Illuminator::read_sums(const VoxelBox& box, std::span<float> values) {
+  const auto lock = state_->begin();
+  state_->read_sums(box, values);
+}
+
+void BoardState::read_sums(const VoxelBox& box, std::span<float> values) {
+  const LoadedVolume& of = whole("read_sums()");
+  if (sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
+  check(box, of.dims);
+  check_room(box, values);
+  Words words(device, wire::kSums, of, info.block_voxels);
+  words.values(box, values, [&](std::uint64_t word) {
     constexpr int kUnused = 64 - wire::kVoxelBits;
     const std::int64_t sum = static_cast<std::int64_t>(word << kUnused) >> kUnused;
-    return static_cast<double>(sum) * state_->sum_unit;
+    return static_cast<double>(sum) * sum_unit;
   });
 }
 

@@ -44,7 +44,7 @@ void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
 }  // namespace
 
 // Of a unit of power on a unit of area.
-double Board::State::exposure_of(const View& view) const {
+double BoardState::exposure_of(const View& view) const {
   constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
   if (view.exposure > 0) return view.exposure;
   if (!view.irradiance) return 1;
@@ -52,13 +52,13 @@ double Board::State::exposure_of(const View& view) const {
 }
 
 // Brightness of a unit of irradiance, 16.16. On the wide datapath the pipeline drops the words' low 16 bits first.
-std::uint32_t Board::State::exposure_word(const View& view) const {
+std::uint32_t BoardState::exposure_word(const View& view) const {
   const double unit = irradiance_unit * (info.wide ? 65536.0 : 1.0);
   const double word = exposure_of(view) * unit * 65536;
   return static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
 }
 
-void Board::State::check_drift(const char* field, double step) const {
+void BoardState::check_drift(const char* field, double step) const {
   if (info.wide) return;
   const Vec3 way{volume->dims[0] - 1.0, volume->dims[1] - 1.0, volume->dims[2] - 1.0};
   if (wire::max_drift(length(way), static_cast<std::uint32_t>(std::lround(step * wire::kStepOne))) <= 1) return;
@@ -71,7 +71,7 @@ void Board::State::check_drift(const char* field, double step) const {
       number_text(step));
 }
 
-void Board::State::set_sampling(const View& view) {
+void BoardState::set_sampling(const View& view) {
   device.set_register(reg::kStep, step_word(view));
   device.set_register(reg::kOpacityThreshold,
                       static_cast<std::uint32_t>(std::lround(view.opacity_threshold * wire::kOpacityOne)));
@@ -91,8 +91,8 @@ void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kCutPlanes, planes);
 }
 
-Board::State::BrickRun Board::State::picture_run(const View& view, const wire::RenderCommand& camera,
-                                                 Picoseconds deadline) {
+BoardState::BrickRun BoardState::picture_run(const View& view, const wire::RenderCommand& camera,
+                                             Picoseconds deadline) {
   BrickRun run;
   run.deadline = deadline;
   if (view.irradiance) run.needs.light = LightUse::kSeen;
@@ -105,13 +105,13 @@ Board::State::BrickRun Board::State::picture_run(const View& view, const wire::R
   return run;
 }
 
-void Board::render_to_framebuffer(const View& view, const Progress& progress) {
+void Renderer::render_to_framebuffer(const View& view, const Progress& progress) {
   const auto lock = state_->begin();
   state_->render(view, {}, progress);
 }
 
-void Board::State::render(const View& view, const PicturePart& picture, const Progress& progress,
-                          const std::function<void()>& tables_there) {
+void BoardState::render(const View& view, const PicturePart& picture, const Progress& progress,
+                        const std::function<void()>& tables_there) {
   check(view);
   const LoadedVolume& of = loaded("rendering");
   if (view.irradiance && irradiance_unit <= 0) {
@@ -165,7 +165,6 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   const bool has_rows = shared || wire::rows_of(camera) > 0;
   if (has_rows) result = device.run(payload, told, last);
   sampling = view;
-  sampling_towards_eye = eye;
   framebuffer_size = {};  // no picture until all rays have come to their ends
   if (!has_rows) return;
   if (bricks) {
@@ -177,13 +176,24 @@ void Board::State::render(const View& view, const PicturePart& picture, const Pr
   if (told) told(parts, parts);
 }
 
-Image Board::read_framebuffer() {
+Image Renderer::read_framebuffer() {
   const auto lock = state_->begin();
   return state_->shared ? state_->gather_picture() : state_->read_picture();
 }
 
+void Renderer::read_framebuffer(std::span<Pixel> pixels) {
+  const auto lock = state_->begin();
+  const auto [width, height] = state_->framebuffer_size;
+  const auto count =
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(state_->shared ? state_->sampling.height : height);
+  if (width > 0) expect(pixels.size() == count, "pixels", fmt::format("{}, as the picture has", count), pixels.size());
+  if (!state_->shared) return state_->read_picture(pixels);
+  const Image image = state_->gather_picture();
+  std::ranges::copy(image.pixels, pixels.begin());
+}
+
 // Of a job of several ranks: of all rows.
-Image Board::State::gather_picture() {
+Image BoardState::gather_picture() {
   if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
   const int width = sampling.width, height = sampling.height;
   const std::uint16_t rows = strip_rows(sampling, shared->ranks(), false);
@@ -213,29 +223,37 @@ Image Board::State::gather_picture() {
   return join_rows(width, height, rows, parts);
 }
 
-Image Board::State::read_picture() {
+Image BoardState::read_picture() {
   const auto [width, height] = framebuffer_size;
-  if (width == 0) throw Rejected("read_framebuffer() needs a picture: render first");
-  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  const std::size_t bytes = wire::packed36_bytes(count);
+  Image image{width, height, {}};
+  image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  read_picture(image.pixels);
+  return image;
+}
+
+void BoardState::read_picture(std::span<Pixel> left) {
+  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
+  const std::size_t bytes = wire::packed36_bytes(left.size());
   const std::size_t max_bytes = device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
-  Image image{width, height, std::vector<Pixel>(count)};
-  std::span<Pixel> left = image.pixels;
   for (std::size_t at = 0; at < bytes; at += max_bytes) {
     const auto part = device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
     const std::size_t pixels = std::min(left.size(), max_bytes / 9 * 2);
     take_pixels(part, left.first(pixels));
     left = left.subspan(pixels);
   }
-  return image;
 }
 
-Image Board::render(const View& view, const Progress& progress) {
+Image Renderer::render(const View& view, const Progress& progress) {
   render_to_framebuffer(view, progress);
   return read_framebuffer();
 }
 
-void Board::set_material(const Material& material, int tag) {
+Pending<Image> Renderer::start(const View& view) {
+  return state_->start<Image>(
+      [state = state_, view](const Progress& progress) { return Renderer(*state).render(view, progress); });
+}
+
+void LookUpTables::set_material(const Material& material, int tag) {
   const auto lock = state_->begin();
   check(material);
   expect_within("tag", tag, 0, wire::kTags - 1);
@@ -246,7 +264,7 @@ void Board::set_material(const Material& material, int tag) {
   if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on the scattering
 }
 
-void Board::State::set_lighting(const Illumination& settings) {
+void BoardState::set_lighting(const Illumination& settings) {
   device.set_register(reg::kStep, static_cast<std::uint32_t>(std::lround(settings.step * wire::kStepOne)));
   device.set_register(reg::kPipeline,
                       (settings.jitter ? wire::kPipelineJitter : 0u) | (settings.leap ? wire::kPipelineLeap : 0u));
@@ -256,7 +274,7 @@ void Board::State::set_lighting(const Illumination& settings) {
 }
 
 // The board has the block in which the light stands: it says whether that is solid.
-void Board::State::prepare_light(const Light& light) {
+void BoardState::prepare_light(const Light& light) {
   const BrickNeeds needs{.light = LightUse::kLeft};
   const auto command = light_command(light, {}, 1);
   std::size_t block = 0, stride = 1;
@@ -280,8 +298,15 @@ void Board::State::prepare_light(const Light& light) {
   check_fence();
 }
 
-LightingReport Board::illuminate(std::span<const Light> lights, const Illumination& settings,
-                                 const Progress& progress) {
+Pending<LightingReport> Illuminator::start(std::span<const Light> lights, const Illumination& settings) {
+  return state_->start<LightingReport>(
+      [state = state_, all = std::vector<Light>(lights.begin(), lights.end()), settings](const Progress& progress) {
+        return Illuminator(*state).illuminate(all, settings, progress);
+      });
+}
+
+LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illumination& settings,
+                                       const Progress& progress) {
   const auto lock = state_->begin();
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], fmt::format("lights[{}]", i));
   check(settings, lights.size(), state_->info.irradiance_words);
@@ -307,7 +332,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   double flux = 0;
   std::vector<std::uint8_t> in_solid(lights.size());
   wire::LightingLedger sum;
-  Board::State::BrickRun run{
+  BoardState::BrickRun run{
       .needs = {.light = LightUse::kLeft},
       .take_ledger = [&sum](const auto& each) { wire::add(each, sum); },
       .deadline = deadline,

@@ -34,11 +34,12 @@ std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
 
 }  // namespace
 
-Device::Device(const Uri& uri, const OpenOptions& options)
+Device::Device(const Uri& uri, const OpenOptions& options, std::function<void()> while_waiting)
     : uri_(uri), capture_file_(options.capture.empty() ? uri.capture : options.capture) {
   link_options_.watchdog = options.watchdog;
   link_options_.reopen_attempts = options.reopen_attempts;
-  link_options_.while_waiting = options.while_waiting;
+  link_options_.while_waiting = std::move(while_waiting);
+  link_options_.log = options.log;
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {

@@ -47,8 +47,8 @@ class HostClock {
 
 class Device {
  public:
-  // Connects, or starts a private board. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
-  Device(const Uri& uri, const OpenOptions& options);
+  // Connects, or starts a private board. What `while_waiting` throws leaves the call that waits. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
+  Device(const Uri& uri, const OpenOptions& options, std::function<void()> while_waiting);
 
   // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a board
   // that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.

@@ -88,13 +88,13 @@ bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
 
 }  // namespace
 
-void Board::set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray) {
+void LookUpTables::set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray) {
   const auto lock = state_->begin();
   state_->scattering_routine = std::move(routine);
   state_->time_per_scattering = time_per_ray;
 }
 
-void Board::State::need_routine(bool lighting) const {
+void BoardState::need_routine(bool lighting) const {
   if (scattering_routine) return;
   const auto& materials = tables.materials();
   for (std::size_t tag = 0; tag < materials.size(); ++tag) {
@@ -106,7 +106,7 @@ void Board::State::need_routine(bool lighting) const {
   }
 }
 
-void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger) {
+void BoardState::scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger) {
   TrapList list;
   if (!decode_trap_list(trap_list, list)) device.give_up("a list of trapped rays of wrong size");
   if (list.rays.empty() && list.waiting == 0) return;

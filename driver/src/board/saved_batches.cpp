@@ -24,7 +24,6 @@ void Batches::state(Archive& archive, Batch& batch) const {
   archive("energy_unit", batch.energy_unit);
   state_of(archive, "sampling", batch.sampling);
   archive("towards_eye", batch.towards_eye);
-  archive.list("lines", batch.lines);
   std::vector<std::uint32_t> commands;
   for (const Part& part : batch.parts) commands.push_back(part.command);
   archive.list("parts", commands);
@@ -32,7 +31,7 @@ void Batches::state(Archive& archive, Batch& batch) const {
     batch.parts.assign(commands.size(), {});
     batch.worked_out.reset();
   }
-  std::size_t rays = 0, legs = 0;
+  std::size_t rays = 0;
   for (std::size_t i = 0; i < commands.size(); ++i) {
     Part& part = batch.parts[i];
     part.command = commands[i];
@@ -50,12 +49,7 @@ void Batches::state(Archive& archive, Batch& batch) const {
       rays += part.rays;
     });
   }
-  for (const std::size_t each : batch.lines) {
-    archive.expect(each <= batch.rays - legs, "lines", "no more legs than rays", each);
-    legs += each;
-  }
   archive.expect(rays == batch.rays, "rays", "those of its parts", batch.rays);
-  archive.expect(batch.lines.empty() || legs == rays, "lines", "as many legs as rays", legs);
 }
 
 }  // namespace gicube

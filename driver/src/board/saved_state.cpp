@@ -61,7 +61,7 @@ void Remembered::state(Archive& archive, bool kept) {
   within("info.block_voxels", info.block_voxels, 2, 1024);
   within("info.max_volume_voxels", info.max_volume_voxels, info.block_voxels, 1024);
   archive.field("units", [this](Archive::Record& record) {
-    record(time_limit, batches_wait, irradiance_unit, sum_unit, bright_flux, sampling_towards_eye, framebuffer_size);
+    record(time_limit, batches_wait, irradiance_unit, sum_unit, bright_flux, framebuffer_size);
   });
   within("framebuffer_size", framebuffer_size.first, 0, 4095);
   within("framebuffer_size", framebuffer_size.second, 0, 4095);
@@ -121,7 +121,7 @@ void Remembered::state(Archive& archive, bool kept) {
   });
 }
 
-void Board::State::save(const std::function<void(Bytes)>& sink) {
+void BoardState::save(const std::function<void(Bytes)>& sink) {
   need_all_blocks("save()");
   const std::uint32_t last_id = device.last_id();
   device.begin_checkpoint();
@@ -133,7 +133,7 @@ void Board::State::save(const std::function<void(Bytes)>& sink) {
   device.set_last_id(last_id);
 }
 
-void Board::State::remember(Bytes part, const wire::WentOn& now) {
+void BoardState::remember(Bytes part, const wire::WentOn& now) {
   FieldReader reader(part);
   Device::Remembered remembered;
   state_of_all(reader, remembered, tables, batches, *this, keep_volume);
@@ -163,7 +163,7 @@ void try_to_remember(Bytes part, Device& device, bool kept) {
 
 }  // namespace
 
-void Board::State::go_on(Bytes checkpoint) {
+void BoardState::go_on(Bytes checkpoint) {
   Bytes part;
   try {
     part = driver_part(checkpoint);
@@ -174,7 +174,7 @@ void Board::State::go_on(Bytes checkpoint) {
   remember(part, device.go_on(checkpoint));
 }
 
-void Board::State::go_on() {
+void BoardState::go_on() {
   try {
     const wire::WentOn now = device.go_on({});
     const std::vector<std::uint8_t> part = device.read_driver_part(now.driver_bytes);

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <thread>
@@ -17,6 +16,7 @@
 #include "bricks/bricks.h"
 #include "bricks/ray_queue.h"
 #include "bricks/shared_blocks.h"
+#include "calls/started_calls.h"
 #include "device.h"
 #include "encode/volume/planes.h"
 #include "encode/volume/voxel_blocks.h"
@@ -58,43 +58,61 @@ struct Remembered {
   double sum_unit = 0;                                             // of the sums; 0 before the first clear_sums()
   double bright_flux = 0;                                          // power a voxel that full brightness is chosen for
   View sampling;                                                   // the last view rendered
-  Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
-  std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
+  std::pair<int, int> framebuffer_size{};                          // pixels; 0 before the first rendering
 
   // Throws CheckpointFault. `kept`: the volume's blocks are wanted for reopen().
   void state(Archive& archive, bool kept);
 };
 
-struct GICUBE_HIDDEN Board::State : Remembered {
-  State(const Uri& uri, const OpenOptions& options)
+struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<BoardState> {
+  BoardState(const Uri& uri, const OpenOptions& options)
       : keep_volume(options.keep_volume),
         max_waiting_rays(options.max_waiting_rays),
         ray_queue(options.max_waiting_rays),
         threads(uri.threads),
-        device(uri, options),
+        device(uri, options,
+               [this, application = options.while_waiting] {
+                 started.check();
+                 if (application && !started.is_here()) application();
+               }),
         tables(device),
         batches(device, options) {}
-  ~State() { device.close(); }
+  ~BoardState() { end(); }
+
+  // Ends the session. All calls that wait throw DeviceLost.
+  void end() {
+    device.close();
+    started.end();
+  }
 
   // Throws Rejected while the batches wait for a volume.
   void need_batches() const {
     if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
   }
+  bool is_in_callback() const { return in_callback.load() == std::this_thread::get_id(); }
   // Not from a callback of a call that runs.
-  std::unique_lock<std::mutex> lock() {
-    if (in_callback.load() != std::this_thread::get_id()) return std::unique_lock(mutex);
-    throw Error("a callback may ask its Board for now() and info() only");
+  Turns::Turn lock() {
+    if (is_in_callback()) throw Error("a callback may ask its Board for now() and info() only");
+    if (started.is_here()) return {};
+    return turns.take();
   }
   // Every public call but now(), info() and reopen() is one transaction. Throws DeviceLost.
-  std::unique_lock<std::mutex> begin() {
+  Turns::Turn begin() {
     auto held = lock();
     device.check();
     return held;
   }
+  // Has `work(progress)`, a call of this Board, made on another thread, in its place in the order of calls.
+  template <class T>
+  Pending<T> start(std::function<T(const Progress&)> work) {
+    if (is_in_callback()) throw Error("a callback may ask its Board for now() and info() only");
+    return Pending<T>(started.start<T>(turns, std::move(work), [this] { return device.clock().now(); }));
+  }
+  Pending<RayBatch> handle_of(Ticket ticket);
   // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
   class InCallback {
    public:
-    explicit InCallback(State& state) : who_(state.in_callback) { who_ = std::this_thread::get_id(); }
+    explicit InCallback(BoardState& state) : who_(state.in_callback) { who_ = std::this_thread::get_id(); }
     ~InCallback() { who_ = std::thread::id(); }
     InCallback(const InCallback&) = delete;
     InCallback& operator=(const InCallback&) = delete;
@@ -181,7 +199,8 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   // `tables_there`: called when its tables are on the board; the simulated host waits for them then.
   void render(const View& view, const PicturePart& part, const Progress& progress,
               const std::function<void()>& tables_there = {});
-  Image read_picture();  // as many rows as were made
+  Image read_picture();                        // as many rows as were made
+  void read_picture(std::span<Pixel> pixels);  // of so many
   Image gather_picture();
   // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
   std::vector<std::uint8_t> levels_of(const View& view) const;
@@ -221,7 +240,13 @@ struct GICUBE_HIDDEN Board::State : Remembered {
     if (packed.size() > words) colour_sums[block] = wire::crc32c(packed.subspan(words));
     write_packed_block(device, block, n, packed);
   }
-  std::vector<float> read_irradiance(const VoxelBox& box);
+  // Boxes of words in the application's units (board_regions.cpp).
+  void read_volume(const VoxelBox& box, std::span<float> values);
+  void read_irradiance(const VoxelBox& box, std::span<float> values);
+  void read_sums(const VoxelBox& box, std::span<float> values);
+  std::vector<float> irradiance_of(const VoxelBox& box);
+  std::vector<float> values_of(const VoxelBox& box, const char* what, std::size_t of_voxel,
+                               void (BoardState::*read)(const VoxelBox&, std::span<float>));
   // Has the board clear words of `bits` of CONTROL; their unit is `unit` from now on.
   void clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit);
   void check_fence();
@@ -236,7 +261,7 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   void set_sampling(const View& view);
   // `numbers`: by which errors name each span's first ray; empty: those of one list of all rays.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
-                std::vector<std::size_t> lines, std::span<const std::size_t> numbers = {});
+                std::span<const std::size_t> numbers = {});
   void send_batches_again() {
     batches.send_again([this](const View& view, Vec3 towards_eye) {
       set_sampling(view);
@@ -265,7 +290,8 @@ struct GICUBE_HIDDEN Board::State : Remembered {
   const std::size_t max_waiting_rays;  // on the card, and as many with the host
   RayQueue ray_queue;
   const unsigned threads;  // for the driver's own work, 0 = one a core
-  std::mutex mutex;
+  Turns turns;             // of the calls
+  StartedCalls started;
   std::atomic<std::thread::id> in_callback{};
   Device device;
   Tables tables;

@@ -61,7 +61,7 @@ std::string hidden_by_tables(const LoadedVolume& volume, const Tables& tables) {
 
 }  // namespace
 
-std::string Board::State::why_invisible() const {
+std::string BoardState::why_invisible() const {
   if (!volume) return "there is no volume";
   if (std::string reason = hidden_by_tables(*volume, tables); !reason.empty()) return reason;
   const View& view = sampling;
@@ -91,7 +91,7 @@ std::string Board::State::why_invisible() const {
                                                             : "what is visible is smaller than a pixel");
 }
 
-std::string Board::why_invisible(const Image& image) const {
+std::string Renderer::why_invisible(const Image& image) const {
   if (image.pixels.empty() || std::ranges::any_of(image.pixels, can_be_seen)) return {};
   const auto lock = state_->lock();
   return "nothing is visible in the picture: " + state_->why_invisible();

@@ -43,6 +43,7 @@ gicube_status status_of(const Error& error) {
     gicube_status status;
   };
   static constexpr Entry kStatuses[] = {{is<Stopped>, GICUBE_STOPPED},
+                                        {is<Cancelled>, GICUBE_STOPPED},
                                         {is<OpenFailed>, GICUBE_OPEN_FAILED},
                                         {is<BoardBusy>, GICUBE_BOARD_BUSY},
                                         {is<VersionMismatch>, GICUBE_VERSION_MISMATCH},

@@ -28,7 +28,9 @@ struct GICUBE_HIDDEN gicube_board {
   std::vector<std::uint32_t> announce;  // of those, in their order, the ones to tell gicube_poll()'s caller
   std::vector<std::string> warnings;    // of the last illumination
   std::pair<int, int> framebuffer{};    // width and height
-  std::string why_invisible;            // of the last picture read; empty: something is visible
+  gicube::Sampling sampling{};          // of the last view rendered
+  std::map<std::uint32_t, std::vector<std::size_t>> legs;  // of the lines of a batch, by its ticket
+  std::string why_invisible;                               // of the last picture read; empty: something is visible
 };
 
 namespace gicube::c_api {
@@ -113,6 +115,7 @@ inline void put(Vec3 from, double (&xyz)[3]) {
 }
 
 gicube_lighting_report to_c(const LightingReport& report);
+View to_view(const gicube_view* given, const std::string& name);
 
 // Records begin with their size, since a caller may have been compiled with an older or a newer version of them. Which of their
 // fields is which one of the C++ API is named once, for both ways.
@@ -127,6 +130,8 @@ template <>
 inline constexpr std::size_t kFirstSize<gicube_open_options> = offsetof(gicube_open_options, go_on);
 template <>
 inline constexpr std::size_t kFirstSize<gicube_board_info> = offsetof(gicube_board_info, irradiance_words);
+template <>
+inline constexpr std::size_t kFirstSize<gicube_ray_request> = offsetof(gicube_ray_request, sampled_as);
 template <>
 inline constexpr std::size_t kFirstSize<gicube_view> = offsetof(gicube_view, lamps);
 template <>

@@ -75,14 +75,16 @@ using WordsOf = std::size_t (*)(const Board&);
 std::size_t one_word(const Board&) { return 1; }
 std::size_t irradiance_words(const Board& board) { return static_cast<std::size_t>(board.info().irradiance_words); }
 
+void read_volume(Board& of, const VoxelBox& box, std::span<float> values) { of.volume().read(box, values); }
+void read_irradiance(Board& of, const VoxelBox& box, std::span<float> values) { of.light().read(box, values); }
+void read_sums(Board& of, const VoxelBox& box, std::span<float> values) { of.light().read_sums(box, values); }
+
 gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
-                       std::vector<float> (Board::*read)(const VoxelBox&), WordsOf words = one_word) {
+                       void (*read)(Board&, const VoxelBox&, std::span<float>), WordsOf words = one_word) {
   return on_board(board, [&](gicube_board& handle) {
     const VoxelBox voxels = to_box(box);
     check_count("count", count, words(handle.board) * voxels_of(voxels));
-    checked("values", values);
-    const std::vector<float> found = (handle.board.*read)(voxels);
-    std::copy(found.begin(), found.end(), values);
+    read(handle.board, voxels, {&checked("values", values), count});
   });
 }
 
@@ -107,23 +109,6 @@ Light to_light(const gicube_light& light, const std::string& name) {
   }
 }
 
-View to_view(const gicube_view* given) {
-  gicube_view record;
-  View view = read_fields<View>("view", given, record);
-  expect(record.cut_plane_count <= 6, "view.cut_plane_count", "at most 6", record.cut_plane_count);
-  const auto* planes = checked("view.cut_planes", record.cut_planes, record.cut_plane_count);
-  for (const auto& [normal, offset] : std::span(planes, record.cut_plane_count)) {
-    view.cut_planes.push_back({to_vec3(normal), offset});
-  }
-  expect(record.lamp_count <= kMaxLamps, "view.lamp_count", "at most 32", record.lamp_count);
-  const auto* lamps = checked("view.lamps", record.lamps, record.lamp_count);
-  for (std::size_t i = 0; i < record.lamp_count; ++i) {
-    const auto& [red, green, blue] = lamps[i].colour;
-    view.lamps.push_back({to_light(lamps[i].light, "view.lamps[" + std::to_string(i) + "].light"), {red, green, blue}});
-  }
-  return view;
-}
-
 // The picture that there is now; what another thread renders meanwhile is its own affair.
 std::size_t pixels_of(std::pair<int, int> size) {
   return static_cast<std::size_t>(size.first) * static_cast<std::size_t>(size.second);
@@ -133,6 +118,7 @@ void render(gicube_board& handle, const View& view, const Progress& progress) {
   handle.board.render_to_framebuffer(view, progress);
   const std::scoped_lock lock(handle.mutex);
   handle.framebuffer = {view.width, view.height};
+  handle.sampling = gicube::sampling_of(view);
 }
 
 void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
@@ -145,6 +131,24 @@ void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
 }
 
 }  // namespace
+
+View to_view(const gicube_view* given, const std::string& name) {
+  gicube_view record;
+  View view = read_fields<View>(name.c_str(), given, record);
+  expect(record.cut_plane_count <= 6, name + ".cut_plane_count", "at most 6", record.cut_plane_count);
+  const auto* planes = checked(name + ".cut_planes", record.cut_planes, record.cut_plane_count);
+  for (const auto& [normal, offset] : std::span(planes, record.cut_plane_count)) {
+    view.cut_planes.push_back({to_vec3(normal), offset});
+  }
+  expect(record.lamp_count <= kMaxLamps, name + ".lamp_count", "at most 32", record.lamp_count);
+  const auto* lamps = checked(name + ".lamps", record.lamps, record.lamp_count);
+  for (std::size_t i = 0; i < record.lamp_count; ++i) {
+    const auto& [red, green, blue] = lamps[i].colour;
+    view.lamps.push_back(
+        {to_light(lamps[i].light, name + ".lamps[" + std::to_string(i) + "].light"), {red, green, blue}});
+  }
+  return view;
+}
 
 gicube_lighting_report to_c(const LightingReport& report) {
   gicube_lighting_report record{.size = sizeof(gicube_lighting_report),
@@ -203,7 +207,7 @@ gicube_status gicube_value_range(gicube_board* board, double* low, double* high)
 }
 
 gicube_status gicube_read_volume(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  return read_box(board, box, values, count, &gicube::Board::read_volume);
+  return read_box(board, box, values, count, read_volume);
 }
 
 gicube_status gicube_write_volume(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
@@ -328,7 +332,7 @@ const char* gicube_lighting_warning(gicube_board* board, uint32_t index) {
 }
 
 gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  if (box != nullptr) return read_box(board, box, values, count, &gicube::Board::read_irradiance, irradiance_words);
+  if (box != nullptr) return read_box(board, box, values, count, read_irradiance, irradiance_words);
   return on_board(board, [&](gicube_board& handle) {
     checked("values", values);
     const std::vector<float> read = handle.board.read_irradiance();
@@ -350,12 +354,13 @@ gicube_status gicube_clear_sums(gicube_board* board, double unit) {
 }
 
 gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  return read_box(board, box, values, count, &gicube::Board::read_sums);
+  return read_box(board, box, values, count, read_sums);
 }
 
 gicube_status gicube_render_to_framebuffer(gicube_board* board, const gicube_view* view, gicube_progress progress,
                                            void* user) {
-  return on_board(board, [&](gicube_board& handle) { render(handle, to_view(view), to_progress(progress, user)); });
+  return on_board(board,
+                  [&](gicube_board& handle) { render(handle, to_view(view, "view"), to_progress(progress, user)); });
 }
 
 gicube_status gicube_get_framebuffer_size(gicube_board* board, int32_t* width, int32_t* height) {
@@ -384,7 +389,7 @@ gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pixel* pixels,
 gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube_pixel* pixels, size_t count,
                             gicube_progress progress, void* user) {
   return on_board(board, [&](gicube_board& handle) {
-    const gicube::View picture = to_view(view);
+    const gicube::View picture = to_view(view, "view");
     checked("pixels", pixels);
     if (picture.width > 0 && picture.height > 0) {  // else the driver names what is wrong with them
       check_count("count", count, pixels_of({picture.width, picture.height}));

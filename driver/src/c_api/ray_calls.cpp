@@ -57,6 +57,22 @@ void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_
   write_record("report", out, record);
 }
 
+// Turns what each leg of a batch of lines gathered into what was gathered up to its end.
+void add_up_legs(gicube_board& handle, std::uint32_t ticket, std::span<gicube_traced_ray> rays) {
+  const std::scoped_lock lock(handle.mutex);
+  const auto found = handle.legs.find(ticket);
+  if (found == handle.legs.end()) return;
+  for (const std::size_t legs : found->second) {
+    for (std::size_t i = 1; i < std::min(legs, rays.size()); ++i) {
+      const double seen = 1 - rays[i - 1].opacity;
+      for (std::size_t c = 0; c < 3; ++c) rays[i].colour[c] = rays[i - 1].colour[c] + seen * rays[i].colour[c];
+      rays[i].opacity = rays[i - 1].opacity + seen * rays[i].opacity;
+    }
+    rays = rays.subspan(std::min(legs, rays.size()));
+  }
+  handle.legs.erase(found);
+}
+
 // Of a batch that gicube_poll() has told of. False if it has not.
 bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_ray* rays, std::size_t count,
                      gicube_batch_report* report) {
@@ -83,6 +99,19 @@ Element to_element(const gicube_element& element, std::size_t index) {
 ElementPair to_pair(const gicube_element_pair& pair, std::size_t index) {
   expect(pair.reserved == 0, fmt::format("pairs[{}].reserved", index), "0", pair.reserved);
   return {pair.a, pair.b, pair.id};
+}
+
+RayRequest to_request(gicube_board& handle, const gicube_ray_request* given) {
+  gicube_ray_request record{};
+  RayRequest request;
+  if (given != nullptr) request = read_fields<RayRequest>("request", given, record);
+  if (record.sampled_as != nullptr) {
+    request.sampling = sampling_of(to_view(record.sampled_as, "request.sampled_as"));
+  } else {
+    const std::scoped_lock lock(handle.mutex);
+    request.sampling = handle.sampling;
+  }
+  return request;
 }
 
 }  // namespace
@@ -124,7 +153,7 @@ gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, si
     checked("ticket", ticket) = 0;
     gicube_board& handle = checked_board(board);
     checked("rays", rays, count);
-    *ticket = handle.board.submit(to_rays(rays, count), read_optional<gicube::RayRequest>("request", request)).id;
+    *ticket = handle.board.submit(to_rays(rays, count), to_request(handle, request)).id;
   });
 }
 
@@ -139,7 +168,7 @@ gicube_status gicube_submit_gather(gicube_board* board, const gicube_ray_span* s
       checked("spans[" + std::to_string(i) + "].rays", spans[i].rays, spans[i].count);
       parts.push_back(to_rays(spans[i].rays, spans[i].count));
     }
-    *ticket = handle.board.submit(parts, read_optional<gicube::RayRequest>("request", request)).id;
+    *ticket = handle.board.submit(parts, to_request(handle, request)).id;
   });
 }
 
@@ -149,13 +178,22 @@ gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline
     checked("ticket", ticket) = 0;
     gicube_board& handle = checked_board(board);
     checked("lines", lines, count);
-    std::vector<gicube::Polyline> all;
+    std::vector<gicube::HostRay> rays;
+    std::vector<std::size_t> legs;
     for (std::size_t i = 0; i < count; ++i) {
-      const auto* points = reinterpret_cast<const gicube::Vec3*>(lines[i].points);
-      checked("lines[" + std::to_string(i) + "].points", points, lines[i].point_count);
-      all.push_back({lines[i].id, {points, lines[i].point_count}});
+      const std::string name = "lines[" + std::to_string(i) + "].points";
+      const auto* points = checked(name, reinterpret_cast<const gicube::Vec3*>(lines[i].points), lines[i].point_count);
+      gicube::expect(lines[i].point_count >= 2, name, "at least 2", lines[i].point_count);
+      legs.push_back(lines[i].point_count - 1);
+      for (std::size_t p = 1; p < lines[i].point_count; ++p) {
+        rays.push_back(gicube::ray_between(lines[i].id, points[p - 1], points[p]));
+      }
     }
-    *ticket = handle.board.submit(std::span<const gicube::Polyline>(all)).id;
+    gicube::RayRequest request = to_request(handle, nullptr);
+    request.type = gicube::RayType::kSegment;
+    *ticket = handle.board.submit(rays, request).id;
+    const std::scoped_lock lock(handle.mutex);
+    handle.legs[*ticket] = std::move(legs);
   });
 }
 
@@ -164,10 +202,12 @@ gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t dead
   return on_board(board, [&](gicube_board& handle) {
     checked("rays", rays, count);
     check_optional("report", report);
-    if (receive_arrived(handle, ticket, rays, count, report)) return;
-    const gicube::BatchReport batch =
-        handle.board.receive({ticket}, {reinterpret_cast<gicube::TracedRay*>(rays), count}, deadline_ps);
-    write_report(report, batch, comes_back(batch) ? count : 0);
+    if (!receive_arrived(handle, ticket, rays, count, report)) {
+      const gicube::BatchReport batch =
+          handle.board.receive({ticket}, {reinterpret_cast<gicube::TracedRay*>(rays), count}, deadline_ps);
+      write_report(report, batch, comes_back(batch) ? count : 0);
+    }
+    add_up_legs(handle, ticket, {rays, count});
   });
 }
 

@@ -28,11 +28,11 @@ void check_point(const std::string& field, Vec3 p) {
   expect_within(field + ".z", p.z, -kFarthest, kFarthest);
 }
 
-void check_cut_planes(const std::vector<CutPlane>& planes) {
+void check_cut_planes(const std::string& name, const std::vector<CutPlane>& planes) {
   const std::size_t max_planes = wire::kMaxCutPlanes;
-  expect(planes.size() <= max_planes, "cut_planes", fmt::format("at most {}", max_planes), planes.size());
+  expect(planes.size() <= max_planes, name, fmt::format("at most {}", max_planes), planes.size());
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const std::string field = fmt::format("cut_planes[{}]", i);
+    const std::string field = fmt::format("{}[{}]", name, i);
     expect_finite(field + ".normal", planes[i].normal);
     expect(planes[i].normal != Vec3{}, field + ".normal", "any length but 0", 0);
     expect_finite(field + ".offset", planes[i].offset);
@@ -55,6 +55,14 @@ void check_lamps(const std::vector<Lamp>& lamps) {
       expect_within(field + ".colour", part, 0, std::numeric_limits<double>::max());
     }
   }
+}
+
+// What a Sampling has too. `where`: before the fields' names.
+void check_sampling(const std::string& where, const auto& sampling) {
+  expect_within(where + "opacity_threshold", sampling.opacity_threshold, 0, 1);
+  check_cut_planes(where + "cut_planes", sampling.cut_planes);
+  expect_within(where + "exposure", sampling.exposure, 0, std::numeric_limits<double>::max());
+  expect_within(where + "lifetime", sampling.lifetime, 0, wire::kLifetimeMax);
 }
 
 // Three axes at right angles in physical space.
@@ -92,11 +100,52 @@ void check(const View& view) {
   const bool is_filter = view.filter == PixelFilter::kBox || view.filter == PixelFilter::kTent;
   expect(is_filter, "filter", "kBox or kTent", view.filter);
   expect_within("step", view.step, kShortestStep, kLongestStep);
-  expect_within("opacity_threshold", view.opacity_threshold, 0, 1);
-  check_cut_planes(view.cut_planes);
   check_lamps(view.lamps);
-  expect_within("exposure", view.exposure, 0, std::numeric_limits<double>::max());
-  expect_within("lifetime", view.lifetime, 0, wire::kLifetimeMax);
+  check_sampling("", view);
+}
+
+void check(const Sampling& sampling) {
+  const std::string where = "request.sampling.";
+  check_point(where + "looking", sampling.looking);
+  expect(sampling.looking != Vec3{}, where + "looking", "any length but 0", 0);
+  check_sampling(where, sampling);
+}
+
+Sampling sampling_of(const View& view) {
+  Sampling sampling{.jitter = view.jitter,
+          .cut_planes = view.cut_planes,
+          .seed = view.seed,
+          .opacity_threshold = view.opacity_threshold,
+          .shade = view.shade,
+          .irradiance = view.irradiance,
+          .incident = view.incident,
+          .exposure = view.exposure,
+          .scatter = view.scatter,
+          .high_albedo = view.high_albedo,
+          .lifetime = view.lifetime};
+  if (view.look_at != view.eye) sampling.looking = view.look_at - view.eye;
+  return sampling;
+}
+
+View view_of(const RayRequest& request) {
+  const Sampling& from = request.sampling;
+  View view;
+  view.look_at = from.looking;
+  if (std::abs(unit(from.looking).y) > 0.9) view.up = {0, 0, 1};  // it must not lie along the line of sight
+  view.step = request.step;
+  view.leap = request.leap;
+  view.jitter = from.jitter;
+  view.cut_planes = from.cut_planes;
+  view.seed = from.seed;
+  view.opacity_threshold = from.opacity_threshold;
+  view.shade = from.shade;
+  view.irradiance = from.irradiance;
+  view.incident = from.incident;
+  view.exposure = from.exposure;
+  view.scatter = from.scatter;
+  view.high_albedo = from.high_albedo;
+  view.lifetime = from.lifetime;
+  return view;
 }
 
 wire::RenderCommand viewing_command(const View& view, Vec3 relative_spacing) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "gicube/ray.h"
 #include "gicube/vector.h"
 #include "gicube/view.h"
 #include "gicube/wire/command.h"
@@ -12,6 +13,11 @@ namespace gicube {
 
 // Throws BadArgument naming the field of the view that no picture can be taken with.
 void check(const View& view);
+// The same of what a batch of rays is sampled by.
+void check(const Sampling& sampling);
+
+// A view from the origin whose own rays would be sampled as those of the request.
+View view_of(const RayRequest& request);
 
 // The camera in voxel coordinates. Its geometry (square pixels, the angle of view, right angles) is that of physical
 // space: voxel position p is there relative_spacing * p, component by component (voxel edges over the smallest).

@@ -147,13 +147,6 @@ void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
                 std::ldexp(setup.energy_unit, -kEnergyFractionBits), max_energy(setup) * setup.energy_unit);
 }
 
-void check(const Polyline& line, std::size_t index, Dims dims) {
-  expect(line.points.size() >= 2, fmt::format("lines[{}].points", index), "at least 2", line.points.size());
-  for (std::size_t i = 0; i < line.points.size(); ++i) {
-    check_position(line.points[i], "lines", index, fmt::format("points[{}]", i).c_str(), dims);
-  }
-}
-
 std::uint32_t opacity_word(double opacity) {
   return std::max(1u, static_cast<std::uint32_t>(std::lround(opacity * wire::kOpacityOne)));
 }
@@ -222,14 +215,6 @@ TracedRay from_wire(const wire::Ray& ray) {
   for (std::size_t c = 0; c < 3; ++c) traced.colour[c] = ray.colour[c] / double{wire::kColourOne};
   traced.opacity = ray.opacity / double{wire::kOpacityOne};
   return traced;
-}
-
-void add_up(std::span<TracedRay> legs) {
-  for (std::size_t i = 1; i < legs.size(); ++i) {
-    const double seen = 1 - legs[i - 1].opacity;
-    for (std::size_t c = 0; c < 3; ++c) legs[i].colour[c] = legs[i - 1].colour[c] + seen * legs[i].colour[c];
-    legs[i].opacity = legs[i - 1].opacity + seen * legs[i].opacity;
-  }
 }
 
 }  // namespace gicube

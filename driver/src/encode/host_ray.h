@@ -33,7 +33,6 @@ std::uint32_t step_word(const View& view);
 // Throw BadArgument naming the field: "rays[7].position.x: expected 0..31, got 32.5".
 void check(const RayRequest& request);
 void check(const HostRay& ray, std::size_t index, const RaySetup& setup);
-void check(const Polyline& line, std::size_t index, Dims dims);
 
 // 24 bits, not 0; of one that passed its check.
 std::uint32_t opacity_word(double opacity);
@@ -52,8 +51,5 @@ std::uint64_t max_moved(const wire::Ray& packet, const RaySetup& setup);
 TracedRay from_wire(const wire::Ray& ray);
 // The same of kIntegral, by its integral_unit().
 TracedRay integral_from_wire(const wire::Ray& ray, double unit);
-
-// Turns what each leg of a line gathered into what was gathered up to its end.
-void add_up(std::span<TracedRay> legs);
 
 }  // namespace gicube

@@ -14,9 +14,16 @@
 
 namespace gicube {
 
+inline int checked_event(int fd) {
+  if (fd < 0) throw Error(std::string("no descriptor for an event: ") + std::strerror(errno));
+  return fd;
+}
+
+inline Fd duplicate(const Fd& of) { return Fd(checked_event(::fcntl(of.get(), F_DUPFD_CLOEXEC, 0))); }
+
 class Event {
  public:
-  Event() : fd_(checked(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))) {}
+  Event() : fd_(checked_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))) {}
   // Nobody can say any more that it happens: who waits must not do so for ever.
   ~Event() { happen(); }
   Event(const Event&) = delete;
@@ -30,14 +37,9 @@ class Event {
   }
 
   // Readable from when it happens on. The caller's to close; it outlives the event.
-  Fd descriptor() const { return Fd(checked(::fcntl(fd_.get(), F_DUPFD_CLOEXEC, 0))); }
+  Fd descriptor() const { return duplicate(fd_); }
 
  private:
-  static int checked(int fd) {
-    if (fd < 0) throw Error(std::string("no descriptor for an event: ") + std::strerror(errno));
-    return fd;
-  }
-
   Fd fd_;
 };
 

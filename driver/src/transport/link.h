@@ -43,6 +43,8 @@ struct LinkOptions {
   std::function<void()> while_waiting{};
   // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called as often.
   std::chrono::milliseconds probe{100};  // chosen: ten frames a second
+  // Told of what no call reports, on the thread of a call. Must not throw.
+  std::function<void(const std::string&)> log{};
   FrameTap tap{};
 };
 

@@ -118,6 +118,8 @@ StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
 
 // Resumes the session, as often as it may be tried. Other callers wait meanwhile.
 void Link::recover(Lock& lock) {
+  const std::string reason = broken_.text;
+  const bool was_broken = phase_ == Phase::kBroken;
   while (phase_ == Phase::kBroken && can_recover()) {
     const int before = attempts_++;
     const auto pause =
@@ -142,6 +144,10 @@ void Link::recover(Lock& lock) {
       changed_.notify_all();
     }
   }
+  if (!was_broken || phase_ != Phase::kOpen || !options_.log) return;
+  lock.unlock();
+  options_.log(fmt::format("the connection to the board was lost ({}); the session goes on", reason));
+  lock.lock();
 }
 
 }  // namespace gicube

@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t kBatch = 1 << 16;  // chosen: segments of one submit()
 constexpr std::size_t kUnderWay = 4;     // chosen: batches; the board works on while the host makes the next
-constexpr double kLongestStep = 16;      // of the picture of one pixel that tells the board where the eye is
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
@@ -96,20 +95,6 @@ Premultiplied shaded(const Stage& stage, const Crossing& crossing) {
   return look;
 }
 
-// A view of one pixel tells the board which way the eye is.
-void aim(Board& board, const Stage& stage, const StageMedium& medium) {
-  const Vec3 edge = medium.setup.volume.spacing;
-  board.set_shading({stage.phong, times(edge, medium.to_voxels.vector(stage.light))});
-  View view;
-  view.eye = medium.to_voxels.point(stage.view.eye);
-  view.look_at = medium.to_voxels.point(stage.view.look_at);
-  view.up = medium.to_voxels.vector(stage.view.up);
-  view.width = view.height = 1;
-  view.step = kLongestStep;
-  view.shade = medium.setup.view.shade;
-  board.render_to_framebuffer(view);
-}
-
 // Calls each(x, y) for the points of the image through which rays go, pixel by pixel.
 template <typename Each>
 void each_sample(const View& view, const Each& each) {
@@ -129,8 +114,13 @@ struct Result {
 // Sends rays in batches and keeps what comes back, in their order.
 class Tracer {
  public:
-  Tracer(Board& board, const View& view)
-      : board_(board), request_{.type = RayType::kSegment, .opacity = view.opacity_threshold, .step = view.step} {}
+  Tracer(Board& board, const View& view, const StageMedium& medium)
+      : board_(board),
+        request_{.type = RayType::kSegment,
+                 .opacity = view.opacity_threshold,
+                 .step = view.step,
+                 .sampling = {.shade = medium.setup.view.shade,
+                              .looking = medium.to_voxels.vector(view.look_at - view.eye)}} {}
 
   void add(const PlannedSegment& segment, const Dims& dims) {
     rays_.push_back(
@@ -171,9 +161,9 @@ std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, M
   check_renders(medium.setup.volume.dims, board.info(), medium.setup.volume.source);
   const Picoseconds begin = board.now();
   load(board, medium.setup, false);
-  aim(board, stage, medium);
+  board.set_shading({stage.phong, times(medium.setup.volume.spacing, medium.to_voxels.vector(stage.light))});
   const Picoseconds loaded = board.now();
-  Tracer tracer(board, stage.view);
+  Tracer tracer(board, stage.view, medium);
   RayPlan plan;
   each_sample(stage.view, [&](double x, double y) {
     plan_ray(stage, eye_ray(stage.view, x, y), plan);

@@ -37,14 +37,6 @@ std::vector<std::byte> ball(int edge, double radius) {
 void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) {
   board.load_volume({.samples = voxels, .type = gicube::SampleType::kUint8, .dims = {edge, edge, edge}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{128, 0}, {128, 1}}});
-  // Rays take jitter and cut planes from the last view.
-  gicube::View view;
-  view.eye = {edge / 2.0, edge / 2.0, -1.0};
-  view.look_at = {edge / 2.0, edge / 2.0, 0};
-  view.width = view.height = 1;
-  view.step = 0.25;
-  view.shade = false;
-  board.render_to_framebuffer(view);
 }
 
 DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,

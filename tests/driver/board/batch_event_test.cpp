@@ -1,4 +1,4 @@
-// Batches that an event loop waits for, and their futures: what happens with several, without a board, and after the end.
+// Batches that an event loop waits for, and their handles: what happens with several, without a board, and after the end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -138,13 +138,11 @@ TEST(Descriptor, IsReadableWhenTheBoardIsLostAndTheResultSaysSo) {
   const auto sent = rays(100);
   const Ticket first = board.submit(sent), second = board.submit(sent);
   const Fd of_first(board.descriptor(first)), of_second(board.descriptor(second));
-  auto result = board.future(second);
   EXPECT_FALSE(readable(of_first));
   ::kill(id, SIGKILL);
   wait_for(of_second);
   wait_for(of_first);
   EXPECT_THROW(board.receive(first), DeviceLost);
-  EXPECT_THROW(result.get(), DeviceLost);
   EXPECT_THROW(board.descriptor(first), DeviceLost);
 }
 
@@ -192,54 +190,74 @@ TEST(Descriptor, IsReadableOnceTheBoardIsClosed) {
 TEST(Descriptor, OfAnUnknownTicketIsRefused) {
   Board board = loaded_board();
   EXPECT_THROW(board.descriptor({77}), BadArgument);
-  EXPECT_THROW(board.future({77}), BadArgument);
 }
 
-TEST(Future, GivesTheBatchThatReceiveWould) {
+TEST(PendingBatch, IsTheBatchThatReceiveWouldGive) {
   Board board = loaded_board(), plain = loaded_board();
   const auto sent = rays(5000);
-  auto first = board.future(board.submit(sent)), second = board.future(board.submit(sent));
+  auto first = board.rays().start(sent), second = board.rays().start(sent);
   const Ticket a = plain.submit(sent), b = plain.submit(sent);
-  EXPECT_EQ(second.wait_for(std::chrono::seconds(0)), std::future_status::deferred);
+  EXPECT_TRUE(second.wait(std::chrono::hours(1)));
+  EXPECT_EQ(board.now(), plain.now()) << "waiting takes no simulated time";
   const RayBatch batch = second.get();
   const RayBatch expected = plain.receive(b);
   EXPECT_EQ(batch.rays, expected.rays);
   EXPECT_EQ(batch.completed, expected.completed);
   EXPECT_EQ(board.now(), plain.now());
   EXPECT_EQ(first.get().completed, plain.receive(a).completed);
+  EXPECT_THROW(first.get(), BadArgument);
 }
 
-TEST(Future, OfABatchThatWasReceivedSaysSo) {
+TEST(PendingBatch, HasASimulatedDeadlineAndComesAfterIt) {
   Board board = loaded_board();
-  const Ticket ticket = board.submit(rays(10));
-  auto result = board.future(ticket);
-  board.receive(ticket);
-  EXPECT_THROW(result.get(), BadArgument);
+  auto batch = board.rays().start(rays(5000));
+  EXPECT_THROW(batch.get(board.now() + 1), DeadlinePassed);
+  EXPECT_EQ(batch.get().rays.size(), 5000u);
 }
 
-TEST(Future, OutlivesItsBoardAndSaysSo) {
-  std::future<RayBatch> result;
+TEST(PendingBatch, IsNotReadyBeforeTheBoardHasDoneTheWork) {
+  auto [board, id] = stopped_board();
+  auto batch = board.rays().start(rays(5000));
+  EXPECT_FALSE(batch.ready());
+  EXPECT_FALSE(batch.wait(std::chrono::milliseconds(20)));
+  const Fd descriptor(batch.descriptor());
+  EXPECT_FALSE(readable(descriptor));
+  ::kill(id, SIGCONT);
+  wait_for(descriptor);
+  EXPECT_TRUE(batch.ready());
+}
+
+TEST(PendingBatch, ComesBackCancelled) {
+  Board board = loaded_board();
+  auto first = board.rays().start(rays(30'000)), second = board.rays().start(rays(5000));
+  EXPECT_TRUE(second.cancel());
+  EXPECT_TRUE(second.get().cancelled);
+  EXPECT_FALSE(first.get().cancelled);
+}
+
+TEST(PendingBatch, OutlivesItsBoardAndSaysSo) {
+  std::optional<Pending<RayBatch>> batch;
   {
     Board board = loaded_board();
-    result = board.future(board.submit(rays(10)));
+    batch = board.rays().start(rays(10));
   }
   try {
-    result.get();
+    batch->get();
     ADD_FAILURE() << "a board that is closed has answered";
   } catch (const DeviceLost& error) {
     EXPECT_EQ(error.cause(), Loss::kClosed);
   }
 }
 
-TEST(Future, ThatWaitsThrowsWhenItsBoardIsClosedOrReplaced) {
+TEST(PendingBatch, ThatIsWaitedForThrowsWhenItsBoardIsClosedOrReplaced) {
   for (const bool replaced : {false, true}) {
     BoardProcess process = stopped_board();
     auto board = std::make_unique<Board>(std::move(process.board));
-    auto result = board->future(board->submit(rays(5000)));
+    auto batch = board->rays().start(rays(5000));
     std::promise<void> begins;
     std::thread waits([&] {
       begins.set_value();
-      EXPECT_THROW(result.get(), DeviceLost);
+      EXPECT_THROW(batch.get(), DeviceLost);
     });
     begins.get_future().wait();
     if (replaced) {

@@ -110,18 +110,6 @@ TEST_F(HostRaysOfACard, GoThroughManyCommandsOfABatchTogether) {
   EXPECT_EQ(boards_.small.receive(boards_.small.submit(rays, request)).rays, expected.rays);
 }
 
-TEST_F(HostRaysOfACard, AreLegsOfPolylines) {
-  Scene of(18, dims_);
-  std::vector<std::vector<Vec3>> points(20);
-  std::vector<Polyline> lines;
-  for (auto& each : points) {
-    for (int i = 0; i < 4; ++i) each.push_back(of.point());
-    lines.push_back({.id = 7, .points = each});
-  }
-  const RayBatch expected = boards_.large.receive(boards_.large.submit(lines));
-  EXPECT_EQ(boards_.small.receive(boards_.small.submit(lines)).rays, expected.rays);
-}
-
 TEST_F(HostRaysOfACard, AreThoseOfPairs) {
   Scene of(19, dims_);
   std::vector<Element> elements;

@@ -126,20 +126,6 @@ TEST_P(RayTypes, ASegmentWithColourHasTheColourOfAnIntegratedRay) {
   EXPECT_GT(segment.colour[0], 0.3);
 }
 
-TEST_P(RayTypes, APolylineAddsItsLegsUp) {
-  const std::vector<Vec3> points{{16, 16, 9}, {16, 16, 13}, {12, 16, 13}, {12, 12, 13}};
-  const RayBatch batch =
-      board_.receive(board_.submit(std::array{Polyline{5, points}, Polyline{6, std::span(points).first(2)}}));
-  ASSERT_EQ(batch.rays.size(), 4u);
-  EXPECT_EQ(batch.rays[2].id, 5u);
-  EXPECT_EQ(batch.rays[3].id, 6u);
-  for (int leg = 0; leg < 3; ++leg) {
-    EXPECT_NEAR(batch.rays[static_cast<std::size_t>(leg)].opacity, 1 - std::pow(0.9, 4 * (leg + 1)), 2e-4);
-  }
-  EXPECT_NEAR(batch.rays[3].opacity, batch.rays[0].opacity, 1e-9);
-  EXPECT_NEAR(batch.rays[1].position.x, 12, 0.01);
-}
-
 TEST_P(RayTypes, DepositedEnergyIsInTheIrradianceAndInTheReport) {
   board_.clear_irradiance(0.5);
   std::vector<HostRay> rays;
@@ -180,18 +166,6 @@ TEST_P(RayTypes, ABadRequestIsNamed) {
               ThrowsMessage<BadArgument>(HasSubstr("request.opacity: expected more than 0, at most 1, got 0")));
   EXPECT_THAT([&] { trace(ray, {.type = RayType::kOpacity}); },
               ThrowsMessage<BadArgument>(HasSubstr("rays[0].length: expected 0..4096, got 5000")));
-  const Vec3 point{1, 1, 1};
-  EXPECT_THAT(
-      [&] {
-        board_.submit(std::array{Polyline{0, std::span(&point, 1)}});
-      },
-      ThrowsMessage<BadArgument>(HasSubstr("lines[0].points: expected at least 2, got 1")));
-  const std::array<Vec3, 2> out{point, Vec3{1, 40, 1}};
-  EXPECT_THAT(
-      [&] {
-        board_.submit(std::array{Polyline{0, out}});
-      },
-      ThrowsMessage<BadArgument>(HasSubstr("lines[0].points[1].y: expected 0..31, got 40")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, RayTypes, testing::Values("functional", "cycle"),

@@ -65,7 +65,6 @@ TEST(CArgumentsWithoutABoard, AreRefusedAndWriteNothing) {
   EXPECT_REFUSED(gicube_render(nullptr, nullptr, nullptr, 0, nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_submit(nullptr, nullptr, 0, nullptr, nullptr), "ticket");
   EXPECT_REFUSED(gicube_submit_gather(nullptr, nullptr, 0, nullptr, nullptr), "ticket");
-  EXPECT_REFUSED(gicube_submit_polylines(nullptr, nullptr, 0, nullptr), "ticket");
   EXPECT_REFUSED(gicube_receive(nullptr, 1, 0, nullptr, 0, nullptr), "board");
   EXPECT_REFUSED(gicube_poll(nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_cancel(nullptr, 1, nullptr), "cancelled");
@@ -206,13 +205,18 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   EXPECT_REFUSED(gicube_submit(board_, reinterpret_cast<gicube_host_ray*>(8), SIZE_MAX, nullptr, &ticket), "rays");
   const gicube_ray_span span{nullptr, 3};
   EXPECT_REFUSED(gicube_submit_gather(board_, &span, 1, nullptr, &ticket), "spans[0].rays");
-  const gicube_polyline line{1, 0, nullptr, 2};
-  EXPECT_REFUSED(gicube_submit_polylines(board_, &line, 1, &ticket), "lines[0].points");
   gicube_ray_request request;
   ASSERT_EQ(gicube_ray_request_init(&request, sizeof request), GICUBE_OK);
   request.type = 7;
   const gicube_host_ray ray{};
   EXPECT_REFUSED(gicube_submit(board_, &ray, 1, &request, &ticket), "request.type");
+  request.type = GICUBE_RAY_OPACITY;
+  gicube_view sampled;
+  ASSERT_EQ(gicube_view_init(&sampled, sizeof sampled), GICUBE_OK);
+  sampled.cut_plane_count = 7;
+  request.sampled_as = &sampled;
+  EXPECT_REFUSED(gicube_submit(board_, &ray, 1, &request, &ticket), "request.sampled_as.cut_plane_count");
+  request.sampled_as = nullptr;
 }
 
 TEST_F(CArguments, WhatNeedsAVolumeIsRejectedWithoutOne) {

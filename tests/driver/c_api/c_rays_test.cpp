@@ -126,7 +126,7 @@ TEST_F(CApi, ProjectsAndBackprojects) {
   EXPECT_EQ(gicube_read_sums(board_, &all, sums.data(), 5), GICUBE_BAD_ARGUMENT);
 }
 
-TEST_F(CApi, GathersRaysAndPolylines) {
+TEST_F(CApi, GathersRaysOfSeveralPlaces) {
   load();
   const auto given = rays(31);
   const gicube_ray_span spans[] = {{given.data(), 10}, {nullptr, 0}, {given.data() + 10, 21}};
@@ -135,14 +135,62 @@ TEST_F(CApi, GathersRaysAndPolylines) {
   std::vector<gicube_traced_ray> traced(31);
   ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 31, nullptr), GICUBE_OK);
   for (std::size_t i = 0; i < 31; ++i) EXPECT_EQ(traced[i].id, 1000 + i);
+}
 
-  const double points[] = {12, 12, 0, 12, 12, 16, 12, 12, 31};
-  const gicube_polyline line{7, 0, points, 3};
-  ASSERT_EQ(gicube_submit_polylines(board_, &line, 1, &ticket), GICUBE_OK) << gicube_last_error();
-  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 2, nullptr), GICUBE_OK)
-      << gicube_last_error();
-  EXPECT_GT(traced[1].opacity, traced[0].opacity);
-  EXPECT_GT(traced[0].opacity, 0);
+TEST_F(CApi, AddsTheLegsOfLinesUp) {
+  load();
+  for (const bool polled : {false, true}) {
+    const double points[] = {12, 12, 0, 12, 12, 16, 12, 12, 31};
+    const gicube_polyline lines[] = {{7, 0, points, 3}, {8, 0, points, 2}};
+    std::uint32_t ticket = 0;
+    ASSERT_EQ(gicube_submit_polylines(board_, lines, 2, &ticket), GICUBE_OK) << gicube_last_error();
+    gicube_batch_report report = made(gicube_batch_report_init);
+    ASSERT_EQ(gicube_host_compute(board_, 1'000'000'000'000), GICUBE_OK);
+    if (polled) {
+      ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+    }
+    std::vector<gicube_traced_ray> traced(3), segment(1);
+    ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 3, nullptr), GICUBE_OK)
+        << gicube_last_error();
+    gicube_host_ray second{};
+    ASSERT_EQ(gicube_ray_between(7, points + 3, points + 6, &second), GICUBE_OK);
+    gicube_ray_request request = made(gicube_ray_request_init);
+    request.type = GICUBE_RAY_SEGMENT;
+    ASSERT_EQ(gicube_submit(board_, &second, 1, &request, &ticket), GICUBE_OK);
+    ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, segment.data(), 1, nullptr), GICUBE_OK);
+    EXPECT_EQ(traced[1].opacity, traced[0].opacity + (1 - traced[0].opacity) * segment[0].opacity);
+    EXPECT_GT(traced[0].opacity, 0);
+    EXPECT_EQ(traced[2].opacity, traced[0].opacity);
+    EXPECT_EQ(traced[2].id, 8u);
+  }
+}
+
+TEST_F(CApi, SamplesRaysAsTheRequestSaysOrElseAsTheLastView) {
+  load();
+  const gicube_host_ray ray{1, 0, {16, 16, 0}, {0, 0, 1}, 0, 0};
+  gicube_ray_request request = made(gicube_ray_request_init);
+  const auto opacity = [&] {
+    std::uint32_t ticket = 0;
+    gicube_traced_ray traced{};
+    EXPECT_EQ(gicube_submit(board_, &ray, 1, &request, &ticket), GICUBE_OK) << gicube_last_error();
+    EXPECT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, &traced, 1, nullptr), GICUBE_OK);
+    return traced.opacity;
+  };
+  const double whole = opacity();
+  gicube_view cut = made(gicube_view_init), plain = cut;
+  const gicube_cut_plane plane{{0, 0, 1}, 16};
+  cut.cut_planes = &plane;
+  cut.cut_plane_count = 1;
+  request.sampled_as = &cut;
+  const double part = opacity();
+  EXPECT_LT(part, whole);
+  request.sampled_as = nullptr;
+  EXPECT_EQ(opacity(), whole);
+  cut.eye[2] = -60;
+  ASSERT_EQ(gicube_render_to_framebuffer(board_, &cut, nullptr, nullptr), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(opacity(), part);
+  request.sampled_as = &plain;
+  EXPECT_EQ(opacity(), whole);
 }
 
 TEST(CRay, GoesFromOnePointToAnother) {

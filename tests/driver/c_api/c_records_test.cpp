@@ -21,7 +21,7 @@ namespace {
 
 auto fields(OpenOptions& options) {
   // Those between: pointers of the record's, see to_options(), and what a C host has no use for, since nothing can be thrown through C.
-  auto& [a, b, waiting_rays, c, d, e, f, g, capture, token, ca, go_on, while_waiting] = options;
+  auto& [a, b, waiting_rays, c, d, e, f, g, capture, token, ca, go_on, while_waiting, log] = options;
   return std::tie(a, b, waiting_rays, c, d, e, f, g, go_on);
 }
 auto fields(VolumeView& volume) {
@@ -47,7 +47,7 @@ auto fields(View& view) {
   return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u);
 }
 auto fields(RayRequest& request) {
-  auto& [a, b, c, d, e, f, g, h] = request;
+  auto& [a, b, c, d, e, f, g, h, sampling] = request;  // sampling: see to_request()
   return std::tie(a, b, c, d, e, f, g, h);
 }
 auto fields(PairRequest& request) {

@@ -1,4 +1,5 @@
 #include "encode/host_ray.h"
+#include "encode/camera.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -204,22 +205,6 @@ TEST(HostRay, AHeaderHasWhatItsTypeNeeds) {
   EXPECT_EQ(header.words, wire::SumWords::kIrradiance);
 }
 
-TEST(HostRay, LegsOfALineAreCompositedFrontToBack) {
-  std::vector<TracedRay> legs(3);
-  legs[0].colour = {0.2, 0, 0};
-  legs[0].opacity = 0.5;
-  legs[1].colour = {0, 0.4, 0};
-  legs[1].opacity = 0.8;
-  legs[2].colour = {0, 0, 1};
-  legs[2].opacity = 1;
-  add_up(legs);
-  EXPECT_DOUBLE_EQ(legs[1].colour[0], 0.2);
-  EXPECT_DOUBLE_EQ(legs[1].colour[1], 0.2);
-  EXPECT_DOUBLE_EQ(legs[1].opacity, 0.9);
-  EXPECT_NEAR(legs[2].colour[2], 0.1, 1e-15);
-  EXPECT_DOUBLE_EQ(legs[2].opacity, 1);
-}
-
 TEST(HostRay, OfEqualPointsHasNoLengthAndRunsAlongZ) {
   const HostRay none = ray_between(4, {1, 2, 3}, {1, 2, 3}), way = ray_between(5, {1, 2, 3}, {1, 5, 7});
   EXPECT_EQ(none.length, 0);
@@ -303,14 +288,38 @@ TEST(HostRayCheck, KeepsLengthAndEnergyWithinTheirWords) {
   EXPECT_EQ(refused(sums, 3, -1).substr(0, 15), "rays[2].energy:");
 }
 
-TEST(PolylineCheck, NamesLineAndPoint) {
-  const std::vector<Vec3> one{{1, 1, 1}}, two{{1, 1, 1}, {2, 2, 2}}, outside{{1, 1, 1}, {2, 2, 32}};
-  const auto refused = [](const std::vector<Vec3>& points) {
-    return refusal([&] { check(Polyline{1, points}, 4, {32, 32, 32}); });
-  };
-  EXPECT_EQ(refused(two), "accepted");
-  EXPECT_EQ(refused(one), "lines[4].points: expected at least 2, got 1");
-  EXPECT_EQ(refused(outside), "lines[4].points[1].z: expected 0..31, got 32");
+TEST(SamplingCheck, NamesTheField) {
+  const auto refused = [](const Sampling& sampling) { return refusal([&] { check(sampling); }); };
+  EXPECT_EQ(refused({}), "accepted");
+  EXPECT_EQ(refused({.looking = {}}), "request.sampling.looking: expected any length but 0, got 0");
+  EXPECT_EQ(refused({.opacity_threshold = 1.5}), "request.sampling.opacity_threshold: expected 0..1, got 1.5");
+  EXPECT_EQ(refused({.lifetime = 1024}), "request.sampling.lifetime: expected 0..1023, got 1024");
+  EXPECT_EQ(refused({.cut_planes = {{}}}), "request.sampling.cut_planes[0].normal: expected any length but 0, got 0");
+  EXPECT_EQ(refused({.cut_planes = std::vector<CutPlane>(7, {{1, 0, 0}, 0})}),
+            "request.sampling.cut_planes: expected at most 6, got 7");
+}
+
+TEST(Sampling, OfAViewIsThatOfItsRays) {
+  View view;
+  view.eye = {3, 4, -100}, view.look_at = {16, 16, 16};
+  view.step = 0.25, view.jitter = true, view.leap = false, view.seed = 9, view.lifetime = 3;
+  view.cut_planes = {{{0, 0, 1}, 5}};
+  view.opacity_threshold = 0.5, view.exposure = 2, view.shade = false;
+  view.irradiance = view.incident = view.scatter = view.high_albedo = true;
+  const View made = view_of({.step = 0.25, .leap = false, .sampling = sampling_of(view)});
+  EXPECT_EQ(made.jitter, view.jitter);
+  EXPECT_EQ(made.seed, view.seed);
+  EXPECT_EQ(made.lifetime, view.lifetime);
+  EXPECT_EQ(made.opacity_threshold, view.opacity_threshold);
+  EXPECT_EQ(made.exposure, view.exposure);
+  EXPECT_EQ(made.step, view.step);
+  EXPECT_EQ(made.leap, view.leap);
+  EXPECT_FALSE(made.shade);
+  EXPECT_TRUE(made.irradiance && made.incident && made.scatter && made.high_albedo);
+  ASSERT_EQ(made.cut_planes.size(), 1u);
+  EXPECT_EQ(made.cut_planes[0].offset, 5);
+  EXPECT_EQ(towards_eye(made, {1, 2, 3}), towards_eye(view, {1, 2, 3}));
+  EXPECT_NO_THROW(check(made));
 }
 
 TEST(HostRayCheck, NamesRayAndField) {

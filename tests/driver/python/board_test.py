@@ -181,25 +181,53 @@ def test_batches_are_polled_cancelled_and_awaited(loaded):
         loaded.receive(first)
 
 
-def test_a_future_receives_when_it_is_asked_and_outlives_its_board(loaded):
-    rays = gicube.rays(np.full((50, 3), 16.0), (0, 0, 1))
-    before = loaded.now
-    future = loaded.future(loaded.submit(rays))
-    assert len(future.result().rays) == 50 and loaded.now > before
-    with pytest.raises(gicube.BadArgument, match="ticket"):
-        future.result()
+def test_calls_that_were_started_end_as_those_that_wait(loaded):
+    with gicube.open() as plain:
+        plain.load_volume(ball())
+        plain.set_transfer_function(LOOK)
+        picture = loaded.start_render(view_of_ball())
+        assert picture.wait() and picture.ready
+        done, every = picture.progress
+        assert done == every
+        expected = plain.render(view_of_ball())
+        assert np.array_equal(picture.result().pixels, expected.pixels)
+        with pytest.raises(gicube.BadArgument, match="pending"):
+            picture.result()
+        rays = gicube.rays(np.full((50, 3), 16.0), (0, 0, 1))
+        before = loaded.now
+        batch = loaded.start_rays(rays)
+        assert loaded.now == before
+        assert np.array_equal(batch.result().rays, plain.receive(plain.submit(rays)).rays) and loaded.now > before
+        light = loaded.start_illuminate([gicube.DirectionalLight((0, 0, -1), 1.0)])
+        assert light.result().emitted == plain.illuminate([gicube.DirectionalLight((0, 0, -1), 1.0)]).emitted
+        volume = ball()
+        assert loaded.start_load(volume).result() is None
+        assert loaded.dims == (32, 32, 32)
 
     async def awaited():
-        return await loaded.future(loaded.submit(rays))
+        return await asyncio.gather(*(wrapped(loaded.start_rays(rays)) for _ in range(3)))
 
-    assert len(asyncio.run(awaited()).rays) == 50
-    with gicube.open() as other:
-        other.load_volume(ball())
-        left = other.future(other.submit(rays))
-    for _ in range(2):  # closed, then collected
-        with pytest.raises(gicube.DeviceLost):
-            left.result()
-        other = None
+    async def wrapped(pending):
+        return await pending
+
+    assert [len(each.rays) for each in asyncio.run(awaited())] == [50] * 3
+    other = gicube.open()
+    other.load_volume(ball())
+    left = other.start_rays(rays)
+    other.close()
+    with pytest.raises(gicube.DeviceLost):
+        left.result()
+
+
+def test_rays_are_sampled_as_their_request_says(loaded):
+    rays = gicube.rays(np.array([[16.0, 16.0, 0.0]]), (0, 0, 1))
+    view = view_of_ball()
+    view.cut_planes = [gicube.CutPlane((0, 0, 1), 30)]  # the ball ends before it
+    whole = loaded.receive(loaded.submit(rays)).rays
+    loaded.render(view)
+    assert np.array_equal(loaded.receive(loaded.submit(rays)).rays, whole)
+    cut = loaded.receive(loaded.submit(rays, sampling=gicube.Sampling.of(view))).rays
+    assert cut["opacity"][0] < whole["opacity"][0]
 
 
 def test_deadlines_are_simulated_times(loaded):
@@ -210,11 +238,6 @@ def test_deadlines_are_simulated_times(loaded):
     loaded.set_time_limit(1)
     with pytest.raises(gicube.DeadlinePassed):
         loaded.render(view_of_ball())
-
-
-def test_lines_have_a_ray_for_each_leg(loaded):
-    batch = loaded.receive(loaded.submit_lines([[[1, 1, 1], [30, 1, 1], [30, 30, 30]], [[2, 2, 2], [3, 3, 3]]]))
-    assert batch.rays["id"].tolist() == [0, 0, 1]
 
 
 def test_empty_flags_hide_blocks(loaded):

@@ -6,9 +6,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/write.hpp>
 
 #include "board_process.h"
 #include "gicube/board.h"
+#include "gicube/enumerate.h"
 #include "own_registry.h"
 #include "run_program.h"
 #include "temporary_directory.h"
@@ -71,6 +77,50 @@ TEST(LocalBoards, AreListedWithoutACommandWithAndWithoutAManagementPlane) {
     boards += process["boards"].size();
   }
   EXPECT_EQ(boards, 4u);
+}
+
+TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
+  const OwnRegistry registry;
+  EXPECT_THAT(enumerate(), testing::IsEmpty());
+  const Listening two({"--boards", "2"}), plain;
+  Listening killed;
+  const Board owner = Board::open(plain.bus), alone = Board::open("emu:");
+  killed.process.send_signal(SIGKILL);
+  killed.process.exit_code();
+  const std::vector<FoundBoard> found = enumerate();
+  std::vector<std::string> uris;
+  for (const FoundBoard& each : found) {
+    uris.push_back(each.uri);
+    EXPECT_EQ(each.in_use, each.uri == plain.bus);
+    EXPECT_EQ(each.owner.empty(), !each.in_use);
+    EXPECT_EQ(each.product, "GI-Cube (emulated)");
+    EXPECT_FALSE(each.version.empty());
+    if (!each.in_use) {
+      EXPECT_NO_THROW(Board::open(each.uri));
+    }
+  }
+  EXPECT_THAT(uris, testing::UnorderedElementsAre(two.bus, two.bus + ".1", plain.bus));
+}
+
+// What listens there says what it likes: nothing is made of it, and no process waits for ever.
+TEST(Enumerate, LeavesOutWhatAnswersSomethingElse) {
+  const OwnRegistry registry;
+  const Listening plain;
+  const std::string good("\x1a\x08\x12\x02GI\x22\x02x:", 10);  // a board that listens nowhere
+  for (const std::string& answer : {std::string("\xff\xff\xff"), std::string("\x1a\x7f"), std::string("\x0b"), good}) {
+    const std::string path = registry.folder() + "/1";
+    boost::asio::io_context io;
+    boost::asio::local::stream_protocol::acceptor acceptor(io, path);
+    std::jthread answers([&] {
+      boost::system::error_code ignored;
+      auto socket = acceptor.accept(ignored);
+      if (!ignored) boost::asio::write(socket, boost::asio::buffer(answer), ignored);
+    });
+    const auto found = enumerate();
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].uri, plain.bus);
+    fs::remove(path);
+  }
 }
 
 TEST(LocalBoards, TheOnlyManagementPlaneNeedNotBeNamed) {

@@ -60,10 +60,16 @@ TEST(Resume, ByItselfLetsTheCallGoOn) {
                    self.respond(*self.receive(), 9, bytes_of("four"));
                    self.drain();
                  }});
-  Link link(boards.connect(), boards.options(1));
+  std::vector<std::string> told;
+  LinkOptions options = boards.options(1);
+  options.log = [&told](const std::string& text) { told.push_back(text); };
+  Link link(boards.connect(), options);
+  EXPECT_THAT(told, testing::IsEmpty());
   const Response response = link.request(FrameType::kRegisterRead, 0, bytes_of("abcd"));
   EXPECT_EQ(response.time_ps, 9u);
   EXPECT_EQ(response.payload, bytes_of("four"));
+  EXPECT_THAT(told, testing::ElementsAre(
+                        testing::MatchesRegex("the connection to the board was lost \\(.+\\); the session goes on")));
 }
 
 TEST(Resume, IsOverOnceTheDriverHasGivenUp) {

@@ -21,7 +21,7 @@ inline std::vector<HostRay> rays_along_z(std::size_t count, int edge) {
 }
 
 // Rays sample each voxel of their way: `edge` samples per ray.
-inline constexpr RayRequest kEveryVoxel{.step = 1, .leap = false};
+inline const RayRequest kEveryVoxel{.step = 1, .leap = false, .sampling = {.shade = false}};
 
 // A cube of ones, which no transfer function makes visible. The tables and such rays' registers are on the board.
 inline Board open_with_volume(const test::BoardSetup& setup, int edge) {

@@ -8,7 +8,7 @@
 
 namespace gicube {
 
-std::vector<std::uint8_t> Board::State::levels_of(const View& view) const {
+std::vector<std::uint8_t> BoardState::levels_of(const View& view) const {
   std::vector<std::uint8_t> levels;
   if (detail <= 0 || view.scatter) return levels;
   const int n = bricks->block_voxels();
@@ -28,7 +28,7 @@ std::vector<std::uint8_t> Board::State::levels_of(const View& view) const {
   return levels;
 }
 
-void Board::set_brick_detail(double detail) {
+void VolumeStore::set_detail(double detail) {
   const auto lock = state_->begin();
   expect(detail >= 0 && detail <= 64, "detail", "0..64", number_text(detail));
   if (detail > 0 && state_->info.protocol_minor < wire::kBricksMinor) {
@@ -37,7 +37,7 @@ void Board::set_brick_detail(double detail) {
   state_->detail = detail;
 }
 
-std::optional<BrickDetail> Board::brick_detail() {
+std::optional<BrickDetail> VolumeStore::detail() {
   const auto lock = state_->begin();
   const LoadedVolume& of = state_->loaded("brick_detail()");
   if (state_->framebuffer_size.first == 0) throw Rejected("brick_detail() needs a picture: render first");

@@ -64,8 +64,8 @@ void bring_home(std::vector<std::uint8_t>& records, std::uint16_t own) {
 
 }  // namespace
 
-std::vector<wire::WaitingBlock> Board::State::give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
-                                                        const wire::GiveRaysHeader& of) {
+std::vector<wire::WaitingBlock> BoardState::give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
+                                                      const wire::GiveRaysHeader& of) {
   std::vector<wire::WaitingBlock> waiting;
   const std::size_t most = device.agreed().max_payload_bytes - wire::kGiveRaysHeaderBytes;
   const auto give = [&](std::span<const std::uint8_t> records, std::size_t record,
@@ -90,8 +90,8 @@ std::vector<wire::WaitingBlock> Board::State::give_rays(std::vector<std::uint8_t
   return waiting;
 }
 
-bool Board::State::forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
-                           const BrickRun& run) {
+bool BoardState::forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
+                         const BrickRun& run) {
   const auto own = static_cast<std::uint16_t>(shared->rank() + 1);
   std::vector<Parcel> out(shared->ranks());
   std::uint64_t sent = 0;
@@ -135,7 +135,7 @@ bool Board::State::forward(std::span<const wire::WaitingBlock> others, std::vect
   return shared->exchange().sum(sent) > 0;
 }
 
-std::vector<std::vector<std::uint8_t>> Board::State::gather(std::vector<std::uint8_t> own) {
+std::vector<std::vector<std::uint8_t>> BoardState::gather(std::vector<std::uint8_t> own) {
   own.resize(own.size() + sizeof(Picoseconds));
   wire::store(std::span(own), own.size() - sizeof(Picoseconds), device.clock().now());
   auto all = shared->gather(own);
@@ -148,7 +148,7 @@ std::vector<std::vector<std::uint8_t>> Board::State::gather(std::vector<std::uin
 }
 
 // Before rays leave energy: words of other ranks' blocks are 0 here, so that the sum of all ranks' words is what they are.
-void Board::State::begin_shared_light() {
+void BoardState::begin_shared_light() {
   BrickLight& light = bricks->light();
   for (std::size_t block = 0; block < bricks->count(); ++block) {
     if (!shared->is_own(block) && light.may_have(block))
@@ -157,7 +157,7 @@ void Board::State::begin_shared_light() {
 }
 
 // After that: the owner of a block adds what the others have for it, and all get the sum. What saturates there was not deposited.
-void Board::State::end_shared_light(wire::LightingLedger& ledger) {
+void BoardState::end_shared_light(wire::LightingLedger& ledger) {
   BrickLight& light = bricks->light();
   std::vector<std::vector<std::uint8_t>> out(shared->ranks());
   const auto put = [](std::vector<std::uint8_t>& to, std::size_t block, std::span<const std::uint8_t> words) {
@@ -195,7 +195,7 @@ void Board::State::end_shared_light(wire::LightingLedger& ledger) {
   ledger = sum_of_ranks(ledger);
 }
 
-wire::LightingLedger Board::State::sum_of_ranks(const wire::LightingLedger& ledger) {
+wire::LightingLedger BoardState::sum_of_ranks(const wire::LightingLedger& ledger) {
   wire::LightingLedger sum;
   for (const auto& bytes : gather(wire::encoded(ledger))) {
     if (bytes.size() != wire::kLightingLedgerBytes) throw Error("RayExchange::exchange() returned no ledger");
@@ -205,7 +205,7 @@ wire::LightingLedger Board::State::sum_of_ranks(const wire::LightingLedger& ledg
 }
 
 // Between calls: deals the blocks by what the last ones have cost.
-void Board::State::share_anew() {
+void BoardState::share_anew() {
   const std::uint64_t samples = device.counters().value("pipeline.samples");
   shared->measured(samples - std::exchange(samples_before, samples));
 }

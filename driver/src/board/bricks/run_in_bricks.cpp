@@ -10,8 +10,8 @@
 
 namespace gicube {
 
-std::vector<std::uint8_t> Board::State::read_pieces(const wire::MemoryRegion& region, std::uint64_t from,
-                                                    std::uint64_t bytes, std::size_t record) {
+std::vector<std::uint8_t> BoardState::read_pieces(const wire::MemoryRegion& region, std::uint64_t from,
+                                                  std::uint64_t bytes, std::size_t record) {
   const std::size_t max_bytes = device.agreed().max_payload_bytes / record * record;
   std::vector<std::uint8_t> out;
   while (out.size() < bytes) {
@@ -23,7 +23,7 @@ std::vector<std::uint8_t> Board::State::read_pieces(const wire::MemoryRegion& re
 }
 
 // Adds what rays have left in blocks whose words the host has, and to the ledger what became of it.
-void Board::State::deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger) {
+void BoardState::deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger) {
   const auto bytes =
       read_pieces(wire::kHostDeposits, 0, std::uint64_t{records} * wire::kHostDepositBytes, wire::kHostDepositBytes);
   std::vector<wire::HostDeposit> deposits;
@@ -35,7 +35,7 @@ void Board::State::deposit_for_board(std::uint32_t records, wire::LightingLedger
   ledger.clipped += added.clipped;
 }
 
-std::vector<wire::WaitingBlock> Board::State::take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run) {
+std::vector<wire::WaitingBlock> BoardState::take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run) {
   try {
     if (!run.take_ledger) return decode_waiting(payload, bricks->count()).blocks;
     const std::uint16_t minor = device.agreed().minor;
@@ -52,7 +52,7 @@ std::vector<wire::WaitingBlock> Board::State::take_waiting(std::span<const std::
 }
 
 // Takes rays off the card if it has more than it should, for the least important blocks first.
-void Board::State::queue_excess(std::vector<wire::WaitingBlock>& waiting) {
+void BoardState::queue_excess(std::vector<wire::WaitingBlock>& waiting) {
   std::size_t on_card = 0;
   for (const wire::WaitingBlock& each : waiting) on_card += each.rays;
   if (on_card <= (ray_queue.empty() ? max_waiting_rays : max_waiting_rays / 2)) return;  // queued ones need room there
@@ -71,7 +71,7 @@ void Board::State::queue_excess(std::vector<wire::WaitingBlock>& waiting) {
 }
 
 // Those that wait on the card, and with the host.
-std::vector<wire::WaitingBlock> Board::State::with_queue(std::span<const wire::WaitingBlock> waiting) const {
+std::vector<wire::WaitingBlock> BoardState::with_queue(std::span<const wire::WaitingBlock> waiting) const {
   std::vector<wire::WaitingBlock> all(waiting.begin(), waiting.end()), out;
   const auto queued = ray_queue.by_block();
   all.insert(all.end(), queued.begin(), queued.end());
@@ -88,7 +88,7 @@ std::vector<wire::WaitingBlock> Board::State::with_queue(std::span<const wire::W
 }
 
 // Gives the card the host's rays for blocks that it has, as many as it should have.
-void Board::State::give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run) {
+void BoardState::give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run) {
   std::size_t on_card = 0;
   for (const wire::WaitingBlock& each : waiting) on_card += each.rays;
   for (const wire::WaitingBlock& each : ray_queue.by_block()) {
@@ -99,7 +99,7 @@ void Board::State::give_queued(std::span<const wire::WaitingBlock> waiting, cons
   }
 }
 
-void Board::State::run_waiting(std::vector<wire::WaitingBlock> waiting, const BrickRun& run) {
+void BoardState::run_waiting(std::vector<wire::WaitingBlock> waiting, const BrickRun& run) {
   ray_queue.clear();                       // of a call that threw
   std::vector<wire::WaitingBlock> others;  // of which other ranks have the blocks
   do {
@@ -118,7 +118,7 @@ void Board::State::run_waiting(std::vector<wire::WaitingBlock> waiting, const Br
   } while (shared && forward(others, waiting, run));
 }
 
-std::vector<CommandResult> Board::State::trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
+std::vector<CommandResult> BoardState::trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
   bricks->prepare(device, run.needs);
   std::vector<CommandResult> results;
   for (std::size_t first = 0, last = 0; any_left(parts.size() - first); first = last) {
@@ -131,14 +131,14 @@ std::vector<CommandResult> Board::State::trace_in_bricks(std::span<const Encoded
   return results;
 }
 
-CommandResult Board::State::finish(std::uint32_t ticket) {
+CommandResult BoardState::finish(std::uint32_t ticket) {
   CommandResult result = device.finish(ticket, {});
   if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
   return result;
 }
 
 // Rays that leave energy: one command after the other, since what the host must deposit is read before the next.
-std::vector<CommandResult> Board::State::deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
+std::vector<CommandResult> BoardState::deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
   if (shared) begin_shared_light();
   bricks->prepare(device, run.needs);
   std::vector<wire::LightingLedger> ledgers(std::max<std::size_t>(parts.size(), 1));
@@ -166,8 +166,8 @@ std::vector<CommandResult> Board::State::deposit_in_bricks(std::span<const Encod
 }
 
 // All rays of a group wait together, so that each block is sent for all of them.
-void Board::State::trace_group(std::span<const EncodedRays> parts, const BrickRun& run,
-                               std::vector<CommandResult>& results) {
+void BoardState::trace_group(std::span<const EncodedRays> parts, const BrickRun& run,
+                             std::vector<CommandResult>& results) {
   device.write_register(wire::reg::kControl, wire::kControlDropRays);
   std::vector<std::uint32_t> tickets;
   for (const EncodedRays& part : parts) tickets.push_back(device.command(part.encoded));

@@ -71,7 +71,7 @@ void throw_as(const Error& error, const std::string& board) {
     throw DeviceLost(board + lost.what(), lost.cause());
   } catch (const Error& named) {
     throw_as<TimedOut, OpenFailed, BoardBusy, VersionMismatch, Rejected, ScatteringFailed, MemoryFault, Unsupported,
-             DeadlinePassed, WouldBlock>(named, board);
+             DeadlinePassed, WouldBlock, Cancelled>(named, board);
     throw;
   }
 }
@@ -96,7 +96,7 @@ struct GICUBE_HIDDEN BoardGroup::State {
   using Work = std::function<void(std::size_t index, Recorder& recorder)>;
   // All boards do their part of a call, from the same simulated time on. `at_once`: on a thread each.
   void call(bool at_once, const Work& work);
-  void render(std::size_t index, const View& view, const Board::State::PicturePart& part, const Progress& progress,
+  void render(std::size_t index, const View& view, const BoardState::PicturePart& part, const Progress& progress,
               Recorder& recorder);
   void align();
   void account(std::span<const std::vector<BusPhase>> phases);
@@ -166,9 +166,9 @@ void BoardGroup::State::call(bool at_once, const Work& work) {
   }
 }
 
-void BoardGroup::State::render(std::size_t index, const View& view, const Board::State::PicturePart& part,
+void BoardGroup::State::render(std::size_t index, const View& view, const BoardState::PicturePart& part,
                                const Progress& progress, Recorder& recorder) {
-  Board::State& board = *boards[index].state_;
+  BoardState& board = *boards[index].state_;
   const auto lock = board.begin();
   if (part.parts > 0 && board.device.agreed().minor < wire::kPartsMinor) {
     throw Unsupported(fmt::format("parts of a picture need a board of protocol 2.{}, this one has 2.{}",
@@ -236,11 +236,11 @@ Image BoardGroup::render(const View& view, const Progress& progress) {
   auto& boards = state_->boards;
   const bool in_bricks =
       std::ranges::any_of(boards, [](const Board& board) { return board.state_->bricks != nullptr; });
-  Board::State::PicturePart part;
+  BoardState::PicturePart part;
   if (size() > 1) part = {strip_rows(view, size(), in_bricks), 0, static_cast<std::uint8_t>(size())};
   std::vector<Image> parts(size());
   state_->call(true, [&](std::size_t i, Recorder& recorder) {
-    Board::State::PicturePart own = part;
+    BoardState::PicturePart own = part;
     own.part = static_cast<std::uint8_t>(i);
     state_->render(i, view, own, progress, recorder);
     const bool has_rows = static_cast<int>(i) * part.strip_rows < view.height;
@@ -269,10 +269,10 @@ RayBatch BoardGroup::trace(std::span<const HostRay> rays, const RayRequest& requ
   state_->call(true, [&](std::size_t i, Recorder&) {
     Share& share = shares[i];
     if (share.runs.empty() && i > 0) return;
-    Board::State& board = *state_->boards[i].state_;
+    BoardState& board = *state_->boards[i].state_;
     const auto lock = board.begin();
     board.need_batches();
-    const Ticket ticket = board.submit(share.runs, request, {}, share.numbers);
+    const Ticket ticket = board.submit(share.runs, request, share.numbers);
     share.batch = board.batches.receive(ticket, kNoDeadline);
   });
   RayBatch batch = std::move(shares[0].batch);
