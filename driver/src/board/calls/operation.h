@@ -70,7 +70,8 @@ class StartedCall final : public OperationOf<T>, public Cancellable {
     if (taken_) throw BadArgument("pending", "a result that was not taken yet", "one that get() has returned");
     if (completed_ > deadline && !error_) throw DeadlinePassed("the result came after the deadline");
     taken_ = true;
-    if (error_) std::rethrow_exception(error_);
+    // Not kept: the call's thread would release what its receiver still looks at.
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     if constexpr (!std::is_void_v<T>) return std::move(*result_);
   }
 
