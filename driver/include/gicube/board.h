@@ -108,7 +108,8 @@ struct OpenOptions {
   // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open(). What it
   // throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown then, the irradiance
   // incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next call. It is not called while frames
-  // wait to be sent. It may ask its Board for now() and info() only, and must outlive it.
+  // wait to be sent, nor for calls that were started (gicube/pending.h). It may ask its Board for now() and info() only, and must outlive
+  // it.
   std::function<void()> while_waiting{};
   // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of the call that
   // resumed it. It must not throw, and may ask its Board for info() only.
