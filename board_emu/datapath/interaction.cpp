@@ -15,18 +15,21 @@ namespace {
 
 // A classified sample; gradient and colour are computed only on demand.
 struct Classified {
-  explicit Classified(const SampleSite& site, const Frame& frame)
+  Classified(const SampleSite& site, const Frame& frame)
       : at(around(site)), view(site.view), tag(tag_at(site, at)), density(resample_density(view.densities, at)) {
     index = segmentation_index(density, tag);
     entry = &frame.segmentation[index];
   }
+  // Of a known entry of the segmentation LUT.
+  Classified(const SampleSite& site, const Frame& frame, std::size_t its_index)
+      : at(around(site)), view(site.view), index(its_index), entry(&frame.segmentation[index]) {}
 
   Point gradient() const { return point_of(gradient_at(view, at)); }
 
   Neighbourhood at;
   const BlockView& view;
-  unsigned tag;
-  std::int16_t density;
+  unsigned tag = 0;
+  std::int16_t density = 0;
   std::size_t index;  // index of `entry`
   const wire::SegmentationEntry* entry;
 };
@@ -206,7 +209,9 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterva
     for (std::size_t word = 0; word < frame.light_words; ++word) given[word] += absorbed[word];
     any_left = all_units(ray, frame) != EnergyUnits{};
   }
-  deposit_more(interaction, ray, given, place_in(interval, 0.5, ray, frame), frame);
+  if (given != EnergyUnits{}) {
+    deposit_more(interaction, ray, given, place_in(interval, 0.5, ray, frame), frame);
+  }
   if (!any_left) {
     interaction.outcome = Outcome::kEnded;
   } else if (scatters) {
@@ -330,27 +335,31 @@ std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
   return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
 }
 
-Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
+Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters,
+                     const KnownInterval* known) {
   if (frame.backprojects()) return backproject(ray, frame, counters);
   Interaction interaction;
   const bool first = !ray.under_way;
   ray.under_way = true;
-  const Classified sample(site, frame);
+  const Classified sample = known != nullptr ? Classified(site, frame, known->entry) : Classified(site, frame);
   interaction.visible = visible(sample.index, frame);
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
-  RayInterval interval;
-  bool in_medium = interaction.visible;
-  if (integrates) {
-    in_medium = !RayInterval::is_clear(site, sample.tag, opacity, frame);
-    if (in_medium) interval = RayInterval::of(ray, site, sample.tag, opacity, first, frame);
-  } else if (in_medium) {
-    interval = RayInterval::step((*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
+  const bool in_medium =
+      known != nullptr || (integrates ? !RayInterval::is_clear(site, sample.tag, opacity, frame) : interaction.visible);
+  if (!in_medium) {
+    leave_surface(ray);
+    advance(ray, 1, frame);
+    return interaction;
   }
+  RayInterval interval = known != nullptr ? RayInterval::of(*known)
+                         : integrates
+                             ? RayInterval::of(ray, site, sample.tag, opacity, first, frame)
+                             : RayInterval::even(0, 1, (*frame.opacity_correction)(opacity, ray.exponent), sample.tag);
   bool goes_on = true;
   do {  // one medium of the interval after the other
     const wire::Material& material = frame.materials[interval.tag()];
-    const bool meets = in_medium && (interval.opacity() != 0 || !integrates);
+    const bool meets = interval.opacity() != 0 || !integrates;
     if (ray.is(wire::kTrapped)) {  // back from the DSP: still at the surface?
       const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
       if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);

@@ -19,6 +19,8 @@
 
 namespace gicube::emu {
 
+struct KnownInterval;
+
 // A resampled and classified sample.
 struct Sample {
   Channels channels{};  // density, gradient
@@ -63,8 +65,9 @@ Interaction brought_by(const RayState& carrier, const Frame& frame);
 // The deposit of `ray`, or of its carrier, in one of three irradiance words.
 Deposit deposit_in(std::size_t word, const Interaction& interaction, const RayState& ray, const Frame& frame);
 
-// Takes a sample, and advances or scatters the ray.
-Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters);
+// Takes a sample, and advances or scatters the ray. `known`: null, or what lanes of rays have computed of the sample.
+Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters,
+                     const KnownInterval* known = nullptr);
 
 // Starts a new path segment of a scattered ray, along `direction`.
 void redirect(RayState& ray, const Direction& direction, const Frame& frame);
@@ -100,10 +103,11 @@ inline void gather(RayState& ray, const SampleSite& site, const Frame& frame, Ra
 }
 
 // Takes a sample that may also deposit, scatter or end the ray, in any other frame.
-inline Interaction sample(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
+inline Interaction sample(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters,
+                          const KnownInterval* known = nullptr) {
   jitter_step(ray, frame);
   ++counters.samples;
-  const Interaction interaction = interact(ray, site, frame, counters);
+  const Interaction interaction = interact(ray, site, frame, counters, known);
   if (interaction.visible) ++counters.visible_samples;
   count_steps(ray, 1, frame);
   return interaction;

@@ -15,6 +15,9 @@
 
 namespace gicube::emu {
 
+inline constexpr std::size_t kTagEntries =
+    wire::kSegmentationEntries / wire::kTags;  // of the segmentation LUT, of each tag
+
 // The segmentation LUT's optical depths, summed over the densities: pre-integrated classification [Engel, Kraus and Ertl,
 // "High-quality pre-integrated volume rendering", Graphics Hardware 2001], without colours.
 class DepthTable {
@@ -33,38 +36,39 @@ class DepthTable {
   bool uniform(unsigned tag, const DensityRange& range) const {
     return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
   }
-  // For lanes of rays, which use the same operations (functional/simd). By entry: number of changes of the opacity before it;
-  // the next opaque entry at or above it with its tag, or all ones; sum of the depths before it, with one more entry.
+  // For lanes of rays (functional/simd). By entry: number of changes of the opacity before it; the next opaque entry at or above
+  // it with its tag, or all ones; sum of the depths before it, with one more entry.
   std::span<const std::uint32_t> runs() const { return run_; }
   std::span<const std::uint32_t> opaque_up() const { return opaque_up_; }
   std::span<const double> sums() const { return sum_; }
 
  private:
-  struct BinPosition {
-    std::size_t bin;
-    double at;  // position in bins; the density rounds to the nearest entry
-  };
-  static BinPosition bin_position(unsigned tag, double density);
-  double until(const BinPosition& at) const;
-
   std::vector<double> sum_;                             // depths of all entries before; opaque ones add nothing
   std::vector<std::uint32_t> run_;                      // number of changes of the opacity
   std::vector<std::uint32_t> opaque_up_, opaque_down_;  // the next opaque entry at or above, at or below
 };
-
-// On shorter paths, in bins, the mean depth is that of the entry: the quotient of two small differences would lose precision.
-inline constexpr double kNoWay = 1e-6;
 
 // Opacity of an optical depth, 24 bits.
 inline std::uint32_t opacity_of_depth(double depth) {
   return static_cast<std::uint32_t>(std::lround(-std::expm1(-depth) * wire::kOpacityOne));
 }
 
+// The interval of a sample in one medium that is nowhere opaque, as lanes of rays have computed it (functional/simd).
+struct KnownInterval {
+  std::size_t entry = 0;         // of the segmentation LUT: of the sample
+  std::uint32_t opacity = 0;     // 24 bits
+  bool even = false;             // one opacity; of the following, only the first and the last end are then set
+  std::array<double, 5> ends{};  // its begin; where the ray enters the cell; middle; where it leaves the cell; its end
+  std::array<double, 3> density{};  // at the three ends in between
+  std::array<double, 4> depth{};    // between the ends
+};
+
 // Iterates over the media of the interval, if the voxels around the sample have several tags. Begins with the first.
 class RayInterval {
  public:
-  // A whole step in a medium of one opacity.
-  static RayInterval step(std::uint32_t opacity, unsigned tag);
+  // A medium of one opacity.
+  static RayInterval even(double begin, double end, std::uint32_t opacity, unsigned tag);
+  static RayInterval of(const KnownInterval& known);
   // The interval of a lighting ray's sample at `site` with this material and opacity. `first`: of its path segment.
   static RayInterval of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
                         const Frame& frame);
@@ -84,6 +88,10 @@ class RayInterval {
   bool next();
 
  private:
+  void add(double begin, double end, double depth, double from, double to, unsigned tag) {
+    piece_[pieces_++] = {begin, end, depth, from, to, tag};
+  }
+
   struct Piece {
     double begin, end, depth;
     double from, to;  // densities; equal: the depth is distributed evenly

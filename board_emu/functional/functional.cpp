@@ -41,7 +41,8 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
 }
 
 // One iteration of a ray that also deposits or is scattered.
-Termination iterate(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters) {
+Termination iterate(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
+                    const KnownInterval* known = nullptr) {
   const std::size_t block = grid.block(ray_state.position);
   if (is_non_resident(block, frame)) return Termination::kNonResident;
   const Point low = grid.low(ray_state.position);
@@ -52,7 +53,7 @@ Termination iterate(RayState& ray_state, const BlockGrid& grid, const Frame& fra
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   const Cell at = cell(ray_state.position, low);
   const BlockView view = frame.volume->view(block);
-  const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
+  const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters, known);
   if (interaction.deposits && frame.light_words == 1) {
     give_host(interaction.deposit, frame);
     counters.energy.deposited += frame.irradiance->add(on_card(interaction.deposit, frame));
@@ -186,8 +187,8 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   pack(ray_state, frame, ray);
 }
 
-Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters) {
-  return iterate(ray_state, BlockGrid(*frame.volume), frame, counters);
+Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters, const KnownInterval* known) {
+  return iterate(ray_state, BlockGrid(*frame.volume), frame, counters, known);
 }
 
 void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters) {

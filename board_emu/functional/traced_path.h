@@ -18,8 +18,9 @@ struct TracedPath {
   Trap trap;                               // if it is trapped
 };
 
-// One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues.
-Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters);
+// One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues. `known`: null, or what lanes
+// know of the sample that it takes.
+Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters, const KnownInterval* known);
 
 // All iterations until the ray stops.
 void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters);

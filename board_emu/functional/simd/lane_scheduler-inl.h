@@ -53,71 +53,85 @@ inline std::int32_t steps_inside(const RayState& ray, const Frame& frame, std::i
   return least;
 }
 
-// Puts the rays of a span on the lanes, one after the other.
-class LaneScheduler {
+// Puts `count` rays on the lanes, one after the other. `Scheduler`, derived from it, has
+//   bool begin(i)                 prepares ray i for a lane; false if it needs none, because it has ended or was traced alone
+//   void put(lanes, lane, i)      puts it there
+//   bool stopped(lanes, lane)     whether the lane's ray has ended, or scalar code must take its sample
+//   bool resume(lanes, lane)      takes such a ray off its lane; true: it has put it back, since it continues
+//   void idle(lanes, lane)        for lanes without a ray
+template <class Scheduler>
+class LaneSlots {
  public:
-  LaneScheduler(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
-      : rays_(rays), frame_(frame), counters_(counters), steps_(steps), seen_(gathers_colour() ? rays.size() : 0) {}
+  LaneSlots(std::size_t count, bool gathers_colour) : seen_(gathers_colour ? count : 0), count_(count) {}
 
-  bool has_more() const { return next_ < rays_.size(); }
-  std::size_t busy() const { return busy_; }
   ShadingQueue& seen() { return seen_; }
 
-  // Takes ended rays off their lanes and puts new ones there.
-  void serve(Lanes& lanes, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      Slot& slot = slots_[lane];
-      if (slot.ray != nullptr) {
-        if (lanes.left.lane[lane] > 0 &&
-            lanes.opacity.lane[lane] < static_cast<std::int32_t>(frame_.opacity_threshold)) {
-          continue;
-        }
-        take(lanes, lane);
-      }
-      while (has_more() && !for_lanes(rays_[next_])) go_alone();
-      if (has_more()) {
-        put(lanes, lane);
-      } else {
-        idle(lanes, lane);
-      }
+  // Traces all rays. `march(lanes, enough)` advances them until at least `enough` lanes have stopped.
+  template <class LaneWords, class March>
+  void run(const March& march) {
+    const std::size_t all = hn::Lanes(D32());
+    LaneWords lanes{};
+    while (true) {
+      for (std::size_t lane = 0; lane < all; ++lane) serve(lanes, lane);
+      if (busy_ == 0) return;
+      // A few idle lanes cost less than an exchange for each; without new rays, one of the busy lanes must end.
+      march(lanes, next_ < count_ ? std::max<std::size_t>(all / 4, 1) : all - busy_ + 1);
     }
   }
 
+ protected:
+  ShadingQueue seen_;
+
+ private:
+  template <class LaneWords>
+  void serve(LaneWords& lanes, std::size_t lane) {
+    auto& scheduler = static_cast<Scheduler&>(*this);
+    if (has_ray_[lane]) {
+      if (!scheduler.stopped(lanes, lane) || scheduler.resume(lanes, lane)) return;
+      has_ray_[lane] = false;
+      --busy_;
+    }
+    while (next_ < count_) {
+      const std::size_t i = next_++;
+      if (!scheduler.begin(i)) continue;
+      scheduler.put(lanes, lane, i);
+      has_ray_[lane] = true;
+      ++busy_;
+      return;
+    }
+    scheduler.idle(lanes, lane);
+  }
+
+  std::array<bool, 16> has_ray_{};
+  std::size_t count_, next_ = 0, busy_ = 0;
+};
+
+// Rays of a frame that gathers.
+class LaneScheduler : public LaneSlots<LaneScheduler> {
+ public:
+  LaneScheduler(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
+      : LaneSlots(rays.size(), gathers_colour(frame)), rays_(rays), frame_(frame), counters_(counters), steps_(steps) {}
+
   // To be called when all rays have ended: writes their colours into their packets.
   void finish_colours() {
-    if (!gathers_colour()) return;
+    if (!gathers_colour(frame_)) return;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) rays_[i].colour[c] = colour_word(seen_.sum(i).channel[c]);
     }
   }
 
- private:
-  struct Slot {
-    RayState ray_state;
-    wire::Ray* ray = nullptr;
-    std::int32_t steps = 0;  // at its start
-  };
-
   // A lit ray that was scattered before is traced by scalar code, because it may have to leave a surface first.
-  bool for_lanes(const wire::Ray& ray) const {
-    return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
+  bool begin(std::size_t i) {
+    wire::Ray& ray = rays_[i];
+    if (!frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0)) return true;
+    integrate(ray, frame_, counters_);
+    set_colour(i, ray);
+    return false;
   }
 
-  bool gathers_colour() const { return !frame_.colourless() && !frame_.integral(); }
-
-  void go_alone() {
-    integrate(rays_[next_], frame_, counters_);
-    set_colour(next_, rays_[next_]);
-    ++next_;
-  }
-
-  template <typename Ray>
-  void set_colour(std::size_t index, const Ray& ray) {
-    if (!gathers_colour()) return;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float wide = ray.colour[c];
-      seen_.sum(index).channel[c] = wide_ ? std::bit_cast<std::int32_t>(wide) : ray.colour[c];
-    }
+  bool stopped(const Lanes& lanes, std::size_t lane) const {
+    return lanes.left.lane[lane] <= 0 ||
+           lanes.opacity.lane[lane] >= static_cast<std::int32_t>(frame_.opacity_threshold);
   }
 
   void idle(Lanes& lanes, std::size_t lane) const {
@@ -125,13 +139,13 @@ class LaneScheduler {
     lanes.position[0].lane[lane] = -1;  // outside, where jittered rays end
   }
 
-  void put(Lanes& lanes, std::size_t lane) {
+  void put(Lanes& lanes, std::size_t lane, std::size_t i) {
     Slot& slot = slots_[lane];
-    slot.ray = &rays_[next_];
+    slot.ray = &rays_[i];
     // Constructed in place: a copy would read in wide words what was just written in narrow ones, and stall.
     new (&slot.ray_state) RayState(unpack(*slot.ray, frame_));
-    set_colour(next_, slot.ray_state);
-    lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
+    set_colour(i, slot.ray_state);
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(i);
     const RayState& ray = slot.ray_state;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
@@ -152,10 +166,10 @@ class LaneScheduler {
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
     if (wide_) lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(ray.wide.opacity);
-    ++busy_;
   }
 
-  void take(const Lanes& lanes, std::size_t lane) {
+  // Packs the ray, which has ended.
+  bool resume(const Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
     RayState& ray = slot.ray_state;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -175,8 +189,25 @@ class LaneScheduler {
     count_end(ray, end(ray, frame_), frame_, counters_);
     pack(ray, frame_, *slot.ray);
     if (!steps_.empty()) steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = steps;
-    slot.ray = nullptr;
-    --busy_;
+    return false;
+  }
+
+ private:
+  struct Slot {
+    RayState ray_state;
+    wire::Ray* ray = nullptr;
+    std::int32_t steps = 0;  // at its start
+  };
+
+  static bool gathers_colour(const Frame& frame) { return !frame.colourless() && !frame.integral(); }
+
+  template <typename Ray>
+  void set_colour(std::size_t index, const Ray& ray) {
+    if (!gathers_colour(frame_)) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float wide = ray.colour[c];
+      seen_.sum(index).channel[c] = wide_ ? std::bit_cast<std::int32_t>(wide) : ray.colour[c];
+    }
   }
 
   std::uint16_t colour_word(std::int32_t sum) const {
@@ -190,8 +221,6 @@ class LaneScheduler {
   std::span<std::int32_t> steps_;
   const bool wide_ = frame_.wide;
   std::array<Slot, 16> slots_{};
-  std::size_t next_ = 0, busy_ = 0;
-  ShadingQueue seen_;
 };
 
 #endif

@@ -31,6 +31,7 @@ struct PathLanes : Lanes {
   std::array<std::array<Word, 2>, kColours> energy;  // per irradiance word: 24 bits, and 12
   Word phase;                                        // energy_phase()
   std::array<Word, 2> loss;                          // the path segment's part of the draws for the loss: 32 bits each
+  KnownLanes known;  // what is known of the sample that is taken or waits for scalar code
 };
 
 // A ray's energy after a loss of `lost`, of 24 bits, as in interact_weighted(). 64-bit lanes.
@@ -133,40 +134,41 @@ HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, co
   return out;
 }
 
-struct IntervalOpacity {
-  V alpha;
-  Mask known;
-};
-
-// Opacities of the integration intervals of samples in a medium, with the conserving rules. `even`: all eight voxels around the
-// sample have one opacity and one tag.
+// Sets the opacities of the integration intervals of samples in a medium, with the conserving rules, and what determines them.
+// `even`: all eight voxels around the sample have one opacity and one tag. Returns for which samples it could.
 template <bool kWide>
-HWY_INLINE IntervalOpacity opacity_of_intervals(const PathLanes& lanes, const LaneState& ray, V begun,
-                                                const SampleLanes& sample, Mask one_tag, Mask even, Mask in_medium,
-                                                const PacketField& field) {
+HWY_INLINE Mask find_intervals(PathLanes& lanes, const LaneState& ray, V begun, const SampleLanes& sample, Mask one_tag,
+                               Mask even, Mask in_medium, V& alpha, const PacketField& field) {
   const D32 d;
   const auto doubles = [](const std::array<DoubleWord, 3>& words) {
     return std::array<Doubles, 3>{words[0].load(), words[1].load(), words[2].load()};
   };
   const WayLanes way = way_of<kWide>(ray, doubles(lanes.slope), doubles(lanes.inverse), begun, field);
-  const IntervalLanes low = interval_of_way(way, LowerLanes()), high = interval_of_way(way, UpperLanes());
+  const Interval<VD> low = interval_of(path_around(way, LowerLanes())),
+                     high = interval_of(path_around(way, UpperLanes()));
   const Exponent interval = exponent_of({low.begin, high.begin}, {low.end, high.end}, ray.exponent);
-  const V alpha = corrected(sample.depth, interval.word, field);
   const Mask even_intervals = hn::And(hn::And(in_medium, even), interval.valid), mixed = hn::AndNot(even, in_medium);
-  IntervalOpacity out{hn::IfThenElseZero(even_intervals, alpha), even_intervals};
-  if (hn::AllFalse(d, mixed)) return out;
-  const V tag = hn::And(sample.entry, set(~0xFFF));
-  const auto depth = [&](const IntervalLanes& of, auto half) {
-    return depth_of_interval(of, way, sample.corners, sample.at.fraction, tag, ray.exponent, *field.light, half);
-  };
-  const DepthLanes below = depth(low, LowerLanes()), above = depth(high, UpperLanes());
-  const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
-  const V opaque = gather(field.light->opaque_up, hn::ShiftLeft<2>(hn::IfThenElseZero(mixed, least)));
-  const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: none
-  const Mask seen_through = hn::And(hn::AndNot(wall, mixed), one_tag);
-  out.known = hn::Or(out.known, seen_through);
-  out.alpha = hn::IfThenElse(seen_through, opacity_of({below.depth, above.depth}, seen_through), out.alpha);
-  return out;
+  alpha = hn::IfThenElseZero(even_intervals, corrected(sample.depth, interval.word, field));
+  Mask found = even_intervals;
+  KnownLanes& known = lanes.known;
+  known.put_ends(0, {low.begin, high.begin}, in_medium);
+  known.put_ends(4, {low.end, high.end}, in_medium);
+  if (!hn::AllFalse(d, mixed)) {
+    const V tag = hn::And(sample.entry, set(~0xFFF));
+    const auto depth = [&](const Interval<VD>& of, auto half) {
+      return depth_of_interval(of, way, sample.corners, sample.at.fraction, tag, ray.exponent, *field.light, half);
+    };
+    const DepthLanes below = depth(low, LowerLanes()), above = depth(high, UpperLanes());
+    const V least = truncated({below.least, above.least}), most = truncated({below.most, above.most});
+    const V opaque = gather(field.light->opaque_up, hn::ShiftLeft<2>(hn::IfThenElseZero(mixed, least)));
+    const Mask wall = hn::AndNot(hn::Gt(opaque, most), hn::Gt(opaque, set(-1)));  // all ones: none
+    const Mask seen_through = hn::And(hn::AndNot(wall, mixed), one_tag);
+    found = hn::Or(found, seen_through);
+    alpha = hn::IfThenElse(seen_through, opacity_of({below.depth, above.depth}, seen_through), alpha);
+    known.put_pieces(below, above, mixed);
+  }
+  known.put(sample.entry, alpha, even, found, in_medium);
+  return found;
 }
 
 // Rays at a reflecting surface that leave it, as in leaves().
@@ -258,7 +260,7 @@ HWY_INLINE void gather_light(SampleResult& out, const PathLanes& lanes, const La
 
 // Tries the samples of `samples`. Those in a medium cost most, so they wait until enough lanes have one.
 template <PathKind kKind, bool kWide>
-HWY_INLINE SampleResult try_samples(const PathLanes& lanes, const LaneState& ray, V begun, V trapped,
+HWY_INLINE SampleResult try_samples(PathLanes& lanes, const LaneState& ray, V begun, V trapped,
                                     const EnergyLanes& energy, V interacted, const SampleLanes& sample, Mask samples,
                                     const PacketField& field) {
   const D32 d;
@@ -284,11 +286,9 @@ HWY_INLINE SampleResult try_samples(const PathLanes& lanes, const LaneState& ray
     }
     V alpha;
     if (light.runs != nullptr) {
-      const IntervalOpacity interval =
-          opacity_of_intervals<kWide>(lanes, ray, begun, sample, one_tag, even, in_medium, field);
-      out.goes_on = hn::AndNot(hn::AndNot(interval.known, in_medium), samples);
-      in_medium = hn::And(hn::And(in_medium, interval.known), hn::Ne(interval.alpha, zero));
-      alpha = interval.alpha;
+      const Mask known = find_intervals<kWide>(lanes, ray, begun, sample, one_tag, even, in_medium, alpha, field);
+      out.goes_on = hn::AndNot(hn::AndNot(known, in_medium), samples);
+      in_medium = hn::And(hn::And(in_medium, known), hn::Ne(alpha, zero));
     } else {
       alpha = corrected(sample.depth, ray.exponent, field);
     }

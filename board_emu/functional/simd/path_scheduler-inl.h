@@ -27,19 +27,15 @@ inline PathKind kind_of(const RayState& ray, const Frame& frame) {
   return frame.light_words == 1 ? PathKind::kWeighted : PathKind::kColouredWeighted;
 }
 
-class PathScheduler {
+class PathScheduler : public LaneSlots<PathScheduler> {
  public:
   // Paths of another kind than `kind` are traced by scalar code.
   PathScheduler(std::span<TracedPath> paths, PathKind kind, const Frame& frame, RayCounters& counters)
-      : paths_(paths),
+      : LaneSlots(paths.size(), kind == PathKind::kRendering),
+        paths_(paths),
         kind_(kind),
         frame_(frame),
-        counters_(counters),
-        seen_(kind == PathKind::kRendering ? paths.size() : 0) {}
-
-  bool has_more() const { return next_ < paths_.size(); }
-  std::size_t busy() const { return busy_; }
-  ShadingQueue& seen() { return seen_; }
+        counters_(counters) {}
 
   // To be called when all paths have stopped: adds the colours that rendering rays have gathered on lanes.
   void finish_colours(const PacketField& field) {
@@ -54,64 +50,51 @@ class PathScheduler {
     }
   }
 
-  void serve(PathLanes& lanes, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      Slot& slot = slots_[lane];
-      if (slot.path != nullptr) {
-        if (lanes.left.lane[lane] > 0 && lanes.masked.lane[lane] == 0) continue;
-        take(lanes, lane);
-        if (goes_on(*slot.path)) {
-          put(lanes, lane);
-          continue;
-        }
-        slot.path = nullptr;
-        --busy_;
-      }
-      if (TracedPath* const next = next_for_lanes()) {
-        slot.path = next;
-        slot.fresh = true;
-        ++busy_;
-        put(lanes, lane);
-      } else {
-        lanes.left.lane[lane] = 0;
-      }
+  bool begin(std::size_t i) {
+    TracedPath& path = paths_[i];
+    if (kind_of(path.ray_state, frame_) != kind_) {
+      trace_path(path, frame_, counters_);
+      return false;
     }
-  }
-
- private:
-  struct Slot {
-    TracedPath* path = nullptr;
-    bool fresh = false;  // the words of the path segment must be set
-  };
-
-  // The scalar iteration of a ray, if it has not ended. Returns whether the ray continues.
-  bool goes_on(TracedPath& path) {
-    RayState& ray = path.ray_state;
-    path.how = end(ray, frame_);
-    if (path.how != Termination::kActive) return false;
-    path.how = take_iteration(ray, frame_, counters_);
-    if (path.how == Termination::kActive) path.how = end(ray, frame_);
+    path.how = end(path.ray_state, frame_);
     return path.how == Termination::kActive;
   }
 
-  TracedPath* next_for_lanes() {
-    while (has_more()) {
-      TracedPath& path = paths_[next_++];
-      if (kind_of(path.ray_state, frame_) != kind_) {
-        trace_path(path, frame_, counters_);
-        continue;
-      }
-      path.how = end(path.ray_state, frame_);
-      if (path.how == Termination::kActive) return &path;
-    }
-    return nullptr;
+  void put(PathLanes& lanes, std::size_t lane, std::size_t i) {
+    path_[lane] = &paths_[i];
+    put_segment(lanes, lane);
+    put_on(lanes, lane);
   }
 
-  void put(PathLanes& lanes, std::size_t lane) {
-    Slot& slot = slots_[lane];
-    const RayState& ray = slot.path->ray_state;
-    if (slot.fresh || !ray.under_way) put_segment(lanes, lane, ray);
-    slot.fresh = false;
+  bool stopped(const PathLanes& lanes, std::size_t lane) const {
+    return lanes.left.lane[lane] <= 0 || lanes.masked.lane[lane] != 0;
+  }
+
+  // The scalar iteration of a ray, if it has not ended.
+  bool resume(PathLanes& lanes, std::size_t lane) {
+    take(lanes, lane);
+    TracedPath& path = *path_[lane];
+    RayState& ray = path.ray_state;
+    path.how = end(ray, frame_);
+    if (path.how != Termination::kActive) return false;
+    if (lanes.masked.lane[lane] != 0 && lanes.known.found.lane[lane] != 0) {
+      const KnownInterval known = lanes.known.of_lane(lane);
+      path.how = take_iteration(ray, frame_, counters_, &known);
+    } else {
+      path.how = take_iteration(ray, frame_, counters_, nullptr);
+    }
+    if (path.how == Termination::kActive) path.how = end(ray, frame_);
+    if (path.how != Termination::kActive) return false;
+    if (!ray.under_way) put_segment(lanes, lane);
+    put_on(lanes, lane);
+    return true;
+  }
+
+  void idle(PathLanes& lanes, std::size_t lane) const { lanes.left.lane[lane] = 0; }
+
+ private:
+  void put_on(PathLanes& lanes, std::size_t lane) const {
+    const RayState& ray = path_[lane]->ray_state;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.rest[axis].lane[lane] = ray.rest[axis];
@@ -133,7 +116,8 @@ class PathScheduler {
   }
 
   // Sets the words that are constant until the ray is scattered.
-  void put_segment(PathLanes& lanes, std::size_t lane, const RayState& ray) const {
+  void put_segment(PathLanes& lanes, std::size_t lane) const {
+    const RayState& ray = path_[lane]->ray_state;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.step[axis].lane[lane] = ray.step[axis];
       lanes.step_rest[axis].lane[lane] = ray.step_rest[axis];
@@ -145,7 +129,7 @@ class PathScheduler {
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.direction[axis].lane[lane] = ray.direction[axis];
     lanes.scattered.lane[lane] = ray.generation != 0 ? -1 : 0;
     lanes.value.lane[lane] = static_cast<std::int32_t>(interaction_value(ray, frame_));
-    lanes.ray.lane[lane] = static_cast<std::int32_t>(slots_[lane].path - paths_.data());
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(path_[lane] - paths_.data());
     if (kind_ == PathKind::kRendering) return;
     lanes.phase.lane[lane] = static_cast<std::int32_t>(energy_phase(ray, frame_));
     const std::uint64_t loss = draw(RandomStream::kLoss, ray.u, ray.v, ray.lifetime, frame_.seed);
@@ -154,8 +138,7 @@ class PathScheduler {
   }
 
   void take(const PathLanes& lanes, std::size_t lane) {
-    TracedPath& path = *slots_[lane].path;
-    RayState& ray = path.ray_state;
+    RayState& ray = path_[lane]->ray_state;
     const std::int32_t taken = lanes.taken.lane[lane];
     if (taken == 0) return;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -179,9 +162,7 @@ class PathScheduler {
   PathKind kind_;
   const Frame& frame_;
   RayCounters& counters_;
-  std::array<Slot, 16> slots_{};
-  std::size_t next_ = 0, busy_ = 0;
-  ShadingQueue seen_;
+  std::array<TracedPath*, 16> path_{};
 };
 
 #endif

@@ -22,15 +22,9 @@ void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const Pack
 
 template <PathKind kKind, bool kWide>
 void trace_paths_with(PathScheduler& scheduler, const PacketField& field, RayCounters& counters) {
-  const std::size_t count = hn::Lanes(D32());
-  PathLanes lanes{};
-  while (true) {
-    scheduler.serve(lanes, count);
-    if (scheduler.busy() == 0) break;
-    const std::size_t enough =
-        scheduler.has_more() ? std::max<std::size_t>(count / 4, 1) : count - scheduler.busy() + 1;
+  scheduler.run<PathLanes>([&](PathLanes& lanes, std::size_t enough) {
     march<kKind, kWide>(lanes, scheduler.seen(), field, enough, counters);
-  }
+  });
   scheduler.finish_colours(field);
 }
 

@@ -1,6 +1,6 @@
-// The integration interval of a lighting ray's sample, and its medium, for lanes of rays, as in datapath/ray_interval.h and
-// datapath/interaction.h, except intervals with an opaque entry or voxels of several tags. Doubles take the same operations in
-// the same order, so that their bits are the same; a quotient by a power of two is a product.
+// The integration interval of a lighting ray's sample, and its medium, for lanes of rays: datapath/interval-inl.h for vectors,
+// and datapath/interaction.h's absorption and scattering. Intervals with an opaque entry or voxels of several tags are left to
+// scalar code.
 
 // Included once for each instruction set.
 #if defined(GICUBE_RAY_INTERVAL) == defined(HWY_TARGET_TOGGLE)
@@ -12,6 +12,8 @@
 
 #include <limits>
 
+#include "datapath/one_lane.h"
+#include "datapath/ray_interval.h"
 #include "march-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,11 +23,23 @@ namespace gicube::emu::HWY_NAMESPACE {
 using DI64 = hn::RebindToSigned<DU64>;
 using MaskD = hn::Mask<DD>;
 
+HWY_INLINE VD like(VD, double x) { return hn::Set(DD(), x); }
+HWY_INLINE bool all(MaskD mask) { return hn::AllTrue(DD(), mask); }
+HWY_INLINE VD look_up(const double* table, VD index) {
+  return hn::GatherIndex(DD(), table, hn::ConvertTo(DI64(), index));
+}
+#include "datapath/interval-inl.h"
+
 // A double per ray under way.
 struct alignas(64) DoubleWord {
   std::array<double, 16> lane{};
 
   Doubles load() const { return {hn::Load(DD(), lane.data()), hn::Load(DD(), lane.data() + hn::Lanes(DD()))}; }
+  // Stores the lanes of `which`.
+  void store(const Doubles& v, const std::array<MaskD, 2>& which) {
+    hn::BlendedStore(v.lower, which[0], DD(), lane.data());
+    hn::BlendedStore(v.upper, which[1], DD(), lane.data() + hn::Lanes(DD()));
+  }
 };
 
 // Converts the lower or the upper lanes to doubles.
@@ -139,17 +153,6 @@ HWY_INLINE V scattering_opacity(V a, const MaterialLanes& material) {
   return hn::IfThenElse(hn::Eq(a, one), scatters, part);
 }
 
-// The interval in which a ray is in a cell, in steps from its sample.
-struct ReachLanes {
-  VD entry, exit;
-};
-
-// Intervals of half of the lanes, as in RayInterval::of().
-struct IntervalLanes {
-  VD begin, end;  // ends of the sample's interval
-  ReachLanes own;
-};
-
 // Data that determine a sample's interval: positions of the samples before and after it.
 struct WayLanes {
   std::array<V, 3> here, before, after;  // in the cells of the sample, and of those before and after it
@@ -194,97 +197,100 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
 }
 
 template <class HalfOf>
-HWY_INLINE IntervalLanes interval_of_way(const WayLanes& way, HalfOf half) {
-  const DD d;
-  const VD size = hn::Set(d, wire::kVoxel);
-  const auto reach = [&](const std::array<V, 3>& at, double steps) {
-    ReachLanes out{hn::Set(d, -std::numeric_limits<double>::infinity()),
-                   hn::Set(d, std::numeric_limits<double>::infinity())};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const VD a = half(at[axis]), per_unit = half(way.inverse[axis]);
-      const VD low = hn::Add(hn::Mul(hn::Neg(a), per_unit), hn::Set(d, steps));
-      const VD high = hn::Add(hn::Mul(hn::Sub(size, a), per_unit), hn::Set(d, steps));
-      const MaskD moves = hn::Ne(per_unit, hn::Zero(d));
-      out.entry = hn::IfThenElse(moves, hn::Max(out.entry, hn::Min(low, high)), out.entry);
-      out.exit = hn::IfThenElse(moves, hn::Min(out.exit, hn::Max(low, high)), out.exit);
-    }
-    return out;
-  };
-  const VD a_half = hn::Set(d, 0.5);
-  IntervalLanes out;
-  out.own = reach(way.here, 0);
-  const VD last_exit = reach(way.before, -1).exit, next_entry = reach(way.after, 1).entry;
-  const VD begin = hn::Mul(hn::Add(hn::Min(last_exit, out.own.entry), out.own.entry), a_half);
-  const VD end = hn::Mul(hn::Add(out.own.exit, hn::Max(out.own.exit, next_entry)), a_half);
-  out.begin = hn::IfThenZeroElse(half(way.first), hn::IfThenElse(half(way.begins_here), hn::Set(d, -0.5), begin));
-  out.end = hn::IfThenElse(half(way.ends_here), hn::Set(d, 0.5), end);
-  VD to_the_face = hn::Set(d, 1);
+HWY_INLINE PathAround<VD, MaskD> path_around(const WayLanes& way, HalfOf half) {
+  PathAround<VD, MaskD> out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const VD per_unit = half(way.inverse[axis]), steps = hn::Mul(half(way.ahead[axis]), per_unit);
-    to_the_face = hn::IfThenElse(hn::Ne(per_unit, hn::Zero(d)), hn::Min(to_the_face, steps), to_the_face);
+    out.here[axis] = half(way.here[axis]);
+    out.before[axis] = half(way.before[axis]);
+    out.after[axis] = half(way.after[axis]);
+    out.ahead[axis] = half(way.ahead[axis]);
+    out.per_unit[axis] = half(way.inverse[axis]);
   }
-  out.end = hn::IfThenElse(half(way.last), to_the_face, out.end);
+  out.begins_here = half(way.begins_here);
+  out.ends_here = half(way.ends_here);
+  out.first = half(way.first);
+  out.last = half(way.last);
   return out;
 }
 
-// Optical depth of an interval with varying density, as in RayInterval::of(), if no entry from `least` to `most` is opaque.
+// The pieces of an interval whose density varies, as in RayInterval::of(), and its optical depth if no entry from `least` to
+// `most` is opaque.
 struct DepthLanes {
+  std::array<VD, 5> ends;
+  std::array<VD, 3> density;
+  std::array<VD, 4> piece;  // depths
   VD depth, least, most;
 };
 
 // `tag`: of the samples, in the bits above those of a density.
 template <class HalfOf>
-HWY_INLINE DepthLanes depth_of_interval(const IntervalLanes& interval, const WayLanes& way, const Corners& corners,
+HWY_INLINE DepthLanes depth_of_interval(const Interval<VD>& interval, const WayLanes& way, const Corners& corners,
                                         const std::array<V, 3>& fraction, V tag, V exponent, const LightField& light,
                                         HalfOf half) {
-  const DD d;
-  const VD zero = hn::Zero(d), one = hn::Set(d, 1);
-  const auto lerp = [](VD a, VD b, VD w) { return hn::Add(a, hn::Mul(hn::Sub(b, a), w)); };
-  const auto density = [&](VD steps) {  // density_at()
-    std::array<VD, 3> w;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const VD at = hn::Add(half(fraction[axis]), hn::Mul(steps, half(way.slope[axis])));
-      w[axis] = hn::Min(hn::Max(hn::Mul(at, hn::Set(d, 1.0 / wire::kVoxel)), zero), one);
-    }
-    const auto along_x = [&](std::size_t row) {
-      const V pair = corners.row[row];
-      return lerp(half(hn::And(pair, set(0xFFFF))), half(hn::ShiftRight<16>(pair)), w[0]);
-    };
-    const VD near = lerp(along_x(0), along_x(1), w[1]), far = lerp(along_x(2), along_x(3), w[1]);
-    return hn::Mul(lerp(near, far, w[2]), hn::Set(d, 1.0 / (1 << kDensityFractionBits)));
-  };
-  constexpr double kDensities = wire::kSegmentationEntries / wire::kTags;
-  struct BinPositionLanes {
-    VD at, bin, until, slope;  // DepthTable::BinPosition, until(), and the depth of its entry
-  };
-  const VD first = half(tag);
-  const auto place = [&](VD of) {
-    const VD at = hn::Min(hn::Max(hn::Add(of, hn::Set(d, 0.5)), zero), hn::Set(d, kDensities - 1e-9));
-    const VD bin = hn::Add(first, hn::Trunc(at)), sum = hn::Add(first, at);
-    const auto index = hn::ConvertTo(DI64(), bin);
-    const VD below = hn::GatherIndex(d, light.sums, index), above = hn::GatherIndex(d, light.sums + 1, index);
-    return BinPositionLanes{sum, bin, lerp(below, above, hn::Sub(sum, bin)), hn::Sub(above, below)};
-  };
+  const VD zero = hn::Zero(DD()), first = half(tag), lengths = hn::Mul(half(exponent), hn::Set(DD(), 1.0 / 65536));
+  std::array<VD, 8> corner;
+  for (std::size_t row = 0; row < 4; ++row) {
+    corner[2 * row] = half(hn::And(corners.row[row], set(0xFFFF)));
+    corner[2 * row + 1] = half(hn::ShiftRight<16>(corners.row[row]));
+  }
+  const std::array<VD, 3> at{half(fraction[0]), half(fraction[1]), half(fraction[2])},
+      slope{half(way.slope[0]), half(way.slope[1]), half(way.slope[2])};
+  DepthLanes out;
   const VD entry = hn::Max(interval.begin, interval.own.entry), exit = hn::Min(interval.end, interval.own.exit);
   const VD middle = hn::Min(hn::Max(zero, entry), exit);
-  const BinPositionLanes from = place(density(entry)), here = place(density(middle)), to = place(density(exit));
-  const VD lengths = hn::Mul(half(exponent), hn::Set(d, 1.0 / 65536));
-  VD depth = zero;
-  const auto add = [&](VD begin, VD end, VD mean) {  // DepthTable::between()
-    const VD steps = hn::Sub(end, begin), more = hn::Mul(hn::Mul(steps, lengths), mean);
-    depth = hn::Add(depth, hn::IfThenElseZero(hn::Gt(steps, zero), more));
+  out.ends = {interval.begin, entry, middle, exit, interval.end};
+  const auto bin = [&](std::size_t i) {
+    out.density[i] = density_at(corner, in_cell(at, slope, out.ends[i + 1]));
+    return bin_position(first, out.density[i], light.sums);
   };
-  const auto mean = [&](const BinPositionLanes& a, const BinPositionLanes& b) {
-    const VD passed = hn::Sub(b.at, a.at);
-    const MaskD stays = hn::Lt(hn::Abs(passed), hn::Set(d, kNoWay));
-    return hn::IfThenElse(stays, a.slope, hn::Div(hn::Sub(b.until, a.until), passed));
-  };
-  add(interval.begin, entry, from.slope);
-  add(entry, middle, mean(from, here));
-  add(middle, exit, mean(here, to));
-  add(exit, interval.end, to.slope);
-  return DepthLanes{depth, hn::Min(hn::Min(from.bin, here.bin), to.bin), hn::Max(hn::Max(from.bin, here.bin), to.bin)};
+  const BinPosition<VD> from = bin(0), here = bin(1), to = bin(2);
+  const std::array<VD, 4> mean{from.depth, mean_depth(from, here), mean_depth(here, to), to.depth};
+  out.depth = zero;
+  for (std::size_t i = 0; i < mean.size(); ++i) {  // DepthTable::between()
+    const VD steps = hn::Sub(out.ends[i + 1], out.ends[i]), depth = hn::Mul(hn::Mul(steps, lengths), mean[i]);
+    out.piece[i] = hn::IfThenElseZero(hn::Gt(steps, zero), depth);
+    out.depth = hn::Add(out.depth, out.piece[i]);
+  }
+  out.least = hn::Min(hn::Min(from.bin, here.bin), to.bin);
+  out.most = hn::Max(hn::Max(from.bin, here.bin), to.bin);
+  return out;
 }
+
+// What lanes know of their samples' intervals (KnownInterval), by lane.
+struct KnownLanes {
+  Word found;  // all ones: of one medium that is nowhere opaque; of others nothing is known
+  Word entry, opacity, even;
+  std::array<DoubleWord, 5> ends;
+  std::array<DoubleWord, 3> density;
+  std::array<DoubleWord, 4> depth;
+
+  HWY_INLINE void put_ends(std::size_t i, const Doubles& v, Mask which) {
+    ends[i].store(v, {LowerLanes()(which), UpperLanes()(which)});
+  }
+  HWY_INLINE void put_pieces(const DepthLanes& below, const DepthLanes& above, Mask which) {
+    const std::array<MaskD, 2> both{LowerLanes()(which), UpperLanes()(which)};
+    for (std::size_t i = 1; i < 4; ++i) ends[i].store({below.ends[i], above.ends[i]}, both);
+    for (std::size_t i = 0; i < 3; ++i) density[i].store({below.density[i], above.density[i]}, both);
+    for (std::size_t i = 0; i < 4; ++i) depth[i].store({below.piece[i], above.piece[i]}, both);
+  }
+  HWY_INLINE void put(V its_entry, V its_opacity, Mask is_even, Mask is_found, Mask which) {
+    const auto store = [which](V v, Word& word) { hn::BlendedStore(v, which, D32(), word.lane.data()); };
+    store(its_entry, entry);
+    store(its_opacity, opacity);
+    store(hn::VecFromMask(D32(), is_even), even);
+    store(hn::VecFromMask(D32(), is_found), found);
+  }
+
+  KnownInterval of_lane(std::size_t lane) const {
+    KnownInterval out{.entry = static_cast<std::size_t>(entry.lane[lane]),
+                      .opacity = static_cast<std::uint32_t>(opacity.lane[lane]),
+                      .even = even.lane[lane] != 0};
+    for (std::size_t i = 0; i < 5; ++i) out.ends[i] = ends[i].lane[lane];
+    for (std::size_t i = 0; i < 3; ++i) out.density[i] = density[i].lane[lane];
+    for (std::size_t i = 0; i < 4; ++i) out.depth[i] = depth[i].lane[lane];
+    return out;
+  }
+};
 
 struct Exponent {
   V word;

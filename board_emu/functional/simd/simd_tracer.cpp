@@ -31,15 +31,9 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, Ra
 
 template <Gathers kGathers, bool kJitter, bool kWide>
 void trace_with(LaneScheduler& exchange, const PacketField& field, RayCounters& counters) {
-  const std::size_t count = hn::Lanes(D32());
-  Lanes lanes{};
-  while (true) {
-    exchange.serve(lanes, count);
-    if (exchange.busy() == 0) break;
-    // A few idle lanes cost less than an exchange for each; without new rays, one of the busy lanes must end.
-    const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
+  exchange.run<Lanes>([&](Lanes& lanes, std::size_t enough) {
     march<kGathers, kJitter, kWide>(lanes, exchange.seen(), field, enough, counters);
-  }
+  });
   if constexpr (kGathers == Gathers::kColour) exchange.seen().finish<kWide>(field);
   exchange.finish_colours();
 }

@@ -11,6 +11,7 @@
 
 #include "datapath/interaction.h"
 #include "lighting_rig.h"
+#include "plain_interval.h"
 
 namespace gicube::emu {
 namespace {
@@ -187,6 +188,37 @@ TEST(RayInterval, HasTheDepthsOfDensitiesThatAreLinearBetweenItsEndsAndTheSample
       ASSERT_NEAR(rough.interval(ray, first).opacity(), -std::expm1(-depth) * wire::kOpacityOne, 0.5 + 1e-3);
     }
   }
+}
+
+TEST(RayInterval, BeginsAndEndsWherePlainScalarCodeSaysBitForBit) {
+  Rough rough(3);
+  LitScene& lit = rough.lit;
+  for (std::size_t i = 0; i < 4096; ++i) lit.scene.segmentation[i].opacity = 30'000;
+  lit.scene.set_depths();
+  std::uniform_int_distribution<int> direction(-16384, 16384), step(3000, 150'000);
+  std::uniform_int_distribution<std::int32_t> position(0, lit.scene.frame.extent[0]);
+  int first_samples = 0, last_samples = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Point way{direction(rough.random), i % 3 == 0 ? 0 : direction(rough.random),
+              i % 5 == 0 ? 0 : direction(rough.random)};
+    if (way == Point{}) way[0] = 1;
+    lit.scene.frame.wide = i % 2 == 0;
+    RayState ray = rough.ray(way, static_cast<std::uint32_t>(step(rough.random)));
+    for (std::int32_t& at : ray.position) at = position(rough.random);
+    const bool first = i % 7 == 0,
+               last = !inside(units_of(moved(ray.fine_position(), ray.fine_step(), 1)), lit.scene.frame.extent);
+    const PlainPath path(ray);
+    const BlockView view = lit.scene.frame.volume->view(0);
+    const Cell at = cell(ray.position, {0, 0, 0});
+    const RayInterval interval = RayInterval::of(ray, {at, view, 0, 9}, 0, 30'000, first, lit.scene.frame);
+    const double begin = first ? 0 : path.begin(), end = path.end(lit.scene.frame.extent);
+    ASSERT_EQ(interval.place(0, lit.scene.frame), begin) << "ray " << i;
+    ASSERT_EQ(interval.place(1, lit.scene.frame), begin + (end - begin)) << "ray " << i;
+    first_samples += first ? 1 : 0;
+    last_samples += last ? 1 : 0;
+  }
+  EXPECT_GT(first_samples, 1000);
+  EXPECT_GT(last_samples, 1000);
 }
 
 TEST(RayInterval, OfOneOpacityIsCorrectedForItsLengthRounded) {
