@@ -74,7 +74,7 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
   registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
   registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
   registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));
-  registers.set_fixed(reg::kMaxMemory, commands.max_memory_mib());
+  registers.set_fixed(reg::kMaxMemory, commands.memory_limit().max_mib());
   registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
   registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
 }
@@ -153,7 +153,7 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
 // Set in addition to the bit for the refused write, so that drivers that do not support this bit also detect the
 // refusal.
 void Board::Parts::lack_memory() {
-  registers.set_fixed(reg::kMemoryAsked, commands.memory_asked_mib());
+  registers.set_fixed(reg::kMemoryAsked, commands.memory_limit().asked_mib());
   registers.raise(wire::kStatusNoMemory, 0);
 }
 

@@ -1,18 +1,18 @@
 // History of a pixel's rays: they are generated again from the image's command and traced through the datapath.
 #include <algorithm>
 
-#include "commands.h"
+#include "each_command.h"
 #include "firmware/pixel_life.h"
 #include "firmware/ray_sources/image_rays.h"
 
 namespace gicube::emu {
 
-void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame) {
+void RenderImage::explain(const wire::RenderCommand& command, const Frame& frame) {
   PixelLife life;
   life.x = explained_->x;
   life.y = explained_->y;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    life.blocks[axis] = static_cast<std::uint32_t>(aperture_.volume().blocks()[axis]);
+    life.blocks[axis] = static_cast<std::uint32_t>(card_.aperture.volume().blocks()[axis]);
   }
   if (life.x >= command.width || life.y >= command.height) {
     life.refused = "pixel: expected one of the picture's " + std::to_string(command.width) + " x " +
@@ -27,10 +27,10 @@ void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame
   explained_->report(life);
 }
 
-void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life) {
+void RenderImage::follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life) {
   Framebuffer own;
-  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, own, runs, lamps_);
+  const RunRules runs{card_.config.dsp().run_rays(), card_.config.dsp().run_error()};
+  ImageRays rays(command, frame, own, runs, card_.lamps);
   // The tent filter of a pixel extends to the centres of its neighbours.
   const int reach = command.filter == wire::Filter::kTent ? 1 : 0, samples = command.samples_per_axis;
   const auto first = [&](int at) { return std::max(at - reach, 0) * samples; };
@@ -52,7 +52,7 @@ void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& 
     }
   }
   life.explained = own.pixel(life.x, life.y);
-  life.pixel = aperture_.framebuffer().pixel(life.x, life.y);
+  life.pixel = card_.aperture.framebuffer().pixel(life.x, life.y);
 }
 
 }  // namespace gicube::emu

@@ -1,7 +1,7 @@
 // The illuminate command: deposits the energy of one light's rays in the volume.
 #include "command_fault.h"
-#include "commands.h"
 #include "datapath/interaction.h"
+#include "each_command.h"
 #include "firmware/lighting_rays.h"
 #include "firmware/ray_sources/light_rays.h"
 #include "gicube/wire/command.h"
@@ -27,50 +27,36 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
 
 }  // namespace
 
-// Configures the frame of a command whose rays deposit energy.
-void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
-  aperture_.expect_deposits();
-  frame.type = wire::RayType::kDeposit;
-  frame.lit_by_irradiance = false;              // applies to rendering rays, whatever PIPELINE says
-  frame.opacity_threshold = wire::kOpacityOne;  // it ends gathering rays only
-  frame.rules = rules;
-  if (rules == wire::EnergyRules::kAsPrinted) return;
-  frame.jitter = false;  // it hides sample positions; the depth of an interval does not depend on them
-  if (!depths_ || depths_of_ != frame.segmentation_writes) depths_.emplace(frame.segmentation);
-  depths_of_ = frame.segmentation_writes;
-  frame.depths = &*depths_;
-}
-
-CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
+CommandResult IlluminateVolume::run(Payload payload, Progress& work) {
   expect(payload.size() == wire::kIlluminateCommandBytes, "payload", "104 bytes", payload.size());
   const auto command = wire::decode<wire::IlluminateCommand>(payload);
-  check_volume();
-  const bool waits = in_bricks();
-  if (!waits) check_all_there();
-  Frame frame = this->frame();
-  check_materials(!waits && frame.light_words == 1);
+  card_.check_volume();
+  const bool waits = card_.in_bricks();
+  if (!waits) card_.check_all_there();
+  Frame frame = card_.frame();
+  card_.check_materials(!waits && frame.light_words == 1);
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
-  set_light(frame, command.rules);
+  card_.set_light(frame, command.rules);
   for (std::uint32_t word = 0; frame.light_words > 1 && word < kColours; ++word) {
-    frame.light_colour[word] = static_cast<std::uint16_t>(registers_.value(wire::reg::kLightRed + 4 * word));
+    frame.light_colour[word] = static_cast<std::uint16_t>(card_.registers.value(wire::reg::kLightRed + 4 * word));
   }
-  if (waits && !goes_on_) {
-    drop_rays();
-    waiting_rays_.begin(WaitingKind::kLight, {.type = wire::RayType::kDeposit, .rules = command.rules});
+  if (waits && !card_.goes_on) {
+    card_.drop_rays();
+    card_.waiting_rays.begin(WaitingKind::kLight, {.type = wire::RayType::kDeposit, .rules = command.rules});
   }
-  if (waits) set_bricks(frame);
-  expect_memory(frame);
-  if (!goes_on_) host_traps_.begin(true, command.rules);
+  if (waits) card_.set_bricks(frame);
+  card_.expect_memory(frame);
+  if (!card_.goes_on) card_.host_traps.begin(true, command.rules);
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
-  aperture_.decode(threads_, reads(frame));
+  card_.aperture.decode(card_.threads, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
   LightRays rays(maker, frame);
-  const RunResult ran = run_level(rays, frame, work);
-  lighting_rays_ += ran.made;
+  const RunResult ran = card_.run_level(rays, frame, work);
+  card_.lighting_rays += ran.made;
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  add_ledger(result, ran.rays, light_in_solid(command, frame));
-  add_waiting(result);
-  add_trap_list(result, 0);
+  card_.add_ledger(result, ran.rays, light_in_solid(command, frame));
+  card_.add_waiting(result);
+  card_.add_trap_list(result, 0);
   return result;
 }
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "command_fault.h"
-#include "commands.h"
+#include "each_command.h"
 #include "firmware/ray_sources/pair_rays.h"
 
 namespace gicube::emu {
@@ -42,15 +42,15 @@ void check_element(const wire::Element& element, const Point& extent) {
 
 }  // namespace
 
-CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress& work) {
+CommandResult TracePairs::run(Payload payload, Progress& work) {
   expect(payload.size() >= wire::kPairsHeaderBytes, "payload", "at least 32 bytes", payload.size());
   PairJob job;
   job.header = wire::decode<wire::PairsHeader>(payload);
   check_header(job.header, payload.size());
-  check_volume();
-  check_all_there();
-  Frame frame = this->frame();
-  set_opacity_rays(frame, job.header.opacity);
+  card_.check_volume();
+  card_.check_all_there();
+  Frame frame = card_.frame();
+  set_type(frame, {.type = wire::RayType::kOpacity, .opacity = job.header.opacity});
   for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};
   std::size_t at = wire::kPairsHeaderBytes;
   for (std::uint32_t e = 0; e < job.header.elements; ++e, at += wire::kElementBytes) {
@@ -65,12 +65,12 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
            std::max(job.pairs[p].a, job.pairs[p].b));
   }
 
-  expect_memory(frame);
-  aperture_.decode(threads_, reads(frame));
+  card_.expect_memory(frame);
+  card_.aperture.decode(card_.threads, reads(frame));
   std::vector<std::uint8_t> results(job.pairs.size() * wire::kPairResultBytes);
   PairRays rays(job, results);
-  if (!goes_on_) pair_rays_ += rays.count();
-  const RunResult ran = run_level(rays, frame, work);
+  if (!card_.goes_on) pair_rays += rays.count();
+  const RunResult ran = card_.run_level(rays, frame, work);
   const std::uint64_t up_bytes = std::max<std::uint64_t>(results.size(), 4);
   return {.payload = std::move(results), .dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps, .up_bytes = up_bytes};
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "command_fault.h"
-#include "commands.h"
+#include "each_command.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "gicube/wire/command.h"
 
@@ -65,36 +65,36 @@ std::vector<wire::Lamp> checked_lamps(const wire::RenderCommand& command, std::s
 
 }  // namespace
 
-CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
+CommandResult RenderImage::run(Payload payload, Progress& work) {
   expect(payload.size() >= wire::kRenderCommandBytes, "payload", "at least 112 bytes", payload.size());
   const auto command = wire::decode<wire::RenderCommand>(payload);
-  check_image(command, config_.dsp().framebuffer_mb());
+  check_image(command, card_.config.dsp().framebuffer_mb());
   const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
-  check_volume();
-  Frame frame = this->frame();
-  check_materials(!frame.scatter || !aperture_.any_non_resident());
+  card_.check_volume();
+  Frame frame = card_.frame();
+  card_.check_materials(!frame.scatter || !card_.aperture.any_non_resident());
   frame.lamps = !lamps.empty();
-  if (goes_on_) {
-    expect(aperture_.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
+  if (card_.goes_on) {
+    expect(card_.aperture.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
            command.width);
   } else {
-    drop_rays();
-    waiting_rays_.begin(WaitingKind::kPicture);
+    card_.drop_rays();
+    card_.waiting_rays.begin(WaitingKind::kPicture);
   }
-  set_bricks(frame);
-  expect_memory(frame, pixels_of(command));
-  if (!goes_on_) host_traps_.begin(false, {});
-  aperture_.decode(threads_, reads(frame));
-  lamps_ = Lamps(lamps, frame.spacing);
-  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_, goes_on_);
-  const RunResult ran = run_level(rays, frame, work);
-  viewing_rays_ += rays.count();
+  card_.set_bricks(frame);
+  card_.expect_memory(frame, pixels_of(command));
+  if (!card_.goes_on) card_.host_traps.begin(false, {});
+  card_.aperture.decode(card_.threads, reads(frame));
+  card_.lamps = Lamps(lamps, frame.spacing);
+  const RunRules runs{card_.config.dsp().run_rays(), card_.config.dsp().run_error()};
+  ImageRays rays(command, frame, card_.aperture.framebuffer(), runs, card_.lamps, card_.goes_on);
+  const RunResult ran = card_.run_level(rays, frame, work);
+  viewing_rays += rays.count();
   if (explained_) explain(command, frame);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  if (waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
-  add_waiting(result);
-  add_trap_list(result, 0);
+  if (card_.waiting_rays.count() == 0) card_.aperture.resolve_framebuffer(card_.threads);
+  card_.add_waiting(result);
+  card_.add_trap_list(result, 0);
   return result;
 }
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 
 #include "command_fault.h"
-#include "commands.h"
 #include "datapath/interaction.h"
+#include "each_command.h"
 #include "firmware/ray_sources/host_rays.h"
 #include "gicube/wire/command.h"
 
@@ -24,6 +24,18 @@ void check_choice(const char* name, unsigned value, bool has) {
 }
 
 }  // namespace
+
+void set_type(Frame& frame, const wire::TraceHeader& header) {
+  frame.type = header.type;
+  if (header.type == RayType::kIntegrate) return;
+  frame.opacity_threshold = frame.to_the_hit() ? header.opacity : wire::kOpacityOne;
+  frame.scatter = frame.high_albedo = false;
+  if (header.type != RayType::kSegment) frame.lit_by_irradiance = false;
+  if (!frame.segments()) return;
+  frame.jitter = false;
+  frame.cut_planes.clear();
+  if (frame.integral() || frame.backprojects()) frame.skip_empty = false;  // blocks without opacity may have density
+}
 
 void check_trace_header(const wire::TraceHeader& header) {
   expect(header.type <= RayType::kBackproject, "type", "0..6", static_cast<std::uint64_t>(header.type));
@@ -77,19 +89,6 @@ std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
   return sum;
 }
 
-// Configures the frame for rays of this type, which must not deposit.
-void set_type(Frame& frame, const wire::TraceHeader& header) {
-  frame.type = header.type;
-  if (header.type == RayType::kIntegrate) return;
-  frame.opacity_threshold = frame.to_the_hit() ? header.opacity : wire::kOpacityOne;
-  frame.scatter = frame.high_albedo = false;
-  if (header.type != RayType::kSegment) frame.lit_by_irradiance = false;
-  if (!frame.segments()) return;
-  frame.jitter = false;
-  frame.cut_planes.clear();
-  if (frame.integral() || frame.backprojects()) frame.skip_empty = false;  // blocks without opacity may have density
-}
-
 // The completion of a backprojection. `overflow`: the excess that was clipped from the accumulators.
 void add_deposits(CommandResult& result, const RayCounters& counts, const Overflow& overflow) {
   wire::DepositLedger ledger;
@@ -104,34 +103,18 @@ void add_deposits(CommandResult& result, const RayCounters& counts, const Overfl
 
 }  // namespace
 
-void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
-  set_type(frame, {.type = RayType::kOpacity, .opacity = opacity});
-}
-
-Frame DspCommands::trace_frame(const wire::TraceHeader& header) {
-  Frame frame = this->frame();
-  if (header.type == RayType::kDeposit) {
-    set_light(frame, header.rules);
-    frame.cut_planes.clear();  // cut planes only affect viewing
-  } else {
-    set_type(frame, header);
-  }
-  if (header.words == wire::SumWords::kWhole) frame.accumulators = &aperture_.accumulators();
-  return frame;
-}
-
 // Adds the rays to those in the DSP's memory, for an out-of-core volume. Deposit rays are not kept.
-std::span<wire::Ray> DspCommands::take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays) {
-  std::vector<wire::Ray>& all = aperture_.host_rays();
+std::span<wire::Ray> TraceRays::take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays) {
+  std::vector<wire::Ray>& all = card_.aperture.host_rays();
   const bool stay = comes_back(header.type);
-  if (!goes_on_) {
-    if (!waiting_rays_.go_on_with(header)) {
-      drop_rays();
-      waiting_rays_.begin(WaitingKind::kHostRays, header);
+  if (!card_.goes_on) {
+    if (!card_.waiting_rays.go_on_with(header)) {
+      card_.drop_rays();
+      card_.waiting_rays.begin(WaitingKind::kHostRays, header);
     }
     const std::uint64_t sum = stay ? all.size() + rays.size() : 0;
     expect(sum <= wire::kMaxHostRays, "rays", "at most 2^24 in all trace commands of a series", sum);
-    waiting_rays_.number(rays.size());
+    card_.waiting_rays.number(rays.size());
     if (stay) all.insert(all.end(), rays.begin(), rays.end());
   }
   if (!stay) return rays;
@@ -139,27 +122,27 @@ std::span<wire::Ray> DspCommands::take_in(const wire::TraceHeader& header, std::
   return std::span(all).last(rays.size());
 }
 
-CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
+CommandResult TraceRays::run(Payload payload, Progress& work) {
   expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
   const auto header = wire::decode<wire::TraceHeader>(payload);
   if (payload.size() != wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes) {
     refuse("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays", payload.size());
   }
   check_trace_header(header);
-  check_volume();
-  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = in_bricks();
-  if (!waits) check_all_there();
+  card_.check_volume();
+  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = card_.in_bricks();
+  if (!waits) card_.check_all_there();
   expect(!waits || header.type != RayType::kBackproject, "type",
          "0..5 of a volume with more blocks than the card stores", static_cast<std::uint64_t>(header.type));
-  Frame frame = trace_frame(header);
-  if (frame.scatter || deposit) check_materials(false);
+  Frame frame = card_.trace_frame(header);
+  if (frame.scatter || deposit) card_.check_materials(false);
   if (frame.backprojects() && frame.accumulators == nullptr) {
     expect(frame.light_words == 1, "words", "1 (sums) on a card of three irradiance words", 0);
-    aperture_.expect_deposits();
+    card_.aperture.expect_deposits();
   }
   const std::size_t count = header.count;
   const std::uint64_t max_energy = max_energy_of(header, frame.wide);
-  std::vector<wire::Ray>& rays = host_ray_room_;
+  std::vector<wire::Ray>& rays = room_;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     rays[i] = wire::decode<wire::Ray>(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes));
@@ -175,22 +158,22 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   }
   std::span<wire::Ray> traced(rays);
   if (waits) traced = take_in(header, rays);
-  if (waits) set_bricks(frame);
-  expect_memory(frame);
-  if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
+  if (waits) card_.set_bricks(frame);
+  card_.expect_memory(frame);
+  if (!frame.backprojects()) card_.aperture.decode(card_.threads, reads(frame));
   HostRays source(traced, frame, back);
-  const RunResult ran = run_level(source, frame, work);
+  const RunResult ran = card_.run_level(source, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  host_rays_ += count;
+  host_rays += count;
   result.takes_rays = count > 0;
   if (deposit) {
-    lighting_rays_ += count;
-    add_ledger(result, ran.rays, false);
-    add_waiting(result);
+    card_.lighting_rays += count;
+    card_.add_ledger(result, ran.rays, false);
+    card_.add_waiting(result);
     return result;
   }
   if (waits) {
-    add_waiting(result);
+    card_.add_waiting(result);
     return result;
   }
   if (frame.backprojects()) {

@@ -113,6 +113,23 @@ TEST(IlluminateCommand, GoesByTheTableThatWasWrittenLast) {
   }
 }
 
+// A board that is reset counts its tables anew.
+TEST(IlluminateCommand, GoesByTheTableThatWasWrittenAfterAReset) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    for (const int opacity : {65535, 0}) {
+      board.load_volume({17, 17, 17}, [](int, int, int z) {
+        return wire::Voxel{static_cast<std::uint16_t>(z < 8 ? 0 : 4000), 0, 0, 0};
+      });
+      board.write_segmentation([opacity](unsigned, unsigned density) {
+        return wire::SegmentationEntry{{1, 1, 1}, static_cast<std::uint16_t>(density < 1000 ? 0 : opacity)};
+      });
+      EXPECT_EQ(lit(board, sunlight(100)).escaped, opacity == 0 ? 25'600u : 0u);
+      board.write_register(wire::reg::kControl, wire::kControlReset);
+    }
+  }
+}
+
 // Rays along z have samples at 16, 15 ... 0. The conserving rules know no jitter, the printed ones do.
 TEST(IlluminateCommand, TakesItsSamplesAStepApart) {
   for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {

@@ -1,43 +1,13 @@
-// Rays that continue on another card: removed from this one, and added to it (wire/forwarded_ray.h).
+// Adds rays to the card that were on another one (wire/forwarded_ray.h).
 #include <bit>
-#include <cstring>
 
 #include "command_fault.h"
-#include "commands.h"
+#include "each_command.h"
 #include "firmware/ray_sources/host_rays.h"
 
 namespace gicube::emu {
 
 namespace {
-
-wire::ForwardedRay to_record(const WaitingRay& ray) {
-  const RayState& state = ray.ray_state;
-  wire::ForwardedRay out{.number = ray.number,
-                         .block = ray.block,
-                         .home = ray.home,
-                         .trapped = ray.trapped,
-                         .position = state.position,
-                         .step = state.step,
-                         .exponent = state.exponent,
-                         .length = state.length,
-                         .opacity = state.opacity,
-                         .interacted = state.interacted,
-                         .colour = state.colour,
-                         .direction = state.direction,
-                         .u = state.u,
-                         .v = state.v,
-                         .lifetime = state.lifetime,
-                         .generation = state.generation,
-                         .under_way = state.under_way,
-                         .flags = state.flags,
-                         .rest = state.rest,
-                         .step_rest = state.step_rest,
-                         .green_energy = state.more_energy[0],
-                         .blue_energy = state.more_energy[1]};
-  out.wide[0] = std::bit_cast<std::uint32_t>(state.wide.opacity);
-  for (std::size_t c = 0; c < kColours; ++c) out.wide[1 + c] = std::bit_cast<std::uint32_t>(state.wide.colour[c]);
-  return out;
-}
 
 WaitingRay of_record(const wire::ForwardedRay& ray) {
   WaitingRay out{.number = ray.number, .block = ray.block, .home = ray.home, .trapped = ray.trapped != 0};
@@ -91,47 +61,10 @@ void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
 
 }  // namespace
 
-CommandResult DspCommands::take_rays(std::span<const std::uint8_t> payload) {
-  expect(payload.size() >= wire::kTakeRaysHeaderBytes, "payload", "at least 16 bytes", payload.size());
-  const auto header = wire::decode<wire::TakeRaysHeader>(payload);
-  if (payload.size() != wire::kTakeRaysHeaderBytes + std::uint64_t{header.blocks} * 4) {
-    refuse("payload", "16 bytes and 4 for each of its " + std::to_string(header.blocks) + " blocks", payload.size());
-  }
-  expect(header.ended <= 1, "ended", "0 or 1", header.ended);
-  expect(header.ended == 0 || header.blocks == 0, "blocks", "0 where rays that have ended are taken", header.blocks);
-  expect(header.max_rays >= 1 && header.max_rays <= 65536, "max_rays", "1..65536", header.max_rays);
-  std::vector<std::uint32_t> blocks(header.blocks);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    blocks[i] = wire::load<std::uint32_t>(payload, wire::kTakeRaysHeaderBytes + 4 * i);
-    if (i > 0 && blocks[i] <= blocks[i - 1]) refuse("blocks: expected ascending numbers");
-  }
-  CommandResult result;
-  std::size_t taken = 0, left = 0;
-  std::vector<std::uint8_t> records;
-  if (header.ended != 0) {
-    const auto rays = waiting_rays_.take_ended(header.max_rays);
-    for (const wire::EndedRay& ray : rays) wire::append(records, ray);
-    taken = rays.size(), left = waiting_rays_.ended();
-  } else {
-    const auto rays = waiting_rays_.take(blocks, header.max_rays);
-    for (const WaitingRay& ray : rays) wire::append(records, to_record(ray));
-    taken = rays.size(), left = waiting_rays_.count(blocks);
-  }
-  result.payload =
-      wire::encoded(wire::TakenHeader{static_cast<std::uint32_t>(taken), static_cast<std::uint32_t>(left)});
-  result.payload.insert(result.payload.end(), records.begin(), records.end());
-  result.up_bytes = result.payload.size();
-  forwarded_rays_ += taken;
-  const bool last = taken > 0 && waiting_rays_.count() == 0;
-  if (last && waiting_rays_.kind() == WaitingKind::kPicture) aperture_.resolve_framebuffer(threads_);
-  if (config_.ideal().dsp() == 0) result.dsp_cycles = records.size() / wire::kRayBytes * kPassRay.interval();
-  return result;
-}
-
 // The rays belong to the commands whose rays wait here, or start a new series.
-void DspCommands::begin_given(const wire::GiveRaysHeader& header) {
+void GiveRays::begin_given(const wire::GiveRaysHeader& header) {
   if (header.of == wire::RaysOf::kPicture) {
-    const bool begun = waiting_rays_.kind() == WaitingKind::kPicture && aperture_.framebuffer().width() > 0;
+    const bool begun = card_.waiting_rays.kind() == WaitingKind::kPicture && card_.aperture.framebuffer().width() > 0;
     if (!begun) refuse("of: expected 1 or 2, since no picture was begun, got 0");
     return;
   }
@@ -139,13 +72,13 @@ void DspCommands::begin_given(const wire::GiveRaysHeader& header) {
   trace.count = 0;
   const WaitingKind kind = header.of == wire::RaysOf::kTrace ? WaitingKind::kHostRays : WaitingKind::kLight;
   if (kind == WaitingKind::kLight) trace = {.type = wire::RayType::kDeposit, .rules = trace.rules};
-  if (waiting_rays_.kind() == kind && waiting_rays_.header() == trace) return;
-  if (waiting_rays_.count() > 0) refuse("of, trace: expected those of the rays that wait, got others");
-  drop_rays();
-  waiting_rays_.begin(kind, trace);
+  if (card_.waiting_rays.kind() == kind && card_.waiting_rays.header() == trace) return;
+  if (card_.waiting_rays.count() > 0) refuse("of, trace: expected those of the rays that wait, got others");
+  card_.drop_rays();
+  card_.waiting_rays.begin(kind, trace);
 }
 
-CommandResult DspCommands::give_rays(std::span<const std::uint8_t> payload) {
+CommandResult GiveRays::run(Payload payload) {
   expect(payload.size() >= wire::kGiveRaysHeaderBytes, "payload", "at least 32 bytes", payload.size());
   const auto header = wire::decode<wire::GiveRaysHeader>(payload);
   const std::uint64_t bytes = std::uint64_t{header.rays} * wire::kForwardedRayBytes;
@@ -153,17 +86,17 @@ CommandResult DspCommands::give_rays(std::span<const std::uint8_t> payload) {
     refuse("payload", "32 bytes, 128 for each of its rays and 64 for each that has ended", payload.size());
   }
   expect(header.of <= wire::RaysOf::kLight, "of", "0..2", static_cast<std::uint64_t>(header.of));
-  check_volume();
-  if (!in_bricks()) refuse("BRICKS: expected 1, or a volume with more blocks than the card stores");
+  card_.check_volume();
+  if (!card_.in_bricks()) refuse("BRICKS: expected 1, or a volume with more blocks than the card stores");
   if (header.of != wire::RaysOf::kPicture) {
     check_trace_header(header.trace);
     expect(header.trace.type != wire::RayType::kBackproject, "type", "0..5",
            static_cast<std::uint64_t>(header.trace.type));
   }
   begin_given(header);
-  const Frame frame = continued_frame();
+  const Frame frame = card_.continued_frame();
   const bool picture = header.of == wire::RaysOf::kPicture;
-  const std::span<wire::Ray> host_rays(aperture_.host_rays());
+  const std::span<wire::Ray> host_rays(card_.aperture.host_rays());
   std::vector<WaitingRay> rays;
   rays.reserve(header.rays);
   for (std::size_t i = 0; i < header.rays; ++i) {
@@ -189,23 +122,23 @@ CommandResult DspCommands::give_rays(std::span<const std::uint8_t> payload) {
              ended.back().number);
     });
   }
-  aperture_.host_deposits().begin();
-  waiting_rays_.give(rays);
-  arrived_rays_ += rays.size() + ended.size();
+  card_.aperture.host_deposits().begin();
+  card_.waiting_rays.give(rays);
+  arrived_rays += rays.size() + ended.size();
   for (const wire::EndedRay& each : ended) {
     if (picture) {
-      aperture_.framebuffer().add(lamps_.seen_by(each.ray));
+      card_.aperture.framebuffer().add(card_.lamps.seen_by(each.ray));
     } else {
       put_back(each.ray, host_rays[static_cast<std::size_t>(each.number)]);
     }
   }
-  if (picture && waiting_rays_.count() == 0) aperture_.resolve_framebuffer(threads_);
+  if (picture && card_.waiting_rays.count() == 0) card_.aperture.resolve_framebuffer(card_.threads);
   CommandResult result;
-  if (config_.ideal().dsp() == 0) {
+  if (card_.config.ideal().dsp() == 0) {
     const std::size_t packets = (payload.size() - wire::kGiveRaysHeaderBytes) / wire::kRayBytes;
     result.dsp_cycles = packets * kPassRay.interval() + (picture ? ended.size() * kAddToPixel.interval() : 0);
   }
-  add_waiting(result);
+  card_.add_waiting(result);
   return result;
 }
 

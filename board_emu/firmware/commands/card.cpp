@@ -1,0 +1,155 @@
+#include "card.h"
+
+#include <algorithm>
+#include <string>
+
+#include "command_fault.h"
+#include "datapath/scattering.h"
+#include "gicube/parallel_for.h"
+
+namespace gicube::emu {
+
+namespace {
+
+namespace reg = wire::reg;
+
+std::uint32_t max_irradiance(const v1::BoardConfig& config) {
+  return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
+}
+
+}  // namespace
+
+Aperture make_aperture(const v1::BoardConfig& config) {
+  return Aperture(static_cast<int>(config.asic().block_voxels()),
+                  static_cast<wire::VoxelFormat>(config.asic().voxel_format()), config.asic().irradiance_words(),
+                  max_irradiance(config));
+}
+
+Card::Card(const v1::BoardConfig& board_config, const RegisterFile& board_registers, Level& its_level)
+    : config(board_config),
+      registers(board_registers),
+      level(its_level),
+      threads(thread_count(config.threads())),
+      aperture(make_aperture(config)) {}
+
+std::array<int, 3> Card::volume_size() const {
+  std::array<int, 3> size{};
+  for (std::uint32_t axis = 0; axis < 3; ++axis)
+    size[axis] = static_cast<int>(registers.value(reg::kVolumeX + 4 * axis));
+  return std::ranges::all_of(size, [](int edge) { return edge > 0; }) ? size : std::array<int, 3>{};
+}
+
+void Card::clear_volume() {
+  aperture.resize_volume(volume_size());
+  drop_rays();
+  words_bytes = 0;
+  level.volume_changed();
+}
+
+void Card::check_all_there() const {
+  if (aperture.any_non_resident()) refuse("absent_flags: expected none set for this command, got some");
+}
+
+void Card::drop_rays() {
+  aperture.host_deposits().begin();
+  waiting_rays.begin(WaitingKind::kPicture);
+  aperture.host_rays() = {};
+}
+
+std::uint64_t Card::capacity_blocks() const {
+  const std::uint64_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
+  return edge * edge * edge;
+}
+
+RunResult Card::run_level(RaySource& rays, const Frame& frame, Progress& work) {
+  if (level_volume != aperture.volume_writes()) level.volume_changed();
+  level_volume = aperture.volume_writes();
+  RunResult ran = level.run(rays, frame, work);
+  if (config.ideal().dsp() != 0) ran.dsp_cycles = 0;
+  if (ran.cancelled) throw CommandFault{wire::ErrorCode::kCancelled, ""};
+  ++answered[static_cast<std::size_t>(ran.answered)][opcode];
+  return ran;
+}
+
+std::uint64_t Card::stored_words() {
+  return aperture.stored_irradiance_bytes() + aperture.accumulators().stored_bytes();
+}
+
+Acceptance Card::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
+  if (limit.is_set()) {
+    const auto [volume, irradiance] = aperture.bytes_of_write(address, bytes.size());
+    const std::uint64_t rest = aperture.volume_bytes() + aperture.image_bytes() + rays_bytes() + volume + irradiance;
+    const bool more = volume + irradiance > 0;
+    if (more && rest + words_bytes > limit.max()) {
+      words_bytes = stored_words();  // earlier writes reserved more than they needed
+      if (!limit.fits(rest + words_bytes)) return Acceptance::kTooMuchMemory;
+    }
+    words_bytes += irradiance;
+  }
+  if (!has_room(address, bytes.size())) return Acceptance::kOutOfRange;
+  return aperture.write(address, bytes) ? Acceptance::kTaken : Acceptance::kOutOfRange;
+}
+
+// Returns whether the card can store the written blocks. Counts newly loaded blocks.
+bool Card::has_room(std::uint64_t address, std::uint64_t length) {
+  const VolumeMemory& volume = aperture.volume();
+  const std::uint64_t offset = address - wire::kVolume.base;
+  if (address < wire::kVolume.base || length == 0 || offset + length > volume.bytes()) return true;
+  const std::uint64_t first = offset / volume.block_bytes(), last = (offset + length - 1) / volume.block_bytes();
+  std::uint64_t more = 0;
+  for (std::uint64_t block = first; block <= last; ++block) more += volume.is_stored(block) ? 0 : 1;
+  if (volume.stored_blocks() + more > capacity_blocks()) return false;
+  for (std::uint64_t block = first; in_bricks() && block <= last; ++block) {
+    if (volume.is_stored(block)) continue;
+    ++block_loads;
+    min_block_loads += waiting_rays.note_load(block, volume.block_count()) ? 1 : 0;
+  }
+  return true;
+}
+
+void Card::expect_memory(const Frame& frame, std::uint64_t pixels) {
+  if (!limit.is_set()) return;
+  const bool accumulates = frame.accumulators != nullptr,
+             deposits = frame.lights() || (frame.backprojects() && !accumulates);
+  words_bytes = stored_words();
+  const std::uint64_t more_words = (deposits ? aperture.free_irradiance_bytes(capacity_blocks()) : 0) +
+                                   (accumulates ? aperture.accumulators().free_bytes() : 0);
+  const std::uint64_t decoded = frame.backprojects() ? 0 : aperture.volume().bytes_to_decode(reads(frame));
+  const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture.image_bytes();
+  const std::uint64_t taken = aperture.volume_bytes() + words_bytes + more_words + decoded + image;
+  if (!limit.fits(taken + rays_bytes())) {
+    refuse("memory: expected at most " + std::to_string(limit.max_mib()) +
+           " MiB for volume, words and image (gicube-board --max-memory), got " + std::to_string(limit.asked_mib()) +
+           " MiB");
+  }
+  words_bytes += more_words;
+  waiting_rays.set_room(limit.max() - taken - aperture.host_rays_bytes());
+}
+
+void Card::check_volume() const {
+  if (aperture.volume().block_count() == 0) refuse("no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set");
+}
+
+void Card::check_materials(bool host_answers) const {
+  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+    const wire::Material& material = aperture.materials()[tag];
+    check_part("material", tag, [&] {
+      expect(material.bsdf <= wire::Bsdf::kTrap, "bsdf", "0..6", static_cast<std::uint64_t>(material.bsdf));
+      expect(material.parameter_count <= wire::kMaterialParameters, "parameters", "at most 32",
+             material.parameter_count);
+      if (material.bsdf != wire::Bsdf::kTrap) return;
+      if (material.routine == wire::kHostRoutine) {
+        if (!host_answers)
+          refuse(
+              "routine 255: the host is not asked for rays of a trace command, for light in three irradiance words, or "
+              "while blocks are absent");
+        return;
+      }
+      expect(routines != nullptr && routines->has(material.routine), "routine",
+             "the number of a routine that the board has", material.routine);
+      const auto parameters = std::span(material.parameters).first(material.parameter_count);
+      if (const auto what = routines->fault(material.routine, parameters)) refuse(*what);
+    });
+  }
+}
+}  // namespace gicube::emu
