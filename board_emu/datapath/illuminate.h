@@ -22,26 +22,17 @@ inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std:
   return static_cast<std::uint32_t>(std::max<std::int16_t>(lerp(near, far, weights[2]), 0));
 }
 
-// Colour of a classified sample lit by red, green and blue irradiance: irradiance gives the diffuse part, the reflectance map,
-// which may be black, the highlights of point lights [P §3.4]. `exposure`: 16.16.
+// Colour of a classified sample lit by red, green and blue irradiance, which gives the diffuse part. `exposure`: 16.16.
 inline Colour12 illuminated(const wire::SegmentationEntry& entry, const std::array<std::uint32_t, 3>& irradiance,
                             std::uint32_t exposure, const Point& gradient, const std::uint8_t* reflectance_map) {
   constexpr int kTooMany = kIrradianceFractionBits + wire::kGainFractionBits + 16 - kShadeFractionBits;
-  std::int64_t highlight = 0;
-  if (entry.specular != 0 && dot(gradient, gradient) >= std::int64_t{kShortestGradient} * kShortestGradient) {
-    highlight = (std::int64_t{entry.specular} * reflectance(reflectance_map, gradient) + 64) >> 7;
-  }
-  Colour12 out{};
+  Colour12 lit;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::uint64_t gained = std::uint64_t{irradiance[c]} * entry.gain();
-    const auto lit = static_cast<std::int64_t>(std::min<std::uint64_t>(
-        (gained * exposure + (1u << (kTooMany - 1))) >> kTooMany, std::uint64_t{8} << kShadeFractionBits));
-    const std::int64_t base = lit + (std::int64_t{entry.ambient} << (kShadeFractionBits - 7));
-    const std::int64_t colour = entry.colour[c] * base + std::int64_t{wire::kColourOne} * highlight;
-    out[c] = static_cast<std::int32_t>(
-        std::min<std::int64_t>((colour + kShadeUnit / 2) >> kShadeFractionBits, wire::kColourOne));
+    lit[c] = static_cast<std::int32_t>(std::min<std::uint64_t>((gained * exposure + (1u << (kTooMany - 1))) >> kTooMany,
+                                                               std::uint64_t{8} << kShadeFractionBits));
   }
-  return out;
+  return illuminated(shading_entry(entry), std::int32_t{entry.specular}, lit, gradient, SquareOf{reflectance_map});
 }
 
 }  // namespace gicube::emu

@@ -152,4 +152,5 @@ void Card::check_materials(bool host_answers) const {
     });
   }
 }
+
 }  // namespace gicube::emu

@@ -144,4 +144,5 @@ Frame Card::continued_frame() {
   }
   return frame;
 }
+
 }  // namespace gicube::emu

@@ -69,4 +69,5 @@ void Card::add_waiting(CommandResult& result) {
   }
   if (config.ideal().dsp() == 0 && result.asic_ps == 0) result.dsp_cycles += added * kPassRay.interval();
 }
+
 }  // namespace gicube::emu

@@ -72,26 +72,10 @@ HWY_INLINE std::array<V, 3> resample_gradient(const PackedPosition& at, const Pa
 HWY_INLINE std::array<V, 3> voxel_colour(const PackedPosition& at, const PacketField& field) {
   const VU64 even = resample_colours<false>(at, field), odd = resample_colours<true>(at, field);
   const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
-  const V word = set(0xFFFF), one = set(static_cast<std::int32_t>(wire::kColourOne));  // words are not negative
-  const std::array<V, 3> words{hn::And(low, word), hn::ShiftRight<16>(low), hn::And(high, word)};
-  const V alpha = hn::ShiftRight<16>(high);
-  std::array<V, 3> out{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (!field.premultiplied) {
-      out[c] = hn::ShiftRight<kDensityFractionBits>(hn::Add(words[c], set(1 << (kDensityFractionBits - 1))));
-      continue;
-    }
-    const VF part = hn::Div(hn::ConvertTo(DF(), words[c]), hn::ConvertTo(DF(), alpha));
-    const V factor = hn::NearestInt(hn::Mul(part, hn::Set(DF(), static_cast<float>(wire::kColourOne))));
-    out[c] = hn::IfThenElseZero(hn::Gt(alpha, hn::Zero(D32())), hn::Min(factor, one));
-  }
-  return out;
-}
-
-// tinted().
-HWY_INLINE V tinted(V colour, V factor) {
-  const V product = hn::Add(hn::Mul(colour, factor), set(1 << 11));
-  return hn::ShiftRight<12>(hn::Add(product, hn::ShiftRight<12>(product)));
+  const V word = set(0xFFFF);  // words are not negative
+  return factor_of_words<V>(
+      {hn::And(low, word), hn::ShiftRight<16>(low), hn::And(high, word), hn::ShiftRight<16>(high)},
+      field.premultiplied);
 }
 
 #endif

@@ -163,33 +163,22 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
   return together(half(evens(gained)), half(odds(gained)));
 }
 
-// illuminated(). Its sums stay below 2^31: colour <= 4095, base <= 2^18 + 2^16, highlight <= 255 * 2^9.
-HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, const PackedPosition& at, V irradiance_at,
-                                        const PacketField& field) {
-  const V gain = hn::Or(shading.reflect, hn::ShiftLeft<8>(shading.knee));
-  const auto base_of = [&](std::size_t word) {
-    return hn::Add(lit(irradiance(at, irradiance_at, word, field), gain, field),
-                   hn::ShiftLeft<kShadeFractionBits - 7>(shading.ambient));
-  };
-  V base = base_of(0);
-  V highlight = hn::Zero(D32());
-  if (field.specular != nullptr) {
-    const V specular = hn::And(gather(field.specular, entry), set(0xFF));
-    if (!hn::AllTrue(D32(), hn::Eq(specular, hn::Zero(D32())))) {
-      const auto gradient = resample_gradient(at, field);
-      const V shine = hn::ShiftRight<7>(hn::Add(hn::Mul(specular, reflectance(gradient, field)), set(64)));
-      highlight = hn::IfThenZeroElse(is_flat(gradient), shine);
-    }
-  }
-  highlight = hn::Mul(highlight, set(static_cast<std::int32_t>(wire::kColourOne)));
-  std::array<V, 3> out{};
+// illuminated() for the irradiance at `irradiance_at`.
+HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry<V>& shading, V entry, const PackedPosition& at,
+                                        V irradiance_at, const PacketField& field) {
+  const V gain = hn::Or(shading.reflect, hn::ShiftLeft<8>(shading.knee)), zero = hn::Zero(D32());
+  std::array<V, 3> diffuse;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (c > 0 && field.irradiance_plane > 0) base = base_of(c);
-    const V colour = hn::Add(hn::Mul(shading.colour[c], base), highlight);
-    out[c] = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(colour, set(kShadeUnit / 2))),
-                     set(static_cast<std::int32_t>(wire::kColourOne)));
+    const bool own = c == 0 || field.irradiance_plane > 0;
+    diffuse[c] = own ? lit(irradiance(at, irradiance_at, c, field), gain, field) : diffuse[0];
   }
-  return out;
+  V specular = zero;
+  std::array<V, 3> gradient{zero, zero, zero};
+  if (field.specular != nullptr) {
+    specular = hn::And(gather(field.specular, entry), set(0xFF));
+    if (!hn::AllTrue(D32(), hn::Eq(specular, zero))) gradient = resample_gradient(at, field);
+  }
+  return illuminated(shading, specular, diffuse, gradient, SquareOf{*field.tables});
 }
 
 #endif

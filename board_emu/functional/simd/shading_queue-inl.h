@@ -77,14 +77,14 @@ class ShadingQueue {
     const PackedPosition at{get(kIndex), get(kXAndY), get(kZ)};
     const V entry_and_ray = get(kEntryAndRay), weight = get(kWeight);
     const V entry = hn::And(entry_and_ray, set((1 << kEntryBits) - 1));
-    ShadingEntry shading = shading_entry(entry, field);
+    ShadingEntry<V> shading = shading_entry(entry, field);
     if (field.colours != nullptr) {
       const std::array<V, 3> factor = voxel_colour(at, field);
       for (std::size_t c = 0; c < 3; ++c) shading.colour[c] = tinted(shading.colour[c], factor[c]);
     }
     const auto seen = field.irradiance != nullptr ? illuminated(shading, entry, at, get(kLit), field)
-                      : field.shaded              ? shade(shading, resample_gradient(at, field), field)
-                                                  : shading.colour;
+                      : field.shaded ? shade(shading, resample_gradient(at, field), SquareOf{*field.tables})
+                                     : shading.colour;
     std::array<V, 3> part{};
     for (std::size_t c = 0; c < 3; ++c) {
       if constexpr (kWide) {

@@ -201,52 +201,20 @@ HWY_INLINE V part_of(V colour, V weight) {
   return upper(hn::Add(low, upper(low)));
 }
 
-// reflectance(): bilinear in the cube map, 15 fraction bits.
-HWY_INLINE V reflectance(const std::array<V, 3>& gradient, const PacketField& field) {
-  std::array<V, 3> normal{}, size{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    normal[axis] = hn::Neg(gradient[axis]);
-    size[axis] = hn::Abs(normal[axis]);
-  }
-  const Mask y_first = hn::Gt(size[1], size[0]);
-  const V larger = hn::Max(size[0], size[1]);
-  const Mask z_major = hn::Gt(size[2], larger);
-  const Mask y_major = hn::AndNot(z_major, y_first);
-  const Mask x_major = hn::AndNot(z_major, hn::Not(y_first));
-  const V b = hn::IfThenElse(x_major, normal[1], normal[0]);
-  const V c = hn::IfThenElse(z_major, normal[1], normal[2]);
-  const V main = hn::IfThenElse(x_major, normal[0], hn::IfThenElse(y_major, normal[1], normal[2]));
-  const V axis2 = hn::IfThenElse(z_major, set(4), hn::IfThenElseZero(y_major, set(2)));
-  const V face = hn::Sub(axis2, hn::ShiftRight<31>(main));
+HWY_INLINE V like(V, std::int32_t x) { return set(x); }
+HWY_INLINE bool all(Mask mask) { return hn::AllTrue(D32(), mask); }
+HWY_INLINE VF to_float(V x) { return hn::ConvertTo(DF(), x); }
+HWY_INLINE V nearest(VF x) { return hn::NearestInt(x); }
+#include "datapath/shading-inl.h"
 
-  const auto major = hn::ConvertTo(DF(), hn::Max(hn::Max(larger, size[2]), set(1)));
-  const auto to_texel = [&](V minor) {
-    const auto ratio = hn::Div(hn::ConvertTo(DF(), minor), major);
-    return hn::Add(hn::NearestInt(hn::Mul(ratio, hn::Set(DF(), 127 * 128))), set(127 * 128));
-  };
-  const V column = to_texel(b), row = to_texel(c), most = set(wire::kReflectanceSize - 2);
-  const V i = hn::Min(hn::ShiftRight<8>(column), most), j = hn::Min(hn::ShiftRight<8>(row), most);
-  const V s = hn::Sub(column, hn::ShiftLeft<8>(i)), t = hn::Sub(row, hn::ShiftLeft<8>(j));
+// Texels, for reflectance().
+struct SquareOf {
+  const PacketTables& tables;
 
-  constexpr int kRowBits = 7;
-  static_assert(wire::kReflectanceSize == 1 << kRowBits);
-  const V at = hn::Add(hn::ShiftLeft<kRowBits>(hn::Add(hn::ShiftLeft<kRowBits>(face), j)), i);
-  const VU square = hn::BitCast(DU32(), gather(field.tables->reflectance_map.data(), hn::ShiftLeft<2>(at)));
-  const auto texel = [&](VU bits) { return hn::BitCast(D32(), hn::And(bits, hn::Set(DU32(), 0xFF))); };
-  const V across = hn::Sub(set(256), s);
-  const V top = hn::Add(hn::Mul(texel(square), across), hn::Mul(texel(hn::ShiftRight<8>(square)), s));
-  const V bottom =
-      hn::Add(hn::Mul(texel(hn::ShiftRight<16>(square)), across), hn::Mul(texel(hn::ShiftRight<24>(square)), s));
-  const V sum = hn::Add(hn::Mul(top, hn::Sub(set(256), t)), hn::Mul(bottom, t));
-  return hn::ShiftRight<8>(hn::Add(sum, set(128)));
-}
-
-struct ShadingEntry {
-  std::array<V, 3> colour;
-  V ambient, reflect, knee;
+  HWY_INLINE V operator()(V i) const { return gather(tables.reflectance_map.data(), hn::ShiftLeft<2>(i)); }
 };
 
-HWY_INLINE ShadingEntry shading_entry(V entry, const PacketField& field) {
+HWY_INLINE ShadingEntry<V> shading_entry(V entry, const PacketField& field) {
   const VU64 even = gather64(field.tables->shading.data(), evens(entry)),
              odd = gather64(field.tables->shading.data(), odds(entry));
   const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
@@ -255,33 +223,6 @@ HWY_INLINE ShadingEntry shading_entry(V entry, const PacketField& field) {
           hn::And(hn::ShiftRight<24>(low), byte),
           hn::And(hn::ShiftRight<12>(high), byte),
           hn::And(hn::ShiftRight<20>(high), byte)};
-}
-
-// Whether the gradient is too short to have a direction.
-HWY_INLINE Mask is_flat(const std::array<V, 3>& gradient) {
-  const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
-                           hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
-  return hn::Lt(square, set(kShortestGradient * kShortestGradient));
-}
-
-// shade(). Its 64-bit sums stay below 2^30: colour <= 4095, base + highlight <= 3 * 255 * 2^8.
-HWY_INLINE std::array<V, 3> shade(const ShadingEntry& shading, const std::array<V, 3>& gradient,
-                                  const PacketField& field) {
-  constexpr int kCoefficientShift = kShadeFractionBits - 7;
-  const Mask flat = is_flat(gradient);
-  const V intensity = reflectance(gradient, field);
-  const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(shading.ambient),
-                          hn::ShiftRight<7>(hn::Add(hn::Mul(shading.reflect, intensity), set(64))));
-  const V base = hn::Min(total, hn::ShiftLeft<kCoefficientShift>(shading.knee));
-  const V highlight = hn::Mul(hn::Sub(total, base), set(static_cast<std::int32_t>(wire::kColourOne)));
-  std::array<V, 3> out{};
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    const V lit = hn::Add(hn::Mul(shading.colour[channel], base), highlight);
-    const V shaded = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(lit, set(kShadeUnit / 2))),
-                             set(static_cast<std::int32_t>(wire::kColourOne)));
-    out[channel] = hn::IfThenElse(flat, shading.colour[channel], shaded);
-  }
-  return out;
 }
 
 // Inverse steps along the axes, for steps_out().
