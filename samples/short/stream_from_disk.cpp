@@ -1,7 +1,7 @@
 // A volume from disk that never is in memory as a whole: planes are read while they are loaded (VolumeStream).
 //
-// The driver asks for a few planes at a time, in their order, and keeps what the card does not store in a file of its own. So a volume may be
-// larger than the host's memory; its edges have up to 1024 voxels.
+// The driver asks for a few planes at a time, in their order, and keeps what the card does not store in a file of its own. So a volume
+// may be larger than the host's memory; its edges have up to 1024 voxels.
 //
 //   c++ -std=c++20 -O2 stream_from_disk.cpp $(pkg-config --cflags --libs gicube) -o stream_from_disk
 //   ./stream_from_disk
