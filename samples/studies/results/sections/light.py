@@ -1,5 +1,5 @@
 """Global illumination: passes of lighting rays, and the frames that they light."""
-from bench import IDEAL_DSP, IDEAL_FRONT_END, LIT_SCENES, PROCESSORS, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, at_paper, cells
+from bench import IDEAL_DSP, IDEAL_FRONT_END, LIT_SCENES, PROCESSORS, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, Bench, at_paper, cells
 from figures import (Measurement, asic_ms, deposits_a_sample, frame_ms, issued_in_short_residencies, mean_of, memory_gb_s, memory_turnaround,
                      memory_use, memory_use_uncombined, milliseconds, rate_hz, ratio, residencies, samples_per_second,
                      scatterings_a_ray, tiles_a_deposit, tiles_combined)
@@ -79,73 +79,41 @@ def light_sweep(bench, page):
     """Row 4, and what rows 2 and 6 depend on."""
     page.say("light sweep")
     rays_claim(bench, page)
-    parameters(bench, page)
+    parameters(bench, Bench(max(32, bench.edge // 2), bench.image), page)
 
 
 def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
-    counts = (1, 2, 3, 4)  # rays a face voxel, k
-    rows = []
-    times = {"low albedo": [], "high albedo": [], "paper": len(counts) * [paper_pass]}
-    for k in counts:
-        passes = [bench.get(bench.light(BALL, k)), bench.get(bench.light(BALL, k, True))]
-        rows.append([str(k), number(millions(passes[0], "dsp.lighting_rays"), 3)])
-        for m, of_albedo in zip(passes, times.values()):
-            of_albedo.append(frame_ms(m))
-            rows[-1] += [number(frame_ms(m)), *cells(m, ["M samples/s", "memory in use"]),
-                         percent(issued_in_short_residencies(m), 1), percent(m.clipped, 1)]
-    page.chart("The number of lighting rays decides a pass's length.", "light-rays",
-               "A lighting pass takes as long as it has rays (mirrored buckyball)", "rays a face voxel, k", "ms", counts, times)
-    common = ["M samples/s", "memory in use", "steps in short residencies", "energy clipped"]
-    page.table("light-rays-table", ["k", "low: M rays", "ms", *common, "high: ms", *common], rows)
-
-    low, high = ([bench.light(BALL, k, albedo) for k in counts] for albedo in (False, True))
-
-    def nearest(runs):
-        times = bench.over(runs, frame_ms)
-        best = min(times, key=lambda ms: abs(ms - paper_pass))
-        return best, counts[times.index(best)]
-
-    run = bench.lit(BALL)
-    (low_ms, low_k), (high_ms, high_k), (half_ms, half_k) = map(nearest, (at_paper(low), at_paper(high), low))
-    rate, m = rate_hz(bench.get(run.at_paper())), bench.get(run.at_paper())
-    page.claim(4, differs(low_ms, paper_pass) or differs(rate, paper_rate), low=low_k, low_ms=low_ms, high=high_k, high_ms=high_ms, rate=rate,
-               half_ms=half_ms, half_k=half_k, half_rate=rate_hz(bench.get(run)), samples=millions(m, "processor.samples"), ray_ms=low_ms / low_k)
+    one, m = bench.get(bench.light(BALL).at_paper()), bench.get(bench.lit(BALL).at_paper())
+    k = min(4, max(1, round(ratio(paper_pass, frame_ms(one)))))  # chosen: at most 4. A pass takes about k times as long as one of k = 1
+    ms = frame_ms(bench.get(bench.light(BALL, k).at_paper()))
+    page.claim(4, differs(ms, paper_pass) or differs(rate_hz(m), paper_rate), k=k, ms=ms, one=frame_ms(one), rate=rate_hz(m),
+               samples=millions(m, "processor.samples"))
 
 
-def parameters(bench, page):
-    variants = {"design point": {}}
-    variants |= {f"{n} changed tiles wait": {"cache.write_packets": n} for n in (64, 1024)}
-    variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (100,)} | {"ideal DSP": IDEAL_DSP}
-    variants |= {f"{n} compute stages": {"pipeline.compute_stages": n} for n in (4, 32)}
-    variants |= {"8192 rays under way": {"dsp.overflow_rays": 8192}, "cache banks of two ports": {"cache.ports": 2}, "queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
-                 "skewed blocks, ideal DSP, wide links": SKEWED | IDEAL_DSP | WIDE_LINKS, "wide datapath: energies of 24 bits": {"asic.datapath": "wide"},
-                 "two processors share an RDRAM": SHARED_MEMORY, "perfect memory": {"ideal.memory": 1}, "voxel steps": {},
-                 "voxel steps, two processors share an RDRAM": SHARED_MEMORY}
+def parameters(bench, sized, page):
+    """On volumes of the size of `sized`, a Bench."""
+    variants = {"design point": {}, "1024 changed tiles wait": {"cache.write_packets": 1024}, "ideal DSP": IDEAL_DSP,
+                "4 compute stages": {"pipeline.compute_stages": 4}, "8192 rays under way": {"dsp.overflow_rays": 8192},
+                "cache banks of two ports": {"cache.ports": 2}, "queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
+                "skewed blocks, ideal DSP, wide links": SKEWED | IDEAL_DSP | WIDE_LINKS,
+                "wide datapath: energies of 24 bits": {"asic.datapath": "wide"}, "two processors share an RDRAM": SHARED_MEMORY,
+                "perfect memory": {"ideal.memory": 1}, "voxel steps": {}}
     # Which samples write the eight voxels round them, where irradiance lies, and when it is written.
-    rules = {"visible samples": {"cache.splat_rule": "visible_samples"}, "all samples": EVERY_SAMPLE}
-    places = {"": {}, ", in cells": {"cache.irradiance": "in_cells"}}
-    policies = {"": {}, ", written through": {"cache.write_policy": "write_through"}, ", written back": {"cache.write_policy": "write_back"}}
-    variants |= {f"voxel steps, {rule}{place}": rules[rule] | places[place] for rule in rules for place in places}
-    variants |= {f"voxel steps, all samples{place}{policy}": EVERY_SAMPLE | places[place] | policies[policy]
-                 for place in places for policy in policies if policy}
+    write_back = {"cache.write_policy": "write_back"}
+    variants |= {"voxel steps, visible samples": {"cache.splat_rule": "visible_samples"}, "voxel steps, all samples": EVERY_SAMPLE,
+                 "voxel steps, all samples, in cells": EVERY_SAMPLE | {"cache.irradiance": "in_cells"},
+                 "voxel steps, all samples, written back": EVERY_SAMPLE | write_back}
     others = {"ms": lambda m: number(asic_ms(m)), "combined": lambda m: percent(tiles_combined(m)),
               "short residencies": lambda m: percent(issued_in_short_residencies(m), 1)}
     columns = ["ms", "M samples/s", "memory GB/s", "memory in use", "combined", "short residencies"]
     swept = [BALL, "fog-box"]
-    rows, near_samples, near_use = [], [], []
+    rows = []
     for name, settings in variants.items():
-        rows.append([name])
-        for scene in swept:
-            m = bench.get(bench.light(scene).on(settings).at_step(1 if name.startswith("voxel steps") else 0.5))
-            rows[-1] += cells(m, columns, others)
-            if not differs(samples_per_second(m), PAPER_SAMPLES):
-                near_samples.append(f"{name} ({scene})")
-            if not differs(memory_use(m), PAPER_USE):
-                near_use.append(f"{name} ({scene})")
-    page.say("light parameters")
+        runs = [sized.light(scene).on(settings).at_step(1 if name.startswith("voxel steps") else 0.5) for scene in swept]
+        rows.append([name, *(cell for run in runs for cell in cells(bench.get(run), columns, others))])
+    page.say("light parameters", edge=sized.edge, block=sized.block)
     page.table("light-parameters", ["variant", *(f"{scene}: {column}" for scene in swept for column in columns)], rows)
-    page.say("light parameters within", samples=", ".join(near_samples) or "none", use=", ".join(near_use) or "none")
 
 
 def tail_of(times):
