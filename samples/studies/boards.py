@@ -5,7 +5,7 @@ import tempfile
 
 from studies.points import Table, run, statistics
 
-BOARDS = (1, 2, 4, 8, 16, 32, 64)
+BOARDS = {"strong": (1, 2, 4, 8, 16, 32, 64), "weak": (1, 2, 4, 8, 16)}
 BUSES = ("own", "shared")
 EDGE = {"strong": lambda boards: 512, "weak": lambda boards: round(256 * math.sqrt(boards))}  # pixels
 
@@ -39,5 +39,5 @@ def rows(found):
 def tables():
     columns = ["buses", "boards", "edge", "frame_ms", "work_ms", "bus_ms", "bus_wait_ms", "skew_ms", "efficiency"]
     return [Table(f"boards_{kind}", columns,
-                  {f"boards/{kind}/{buses}/{boards}": lambda _, of=(kind, buses, boards): measured(*of) for buses in BUSES for boards in BOARDS},
+                  {f"boards/{kind}/{buses}/{boards}": lambda _, of=(kind, buses, boards): measured(*of) for buses in BUSES for boards in BOARDS[kind]},
                   rows) for kind in EDGE]

@@ -20,7 +20,6 @@ from studies.table import pareto
 TESTS = ROOT / "build/release/tests"
 RUNS = ROOT / "build/charts"
 CHARTS = ROOT / "docs/studies/charts"
-LEVELS = "fidelity=functional,cycle"
 
 
 def build(*targets):
@@ -42,8 +41,6 @@ def by_points(name, jobs):
     programs = [*(next(folder / program for folder in (BIN, TESTS) if (folder / program).exists()) for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
     measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
-        pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{each}.csv" for each in ("views", "ray_spacing", "accumulator", "sart")],
-               error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")  # all of the same head
         # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
         build("gicube_bench")
         trade = CHARTS / "cone_beam_trade.csv"
@@ -89,38 +86,18 @@ def rendering(jobs):
           "--reference-picture", exact, *each("--also", "bus_ms", "samples"), "--jobs", jobs)
 
 
-# The host's seconds are the cost of what follows: one run at a time, and anew once all are done.
-
-
 def levels_of_pairs(_):
+    """The host's seconds are the cost: one run at a time, and anew once all are done."""
     build("gicube-render", "gicube-cone-beam")
     levels.measure(ROOT / "samples/studies/level_pairs.txt", RUNS / "levels", BIN, CHARTS / "levels.csv")
     shutil.rmtree(RUNS / "levels")
-
-
-def scaling(_):
-    """Seconds and memory of the board's process."""
-    build("gicube-render")
-    def grow(name, vary, *arguments, cost="host_seconds"):
-        swept("scaling", f"scaling_{name}", *arguments, *each("--vary", vary, LEVELS), "--cost", cost, "--reference", "fidelity=cycle",
-              "--error", "frame_ms",
-              *each("--also", "/host/board_peak_mib", "/host/program_peak_mib", "/host/board_cpu_s", "samples", "frame_ms"), "--jobs", "1")
-
-    def ball(*fixed):
-        return "builtin:buckyball", *each("--fix", "no-leap=on", *fixed)
-    grow("volume", "volume-size=64,128,256,512", *ball("size=256x256", "asic.max_volume_voxels=512"))
-    grow("image", "size=64x64,128x128,256x256,512x512,1024x1024", *ball("volume-size=128"))
-    grow("processors", "asic.processors=1,2,4,8,16", *ball("volume-size=128", "size=256x256"))
-    grow("rays", "light-rays=1,2,4,8,16", "samples/scenes/subsurface.scene", *each("--fix", "volume-size=96", "size=64x64"),
-         cost="/lighting/0/host_seconds")
-    shutil.rmtree(RUNS / "scaling")
 
 
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
-            "levels": levels_of_pairs, "scaling": scaling}
+            "levels": levels_of_pairs}
 
 
 def main():
@@ -145,11 +122,10 @@ def main():
         start = time.monotonic()
         if not given.draw:
             print(f"charts: {number} of {len(names)}: {name}", flush=True)
-            measured[name](given.jobs)
-        if name in MEASURED:
-            for draw in plots.DRAWN[name]:
-                draw(CHARTS)
-        print(f"charts: {CHARTS if name in MEASURED else RUNS}/{name}*, {time.monotonic() - start:.0f} s", flush=True)
+            MEASURED[name](given.jobs)
+        for draw in plots.DRAWN[name]:
+            draw(CHARTS)
+        print(f"charts: {CHARTS}/{name}*, {time.monotonic() - start:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ NORMALISED = {"method": "fdk", "rays": 1, "sharpen": 0.1}
 SART = {"method": "sart", "iterations": 4, "relaxation": 0.3}
 HEAD = "builtin:shepp-logan-high-contrast --radius 42 --value 0.05"  # the skull takes away 0.05 a millimetre
 DISCS = "builtin:discs --radius 36 --value 0.05"
-COLUMNS = "x,rmse,bias,relative_l2,psnr,ssim,board_ms,bus_ms,rays,deposits,clipped,residual,iterations,diverged".split(",")
+COLUMNS = "x,rmse,bias,relative_l2,psnr,ssim,bus_ms,rays,deposits,clipped,residual,iterations,diverged".split(",")
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Case:
             run(folder, "gicube-cone-beam", f"reconstruct @scan.textproto --projections @views.nrrd {method} --fidelity {fidelity} "
                 f"{self.settings} -o @volume.nrrd --stats @made.json --quiet")
             made = statistics(folder / "made.json")
-            return {key: made[key] for key in "rays_ms bus_ms rays deposits clipped residuals iterations iterations_ms diverged".split()} | more(folder)
+            return {key: made[key] for key in "rays_ms bus_ms rays deposits clipped residuals iterations diverged".split()} | more(folder)
 
     def compare(self, folder):
         """How far the volume is from the phantom; leaves profiles.csv."""
@@ -86,40 +86,28 @@ class Case:
             "--stats @error.json --profiles @profiles.csv")
         return statistics(folder / "error.json")
 
-    def timed(self, kept, iterations=0):
-        """All views simulated at cycle level, with the board's time. `iterations`: of the longest run of this method; the times of
-        shorter ones are those at which its iterations were done."""
-        if not iterations:
-            made = self.reconstruct("cycle", self.compare)
-            return made | {"board_ms": made["rays_ms"]}
-        longest = replace(self, method=self.method | {"iterations": iterations})
-        ends = kept.of(f"{longest!r}", lambda: longest.reconstruct("cycle"))["iterations_ms"]
-        made = self.untimed(kept)
-        return made | {"board_ms": ends[len(made["residuals"]) - 1]}
-
-    def untimed(self, _):
-        """At the functional level, which has the same values and the bus's time, but not the board's."""
-        return self.reconstruct(more=self.compare) | {"board_ms": None}
+    def measured(self, _):
+        """At the functional level, which has the values and the bus's time."""
+        return self.reconstruct(more=self.compare)
 
 
 def case_rows(series):
     def rows(found):
         for name, m in found:
             x = float(name.split("/")[2])
-            board_ms = "" if m["board_ms"] is None else f"{m['board_ms']:.1f}"
             yield name, [name, series[name], f"{x:g}", f"{m['rmse']:.5g}", f"{m['bias']:.4g}", f"{m['relative_l2']:.5g}", f"{m['psnr']:.4g}",
-                         f"{m['ssim']:.4g}", board_ms, f"{m['bus_ms']:.1f}", m["rays"], m["deposits"], f"{m['clipped']:.4g}",
+                         f"{m['ssim']:.4g}", f"{m['bus_ms']:.1f}", m["rays"], m["deposits"], f"{m['clipped']:.4g}",
                          f"{(m['residuals'] or [0])[-1]:.4g}", m["iterations"], int(m["diverged"])]
     return rows
 
 
-def case_table(name, *series, measure=Case.timed):
-    """Series: title, name, values of x, and the case at one, which `measure` takes."""
+def case_table(name, *series):
+    """Series: title, name, values of x, and the case at one."""
     points, titles = {}, {}
     for title, short, xs, case_at in series:
         for x in xs:
             point = f"{name}/{short}/{x:g}"
-            points[point], titles[point] = functools.partial(measure, case_at(x)), title
+            points[point], titles[point] = case_at(x).measured, title
     return Table(f"cone_beam_{name}", ["point", "series", *COLUMNS], points, case_rows(titles))
 
 
@@ -132,7 +120,7 @@ def cone(degrees, phantom=DISCS, method=PLAIN):
 def cone_angles():
     degrees = (5, 10, 15, 20, 25, 30, 35, 40)
     return case_table("cone_angle", ("discs by FDK", "fdk", degrees, cone), ("discs by SART", "sart", (5, 20, 40), lambda x: cone(x, method=SART)),
-                      ("head by FDK", "head", degrees, lambda x: cone(x, HEAD)), measure=Case.untimed)
+                      ("head by FDK", "head", degrees, lambda x: cone(x, HEAD)))
 
 
 def truncation():
@@ -145,8 +133,7 @@ def truncation():
             columns = math.floor(seen * width * 2 / scan.pitch + 0.5)
             return Case(HEAD, replace(scan, detector=(columns, 96)), method, (0.5 * width / 2 * 0.9, 20))
         return at
-    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)), ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)),
-                      measure=Case.untimed)
+    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)), ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)))
 
 
 def views():
@@ -164,13 +151,23 @@ def accumulator():
                       ("11 bits full at x of the bound", "headroom", (1, 0.5, 0.25, 0.12, 0.06, 0.03), by("headroom")))
 
 
+def times():
+    """Of the whole board, at the cycle level, which takes minutes of the host."""
+    cases = {"fdk/60": Case(HEAD, chart_scan(64, 96, 60), PLAIN),
+             "read_every/20": Case(HEAD, chart_scan(64, 96, 120), PLAIN | {"accumulator": "irradiance", "read-every": 20})}
+
+    def rows(found):
+        for point, m in found:
+            yield point, [point, f"{m['rays_ms']:.1f}", f"{m['bus_ms']:.1f}"]
+    return Table("cone_beam_times", ["point", "board_ms", "bus_ms"],
+                 {f"times/{name}": lambda _, case=case: case.reconstruct("cycle") for name, case in cases.items()}, rows)
+
+
 ALGEBRAIC = (("sart", "SART", {"method": "sart"}, 0.3), ("os_sart", "OS-SART 10 x 6", {"method": "os-sart", "subsets": 10}, 1.0),
              ("sirt", "SIRT", {"method": "sirt"}, 1.8))
 
 
 def sart():
-    most = 16  # iterations
-
     def noisy(photons):
         def case(method):
             return Case(HEAD, chart_scan(64, 96, 60), method, photons=photons)
@@ -178,20 +175,15 @@ def sart():
         yield (f"FDK by Ram-Lak / Shepp-Logan / Hann{end}", f"fdk{noise}", (1, 2, 3),
                lambda x: case(PLAIN | {"window": ("ram-lak", "shepp-logan", "hann")[x - 1]}))
         for name, title, method, relaxation in ALGEBRAIC:
-            yield (f"{title} by {relaxation:.1f}{end}", name + noise, (1, 2, 4, 8, most),
+            yield (f"{title} by {relaxation:.1f}{end}", name + noise, (1, 2, 4, 8, 16),
                    lambda x, method=method | {"relaxation": relaxation}: case(method | {"iterations": x}))
-
-    def measure(case, kept):
-        if case.photons:  # noise is not chosen for speed
-            return case.untimed(kept)
-        return case.timed(kept, most if "iterations" in case.method else 0)
-    return case_table("sart", *noisy(0), *noisy(3000), measure=measure)
+    return case_table("sart", *noisy(0), *noisy(3000))
 
 
 def relaxation():
     return case_table("relaxation", *((title, name, (0.1, 0.3, 1.0, 1.5, 1.9, 2.0, 2.2, 2.5, 3.0),
                                        lambda x, method=method: Case(HEAD, chart_scan(48, 64, 60), method | {"iterations": 6, "relaxation": x}))
-                                      for name, title, method, _ in ALGEBRAIC), measure=Case.untimed)
+                                      for name, title, method, _ in ALGEBRAIC))
 
 
 def spaced(spacing, views):
@@ -309,4 +301,4 @@ def profiles():
 
 
 def tables():
-    return [cone_angles(), axial_profiles(), truncation(), views(), moire(), ray_spacing(), accumulator(), sart(), relaxation(), profiles()]
+    return [cone_angles(), axial_profiles(), truncation(), views(), moire(), ray_spacing(), accumulator(), times(), sart(), relaxation(), profiles()]

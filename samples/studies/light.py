@@ -12,36 +12,27 @@ from studies.pictures import read_picture
 from studies.points import ROOT, Table, run, statistics
 from studies.table import on_front, to_markdown
 
-SCENES = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box", "golden_ring", "mirror_buckyball_area", "mirror_head")},
-          "engine": ROOT / "samples/studies/light_scenes/engine.scene"}
-# Plans of light are judged on these; they were named before any plan or method was run on them here.
-HELD_OUT = {**{name: ROOT / f"samples/scenes/{name}.scene" for name in ("glass", "mirror_buckyball")},
-            "room": ROOT / "samples/studies/light_scenes/held_out_room.scene"}
-SIZE = "128x128"
-VOXELS = {"fog_box": 48, "room": 48}  # along the longest edge; where nearly every voxel takes light a pass takes minutes of the host
-MANY_VOXELS = 96
+SCENES = {name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box", "golden_ring", "mirror_head")}
+SIZE = "96x96"
+VOXELS = {"fog_box": 32}  # along the longest edge; nearly every voxel of it takes light
+MANY_VOXELS = 64
 TILE = 4  # pixels along an edge
-# Paths a pixel of the truth. Standard errors of tiles of 8 x 8 pixels are below 0.5% for the first five but fog_box, and 1 to 2%.
-PATHS = {"fog_box": 150, "golden_ring": 900, "mirror_buckyball_area": 320, "mirror_head": 900, "engine": 300,
-         "glass": 300, "mirror_buckyball": 100, "room": 100}
+PATHS = {"fog_box": 100, "golden_ring": 200, "mirror_head": 100}  # a pixel of the truth
 LAMP = 0.3  # world units: radius of the ball that stands for a point light, which no path from the eye comes upon
 
 # Pictures of gicube-render by method: what is set of the illumination, and of the board. k: rays_per_face_voxel.
 LIGHTING = {
-    **{f"low-k{k}": ({"rays_per_face_voxel": k}, "") for k in (1, 4, 16, 64)},
-    **{f"low-k16-step{step}": ({"step": step}, "") for step in (1, 2)},
+    **{f"low-k{k}": ({"rays_per_face_voxel": k}, "") for k in (1, 4, 16)},
+    "low-k16-step2": ({"step": 2}, ""),
     "high-k16": ({"albedo": '"high"'}, ""),
-    **{f"low-k{k}-paper": ({"rays_per_face_voxel": k}, "asic.datapath=paper") for k in (4, 16)},
-    "low-k16-rgb": ({}, "asic.voxel_format=rgb"),
+    "low-k16-paper": ({}, "asic.datapath=paper"),
     "low-k16-words3": ({}, "asic.irradiance_words=3"),  # all colours in one pass
-    "low-k16-onepass": ({"colour_passes": "false"}, ""),  # light without colour
     "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces within a voxel
 }
-PLANS = {"plan-10": "10%"}  # gicube-render --max-error
 # Pictures by rays of the host: the method of gicube-light, and its options.
 HOST_RAYS = {
     **{f"eye-{n}": ("path", f"--light-scatterings 0 --passes {n}") for n in (4, 16)},
-    **{f"both-ends-{n}": ("path", f"--passes {n}") for n in (4, 16)},
+    "both-ends-4": ("path", "--passes 4"),
     **{f"photons-{n}": ("photon-map", f"--photons 100000 --neighbours 60 --passes {n}") for n in (1, 4)},
 }
 
@@ -126,14 +117,13 @@ def reference(scene, file, size=SIZE, voxels=None, paths=None):
 
 
 def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="cycle"):
-    """Milliseconds of the board for light and picture, of them for light; the picture's errors; what a plan of light said."""
+    """Milliseconds of the board for light and picture, of them for light; the picture's errors."""
     truth = kept.of(f"truth/{scene}", lambda: reference(scene, file, size, voxels, paths))
     shown, noise = (np.array(truth[name]) for name in ("shown", "noise"))
     fields, board = LIGHTING.get(method, ({}, ""))
-    plan = f" --max-error {PLANS[method]}" if method in PLANS else ""
     by_host = method in HOST_RAYS
     program = "gicube-light" if by_host else "gicube-render"
-    command, words = HOST_RAYS.get(method, ("", f"-o @x.exr{plan}"))
+    command, words = HOST_RAYS.get(method, ("", "-o @x.exr"))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file, **{"rays_per_face_voxel": 16, "step": 0.5, **fields}))
@@ -143,8 +133,7 @@ def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fide
         picture = truth["factor"] * radiances(folder / "x.csv", shown.shape)[0] if by_host else read_picture(folder / "x.exr")[..., :3].astype(float)
         stats = statistics(folder / "x.json")
     light = sum(each["pass_ms"] for each in stats.get("lighting", []))
-    return {"ms": stats["board_ms"] if by_host else stats["frame_ms"] + light, "light_ms": light, "errors": error(picture, shown, noise),
-            "plans": (stats.get("plan") or {}).get("light")}
+    return {"ms": stats["board_ms"] if by_host else stats["frame_ms"] + light, "light_ms": light, "errors": error(picture, shown, noise)}
 
 
 LAW = """world {{ size: 48 node {{ material: "m" box {{ low {{ x: -1.3 y: -1.3 z: -1.3 }} high {{ x: 1.3 y: 1.3 z: {top} }} }} }} }}
@@ -192,23 +181,11 @@ def rows(found):
         yield name, [scene, method, f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", *(f"{off:.4g}" for off in each["errors"]), int(front)]
 
 
-def plan_rows(found):
-    for name, scene, method, each, front in of_scenes(found):
-        chosen = [plan["chosen"] for plan in each["plans"] or []]
-        yield name, [scene, method, "/".join(str(point["rays_per_face_voxel"]) for point in chosen),
-                     f"{max(point['error_bound'] for point in chosen):.4g}" if chosen else "",
-                     f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", *(f"{off:.4g}" for off in each["errors"]), int(front)]
-
-
 def tables():
-    def points(table, scenes, methods):
-        return {f"{table}/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
-                for (scene, file), method in itertools.product(scenes.items(), methods)
-                if method not in ("low-k16-onepass", "low-k16-words3") or "colour_passes: true" in file.read_text()}
-    errors = ["board_ms", "light_ms", "error", "error_at_best_brightness", "front"]
-    return [Table("light", ["scene", "method", *errors], points("light", SCENES, [*LIGHTING, *HOST_RAYS]), rows),
-            Table("light_plans", ["scene", "method", "rays", "bound", *errors],
-                  points("light_plans", HELD_OUT, [*PLANS, "low-k1", "low-k4", "low-k16", "low-k64"]), plan_rows),
+    points = {f"light/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
+              for (scene, file), method in itertools.product(SCENES.items(), [*LIGHTING, *HOST_RAYS])
+              if method != "low-k16-words3" or "colour_passes: true" in file.read_text()}
+    return [Table("light", ["scene", "method", "board_ms", "light_ms", "error", "error_at_best_brightness", "front"], points, rows),
             Table("light_laws", ["material", "lamp_degrees", "shown", "truth", "shown_over_truth", "soft_matter_over_truth"],
                   {f"light_laws/{material}/{degrees}": lambda _, each=(material, degrees): law(*each)
                    for material, degrees in [*itertools.product((0.2, 0.5, 1), (80, 45, 20)), ("fog", 80)]}, law_rows)]

@@ -9,7 +9,6 @@ import numpy as np
 from studies.draw import Panel, Series, chart, panels
 from studies.table import rows_of
 
-LEVELS = ("functional", "cycle")
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
 WORDS = {name: lines[2:].strip().split("\n- ") for name, lines in
@@ -78,7 +77,7 @@ def lighting(folder):
 
 
 def light(folder):
-    kinds = {"low albedo, by k": r"low-k\d+", "low albedo, steps of 1 and 2": r"low-k16-step\d", "low albedo, surfaces of opacity 1": r"low-k\d+-opaque",
+    kinds = {"low albedo, by k": r"low-k\d+", "low albedo, steps of 2": r"low-k16-step\d", "low albedo, surfaces of opacity 1": r"low-k\d+-opaque",
              "high albedo": r"high-k\d+", "paths from the eye": r"eye-\d+", "paths from both ends": r"both-ends-\d+",
              "photon map": r"photons-\d+"}
     parts = [Panel("simulated ms of light and picture", "relative RMS error of the picture",
@@ -102,21 +101,6 @@ def kind_of(command):
     if command.startswith("cone-beam"):
         return "backprojection"
     return "light" if ".scene" in command and "--illumination none" not in command else "viewing rays"
-
-
-def scaling(folder):
-    for name, axis in (("volume", "volume-size"), ("image", "size"), ("processors", "asic.processors"), ("rays", "light-rays")):
-        rows = rows_of(folder / f"scaling_{name}.csv")
-
-        def panel(y, y_label):
-            def line(level):
-                points = where(rows, fidelity=level)
-                power = np.polyfit(np.log(column(points, axis)), np.log(column(points, y)), 1)[0]
-                return series(f"{level}: power {round(power, 2) + 0.0:.2f}", points, axis, y)
-            changes = max(column(rows, y)) > 1.5 * min(column(rows, y))
-            return Panel(WORDS[f"scaling_{name}"][1], y_label, [*map(line, LEVELS)], log_x=True, log_y=changes, y_range=(None if changes else 0, None))
-        draw_panels(folder, f"scaling_{name}", [panel(next(iter(rows[0])), "host seconds"),
-                                                panel("/host/board_peak_mib", "peak MiB of the board's process")])
 
 
 def form_factors(folder):
@@ -161,21 +145,11 @@ def boards(folder):
               [series(names[buses], rows, "boards", "frame_ms") for buses, rows in weak.items()], log_x=True, log_y=True)])
 
 
-def by_time(groups, **of_panel):
-    """Of a sweep's series: error by the board's time and by the bus's."""
-    lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look, boxed=True)
-             for cost, look in (("board_ms", 1), ("bus_ms", 0)) for colour, (name, rows) in enumerate(groups.items())]
-    return Panel("simulated ms of the board (filled) and the bus (hollow)", L2, lines, log_x=True, **of_panel)
-
-
 def cone_beam_sweeps(folder):
     for name in ("cone_beam_views", "cone_beam_ray_spacing", "cone_beam_cone_angle", "cone_beam_truncation"):
         groups = grouped(rows_of(folder / f"{name}.csv"), "series")
         lines = [series(each, rows, "x", "relative_l2") for each, rows in groups.items()]
-        panels = [Panel(WORDS[name][1], L2, lines, log_x=name == "cone_beam_views", y_range=(0, None))]
-        if name in ("cone_beam_views", "cone_beam_ray_spacing"):  # what is varied costs time
-            panels.append(by_time(groups, y_range=(0, None)))
-        draw_panels(folder, name, panels)
+        draw_panels(folder, name, [Panel(WORDS[name][1], L2, lines, log_x=name == "cone_beam_views", y_range=(0, None))])
 
 
 def cone_beam_words(folder):
@@ -183,12 +157,12 @@ def cone_beam_words(folder):
     whole = [(column(groups.pop("sums of 36 bits"), "relative_l2")[0], "sums of 36 bits")]
     parts = [Panel(axis, L2, [series("", rows, "x", "relative_l2", colour=colour)], log_x=colour != 1, lines_y=whole, y_range=(0.28, 0.7))
              for colour, (axis, rows) in enumerate(zip(WORDS["cone_beam_accumulator"][1:], groups.values()))]
-    draw_panels(folder, "cone_beam_accumulator", [*parts, by_time(groups, lines_y=whole, y_range=(0.28, 0.7))])
+    draw_panels(folder, "cone_beam_accumulator", parts)
 
 
 def cone_beam_methods(folder):
     groups = grouped(rows_of(folder / "cone_beam_sart.csv"), "series")
-    parts, times = [], None
+    parts = []
     for title in ("without noise", "of 3000 photons a pixel"):
         half = {name.removesuffix(" of 3000 photons").replace("FDK by Ram-Lak / Shepp-Logan / Hann", "FDK, three windows"): rows
                 for name, rows in groups.items() if name.endswith("photons") == (title != "without noise")}
@@ -196,8 +170,6 @@ def cone_beam_methods(folder):
         lines = [series(name, rows, "x", "relative_l2", colour=colour) for colour, (name, rows) in enumerate(half.items()) if rows is not fdk]
         parts.append(Panel("iterations", L2, lines, title=title, log_x=True, lines_y=[(column(fdk, "relative_l2")[0], "FDK, Ram-Lak")],
                            y_range=(0.2, 1.05)))
-        times = times or by_time(half, title=title, y_range=(0.2, 1.05))
-    parts.append(times)
     draw_panels(folder, "cone_beam_sart", parts)
 
     groups = grouped(rows_of(folder / "cone_beam_relaxation.csv"), "series")
@@ -243,21 +215,5 @@ def cone_beam_host(folder):
     draw(folder, "cone_beam_trade", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
 
 
-def cone_beam_all(folder):
-    rows = rows_of(folder / "cone_beam_front.csv")
-
-    def kind(row):
-        words = row["series"].split()
-        if row["series"] in ("FDK", "SART"):
-            return f"{row['series']} by views"
-        return "by words of the sums" if "bits" in words else "by methods, iterations" if "by" in words else "by pixels and rays"
-    kinds = ("FDK by views", "SART by views", "by words of the sums", "by methods, iterations", "by pixels and rays")
-    parts = [Panel(f"simulated ms of the {cost}", L2,
-                   [*(series(each, [row for row in rows if kind(row) == each], f"{cost}_ms", "error", look="points", colour=colour)
-                      for colour, each in enumerate(kinds)), front(rows, f"{cost}_ms", "error", f"front_{cost}_ms")], log_x=True)
-             for cost in ("board", "bus")]
-    draw_panels(folder, "cone_beam_front", parts)
-
-
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels, scaling)} | {
-    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels)} | {
+    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host]}

@@ -59,16 +59,13 @@ def on_front(points):
             for cost, error in points]
 
 
-def pareto(out, tables, *, error, costs, series=("series",), per=None, without=None):
+def pareto(out, tables, *, error, costs, series=("series",), per=None):
     """Puts the points of several tables together, with their fronts. Columns of `out`: series (these columns, joined by blanks), error,
-    each cost (divided by the column `per`), front of each cost (1 or 0), command. `without`: leaves out series with this in their
-    names."""
+    each cost (divided by the column `per`), front of each cost (1 or 0), command."""
     points = []
     for row in (row for table in tables for row in rows_of(table)):
-        name = " ".join(row[column] for column in series)
-        if without is None or without not in name:
-            share = float(row[per]) if per else 1
-            points.append((name, float(row[error]), [float(row[cost]) / share for cost in costs], row["command"]))
+        share = float(row[per]) if per else 1
+        points.append((" ".join(row[column] for column in series), float(row[error]), [float(row[cost]) / share for cost in costs], row["command"]))
     fronts = [on_front([(each[2][i], each[1]) for each in points]) for i in range(len(costs))]
     rows = [[name, cell(miss), *map(cell, paid), *(int(front[i]) for front in fronts), command]
             for i, (name, miss, paid, command) in enumerate(points)]

@@ -1,6 +1,7 @@
 """Tables of the charts: fronts of several tables, rows of pairs; each chart of the documents is its table's."""
 import itertools
 import pathlib
+import sys
 
 import pytest
 
@@ -10,16 +11,16 @@ from studies.table import FileError, pareto, rows_of, write_whole
 
 def test_points_of_several_tables_have_a_front_for_each_cost(tmp_path):
     (tmp_path / "a.csv").write_text("series,e,ms,bus,n,command\nx y,1,10,9,10,\"do, a\"\n\n\nx y,3,5,1,10,b\n")
-    (tmp_path / "b.csv").write_text("series,e,ms,bus,n,command\nz,2,40,0.5,10,c\nnoisy z,0,0,0,1,d\n")
-    pareto(tmp_path / "out.csv", [tmp_path / "a.csv", tmp_path / "b.csv"], error="e", costs=["ms", "bus"], per="n", without="noisy")
+    (tmp_path / "b.csv").write_text("series,e,ms,bus,n,command\nz,2,40,0.5,10,c\n")
+    pareto(tmp_path / "out.csv", [tmp_path / "a.csv", tmp_path / "b.csv"], error="e", costs=["ms", "bus"], per="n")
     assert (tmp_path / "out.csv").read_text() == ("series,error,ms,bus,front ms,front bus,command\nx y,1,1,0.9,1,1,\"do, a\"\n"
                                                   "x y,3,0.5,0.1,1,0,b\nz,2,4,0.05,0,1,c\n")
 
 
 def test_the_fronts_of_the_documents_are_those_of_their_tables(tmp_path):
-    names = [charts.CHARTS / f"cone_beam_{name}.csv" for name in ("views", "ray_spacing", "accumulator", "sart")]
-    pareto(tmp_path / "front.csv", names, error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")
-    assert (tmp_path / "front.csv").read_text() == (charts.CHARTS / "cone_beam_front.csv").read_text()
+    pareto(tmp_path / "front.csv", [charts.CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
+           series=("bus", "made"))
+    assert (tmp_path / "front.csv").read_text() == (charts.CHARTS / "form_factors_front.csv").read_text()
 
 
 def test_every_chart_is_drawn_from_its_tables_and_no_other_is_in_the_folder(tmp_path):
@@ -30,6 +31,21 @@ def test_every_chart_is_drawn_from_its_tables_and_no_other_is_in_the_folder(tmp_
         draw(tmp_path)
     drawn = {file.name: file.read_text() for file in tmp_path.glob("*.svg")}
     assert drawn == {file.name: file.read_text() for file in charts.CHARTS.glob("*.svg")}
+
+
+def test_the_program_measures_and_draws_what_is_named(tmp_path, monkeypatch):
+    log = []
+    monkeypatch.setitem(charts.MEASURED, "boards", lambda jobs: log.append(("measured", jobs)))
+    monkeypatch.setitem(plots.DRAWN, "boards", [lambda folder: log.append(("drawn", folder))])
+    monkeypatch.setattr(charts, "CHARTS", tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setenv("GICUBE_BOARD", "")
+    monkeypatch.chdir(charts.ROOT)
+    for arguments, done in ((["boards", "--jobs", "3"], [("measured", 3), ("drawn", tmp_path)]), (["--draw", "boards"], [("drawn", tmp_path)])):
+        monkeypatch.setattr(sys, "argv", ["script/charts", *arguments])
+        charts.main()
+        assert log == done
+        log.clear()
 
 
 def test_pairs_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
