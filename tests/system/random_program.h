@@ -186,7 +186,8 @@ class RandomProgram {
       if (type == RayType::kDeposit || type == RayType::kBackproject) ray.energy = 0.1;
       rays.push_back(ray);
     }
-    const Ticket ticket = board.submit(rays, {.type = type, .opacity = 0.7, .step = 1});
+    const Sampling sampling = sampling_of(view_of(seed_ + steps_));
+    const Ticket ticket = board.submit(rays, {.type = type, .opacity = 0.7, .step = 1, .sampling = sampling});
     tickets_.push_back(ticket);
     hear(board, fmt::format("ticket {}", ticket.id), 0);
     if (dice.chance(15)) hear(board, "cancelled", board.cancel(ticket) ? 1 : 0);

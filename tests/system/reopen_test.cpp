@@ -207,10 +207,8 @@ TEST_F(Reopen, BatchesAreSentAgainAsTheyWereSampledFirst) {
   fine.opacity_threshold = 0.5;
   const auto submit_both = [&](Board& board) {
     load(board);
-    board.render_to_framebuffer(coarse);
-    const Ticket first = board.submit(rays(900));
-    board.render_to_framebuffer(fine);
-    return std::pair(first, board.submit(rays(900)));
+    const Ticket first = board.submit(rays(900), {.step = coarse.step, .sampling = sampling_of(coarse)});
+    return std::pair(first, board.submit(rays(900), {.step = fine.step, .sampling = sampling_of(fine)}));
   };
   start();
   std::vector<TracedRay> expected;

@@ -21,8 +21,8 @@ class GICUBE_API RayTracer {
   // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
   // batches may be under way; the caller's memory is free again on return. If the card does not store the volume whole, the
   // simulated host waits for the rays, and the batch is complete on return; what the board refuses is thrown at once.
-  // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before the irradiance was cleared or
-  // lit, kBackproject before its words were cleared), WouldBlock: nothing was sent.
+  // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit and Sampling::irradiance before the
+  // irradiance was cleared or lit, kBackproject before its words were cleared), WouldBlock: nothing was sent.
   Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});
   // Sends rays that lie in several places, as one batch in that order.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});

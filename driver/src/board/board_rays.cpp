@@ -78,6 +78,10 @@ Ticket BoardState::submit(std::span<const std::span<const HostRay>> rays, const 
     throw Unsupported(
         "backprojection into irradiance words needs a board with one of them a voxel (asic.irradiance_words)");
   }
+  const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
+  if (gathers_colour && request.sampling.irradiance && irradiance_unit <= 0) {
+    throw Rejected("request.sampling.irradiance needs light: illuminate() first");
+  }
   const View sampled = view_of(request);
   const Vec3 to_eye = towards_eye(sampled, of.relative_spacing);
   const RaySetup setup{request,
@@ -96,7 +100,6 @@ Ticket BoardState::submit(std::span<const std::span<const HostRay>> rays, const 
   }
   set_sampling(sampled);
   if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampled.seed);
-  const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampled.shade) tables.send_reflectance(to_eye);
   if (!bricks) return batches.submit(rays, setup);
   if (shared) share_anew();

@@ -51,7 +51,8 @@ void expect_same_light(const std::string& base, const std::string& card, int sce
       rays.push_back({.id = i, .position = from, .direction = to - from, .energy = 3});
     }
     for (Board* board : boards.both()) board->clear_irradiance(1);
-    const RayRequest deposits{.type = RayType::kDeposit, .albedo = settings.albedo, .rules = settings.rules};
+    const RayRequest deposits{
+        .type = RayType::kDeposit, .albedo = settings.albedo, .rules = settings.rules, .sampling = sampling_of(view)};
     const RayBatch got = small.receive(small.submit(rays, deposits));
     const RayBatch expected = large.receive(large.submit(rays, deposits));
     expect_same_accounts(*got.lighting, *expected.lighting);

@@ -54,11 +54,11 @@ void expect_same_rays(const std::string& base, const std::string& card, int scen
     for (Board* board : boards.both()) {
       board->set_transfer_function(fog_and_balls(scene % 3 == 0 ? 0 : 0.02));
       board->load_volume(blobs.view());
-      board->render_to_framebuffer(view);
     }
     Scene of(seed * 1000 + static_cast<unsigned>(scene), blobs.dims);
     for (const RayType type : kTypes) {
-      const RayRequest request = of.request(type);
+      RayRequest request = of.request(type);
+      request.sampling = sampling_of(view);
       const auto sent = of.rays(type, rays);
       const RayBatch expected = boards.large.receive(boards.large.submit(sent, request));
       const RayBatch got = boards.small.receive(boards.small.submit(sent, request));

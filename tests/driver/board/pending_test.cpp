@@ -179,6 +179,8 @@ TEST(Sampling, IsTheRequestsAlone) {
   board.render(cut);
   EXPECT_EQ(trace({}), whole) << "not the last view's";
   EXPECT_NEAR(trace(sampling_of(cut)).opacity, 1 - std::pow(0.9, 8), 0.02);
+  EXPECT_THAT([&] { trace({.irradiance = true}); },
+              ThrowsMessage<Rejected>(HasSubstr("request.sampling.irradiance needs light")));
 }
 
 TEST(Reads, FillTheCallersMemory) {

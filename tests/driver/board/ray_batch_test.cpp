@@ -105,11 +105,10 @@ TEST_F(RayBatches, ABadRayIsNamedAndNothingIsSent) {
   EXPECT_EQ((board_.counters() - before).value("dsp.host_rays"), 0u);
 }
 
-TEST_F(RayBatches, AreSampledAsTheLastPictureWas) {
+TEST_F(RayBatches, AreSampledAsTheirRequestSays) {
   View view = front_view(32);
   view.cut_planes = {{{0, 0, -1}, -15.5}};
-  board_.render_to_framebuffer(view);
-  const RayBatch half = board_.receive(board_.submit(rays(961)));
+  const RayBatch half = board_.receive(board_.submit(rays(961), {.sampling = sampling_of(view)}));
   EXPECT_NEAR(half.rays[15 * 31 + 15].opacity, 0.57, 0.03);  // 1 - 0.9^8
 }
 

@@ -118,9 +118,10 @@ TEST_P(RayTypes, ASegmentWithColourHasTheColourOfAnIntegratedRay) {
   View view = front_view(32);
   view.shade = false;
   view.opacity_threshold = 1;
-  board_.render_to_framebuffer(view);
-  const TracedRay whole = trace({.position = {16, 16, 0}, .direction = {0, 0, 1}}, {});
-  const TracedRay segment = trace(ray_between(0, {16, 16, 0}, {16, 16, 31}), {.type = RayType::kSegment});
+  const Sampling sampling = sampling_of(view);
+  const TracedRay whole = trace({.position = {16, 16, 0}, .direction = {0, 0, 1}}, {.sampling = sampling});
+  const TracedRay segment =
+      trace(ray_between(0, {16, 16, 0}, {16, 16, 31}), {.type = RayType::kSegment, .sampling = sampling});
   EXPECT_NEAR(segment.opacity, whole.opacity, 0.02);
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(segment.colour[c], whole.colour[c], 0.02);
   EXPECT_GT(segment.colour[0], 0.3);

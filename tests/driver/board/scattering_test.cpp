@@ -275,9 +275,8 @@ TEST_F(Scattering, RefusesWhatNoRayCanDo) {
 TEST_F(Scattering, HostRaysAreNotTheApplicationsToScatter) {
   board_.set_material(trap(kHostRoutine));
   board_.set_scattering_routine(back);
-  board_.render(view());  // submit() takes its sampling
   const std::vector<HostRay> rays{{.id = 1, .position = {1, 2, 3}, .direction = {1, 1, 1}}};
-  const Ticket ticket = board_.submit(rays);
+  const Ticket ticket = board_.submit(rays, {.sampling = sampling_of(view())});
   EXPECT_THAT([&] { board_.receive(ticket); }, ThrowsMessage<Rejected>(HasSubstr("routine 255")));
 }
 

@@ -163,7 +163,10 @@ void expect_same_light(const std::string& base, const std::string& card, int ran
       const Vec3 from{at(0), at(1), at(2)}, to{at(0), at(1), at(2)};
       rays.push_back({.id = i, .position = from, .direction = to - from, .energy = 3});
     }
-    const RayRequest deposits{.type = RayType::kDeposit, .albedo = settings.albedo, .rules = settings.rules};
+    const RayRequest deposits{.type = RayType::kDeposit,
+                              .albedo = settings.albedo,
+                              .rules = settings.rules,
+                              .sampling = sampling_of(scattered)};
     struct Results {
       LightingReport report, left;
       std::vector<float> irradiance, more;

@@ -46,8 +46,12 @@ TEST(ComposedPicture, WithoutASurfaceIsThatOfWholeSegments) {
   std::vector<Board> boards = open_boards();
   std::vector<MediumCost> costs;
   const Picture picture = compose(stage, boards, costs);
-  // The board still has the volume, the light and the view.
+  // The board still has the volume and the light.
   const StageMedium& ball = stage.media[0];
+  const RayRequest request{.type = RayType::kSegment,
+                           .opacity = 0.98,
+                           .sampling = {.shade = ball.setup.view.shade,
+                                        .looking = ball.to_voxels.vector(stage.view.look_at - stage.view.eye)}};
   int met = 0;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
@@ -62,8 +66,7 @@ TEST(ComposedPicture, WithoutASurfaceIsThatOfWholeSegments) {
         EXPECT_EQ(pixel, Premultiplied{});
         continue;
       }
-      const TracedRay ray =
-          boards[0].receive(boards[0].submit(std::vector{*part}, {.type = RayType::kSegment, .opacity = 0.98})).rays[0];
+      const TracedRay ray = boards[0].receive(boards[0].submit(std::vector{*part}, request)).rays[0];
       // Its length in the other's arithmetic may be the next word.
       ASSERT_NEAR(pixel.opacity, ray.opacity, 2e-3) << x << " " << y;
       for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(pixel.colour[c], ray.colour[c], 2e-3) << x << " " << y;
