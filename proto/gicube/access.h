@@ -24,7 +24,8 @@ struct AccessToken {
   std::string token;
 };
 
-inline constexpr std::size_t kMinTokenBytes = 16;   // chosen: at least 64 bits if the characters are random hexadecimal digits
+inline constexpr std::size_t kMinTokenBytes =
+    16;  // chosen: at least 64 bits if the characters are random hexadecimal digits
 inline constexpr std::size_t kMaxTokenBytes = 512;  // chosen: fits into a handshake together with the version
 
 // Returns 256 random bits as hexadecimal digits.

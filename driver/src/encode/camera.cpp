@@ -113,16 +113,16 @@ void check(const Sampling& sampling) {
 
 Sampling sampling_of(const View& view) {
   Sampling sampling{.jitter = view.jitter,
-          .cut_planes = view.cut_planes,
-          .seed = view.seed,
-          .opacity_threshold = view.opacity_threshold,
-          .shade = view.shade,
-          .irradiance = view.irradiance,
-          .incident = view.incident,
-          .exposure = view.exposure,
-          .scatter = view.scatter,
-          .high_albedo = view.high_albedo,
-          .lifetime = view.lifetime};
+                    .cut_planes = view.cut_planes,
+                    .seed = view.seed,
+                    .opacity_threshold = view.opacity_threshold,
+                    .shade = view.shade,
+                    .irradiance = view.irradiance,
+                    .incident = view.incident,
+                    .exposure = view.exposure,
+                    .scatter = view.scatter,
+                    .high_albedo = view.high_albedo,
+                    .lifetime = view.lifetime};
   if (view.look_at != view.eye) sampling.looking = view.look_at - view.eye;
   return sampling;
 }
