@@ -59,10 +59,11 @@ def rays_of(view, dims):
 
 
 def trace(board, view, rays):
-    """Host rays, sampled as the view is. The rest of the pipeline is set up by a view past the volume: no ray of it goes to the ASIC."""
-    past = tuple(2 * eye - at for eye, at in zip(view.eye, view.look_at))
-    board.render_to_framebuffer(replace(view, width=1, height=1, look_at=past))
-    return window(board, lambda: board.receive(board.submit(rays, step=view.step, leap=view.leap)))
+    """Host rays, sampled as the view is. A view past the volume, no ray of which goes to the ASIC, sends registers and tables before."""
+    past = replace(view, width=1, height=1, look_at=tuple(2 * eye - at for eye, at in zip(view.eye, view.look_at)))
+    board.render_to_framebuffer(past)
+    sampling = gicube.Sampling.of(past)
+    return window(board, lambda: board.receive(board.submit(rays, step=view.step, leap=view.leap, sampling=sampling)))
 
 
 def fill_block(board, view):
