@@ -20,7 +20,7 @@ struct Classified {
     index = segmentation_index(density, tag);
     entry = &frame.segmentation[index];
   }
-  // Of a known entry of the segmentation LUT.
+  // For a known entry of the segmentation LUT.
   Classified(const SampleSite& site, const Frame& frame, std::size_t its_index)
       : at(around(site)), view(site.view), index(its_index), entry(&frame.segmentation[index]) {}
 

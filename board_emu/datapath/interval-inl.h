@@ -31,7 +31,7 @@ template <class Number>
   return out;
 }
 
-// What determines a sample's interval.
+// The inputs of a sample's interval.
 template <class Number, class Mask>
 struct PathAround {
   std::array<Number, 3> here, before, after;  // positions in the cells of the sample, and of those before and after it

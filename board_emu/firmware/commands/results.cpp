@@ -1,4 +1,4 @@
-// What results of several commands have: ledgers of light, rays for the host, blocks for which rays wait.
+// Parts of the results of several commands: ledgers of light, rays for the host, blocks for which rays wait.
 #include "card.h"
 #include "gicube/wire/trap.h"
 

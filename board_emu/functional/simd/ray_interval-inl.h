@@ -256,7 +256,7 @@ HWY_INLINE DepthLanes depth_of_interval(const Interval<VD>& interval, const WayL
   return out;
 }
 
-// What lanes know of their samples' intervals (KnownInterval), by lane.
+// Intervals that lanes know of their samples (KnownInterval), by lane.
 struct KnownLanes {
   Word found;  // all ones: of one medium that is nowhere opaque; of others nothing is known
   Word entry, opacity, even;

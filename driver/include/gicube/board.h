@@ -169,7 +169,7 @@ class GICUBE_API Board {
 
   const BoardInfo& info() const;
 
-  // What a board does, by part. Each is a view of this Board, as cheap as a pointer, and lives as long.
+  // The parts of a board. Each is a view of this Board, as cheap as a pointer, and is valid as long as it.
   VolumeStore volume() const { return VolumeStore(*state_); }
   LookUpTables tables() const { return LookUpTables(*state_); }
   Renderer renderer() const { return Renderer(*state_); }

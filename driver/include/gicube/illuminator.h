@@ -29,7 +29,7 @@ class GICUBE_API Illuminator {
   // or clear(), BadArgument (box).
   std::vector<float> read();
   std::vector<float> read(const VoxelBox& box);
-  // The same into the caller's memory. Throws BadArgument, too, if it has another size.
+  // Reads into the caller's memory. Throws BadArgument, too, if it has another size.
   void read(const VoxelBox& box, std::span<float> values);
   // Overwrites it, with as many values: words are rounded to the unit in force and saturate. Throws as read(), and BadArgument
   // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
@@ -44,7 +44,7 @@ class GICUBE_API Illuminator {
   // One sum a voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them. The
   // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
   std::vector<float> read_sums(const VoxelBox& box);
-  // The same into the caller's memory. Throws BadArgument, too, if it has another size.
+  // Reads into the caller's memory. Throws BadArgument, too, if it has another size.
   void read_sums(const VoxelBox& box, std::span<float> values);
 
  private:

@@ -34,7 +34,7 @@ struct PendingProgress {
   std::uint32_t all = 0;
 };
 
-// What all handles have. Calls may come from any thread. A handle may outlive its Board: the call ends with DeviceLost (Loss::kClosed) then.
+// The calls of all handles. They may come from any thread. A handle may outlive its Board: the call ends with DeviceLost (Loss::kClosed) then.
 // A handle that is destroyed leaves its call to go on; nobody gets the result.
 class GICUBE_API PendingCall {
  public:

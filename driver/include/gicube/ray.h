@@ -22,7 +22,7 @@
 
 namespace gicube {
 
-// What is asked of the rays of a batch.
+// The task of a batch's rays.
 enum class RayType {
   // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has Sampling::opacity_threshold. Scattered if
   // Sampling::scatter says so. With jitter.

@@ -27,7 +27,7 @@ class GICUBE_API Renderer {
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
-  // The same into the caller's memory, rows from the top. Throws BadArgument, too, if it has not as many pixels as the picture.
+  // Reads into the caller's memory, rows from the top. Throws BadArgument, too, if it has not as many pixels as the picture.
   void read_framebuffer(std::span<Pixel> pixels);
 
   // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a sentence for people, which

@@ -46,7 +46,7 @@ class GICUBE_API VolumeStore {
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
   // transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read(const VoxelBox& box);
-  // The same into the caller's memory, one value a voxel. Throws BadArgument, too, if it has another size.
+  // Reads into the caller's memory, one value a voxel. Throws BadArgument, too, if it has another size.
   void read(const VoxelBox& box, std::span<float> values);
   // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags and colours do not change.
   // Gradients of the box and its neighbours are found again, unless load() was told to find none; so are the empty
@@ -72,7 +72,7 @@ class GICUBE_API VolumeStore {
   // eye counts; near the eye, for scattered pictures, host rays and light they are as they are. So a picture depends on its view alone.
   // Throws BadArgument (detail: 0..64), Unsupported (a board before protocol 2.3).
   void set_detail(double detail);
-  // What the last picture had of it; nothing if the card stores the volume whole. Throws Rejected if there is no picture.
+  // The level of detail of the last picture; nothing if the card stores the volume whole. Throws Rejected if there is no picture.
   std::optional<BrickDetail> detail();
 
  private:

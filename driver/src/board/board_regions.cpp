@@ -191,7 +191,7 @@ void VolumeStore::read(const VoxelBox& box, std::span<float> values) {
   state_->read_volume(box, values);
 }
 
-// As much room as the box of the volume needs, filled by `read`.
+// The box's values, read by `read` into as much room as they need.
 std::vector<float> BoardState::values_of(const VoxelBox& box, const char* what, std::size_t of_voxel,
                                          void (BoardState::*read)(const VoxelBox&, std::span<float>)) {
   check(box, loaded(what).dims);

@@ -60,7 +60,7 @@ bool read_fields(std::string_view message,
   return true;
 }
 
-// What the process says; nothing if it does not in time.
+// The process's answer; nothing if none came in time.
 std::optional<std::string> answer_of(const fs::path& socket, Clock::time_point end) {
   boost::system::error_code error;
   Uri uri;

@@ -72,8 +72,11 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
         threads(uri.threads),
         device(uri, options,
                [this, application = options.while_waiting] {
-                 started.check();
-                 if (application && !started.is_here()) application();
+                 if (started.is_here()) {
+                   started.check();
+                 } else if (application) {
+                   application();
+                 }
                }),
         tables(device),
         batches(device, options) {}

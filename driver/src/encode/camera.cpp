@@ -57,7 +57,7 @@ void check_lamps(const std::vector<Lamp>& lamps) {
   }
 }
 
-// What a Sampling has too. `where`: before the fields' names.
+// Checks the fields that View and Sampling share. `where` stands before their names.
 void check_sampling(const std::string& where, const auto& sampling) {
   expect_within(where + "opacity_threshold", sampling.opacity_threshold, 0, 1);
   check_cut_planes(where + "cut_planes", sampling.cut_planes);

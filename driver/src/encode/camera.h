@@ -13,7 +13,7 @@ namespace gicube {
 
 // Throws BadArgument naming the field of the view that no picture can be taken with.
 void check(const View& view);
-// The same of what a batch of rays is sampled by.
+// Throws BadArgument naming the field of a request's sampling.
 void check(const Sampling& sampling);
 
 // A view from the origin whose own rays would be sampled as those of the request.

@@ -115,6 +115,18 @@ TEST(Pending, IsCancelledBeforeItsTurnAndDuringIt) {
   EXPECT_EQ(board.render(view_of_box()).width, 32) << "the board takes the next call";
 }
 
+TEST(Pending, ThatIsCancelledLeavesBatchesUnderWay) {
+  auto [board, id] = stopped_board();
+  auto batch = board.rays().start(std::vector<HostRay>{{.id = 3, .position = {16, 16, 0}, .direction = {0, 0, 1}}});
+  auto picture = board.renderer().start(view_of_box());
+  EXPECT_TRUE(picture.cancel());
+  EXPECT_THROW(picture.get(), Cancelled);
+  EXPECT_FALSE(batch.wait(300ms));
+  ::kill(id, SIGCONT);
+  EXPECT_TRUE(batch.wait(std::chrono::hours(1)));
+  EXPECT_EQ(batch.get().rays.size(), 1u);
+}
+
 TEST(Pending, OutlivesItsBoard) {
   std::optional<Pending<Image>> picture, waiting;
   std::thread killer;

@@ -102,7 +102,7 @@ TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
   EXPECT_THAT(uris, testing::UnorderedElementsAre(two.bus, two.bus + ".1", plain.bus));
 }
 
-// What listens there says what it likes: nothing is made of it, and no process waits for ever.
+// A listener that is no board may say anything: it is left out, and nobody waits for ever.
 TEST(Enumerate, LeavesOutWhatAnswersSomethingElse) {
   const OwnRegistry registry;
   const Listening plain;

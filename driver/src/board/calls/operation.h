@@ -1,4 +1,4 @@
-// What stands behind a Pending handle.
+// Operations: the calls behind Pending handles.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ namespace gicube {
 class Operation {
  public:
   virtual ~Operation() = default;
-  // As the calls of PendingCall.
+  // The calls of PendingCall.
   virtual bool wait(std::chrono::milliseconds timeout) = 0;
   virtual bool cancel() = 0;
   virtual PendingProgress progress() const = 0;

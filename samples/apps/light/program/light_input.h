@@ -1,4 +1,4 @@
-// What each method of gicube-light is asked for: a scene, and a picture of the light in it.
+// The input of each method of gicube-light: a scene, and a picture of the light in it.
 #pragma once
 
 #include <CLI/CLI.hpp>

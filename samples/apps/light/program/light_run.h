@@ -1,4 +1,4 @@
-// What the methods do alike: their options, passes of light on a board, and what is printed and written about them.
+// The common part of the methods: their options, passes of light on a board, and what is printed and written about them.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ struct LightOptions {
   BoardOptions board;
 };
 
-// What a run has counted: as it is printed, and for --stats.
+// The counts of a run: as it is printed, and for --stats.
 struct LightCounts {
   std::string text;
   nlohmann::ordered_json json;

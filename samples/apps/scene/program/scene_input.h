@@ -15,7 +15,7 @@ namespace gicube::samples {
 
 inline constexpr const char* kBuiltin = "builtin:";
 
-// Of a scene file, builtin:NAME or a volume file; engines are left as they are. Throws InputError.
+// Reads a scene file, builtin:NAME or a volume file; engines are left as they are. Throws InputError.
 Scene read_input(const std::string& input, bool allow_outside);
 
 struct SceneInput {
