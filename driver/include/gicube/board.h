@@ -74,7 +74,7 @@ enum class BackPressure {
   kThrow,  // throws WouldBlock, and nothing is sent
 };
 
-struct OpenOptions {
+struct OpenOptions {  // how a board is opened
   // Wall-clock limit for one answer of the board; 0 = none. Beyond it the call throws TimedOut.
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.

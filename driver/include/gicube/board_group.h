@@ -19,12 +19,12 @@
 
 namespace gicube {
 
-enum class HostBuses {
-  kShared,  // all boards are on one PCI bus, which serves them in turn
-  kOwn,     // each has a bus of its own
+enum class HostBuses {  // whether the boards of a group share a bus
+  kShared,              // all boards are on one PCI bus, which serves them in turn
+  kOwn,                 // each has a bus of its own
 };
 
-struct GroupOptions {
+struct GroupOptions {  // how a group is opened
   HostBuses buses = HostBuses::kShared;
   OpenOptions board{};  // of each; `while_waiting` is called for the first
 };

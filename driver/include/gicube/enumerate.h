@@ -13,7 +13,7 @@
 
 namespace gicube {
 
-struct FoundBoard {
+struct FoundBoard {           // a board that a program could open
   std::string uri;            // for Board::open()
   std::uint32_t process = 0;  // the id of its gicube-board
   std::string product;        // what it calls itself

@@ -11,13 +11,13 @@
 
 namespace gicube {
 
-struct AnsweredCommand {
+struct AnsweredCommand {  // how many commands of a kind a level answered
   // "render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell.
   std::string command;
   std::uint64_t count = 0;
 };
 
-struct LevelReport {
+struct LevelReport {  // what a level answered, and what its figures leave out
   Fidelity level = Fidelity::kFunctional;
   std::vector<AnsweredCommand> answered;
   std::vector<std::string> not_modelled;  // at that level: docs/reference/hardware.md

@@ -20,9 +20,9 @@ struct PointLight {
   friend bool operator==(const PointLight&, const PointLight&) = default;
 };
 
-struct DirectionalLight {
-  Vec3 towards;           // from the scene to the light; any length but 0
-  double irradiance = 1;  // > 0, power on a unit area across the light
+struct DirectionalLight {  // a distant light
+  Vec3 towards;            // from the scene to the light; any length but 0
+  double irradiance = 1;   // > 0, power on a unit area across the light
   friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
 };
 
@@ -49,7 +49,7 @@ enum class Albedo { kLow, kHigh };
 // kConserving: what goes in comes out (docs/reference/hardware.md).
 enum class EnergyRules { kAsPrinted, kConserving };
 
-struct Illumination {
+struct Illumination {  // how light is spread
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
   // k, 1..4096: rays through each cell between four voxels of a face of the volume, (N - 1)^2 of them a face. A light inside sends

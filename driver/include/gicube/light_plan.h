@@ -21,7 +21,7 @@
 
 namespace gicube {
 
-struct LightPlanRequest {
+struct LightPlanRequest {  // lights and a target
   std::span<const Light> lights;
   // Rules, jitter, leaps, lifetime and seed stay; with the printed rules the albedo too, since there the two albedos differ.
   // The plan's cost is compared with all of these settings.

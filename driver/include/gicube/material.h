@@ -27,7 +27,7 @@ enum BoardRoutine : int {
   kHostRoutine = 255,  // the application: Board::set_scattering_routine()
 };
 
-struct Material {
+struct Material {         // how a material scatters rays
   double scattering = 0;  // Ks, the share of an interaction that is scattered and not absorbed; 0..1
   Bsdf bsdf = Bsdf::kNone;
   double gloss = 0;  // beta of the dull kinds: 0 is sharp; 0..15.99

@@ -28,7 +28,7 @@ struct Element {
   Vec3 w{};  // of boxes and discs
 };
 
-struct ElementPair {
+struct ElementPair {           // two elements between which light goes
   std::uint32_t a = 0, b = 0;  // indices of elements
   std::uint32_t id = 0;        // picks the points; pairs of different ids are independent experiments
 };
@@ -39,7 +39,7 @@ enum class PairRays {
   kByHost,   // the application's processor, as rays of type kOpacity: 32 bytes per ray each way
 };
 
-struct PairRequest {
+struct PairRequest {  // rays for each pair, and how they are sampled
   // For each pair, 1..65536; any number of them fills both elements evenly. The parts of a near pair share them: none has more, and
   // some have a few less.
   std::uint32_t rays = 16;

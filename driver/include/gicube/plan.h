@@ -23,7 +23,7 @@
 
 namespace gicube {
 
-struct PlanRequest {
+struct PlanRequest {  // a scene and a target
   // What is to be drawn. Without samples: what the board holds, at its own level of detail, looks and shading.
   VolumeView volume{};
   std::span<const TransferFunction> looks{};  // by tag, in the volume's values; with `volume` only

@@ -23,9 +23,9 @@ struct ScatterEvent {
   std::span<const float> parameters{};  // Material::parameters; lives as long as the call
 };
 
-struct ScatterAnswer {
-  Vec3 direction;     // in which the ray goes on; physical, of a length from 1e-6 to 1e6
-  double passes = 1;  // the share of its energy, or of what it can still gather, that goes on: 0..1
+struct ScatterAnswer {  // what becomes of a ray that was scattered
+  Vec3 direction;       // in which the ray goes on; physical, of a length from 1e-6 to 1e6
+  double passes = 1;    // the share of its energy, or of what it can still gather, that goes on: 0..1
 };
 
 // Called on the thread that called the Board, one ray at a time, in an order that does not depend on the board.

@@ -15,7 +15,7 @@ struct Phong {
   double shininess = 24;  // 1..1000
 };
 
-struct Shading {
+struct Shading {  // local illumination by one light
   Phong phong{};
   // From the scene towards the light, physical axes (parallel to the voxel axes); any length but 0.
   // The zero vector stands for a head light: at the eye.

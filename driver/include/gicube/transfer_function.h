@@ -10,12 +10,12 @@ namespace gicube {
 
 using Colour = std::array<double, 3>;  // red green blue, 0..1, display-referred (sRGB)
 
-struct ColourPoint {
-  double value;  // in the volume's own values
+struct ColourPoint {  // a colour at a value
+  double value;       // in the volume's own values
   Colour colour;
 };
 
-struct OpacityPoint {
+struct OpacityPoint {  // an opacity at a value
   double value;
   double opacity;  // 0..1, of one voxel length (the smallest voxel edge of an anisotropic volume)
 };

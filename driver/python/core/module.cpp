@@ -34,15 +34,15 @@ void add_dtypes(py::module_& module) {
   module.attr("PAIR_FACTOR") = py::dtype::of<PairFactor>();
 }
 
-// What a record holds if nothing is said: its dataclass must hold the same, which a test compares.
+// What records hold if nothing is said: their dataclasses must hold the same, which a test compares.
 template <typename... T>
-void add_defaults(py::module_& module) {
-  module.def("defaults", [] {
+struct Defaults {
+  static py::list all() {
     py::list all;
     (all.append(write(T{})), ...);
     return all;
-  });
-}
+  }
+};
 
 // A forked process ends without the destructors of libraries: some wait for threads that only the parent has (log4cplus, by OpenImageIO).
 void end_forked_ones() {
@@ -65,9 +65,7 @@ PYBIND11_MODULE(_core, module) {
   using namespace gicube::python;
   module.attr("__version__") = GICUBE_VERSION;
   add_dtypes(module);
-  add_defaults<ValueRange, Phong, Shading, Material, View, CutPlane, Lamp, PointLight, DirectionalLight, RectangleLight,
-               SphereLight, Illumination, Sampling, RayRequest, PairRequest, Placement, ScatterAnswer,
-               TransferFunction>(module);
+  module.def("defaults", &EveryRecord<Defaults>::all);
   end_forked_ones();
   add_errors();
   add_board(module);

@@ -1,68 +1,66 @@
-"""Records and enumerations of the driver. Fields, defaults and meanings are those of the C++ headers that each class names.
+"""Records and enumerations of the driver, with the comments of the C++ headers that each class names.
 
 Positions are (x, y, z) in voxels, voxel (0, 0, 0) has its centre at the origin; arrays over voxels are indexed [z, y, x].
 Times are simulated, in picoseconds.
 """
 
+# Written by script/records from the public headers: change those.
+
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Optional, Sequence, Tuple, Union
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from gicube import record_calls
+from gicube.record_calls import *
+from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
 
-from gicube import _core
-
-__all__ = [  # of the package
-    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "FoundBoard", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
-    "BackPressure", "BoardInfo", "BrickDetail", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
-    "BoardTime", "HostBuses",
-    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightingReport", "LightPoint", "Loss", "Material",
-    "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
-    "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "Sampling", "ScatterAnswer", "ScatterEvent", "Shading",
-    "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
+__all__ = [
+    "Albedo", "AnsweredCommand", "BackPressure", "BoardInfo", "BoardTime", "BrickDetail", "Bsdf", "ColourPoint",
+    "CutPlane", "DepositReport", "DirectionalLight", "ElementKind", "EnergyRules", "Fidelity", "FoundBoard",
+    "HostBuses", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightEnergy", "LightPoint",
+    "LightingReport", "Loss", "Material", "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter",
+    "Placement", "PlanPoint", "PointLight", "RawLayout", "RayRequest", "RayType", "RectangleLight", "Reopened",
+    "SampleType", "Sampling", "ScatterAnswer", "ScatterEvent", "Shading", "SphereLight", "SumWords", "TransferFunction",
+    "ValueRange", "View", "VoxelBox", "VoxelFormat"
 ]
-
-Array = NDArray[Any]
-Vec3 = Sequence[float]
-Colour = Sequence[float]
+__all__ += record_calls.__all__
 
 
 class Fidelity(Enum):
-    """How a board emulates: values alone, or each cycle."""
-
+    """See gicube/board.h."""
     FUNCTIONAL = "functional"
-    APPROXIMATE = "approximate"  # boards of 0.2 only
+    APPROXIMATE = "approximate"
     CYCLE = "cycle"
 
 
 class HostBuses(Enum):
-    """Whether the boards of a group are on one PCI bus, which serves them in turn, or each has its own."""
-
+    """See gicube/board_group.h."""
     SHARED = "shared"
+    """all boards are on one PCI bus, which serves them in turn"""
     OWN = "own"
+    """each has a bus of its own"""
 
 
 class VoxelFormat(Enum):
-    """What a card stores of a voxel: the paper's 36 bits, or a colour besides (Volume.colours)."""
-
+    """What the card stores of a voxel (asic.voxel_format): the paper's 36 bits, or a colour besides (Volume.colours).
+    See gicube/board.h."""
     DENSITY = "density"
     RGB = "rgb"
     RGBA = "rgba"
 
 
 class BackPressure(Enum):
-    """What submit() does when open(max_rays=...) are under way: wait for the oldest batch, or raise WouldBlock."""
-
+    """What submit() does when OpenOptions.max_rays are under way. See gicube/board.h."""
     WAIT = "wait"
+    """the simulated host waits for the oldest batch to complete"""
     THROW = "throw"
+    """throws WouldBlock, and nothing is sent"""
 
 
 class SampleType(Enum):
-    """Of a volume's samples. UINT12 holds 0..4095 in 16 bits."""
-
+    """Samples are in the machine's byte order; UINT12 holds 0..4095 in 16 bits. See gicube/volume.h."""
     UINT8 = "uint8"
     UINT12 = "uint12"
     UINT16 = "uint16"
@@ -71,8 +69,15 @@ class SampleType(Enum):
 
 
 class Bsdf(Enum):
-    """How a material scatters rays (gicube/material.h has the formulas)."""
-
+    """A ray of direction D that interacts with a material of normal N (against the gradient, facing the ray) goes on
+    along
+      NONE           D: it is not scattered
+      SPECULAR       R, the mirror image of -D about N
+      DULL_REFLECTION (R + gloss d) / |R + gloss d|, d a random direction
+      DULL_SCATTERING (D + gloss d) / |D + gloss d|
+      ISOTROPIC      d
+      DIFFUSE        (N + d) / |N + d|: radiance alike in all directions of the half space (Lambert)
+      TRAP           what a routine says: on the board's DSP, or in the application. See gicube/material.h."""
     NONE = "none"
     SPECULAR = "specular"
     DULL_REFLECTION = "dull_reflection"
@@ -83,217 +88,250 @@ class Bsdf(Enum):
 
 
 class PixelFilter(Enum):
-    """How the rays of a pixel become its colour."""
-
+    """See gicube/view.h."""
     BOX = "box"
     TENT = "tent"
 
 
 class Albedo(Enum):
-    """LOW: rays deposit a part of their energy at each sample. HIGH: photons that deposit all of it once."""
-
+    """LOW: every ray deposits a part of its energy at each sample. HIGH: rays are photons that deposit all of it once.
+    See gicube/illumination.h."""
     LOW = "low"
     HIGH = "high"
 
 
 class EnergyRules(Enum):
-    """AS_PRINTED: the paper's, which lose scattered energy. CONSERVING: what goes in comes out."""
-
+    """AS_PRINTED: the paper's own rules, which lose scattered energy and count a point light four times. CONSERVING:
+    what goes in comes out (docs/reference/hardware.md). See gicube/illumination.h."""
     AS_PRINTED = "as_printed"
     CONSERVING = "conserving"
 
 
 class RayType(Enum):
-    """What is asked of the rays of a batch (gicube/ray.h)."""
-
+    """The task of a batch's rays. See gicube/ray.h."""
     INTEGRATE = "integrate"
+    """Colour and opacity from its position until it leaves the volume, meets a cut plane, or has
+    Sampling.opacity_threshold. Scattered if Sampling.scatter says so. With jitter."""
     FIRST_HIT = "first_hit"
+    """Until the opacity that it has gathered reaches RayRequest.opacity: its position is then that of the sample which
+    brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the volume
+    or met a cut plane. No colour. With jitter."""
     SEGMENT = "segment"
+    """Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest.opacity is
+    reached. Its own step divides the length evenly, at most RayRequest.step, and it samples the middle of each: so both
+    directions see the same samples. Neither jitter nor cut planes."""
     OPACITY = "opacity"
+    """The same without colour: the transmittance between two points is 1 - opacity."""
     DEPOSIT = "deposit"
+    """Distributes its energy into the irradiance words on its way (docs/reference/hardware.md, Global illumination), by
+    RayRequest.albedo and rules. No ray comes back; BatchReport.lighting says where the energy went."""
     INTEGRAL = "integral"
+    """The line integral of the volume's values less ValueRange.low between two points, lengths in the unit of
+    Volume.spacing. Sampled as SEGMENT; opacities, empty blocks, jitter and cut planes don't matter. It may end outside
+    of the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from a source
+    outside."""
     BACKPROJECT = "backproject"
+    """Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses
+    nothing by that. RayRequest.words says to which words; no ray comes back."""
 
 
 class SumWords(Enum):
-    """Where rays of type BACKPROJECT leave what they carry."""
-
+    """Where rays of type BACKPROJECT leave what they carry. See gicube/ray.h."""
     IRRADIANCE = "irradiance"
+    """what read_irradiance() reads: not negative, 11 bits or 32 on the wide datapath, by clear_irradiance()"""
     SUMS = "sums"
+    """the whole 36-bit words: signed sums of whole units, by clear_sums() and read_sums()"""
 
 
 class ElementKind(Enum):
-    """Of Board.pair_factors() (gicube/pair.h)."""
-
+    """Flat elements have their front to the side of u x v. See gicube/pair.h."""
     PATCH = "patch"
+    """a parallelogram: origin + s u + t v, 0..1 each"""
     BOX = "box"
+    """origin + s u + t v + r w: a part of the volume"""
     TRIANGLE = "triangle"
+    """with the corners origin, origin + u, origin + v"""
     DISC = "disc"
+    """origin + s u + t v, s^2 + t^2 <= 1: about its centre, with the half-axes u and v; a circle or an ellipse. For
+    rings and sectors: w.x is the hole's share of the area, and w.y the missing share of the turn, which begins at u and
+    goes towards v; each 0 or more and below 1. {} is a whole disc."""
 
 
 class PairRays(Enum):
-    """Who makes the rays between pairs. The results are the same to the bit; what crosses the bus is not."""
-
+    """Who makes the rays. The results are the same to the bit; what crosses the bus is not. See gicube/pair.h."""
     BY_BOARD = "by_board"
+    """the DSP: 12 bytes per pair and 56 per element down, 16 per pair up; as BY_HOST with boards of version 0.1"""
     BY_HOST = "by_host"
+    """the application's processor, as rays of type OPACITY: 32 bytes per ray each way"""
 
 
 class Loss(Enum):
-    """Why a board was lost."""
-
+    """See gicube/error.h."""
     CLOSED = "closed"
+    """the board's process ended, or the connection did"""
     CORRUPTED = "corrupted"
+    """a frame was damaged, or one is missing"""
     TIMED_OUT = "timed_out"
+    """the watchdog expired; the call that it ended has thrown TimedOut"""
     TAKEN_OVER = "taken_over"
+    """another client took the board by force"""
     ENDED = "ended"
-
-
-FRESNEL_ROUTINE, HENYEY_GREENSTEIN_ROUTINE, TABULATED_ROUTINE = 0, 1, 2  # Material.routine, on every board
-FIRST_USER_ROUTINE, HOST_ROUTINE = 8, 255
+    """the board ended the session: it shuts down, was reset by management, or found a fault in what was sent; or the
+    driver did, whose capture could not be written"""
 
 
 @dataclass
 class ValueRange:
-    """The map from values to the board's 12-bit density: round(4095 (v - low) / (high - low)), clamped."""
-
+    """The map from values to the board's 12-bit density: round(4095 (v - low) / (high - low)), clamped. Low < high,
+    both finite. See gicube/volume.h."""
     low: float = 0.0
     high: float = 1.0
 
 
 @dataclass
 class VoxelBox:
-    """The voxels low[axis] .. low[axis] + size[axis] - 1, axes x, y, z."""
-
+    """A box of voxels: low[axis] .. low[axis] + size[axis] - 1. See gicube/volume.h."""
     low: Sequence[int] = (0, 0, 0)
     size: Sequence[int] = (0, 0, 0)
+    """at least 1 each"""
 
 
 @dataclass
 class Placement:
-    """Where a derived volume lies in the original: its voxel p is at low + edge p there."""
-
+    """Where a derived volume lies in the original: its voxel p is at low + edge p there. See gicube/level_of_detail.h.
+    """
     low: Vec3 = (0.0, 0.0, 0.0)
     edge: float = 1.0
+    """of one of its voxels, in the original's"""
 
 
 @dataclass
 class RawLayout:
-    """How the samples of a file without a header lie."""
-
+    """How the samples of a file without a header lie. See gicube/scene/volume_file.h."""
     dims: Sequence[int] = (0, 0, 0)
     type: SampleType = SampleType.UINT8
+    """UINT12: 0..4095 in 16 bits"""
     spacing: Vec3 = (1.0, 1.0, 1.0)
     big_endian: bool = False
     skip_bytes: int = 0
+    """before the first sample"""
 
 
 @dataclass
 class ColourPoint:
-    """At a volume's value: red, green, blue, 0..1, display-referred."""
-
+    """A colour at a value. See gicube/transfer_function.h."""
     value: float = 0.0
+    """in the volume's own values"""
     colour: Colour = (0.0, 0.0, 0.0)
 
 
 @dataclass
 class OpacityPoint:
-    """At a volume's value: 0..1, of one voxel length."""
-
+    """An opacity at a value. See gicube/transfer_function.h."""
     value: float = 0.0
     opacity: float = 0.0
+    """0..1, of one voxel length (the smallest voxel edge of an anisotropic volume)"""
 
 
 @dataclass
-class TransferFunction:
-    """Piecewise linear between its points, constant beyond. Points may be given as (value, (r, g, b)) and (value, opacity)."""
-
+class TransferFunction(TransferFunctionCalls):
+    """Piecewise linear between its points, constant beyond the first and the last. Values must rise strictly, except
+    that two points may share one value: a step, which takes the second's side. See gicube/transfer_function.h."""
     colours: Sequence[Union[ColourPoint, Tuple[float, Colour]]] = field(default_factory=list)
+    """at least one, unless all opacities are 0"""
     opacities: Sequence[Union[OpacityPoint, Tuple[float, float]]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.colours = [p if isinstance(p, ColourPoint) else ColourPoint(*p) for p in self.colours]
-        self.opacities = [p if isinstance(p, OpacityPoint) else OpacityPoint(*p) for p in self.opacities]
-
-    def colour_at(self, value: float) -> Tuple[float, float, float]:
-        """Raises BadArgument: no points."""
-        return _core.colour_at(self, value)
-
-    def opacity_at(self, value: float) -> float:
-        return _core.opacity_at(self, value)
+    """at least one"""
 
 
 @dataclass
 class Phong:
-    """Coefficients of the reflectance map (gicube/shading.h)."""
-
+    """Shade(normal) = ambient + diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess, R the reflected light
+    direction, V towards the eye; s fades the highlight in over 0 <= N.L <= 0.1, so that the terminator has no hard
+    edge. What a shade has above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not
+    shaded. See gicube/shading.h."""
     ambient: float = 0.25
+    """each 0..1.99; ambient + diffuse at most 1.99, diffuse + specular at most 1.99"""
     diffuse: float = 0.7
     specular: float = 0.35
     shininess: float = 24.0
+    """1..1000"""
 
 
 @dataclass
 class Shading:
-    """`light`: towards the light; (0, 0, 0) is a head light."""
-
+    """Local illumination by one light. See gicube/shading.h."""
     phong: Phong = field(default_factory=Phong)
     light: Vec3 = (0.0, 0.0, 0.0)
+    """From the scene towards the light, physical axes (parallel to the voxel axes); any length but 0. The zero vector
+    stands for a head light: at the eye."""
 
 
 @dataclass
 class Material:
-    """How a material scatters rays (gicube/material.h). `scattering` is Ks, `gloss` beta of the dull kinds."""
-
+    """How a material scatters rays. See gicube/material.h."""
     scattering: float = 0.0
+    """Ks, the share of an interaction that is scattered and not absorbed; 0..1"""
     bsdf: Bsdf = Bsdf.NONE
     gloss: float = 0.0
+    """beta of the dull kinds: 0 is sharp; 0..15.99"""
     seen_through_scattering: bool = False
+    """Rendering rays are scattered here too (View.scatter). Mirrors, glossy surfaces and glass; the other materials
+    show the irradiance that they hold."""
     routine: int = 0
+    """TRAP only"""
     surface: bool = False
+    """TRAP only: a ray that was scattered passes until it has left the surface"""
     parameters: Sequence[float] = field(default_factory=list)
-    scattering_colour: Colour = (1.0, 1.0, 1.0)  # factors of Ks, on a board of three irradiance words
+    """TRAP only: at most 32, for the routine"""
+    scattering_colour: Colour = (1.0, 1.0, 1.0)
+    """Factors of `scattering` for red, green and blue of lighting rays, 0..1; other than white only on a board of three
+    irradiance words (BoardInfo.irradiance_words). Rendering rays are scattered as the colour that is scattered most."""
 
 
 @dataclass
 class CutPlane:
-    """Points p with normal . p >= offset are kept; voxels."""
-
+    """Points p, in voxels, with normal . p >= offset are kept. See gicube/view.h."""
     normal: Vec3 = (0.0, 0.0, 0.0)
+    """any length but 0"""
     offset: float = 0.0
 
 
 @dataclass
 class PointLight:
-    """Positions in voxels; all lights of a pass in one unit of power."""
-
+    """Positions in voxels, directions and lengths physical (in smallest voxel edges, axes parallel to the voxel axes).
+    See gicube/illumination.h."""
     position: Vec3 = (0.0, 0.0, 0.0)
+    """inside the volume or outside"""
     power: float = 1.0
+    """> 0, all lights of a pass in one unit"""
 
 
 @dataclass
 class DirectionalLight:
-    """`irradiance`: power on a unit area across the light."""
-
+    """A distant light. See gicube/illumination.h."""
     towards: Vec3 = (0.0, 0.0, 0.0)
+    """from the scene to the light; any length but 0"""
     irradiance: float = 1.0
+    """> 0, power on a unit area across the light"""
 
 
 @dataclass
 class RectangleLight:
-    """Shines to the side of edge_u x edge_v, by Lambert's law."""
-
+    """Shines to the side of edge_u x edge_v, each point by Lambert's law. See gicube/illumination.h."""
     corner: Vec3 = (0.0, 0.0, 0.0)
     edge_u: Vec3 = (0.0, 0.0, 0.0)
+    """physical; not parallel, not 0"""
     edge_v: Vec3 = (0.0, 0.0, 0.0)
+    """physical; not parallel, not 0"""
     power: float = 1.0
 
 
 @dataclass
 class SphereLight:
-    """Shines outward from its surface, by Lambert's law."""
-
+    """Shines outward from its surface, Lambert. See gicube/illumination.h."""
     centre: Vec3 = (0.0, 0.0, 0.0)
     radius: float = 1.0
+    """physical, > 0"""
     power: float = 1.0
 
 
@@ -302,133 +340,191 @@ Light = Union[PointLight, DirectionalLight, RectangleLight, SphereLight]
 
 @dataclass
 class Lamp:
-    """What scattered rays see where they leave the volume: a RectangleLight or a SphereLight, as bright as a white surface
-    that all its power reaches, times `colour` (gicube/view.h)."""
-
+    """What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it
+    shines, or a SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power
+    / area x exposure, the view's or the chosen one (without View.irradiance and without an exposure: x 1), times
+    `colour`. It lights nothing: illuminate() does. See gicube/view.h."""
     light: Light = field(default_factory=SphereLight)
     colour: Colour = (1.0, 1.0, 1.0)
+    """not below 0"""
 
 
 @dataclass
 class View:
-    """What a picture is taken from: camera, image, sampling (gicube/view.h). Lengths in voxels, angles in degrees."""
-
+    """All positions in voxels of the volume; voxel (0, 0, 0) has its centre at the origin. Angles and lengths are seen
+    in physical space, so a volume with anisotropic spacing keeps its shape.
+     Irradiance is what voxels absorbed after illuminate() and rays of type DEPOSIT: a sample's brightness is then its
+    word over (opacity (1 - Ks)). A field that an application wrote, such as a solution of radiosity, is shown as colour
+    x irradiance x exposure with `incident`; nothing chooses its exposure. See gicube/view.h."""
     eye: Vec3 = (0.0, 0.0, 0.0)
     look_at: Vec3 = (0.0, 0.0, 0.0)
+    """not at the eye"""
     up: Vec3 = (0.0, 1.0, 0.0)
+    """not along the line of sight"""
     fov_degrees: float = 30.0
+    """vertical, 0..180 exclusive; perspective only"""
     orthographic_height: float = 0.0
+    """> 0: orthographic, the image's height in (smallest) voxel edges"""
     width: int = 512
+    """pixels, 1..4095"""
     height: int = 512
     samples_per_axis: int = 1
+    """1, 2 or 4: rays per pixel are its square"""
     filter: PixelFilter = PixelFilter.BOX
     step: float = 0.5
+    """Voxels along the ray, 1/64..16, kept to 16 fraction bits. Without BoardInfo.wide each step is rounded to 2^-14
+    voxel on every axis: steps with which positions could drift by more than a voxel over the volume are refused."""
     opacity_threshold: float = 0.98
+    """0..1: a ray at or above it is done"""
     shade: bool = True
     jitter: bool = False
     leap: bool = True
+    """over blocks whose empty flag is set"""
     irradiance: bool = False
+    """lit by the irradiance that illuminate() left, instead of by the reflectance map"""
     incident: bool = False
+    """the irradiance is what falls on a sample, not what it absorbed"""
     exposure: float = 0.0
+    """irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()"""
     scatter: bool = False
+    """rays go on where a material scatters them (Material.seen_through_scattering)"""
     high_albedo: bool = False
+    """colour is taken once, where the ray is absorbed: needs many rays per pixel"""
     lifetime: int = 8
+    """scatterings until a ray is given up, 0..1023"""
     seed: int = 0
+    """of the scatterings' random choices"""
     cut_planes: Sequence[CutPlane] = field(default_factory=list)
+    """at most 6"""
     lamps: Sequence[Lamp] = field(default_factory=list)
+    """With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest
+    in its way, times what it still lets through, and the pixel is opaque there. Rays straight from the eye see none,
+    and nothing is seen of a lamp that is inside of the volume. At most 32; needs a board of protocol 2.3."""
 
 
 @dataclass
 class Illumination:
-    """How light is spread (gicube/illumination.h)."""
-
+    """How light is spread. See gicube/illumination.h."""
     albedo: Albedo = Albedo.LOW
     rules: EnergyRules = EnergyRules.CONSERVING
     rays_per_face_voxel: int = 1
+    """k, 1..4096: rays through each cell between four voxels of a face of the volume, (N - 1)^2 of them a face. A light
+    inside sends rays through all six faces, one outside through those that it sees."""
     step: float = 0.5
+    """voxels along the ray, 1/64..16; refused as View.step"""
     jitter: bool = False
+    """of rays with the printed rules; the conserving ones don't depend on where samples lie"""
     leap: bool = True
     lifetime: int = 32
+    """scatterings until a ray is given up, 0..1023"""
     seed: int = 0
-    light_colours: Sequence[Colour] = field(default_factory=list)  # of each light, on a board of three irradiance words
+    """of all random choices: another seed is an independent experiment"""
+    light_colours: Sequence[Colour] = field(default_factory=list)
+    """Of each light, on a board of three irradiance words (BoardInfo.irradiance_words): factors of its power for red,
+    green and blue, not all 0. None: all lights are white. One pass then spreads the three colours, with
+    Material.scattering_colour."""
 
 
 @dataclass
 class LightEnergy:
-    """Where the energy of one colour of light went."""
-
-    emitted: float
-    deposited: float
-    escaped: float
-    scattered_away: float
-    given_up: float
-    clipped: float
+    """Of one colour of light, as in LightingReport. See gicube/illumination.h."""
+    emitted: float = 0.0
+    deposited: float = 0.0
+    escaped: float = 0.0
+    scattered_away: float = 0.0
+    given_up: float = 0.0
+    clipped: float = 0.0
 
 
 @dataclass
-class LightingReport:
-    """Where the energy went, in units of the lights' power: emitted = deposited + escaped + scattered_away + clipped.
-    With three irradiance words sums over red, green and blue, which `colours` has one by one."""
-
-    rays: int
-    emitted: float
-    deposited: float
-    escaped: float
-    escaped_by_face: Tuple[float, ...]  # x = 0, x = size - 1, y, y, z, z
-    scattered_away: float
-    given_up: float
-    clipped: float
-    unit: float
-    warnings: Sequence[str]
-    colours: Sequence[LightEnergy] = ()
-
-    def standard_error(self, irradiance: ArrayLike) -> Any:
-        """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""
-        return np.sqrt(np.asarray(irradiance) * (self.emitted / self.rays if self.rays else 0.0))
+class LightingReport(LightingReportCalls):
+    """Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
+    emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green
+    and blue. See gicube/illumination.h."""
+    rays: int = 0
+    emitted: float = 0.0
+    """Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point
+    and distant lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or
+    a sphere begin at random points of it, so there it is an estimate, which another seed changes and more rays improve.
+    """
+    deposited: float = 0.0
+    """into irradiance words"""
+    escaped: float = 0.0
+    """out of the volume"""
+    escaped_by_face: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of
+    a slab that is lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is
+    the face whose plane the ray crosses first; if it crosses several at once, that of the first axis. Zero from boards
+    of version 0.1."""
+    scattered_away: float = 0.0
+    """dropped by the printed rules, with rays given up, and by routines"""
+    given_up: float = 0.0
+    """of that, with rays at the end of their lifetime"""
+    clipped: float = 0.0
+    """did not fit saturated irradiance words"""
+    unit: float = 0.0
+    warnings: Sequence[str] = field(default_factory=list)
+    """a light in a solid, much energy clipped, low albedo where scattering matters"""
+    colours: Sequence[LightEnergy] = field(default_factory=list)
+    """With three irradiance words: of red, green and blue, which sum to the above; else empty."""
 
 
 @dataclass
 class BoardTime:
-    """Where the simulated time of one board of a group has gone, picoseconds; the parts sum to BoardGroup.now (gicube/board_group.h)."""
-
-    bus: int  # its own transfers
-    work: int  # what it did meanwhile without the bus
-    bus_wait: int  # on a shared bus: for other boards' transfers
-    skew: int  # done, until the last board was
+    """Where the simulated time of a board has gone. The parts add up to BoardGroup.now(). See gicube/board_group.h."""
+    bus: int = 0
+    """its own transfers"""
+    work: int = 0
+    """what it did meanwhile without the bus: DSP, ASIC, and what the host did for it alone"""
+    bus_wait: int = 0
+    """on a shared bus: for other boards' transfers"""
+    skew: int = 0
+    """done, until the last board was"""
 
 
 @dataclass
 class DepositReport:
-    """What a batch of type BACKPROJECT left: kept + clipped in all."""
-
-    rays: int
-    samples: int
-    kept: float
-    clipped: float
-    overflowed: int
-    unit: float
+    """What a batch of type BACKPROJECT left: kept + clipped in all. See gicube/ray.h."""
+    rays: int = 0
+    samples: int = 0
+    kept: float = 0.0
+    """in the units of HostRay.energy times length"""
+    clipped: float = 0.0
+    """by words that were full: the words read back are wrong by that much"""
+    overflowed: int = 0
+    """sums that were full; every command that would change one further counts it again"""
+    unit: float = 0.0
+    """of one unit of the words"""
 
 
 @dataclass(frozen=True)
 class FoundBoard:
-    """A board that gicube.open(uri) could open (gicube/enumerate.h)."""
-
-    uri: str
-    process: int
-    product: str
-    version: str
-    in_use: bool
-    owner: str
+    """A board that a program could open. See gicube/enumerate.h."""
+    uri: str = ""
+    """for Board.open()"""
+    process: int = 0
+    """the id of its gicube-board"""
+    product: str = ""
+    """what it calls itself"""
+    version: str = ""
+    """of its program"""
+    in_use: bool = False
+    """a session owns it"""
+    owner: str = ""
+    """which, and since when; empty: none"""
 
 
 @dataclass
-class Sampling:
-    """How rays are sampled, as the fields of View of the same names (gicube/ray.h)."""
-
+class Sampling(SamplingCalls):
+    """How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of()
+    takes it from a view. See gicube/ray.h."""
     jitter: bool = False
     cut_planes: Sequence[CutPlane] = field(default_factory=list)
+    """at most 6"""
     seed: int = 0
+    """of scatterings' and deposits' random choices"""
     opacity_threshold: float = 0.98
+    """INTEGRATE, SEGMENT; the threshold, scattering and its lifetime of INTEGRATE only."""
     shade: bool = True
     irradiance: bool = False
     incident: bool = False
@@ -437,181 +533,193 @@ class Sampling:
     high_albedo: bool = False
     lifetime: int = 8
     looking: Vec3 = (0.0, 0.0, 1.0)
-
-    @classmethod
-    def of(cls, view: View) -> "Sampling":
-        """That of the view's own rays."""
-        same = {each.name: getattr(view, each.name) for each in fields(cls) if each.name != "looking"}
-        x, y, z = (float(b) - float(a) for a, b in zip(view.eye, view.look_at))
-        return cls(**same, looking=(x, y, z)) if (x, y, z) != (0, 0, 0) else cls(**same)
+    """from the eye into the volume, voxels, any length but 0: highlights are those that it sees"""
 
 
 @dataclass
 class RayRequest:
-    """What is asked of the rays of a batch (gicube/ray.h)."""
-
+    """What is asked of the rays of a batch. See gicube/ray.h."""
     type: RayType = RayType.INTEGRATE
     opacity: float = 1.0
+    """FIRST_HIT, SEGMENT, OPACITY: > 0..1"""
     albedo: Albedo = Albedo.LOW
+    """DEPOSIT, as in Illumination:"""
     rules: EnergyRules = EnergyRules.CONSERVING
     lifetime: int = 32
     words: SumWords = SumWords.SUMS
+    """BACKPROJECT"""
     step: float = 0.5
+    """voxels between samples, 1/64..16; refused as View.step"""
     leap: bool = True
+    """over blocks whose empty flag is set; INTEGRAL, BACKPROJECT never do"""
     sampling: Sampling = field(default_factory=Sampling)
-
-
-@dataclass(frozen=True)
-class Ticket:
-    """Names one submitted batch until its rays have been received; `rays`: how many come back."""
-
-    id: int
-    rays: int
-
-
-@dataclass
-class RayBatch:
-    """A ray batch that has come back, at the simulated time `completed`. `rays`: array of gicube.TRACED_RAY."""
-
-    ticket: int
-    completed: int
-    cancelled: bool
-    lighting: Optional[LightingReport]
-    deposits: Optional[DepositReport]
-    rays: Array
 
 
 @dataclass
 class PairRequest:
-    """Rays for each pair, and how they are sampled (gicube/pair.h)."""
-
+    """Rays for each pair, and how they are sampled. See gicube/pair.h."""
     rays: int = 16
+    """For each pair, 1..65536; any number of them fills both elements evenly. The parts of a near pair share them: none
+    has more, and some have a few less."""
     first: int = 0
+    """the first sample: one that no earlier request has used, if that ended before it"""
     seed: int = 0
     opacity: float = 1.0
+    """> 0..1: a ray that has gathered that much ends"""
     step: float = 0.5
+    """voxels between samples, 1/64..16; refused as View.step"""
     leap: bool = True
+    """over blocks whose empty flag is set"""
     made: PairRays = PairRays.BY_BOARD
 
 
 @dataclass
 class BoardInfo:
-    """What the board said of itself when it was opened (gicube/board.h)."""
-
-    protocol_major: int
-    protocol_minor: int
-    fidelity: Fidelity
-    processors: int
-    block_voxels: int
-    max_volume_voxels: int
-    queue_rays: int
-    core_khz: int
-    config_hash: int
-    vendor_id: int
-    device_id: int
-    wide: bool
-    agp: bool
-    host_rays: bool
-    voxel_format: VoxelFormat
-    irradiance_words: int  # of a voxel: 1, or 3 for red, green and blue
+    """What the board said of itself when it was opened. See gicube/board.h."""
+    protocol_major: int = 0
+    protocol_minor: int = 0
+    """the smaller of both sides"""
+    fidelity: Fidelity = Fidelity.FUNCTIONAL
+    processors: int = 0
+    block_voxels: int = 0
+    """n, voxels"""
+    max_volume_voxels: int = 0
+    """N: the card stores the blocks of N^3 voxels"""
+    queue_rays: int = 0
+    core_khz: int = 0
+    config_hash: int = 0
+    """of the board's resolved configuration"""
+    vendor_id: int = 0
+    """PCI configuration space"""
+    device_id: int = 0
+    wide: bool = False
+    """the wide datapath (asic.datapath)"""
+    agp: bool = False
+    """the card has an AGP capability"""
+    host_rays: bool = False
+    """submit() is offered"""
+    voxel_format: VoxelFormat = VoxelFormat.DENSITY
+    irradiance_words: int = 1
+    """of a voxel (asic.irradiance_words): 1, or 3 for red, green and blue"""
 
 
 @dataclass
 class Reopened:
-    """What Board.reopen() found: whether the same session goes on, and whether there is a volume on the board."""
-
-    resumed: bool
-    volume: bool
+    """What Board.reopen() found. See gicube/board.h."""
+    resumed: bool = False
+    """the same session goes on: nothing was lost"""
+    volume: bool = False
+    """there is a volume on the board"""
 
 
 @dataclass
 class BrickDetail:
-    """Of the last picture of a volume that the card does not store whole (Board.set_brick_detail())."""
-
-    blocks: Tuple[int, int, int, int]
-    """On the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels."""
-    largest_density: float
-    """By which a sample's density can be wrong, 4095 = the value range: a bound."""
-    largest_opacity: float
-    """And its opacity of one voxel length, 0..1, the worst tag: a bound."""
+    """Of the last picture of a volume in bricks (Board.set_brick_detail()). See gicube/level_of_detail.h."""
+    blocks: Sequence[int] = (0, 0, 0, 0)
+    """on the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels"""
+    largest_density: float = 0.0
+    """by which a sample's density can be wrong, 4095 = the value range: a bound"""
+    largest_opacity: float = 0.0
+    """and its opacity of one voxel length, 0..1, the worst tag: a bound"""
 
 
 @dataclass
 class LevelError:
-    """How far a coarser volume is from its original (gicube/level_of_detail.h)."""
-
-    largest_density: float
-    rms_density: float
-    largest_opacity: float
+    """How far a coarser volume is from its original. See gicube/level_of_detail.h."""
+    largest_density: float = 0.0
+    """at any point between voxels, in density units (4095 = the value range): a bound"""
+    rms_density: float = 0.0
+    """over the points where either can change slope: voxels, and the middles between them"""
+    largest_opacity: float = 0.0
+    """By how much a sample's opacity of one original voxel length can be wrong, 0..1, for values that differ by
+    largest_density, the worst tag: a bound, reached where something is thinner than a coarse voxel."""
 
 
 @dataclass
 class PlanPoint:
-    """One setting of a picture's plan, and what its pilot showed (gicube/plan.h)."""
-
-    level: int
-    step: float
-    opacity_threshold: float
-    error: float
-    error_bound: float
-    samples: float
-    time: int
-    pilot_width: int
-    pilot_height: int
+    """One setting, and what its pilot showed. See gicube/plan.h."""
+    level: int = 0
+    step: float = 0.0
+    """voxels of that level"""
+    opacity_threshold: float = 0.0
+    error: float = 0.0
+    """as found in the pilot"""
+    error_bound: float = 0.0
+    """see Plan"""
+    samples: float = 0.0
+    """predicted, of the whole picture"""
+    time: int = 0
+    """Predicted for it; that of Plan.chosen was simulated. 0 where the board's fidelity level keeps no time in its
+    pipelines."""
+    pilot_width: int = 0
+    pilot_height: int = 0
 
 
 @dataclass
 class LightPoint:
-    """One setting of a plan of light, and what passes of it showed (gicube/light_plan.h)."""
-
-    albedo: Albedo
-    step: float
-    rays_per_face_voxel: int
-    error: float
-    error_bound: float
-    noise: float
-    bias: float
-    rays: float
-    samples: float
-    time: int
+    """One setting, and what two passes of it showed, or what other passes predict. See gicube/light_plan.h."""
+    albedo: Albedo = Albedo.LOW
+    step: float = 0.0
+    rays_per_face_voxel: int = 0
+    error: float = 0.0
+    """both of the following together"""
+    error_bound: float = 0.0
+    """both of the following together"""
+    noise: float = 0.0
+    bias: float = 0.0
+    rays: float = 0.0
+    """of a pass"""
+    samples: float = 0.0
+    """of a pass"""
+    time: int = 0
+    """0 where the board's fidelity level keeps no time in its pipelines"""
 
 
 @dataclass
 class ScatterEvent:
-    """What a routine of the application learns of a ray that met its material (gicube/scattering.h)."""
-
-    position: Tuple[float, float, float]
-    direction: Tuple[float, float, float]
-    normal: Tuple[float, float, float]
-    opacity: float
-    density: float
-    tag: int
-    lighting: bool
-    generation: int
-    random: Tuple[float, float, float, float]
-    parameters: Sequence[float] = ()  # Material.parameters, float32
+    """Directions are unit vectors in physical space (axes parallel to the voxel axes). See gicube/scattering.h."""
+    position: Vec3 = (0.0, 0.0, 0.0)
+    """voxels"""
+    direction: Vec3 = (0.0, 0.0, 0.0)
+    """in which the ray travels"""
+    normal: Vec3 = (0.0, 0.0, 0.0)
+    """against the density's gradient, away from dense matter; zero where there is no gradient"""
+    opacity: float = 0.0
+    """of one voxel length of the material there, 0..1"""
+    density: float = 0.0
+    """0..4095, the board's (Board.value_range() maps values to it)"""
+    tag: int = 0
+    lighting: bool = False
+    """a lighting ray, which carries energy from a light; else one from the eye"""
+    generation: int = 0
+    """how often the ray was scattered before, at most 15"""
+    random: Sequence[float] = (0.0, 0.0, 0.0, 0.0)
+    """even in [0, 1), of this event alone: the only randomness that pictures repeat with"""
+    parameters: Sequence[float] = field(default_factory=list)
+    """Material.parameters; lives as long as the call"""
 
 
 @dataclass
 class ScatterAnswer:
-    """In which direction the ray goes on, and with which share of its energy."""
-
+    """What becomes of a ray that was scattered. See gicube/scattering.h."""
     direction: Vec3 = (0.0, 0.0, 0.0)
+    """in which the ray goes on; physical, of a length from 1e-6 to 1e6"""
     passes: float = 1.0
+    """the share of its energy, or of what it can still gather, that goes on: 0..1"""
 
 
 @dataclass
 class AnsweredCommand:
-    """Commands of one kind that a level answered (gicube/fidelity.h)."""
-
-    command: str
-    count: int
+    """How many commands of a kind a level answered. See gicube/fidelity.h."""
+    command: str = ""
+    """"render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell."""
+    count: int = 0
 
 
 @dataclass
 class LevelReport:
-    """What a fidelity level answered, and what its figures leave out (gicube/fidelity.h)."""
-
-    level: Fidelity
-    answered: Sequence[AnsweredCommand]
-    not_modelled: Sequence[str]
+    """What a level answered, and what its figures leave out. See gicube/fidelity.h."""
+    level: Fidelity = Fidelity.FUNCTIONAL
+    answered: Sequence[AnsweredCommand] = field(default_factory=list)
+    not_modelled: Sequence[str] = field(default_factory=list)
+    """at that level: docs/reference/hardware.md"""

@@ -18,26 +18,6 @@ OpenOptions to_options(const gicube_open_options* given) {
   return options;
 }
 
-gicube_board_info to_c(const BoardInfo& info) {
-  return {.size = sizeof(gicube_board_info),
-          .protocol_major = info.protocol_major,
-          .protocol_minor = info.protocol_minor,
-          .fidelity = static_cast<std::int32_t>(info.fidelity),
-          .processors = info.processors,
-          .block_voxels = info.block_voxels,
-          .max_volume_voxels = info.max_volume_voxels,
-          .queue_rays = info.queue_rays,
-          .config_hash = info.config_hash,
-          .core_khz = info.core_khz,
-          .vendor_id = info.vendor_id,
-          .device_id = info.device_id,
-          .wide = info.wide,
-          .agp = info.agp,
-          .host_rays = info.host_rays,
-          .voxel_format = static_cast<std::int32_t>(info.voxel_format),
-          .irradiance_words = info.irradiance_words};
-}
-
 }  // namespace
 }  // namespace gicube::c_api
 
@@ -68,7 +48,7 @@ gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened) {
       const std::scoped_lock lock(handle.mutex);
       handle.framebuffer = {};
     }
-    if (reopened != nullptr) *reopened = {found.resumed, found.volume};
+    if (reopened != nullptr) *reopened = to_record<gicube_reopened>(found);
   });
 }
 
@@ -87,7 +67,9 @@ gicube_status gicube_restore(gicube_board* board, const char* file) {
 void gicube_close(gicube_board* board) { delete board; }
 
 gicube_status gicube_get_info(gicube_board* board, gicube_board_info* info) {
-  return on_board(board, [&](gicube_board& handle) { write_record("info", info, to_c(handle.board.info())); });
+  return on_board(board, [&](gicube_board& handle) {
+    write_record("info", info, to_record<gicube_board_info>(handle.board.info()));
+  });
 }
 
 gicube_status gicube_now(gicube_board* board, uint64_t* now_ps) {

@@ -28,38 +28,24 @@ Material to_material(const gicube_material* given) {
 }
 
 gicube_scatter_event to_c(const ScatterEvent& event) {
-  const auto& [x, y, z] = event.position;
-  const auto& [dx, dy, dz] = event.direction;
-  const auto& [nx, ny, nz] = event.normal;
-  const auto& [a, b, c, d] = event.random;
-  return {sizeof(gicube_scatter_event),
-          event.tag,
-          {x, y, z},
-          {dx, dy, dz},
-          {nx, ny, nz},
-          event.opacity,
-          event.density,
-          {a, b, c, d},
-          event.lighting,
-          event.generation,
-          event.parameters.data(),
-          event.parameters.size()};
+  auto record = to_record<gicube_scatter_event>(event);
+  record.size = sizeof record;
+  record.parameters = event.parameters.data();
+  record.parameter_count = event.parameters.size();
+  return record;
 }
 
 ScatteringRoutine to_routine(gicube_scattering_routine routine, void* user) {
   if (routine == nullptr) return {};
   return [routine, user](const ScatterEvent& event) -> ScatterAnswer {
     const gicube_scatter_event record = to_c(event);
-    gicube_scatter_answer answer{{0, 0, 0}, 1};
+    auto answer = to_record<gicube_scatter_answer>(ScatterAnswer{});
     if (routine(user, &record, &answer) != 0) throw Stopped("the scattering routine ended the call");
-    return {to_vec3(answer.direction), answer.passes};
+    return from_record<ScatterAnswer>("answer", answer);
   };
 }
 
-VoxelBox to_box(const gicube_box* given) {
-  const gicube_box& box = checked("box", given);
-  return {{box.low[0], box.low[1], box.low[2]}, {box.size[0], box.size[1], box.size[2]}};
-}
+VoxelBox to_box(const gicube_box* given) { return from_record<VoxelBox>("box", checked("box", given)); }
 
 std::size_t voxels_of(const VoxelBox& box) {
   std::size_t count = 1;
@@ -127,7 +113,7 @@ void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
   std::string why = handle.board.why_invisible(image);
   const std::scoped_lock lock(handle.mutex);
   handle.why_invisible = std::move(why);
-  for (const Pixel& pixel : image.pixels) *pixels++ = {pixel.red, pixel.green, pixel.blue, 0, pixel.alpha};
+  for (const Pixel& pixel : image.pixels) *pixels++ = to_record<gicube_pixel>(pixel);
 }
 
 }  // namespace
@@ -137,37 +123,24 @@ View to_view(const gicube_view* given, const std::string& name) {
   View view = read_fields<View>(name.c_str(), given, record);
   expect(record.cut_plane_count <= 6, name + ".cut_plane_count", "at most 6", record.cut_plane_count);
   const auto* planes = checked(name + ".cut_planes", record.cut_planes, record.cut_plane_count);
-  for (const auto& [normal, offset] : std::span(planes, record.cut_plane_count)) {
-    view.cut_planes.push_back({to_vec3(normal), offset});
+  for (std::size_t i = 0; i < record.cut_plane_count; ++i) {
+    view.cut_planes.push_back(from_record<CutPlane>(fmt::format("{}.cut_planes[{}]", name, i), planes[i]));
   }
   expect(record.lamp_count <= kMaxLamps, name + ".lamp_count", "at most 32", record.lamp_count);
   const auto* lamps = checked(name + ".lamps", record.lamps, record.lamp_count);
   for (std::size_t i = 0; i < record.lamp_count; ++i) {
-    const auto& [red, green, blue] = lamps[i].colour;
-    view.lamps.push_back(
-        {to_light(lamps[i].light, name + ".lamps[" + std::to_string(i) + "].light"), {red, green, blue}});
+    const std::string lamp = fmt::format("{}.lamps[{}]", name, i);
+    view.lamps.push_back(from_record<Lamp>(lamp, lamps[i]));
+    view.lamps.back().light = to_light(lamps[i].light, lamp + ".light");
   }
   return view;
 }
 
 gicube_lighting_report to_c(const LightingReport& report) {
-  gicube_lighting_report record{.size = sizeof(gicube_lighting_report),
-                                .warnings = static_cast<std::uint32_t>(report.warnings.size()),
-                                .rays = report.rays,
-                                .emitted = report.emitted,
-                                .deposited = report.deposited,
-                                .escaped = report.escaped,
-                                .scattered_away = report.scattered_away,
-                                .given_up = report.given_up,
-                                .clipped = report.clipped,
-                                .unit = report.unit,
-                                .escaped_by_face = {},
-                                .colours = {}};
-  std::ranges::copy(report.escaped_by_face, record.escaped_by_face);
+  auto record = to_record<gicube_lighting_report>(report);
+  record.warnings = static_cast<std::uint32_t>(report.warnings.size());
   for (std::size_t c = 0; c < report.colours.size(); ++c) {
-    const LightEnergy& energy = report.colours[c];
-    record.colours[c] = {energy.emitted,        energy.deposited, energy.escaped,
-                         energy.scattered_away, energy.given_up,  energy.clipped};
+    record.colours[c] = to_record<gicube_light_energy>(report.colours[c]);
   }
   return record;
 }
@@ -232,11 +205,11 @@ gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, con
     checked("colours", colours, colour_count);
     checked("opacities", opacities, opacity_count);
     gicube::TransferFunction function;
-    for (const auto& [value, colour] : std::span(colours, colour_count)) {
-      function.colours.push_back({value, {colour[0], colour[1], colour[2]}});
+    for (const gicube_colour_point& point : std::span(colours, colour_count)) {
+      function.colours.push_back(from_record<gicube::ColourPoint>("colours", point));
     }
-    for (const auto& [value, opacity] : std::span(opacities, opacity_count)) {
-      function.opacities.push_back({value, opacity});
+    for (const gicube_opacity_point& point : std::span(opacities, opacity_count)) {
+      function.opacities.push_back(from_record<gicube::OpacityPoint>("opacities", point));
     }
     handle.board.set_transfer_function(function, tag);
   });

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <type_traits>
 
 #include "call.h"
 #include "transport/event.h"
@@ -10,24 +9,7 @@
 namespace gicube::c_api {
 namespace {
 
-// The C records are the C++ ones byte by byte, so that rays cross without a copy.
-template <typename Record, typename Ray>
-constexpr bool kSameLayout = std::is_standard_layout_v<Ray> && sizeof(Record) == sizeof(Ray) &&
-                             alignof(Record) == alignof(Ray);
-static_assert(kSameLayout<gicube_host_ray, HostRay>);
-static_assert(offsetof(gicube_host_ray, id) == offsetof(HostRay, id));
-static_assert(offsetof(gicube_host_ray, position) == offsetof(HostRay, position));
-static_assert(offsetof(gicube_host_ray, direction) == offsetof(HostRay, direction));
-static_assert(offsetof(gicube_host_ray, length) == offsetof(HostRay, length));
-static_assert(offsetof(gicube_host_ray, energy) == offsetof(HostRay, energy));
-static_assert(kSameLayout<gicube_traced_ray, TracedRay>);
-static_assert(offsetof(gicube_traced_ray, id) == offsetof(TracedRay, id));
-static_assert(offsetof(gicube_traced_ray, position) == offsetof(TracedRay, position));
-static_assert(offsetof(gicube_traced_ray, direction) == offsetof(TracedRay, direction));
-static_assert(offsetof(gicube_traced_ray, colour) == offsetof(TracedRay, colour));
-static_assert(offsetof(gicube_traced_ray, opacity) == offsetof(TracedRay, opacity));
-static_assert(offsetof(gicube_traced_ray, integral) == offsetof(TracedRay, integral));
-static_assert(sizeof(gicube_batch_lighting) == offsetof(gicube_lighting_report, escaped_by_face));
+// The C records are the C++ ones byte by byte (fields.h), so that rays cross without a copy.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && std::is_standard_layout_v<Vec3>);
 
 std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count) {
@@ -38,22 +20,17 @@ bool comes_back(const BatchReport& batch) { return !batch.lighting && !batch.dep
 
 void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_t rays) {
   if (out == nullptr) return;
-  const DepositReport left = batch.deposits.value_or(DepositReport{});
-  const gicube_lighting_report lighting = to_c(batch.lighting.value_or(LightingReport{}));
-  gicube_batch_report record{.size = 0,
-                             .ticket = batch.ticket.id,
-                             .completed_ps = batch.completed,
-                             .rays = rays,
-                             .cancelled = batch.cancelled,
-                             .deposited = batch.lighting.has_value(),
-                             .lighting = {},
-                             .backprojected = batch.deposits.has_value(),
-                             .reserved = 0,
-                             .deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit},
-                             .escaped_by_face = {}};
-  std::memcpy(&record.lighting, &lighting, sizeof record.lighting);
+  const LightingReport lighting = batch.lighting.value_or(LightingReport{});
+  auto record = to_record<gicube_batch_report>(batch);
+  record.ticket = batch.ticket.id;
+  record.rays = rays;
+  record.deposited = batch.lighting.has_value();
+  record.lighting = to_record<gicube_batch_lighting>(lighting);
   record.lighting.size = sizeof record.lighting;
+  record.lighting.warnings = static_cast<std::uint32_t>(lighting.warnings.size());
   std::ranges::copy(lighting.escaped_by_face, record.escaped_by_face);
+  record.backprojected = batch.deposits.has_value();
+  record.deposits = to_record<gicube_deposit_report>(batch.deposits.value_or(DepositReport{}));
   write_record("report", out, record);
 }
 
@@ -87,18 +64,6 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
   std::erase(handle.announce, ticket);
   handle.arrived.erase(found);
   return true;
-}
-
-Element to_element(const gicube_element& element, std::size_t index) {
-  const std::string name = "elements[" + std::to_string(index) + "]";
-  expect(element.reserved == 0, name + ".reserved", "0", element.reserved);
-  return {choice(name + ".kind", element.kind, ElementKind::kDisc), to_vec3(element.origin), to_vec3(element.u),
-          to_vec3(element.v), to_vec3(element.w)};
-}
-
-ElementPair to_pair(const gicube_element_pair& pair, std::size_t index) {
-  expect(pair.reserved == 0, fmt::format("pairs[{}].reserved", index), "0", pair.reserved);
-  return {pair.a, pair.b, pair.id};
 }
 
 RayRequest to_request(gicube_board& handle, const gicube_ray_request* given) {
@@ -267,11 +232,15 @@ gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* ele
     checked("factors", factors, count);
     const auto how = read_optional<gicube::PairRequest>("request", request);
     std::vector<gicube::Element> all;
-    for (std::size_t i = 0; i < element_count; ++i) all.push_back(to_element(elements[i], i));
+    for (std::size_t i = 0; i < element_count; ++i) {
+      all.push_back(from_record<gicube::Element>(fmt::format("elements[{}]", i), elements[i]));
+    }
     std::vector<gicube::ElementPair> between;
-    for (std::size_t i = 0; i < pair_count; ++i) between.push_back(to_pair(pairs[i], i));
+    for (std::size_t i = 0; i < pair_count; ++i) {
+      between.push_back(from_record<gicube::ElementPair>(fmt::format("pairs[{}]", i), pairs[i]));
+    }
     for (const gicube::PairFactor& factor : handle.board.pair_factors(all, between, how, to_progress(progress, user))) {
-      *factors++ = {factor.transported, factor.geometric, factor.standard_error, factor.clear ? 1 : 0, 0};
+      *factors++ = to_record<gicube_pair_factor>(factor);
     }
   });
 }

@@ -89,6 +89,7 @@ TEST(CArgumentsWithoutABoard, OpeningGivesNoBoardUnlessItSucceeds) {
   ASSERT_EQ(gicube_open_options_init(&options, sizeof options), GICUBE_OK);
   options.back_pressure = 2;
   EXPECT_REFUSED(gicube_open("emu:", &options, &board), "options.back_pressure");
+  options.back_pressure = GICUBE_BACK_PRESSURE_WAIT;
   options.force = 2;
   EXPECT_REFUSED(gicube_open("emu:", &options, &board), "options.force");
   EXPECT_EQ(board, nullptr);

@@ -21,48 +21,30 @@ void checked(Archive& archive, const char* name, const auto& check_it) {
 
 }  // namespace
 
-void state_of(Archive::Record& record, Shading& shading) {
-  record(shading.phong.ambient, shading.phong.diffuse, shading.phong.specular, shading.phong.shininess, shading.light);
-}
-
 void state_of(Archive::Record& record, Lamp& lamp) {
   std::uint8_t kind = lamp.light.index() == 3 ? 1 : 0;  // a view has only these two
   record.at_most(kind, 1);
   if (kind == 1) {
     SphereLight sphere = lamp.light.index() == 3 ? std::get<SphereLight>(lamp.light) : SphereLight{};
-    record(sphere.centre, sphere.radius, sphere.power);
+    record(sphere);
     lamp.light = sphere;
   } else {
     RectangleLight rectangle = lamp.light.index() == 2 ? std::get<RectangleLight>(lamp.light) : RectangleLight{};
-    record(rectangle.corner, rectangle.edge_u, rectangle.edge_v, rectangle.power);
+    record(rectangle);
     lamp.light = rectangle;
   }
   record(lamp.colour);
 }
 
 void state_of(Archive& archive, const char* name, View& view) {
-  archive.field(name, [&view](Archive::Record& record) {
-    record(view.eye, view.look_at, view.up, view.fov_degrees, view.orthographic_height, view.width, view.height);
-    record(view.samples_per_axis);
-    record.at_most(view.filter, PixelFilter::kTent);
-    record(view.step, view.opacity_threshold, view.shade, view.jitter, view.leap, view.irradiance, view.incident);
-    record(view.exposure, view.scatter, view.high_albedo, view.lifetime, view.seed);
-    record.list(view.cut_planes, 6);
-    record.list(view.lamps, kMaxLamps);
-  });
+  archive.field(name, [&view](Archive::Record& record) { record(view); });
   // A view before any picture has no direction.
   if (view.eye == view.look_at) return;
   checked(archive, name, [&view] { check(view); });
 }
 
 void state_of(Archive& archive, const char* name, Material& material) {
-  archive.field(name, [&material](Archive::Record& record) {
-    record(material.scattering);
-    record.at_most(material.bsdf, Bsdf::kTrap);
-    record(material.gloss, material.seen_through_scattering, material.routine, material.surface);
-    record.list(material.parameters, 32);
-    record(material.scattering_colour);
-  });
+  archive.field(name, [&material](Archive::Record& record) { record(material); });
   checked(archive, name, [&material] { check(material); });
 }
 
@@ -72,9 +54,7 @@ void state_of(Archive& archive, const char* name, std::optional<TransferFunction
     record(is_set);
     if (!is_set) return function.reset();
     if (!function) function.emplace();
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
-    record.list(function->colours, kMost);
-    record.list(function->opacities, kMost);
+    record(*function);
   });
   if (function) checked(archive, name, [&] { check(*function, tag); });
 }
