@@ -117,7 +117,7 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
     case FrameType::kCounters: {
       parts_->timeline.advance(header.time_ps);
       outcome.reply = Reply{.time_ps = header.time_ps};
-      if (header.type == FrameType::kCounters) outcome.reply->payload = wire::encode(parts_->count());
+      if (header.type == FrameType::kCounters) outcome.reply->payload = wire::encode(parts_->count_with_energy());
       break;
     }
     default: outcome.reply = refusal_of(ErrorCode::kUnsupported, "no such transaction"); break;
@@ -133,6 +133,17 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
   publish(is_asked_.exchange(false) || is_watched_);
   is_watched_ = false;
   return outcome;
+}
+
+Board::Snapshot Board::snapshot() const {
+  is_asked_.store(true, std::memory_order_relaxed);
+  Snapshot found;
+  {
+    const std::lock_guard lock(published_mutex_);
+    found = published_;
+  }
+  parts_->energy.count(found.counters, found.simulated_ps);
+  return found;
 }
 
 void Board::publish(bool with_machine) {

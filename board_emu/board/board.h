@@ -105,11 +105,8 @@ class Board {
     std::vector<wire::Counter> counters;
     MachineLook machine;
   };
-  Snapshot snapshot() const {
-    is_asked_.store(true, std::memory_order_relaxed);
-    const std::lock_guard lock(published_mutex_);
-    return published_;
-  }
+  // Its counters include the energy up to then (config/energy.h).
+  Snapshot snapshot() const;
   std::vector<wire::Counter> counters() const { return snapshot().counters; }
   // Host memory in bytes, as `max_memory_bytes` counts it; 0 without that limit.
   std::uint64_t memory_bytes() const {

@@ -56,7 +56,8 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
       pci(agp_rates(config.bus())),
       level(make_level(config, observer != nullptr ? observer->observer() : nullptr)),
       commands(config, registers, *level),
-      timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
+      timeline(BusTiming(config.bus()), config.dsp().clock_khz()),
+      energy(config) {
   commands.set_routines(routines);
   commands.set_max_memory(max_memory_bytes);
   if (observer != nullptr) {

@@ -11,6 +11,7 @@
 #include "board/board.h"
 #include "board/board_observer.h"
 #include "board/timeline.h"
+#include "config/energy.h"
 #include "firmware/commands/commands.h"
 #include "firmware/register_file.h"
 
@@ -50,6 +51,12 @@ struct Board::Parts {
     return result_bytes + under_way.size() * kBytesOfCompletion + timeline.under_way() * kBytesOfTransaction;
   }
   std::vector<wire::Counter> count() const;
+  // With the energy that follows from them.
+  std::vector<wire::Counter> count_with_energy() const {
+    std::vector<wire::Counter> counters = count();
+    energy.count(counters, timeline.now());
+    return counters;
+  }
   void state(Archive& archive, bool with_level);
 
   v1::BoardConfig config;
@@ -59,6 +66,7 @@ struct Board::Parts {
   std::unique_ptr<Level> level;
   DspCommands commands;
   Timeline timeline;
+  EnergyModel energy;
   std::uint64_t next_transaction = 1;
   std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction id
   std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction

@@ -188,9 +188,11 @@ std::string explained(const v1::BoardConfig& config) {
                                         : std::to_string(message.GetReflection()->GetUInt32(message, &field));
       const std::string usual =
           is_enum ? field.default_value_enum()->name() : std::to_string(field.default_value_uint32());
-      text += fmt::format("{:<32} {:<14} {:<28}  {}{}{}\n", name, value, field.options().GetExtension(v1::range),
+      const std::uint32_t percent = field.options().GetExtension(v1::uncertainty);
+      text += fmt::format("{:<32} {:<14} {:<28}  {}{}{}{}\n", name, value, field.options().GetExtension(v1::range),
                           is_modelled(level, name) ? "" : "not modelled at this level; ",
-                          value == usual ? "" : "default " + usual + ": ", field.options().GetExtension(v1::source));
+                          value == usual ? "" : "default " + usual + ": ", field.options().GetExtension(v1::source),
+                          percent == 0 ? "" : fmt::format(", give or take {}%", percent));
     }
   };
   explain(explain, resolve(config), "");

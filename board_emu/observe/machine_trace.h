@@ -2,6 +2,9 @@
 //
 // Each processor has a track of its active blocks, a track of its pipeline's causes (cause_runs.h) and a counter of waiting rays.
 // Counters are sampled every simulated microsecond and written when they change. Only open slices are kept in memory.
+//
+// The power of each part is the mean over windows of ten microseconds (config/energy.h), without what the DSP's work and the host's bus
+// add: they are counted when their time is final.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,11 +12,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "config/energy.h"
 #include "cycle/machine.h"
+#include "cycle/machine_counters.h"
 #include "observe/active_queue.h"
 #include "observe/cause_runs.h"
 #include "observe/trace_file.h"
@@ -23,7 +29,7 @@ namespace gicube::emu {
 class MachineTrace : public Observer {
  public:
   // Process numbers of the file; processor i is kProcessor + i.
-  static constexpr int kLinks = 4, kMemory = 5, kProcessor = 10;
+  static constexpr int kLinks = 4, kMemory = 5, kPower = 6, kProcessor = 10;
 
   // Records the cycles in `window`.
   explicit MachineTrace(TraceFile& file, const CycleWindow& window = {}) : file_(file), window_(window) {}
@@ -35,6 +41,7 @@ class MachineTrace : public Observer {
     has_begun_ = false;
     core_khz_ = config.asic().core_khz();
     single_queue_ = config.sorter().queues() == v1::single;
+    if (!energy_) energy_.emplace(config);
   }
   void begins(Cycle now, Machine& /*machine*/) override {
     if (!has_begun_) begin_cycle_ = now;
@@ -51,12 +58,15 @@ class MachineTrace : public Observer {
     }
     next_ = now + 1;
     if (next_ >= next_sample_) sample(machine);
+    machine_ = &machine;
+    if (next_ >= next_power_) show_power(machine);
     if (next_ >= window_.end) end();
   }
   // Closes all open slices. To be called after the last cycle of a command.
   void end() {
     if (!seen_) return;
     seen_ = false;
+    if (next_ > power_since_) show_power(*machine_);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       lanes_[i].causes.finish(next_, [this, i](const CauseSlice& slice) { write_cause(i, slice); });
       close_active(i, next_);
@@ -69,6 +79,7 @@ class MachineTrace : public Observer {
 
  private:
   static constexpr std::uint64_t kKhzPerMhz = 1000;  // cycles in a microsecond
+  static constexpr Cycle kPowerWindow = 10;  // microseconds: a count of all events takes as long as some 500 cycles
   static constexpr const char* kRaysWaiting = "rays waiting";
   static constexpr const char* kRaysOnLinks = "rays on links";
 
@@ -97,7 +108,10 @@ class MachineTrace : public Observer {
   void first_cycle(Cycle now, const Machine& machine) {
     seen_ = true;
     next_sample_ = now + microsecond();
+    power_since_ = now;
+    next_power_ = now + kPowerWindow * microsecond();
     name_tracks(machine);
+    spent_ = energy(machine, now);
     lanes_.resize(machine.processors().size());
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       const Sorter& sorter = machine.processors()[i]->sorter();
@@ -116,6 +130,7 @@ class MachineTrace : public Observer {
     if (named_lanes_ == 0) {
       file_.name_process(kLinks, "links");
       file_.name_process(kMemory, "memory");
+      file_.name_process(kPower, "power, mW");
     }
     for (; named_lanes_ < machine.processors().size(); ++named_lanes_) {
       file_.name_process(process_of(named_lanes_), fmt::format("processor {}", named_lanes_));
@@ -183,9 +198,28 @@ class MachineTrace : public Observer {
     }
     next_sample_ += microsecond();
   }
+  std::vector<PartEnergy> energy(const Machine& machine, Cycle at) const {
+    std::vector<wire::Counter> counted;
+    count(machine, counted);
+    return energy_->parts(counted, time(at) - time(begin_cycle_));
+  }
+  // The window's power, shown from its beginning.
+  void show_power(const Machine& machine) {
+    const Picoseconds begin = time(power_since_), length = time(next_) - begin;
+    std::vector<PartEnergy> now = energy(machine, next_);
+    shown_power_.resize(now.size());
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const std::uint64_t mw = (now[i].pj - spent_[i].pj) * 1000 / std::max<Picoseconds>(length, 1);
+      show(kPower, now[i].part, begin, mw, shown_power_[i]);
+    }
+    spent_ = std::move(now);
+    power_since_ = next_;
+    next_power_ += kPowerWindow * microsecond();
+  }
   // Sets the counters to 0, because nothing waits or moves between commands.
   void quiet() {
     const Picoseconds at = time(next_);
+    for (std::size_t i = 0; i < shown_power_.size(); ++i) show(kPower, spent_[i].part, at, 0, shown_power_[i]);
     for (std::size_t i = 0; i < lanes_.size(); ++i) show(process_of(i), kRaysWaiting, at, 0, lanes_[i].waiting);
     show(kLinks, kRaysOnLinks, at, 0, on_links_);
     for (Rate& packets : packets_) show(kMemory, packets.name, at, 0, packets.shown);
@@ -205,6 +239,11 @@ class MachineTrace : public Observer {
   std::vector<Lane> lanes_;
   std::vector<Rate> packets_;  // by memory
   std::uint64_t on_links_ = 0;
+  std::optional<EnergyModel> energy_;
+  std::vector<PartEnergy> spent_;  // at the window's begin
+  std::vector<std::uint64_t> shown_power_;
+  const Machine* machine_ = nullptr;  // of the command that is recorded
+  Cycle power_since_ = 0, next_power_ = 0;
   std::size_t named_lanes_ = 0;
 };
 

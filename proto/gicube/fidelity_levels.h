@@ -18,7 +18,8 @@ inline constexpr std::array kLeftOut{
     LeftOut{kAtFunctional, "time of the ASIC: queues, volume cache, memory, links, ray bus"},
     LeftOut{kAtFunctional, "changes between the DSP's loops, and its waits for caches and SDRAM"},
     LeftOut{kAtFunctional, "causes of the pipelines' cycles"},
-    LeftOut{kAtEveryLevel, "electrical behaviour, power"},
+    LeftOut{kAtFunctional, "energy"},
+    LeftOut{kAtEveryLevel, "electrical behaviour but energy, temperature"},
     LeftOut{kAtEveryLevel, "interrupts as wires: completions stand for them"},
     LeftOut{kAtEveryLevel, "DMA descriptor fetches, and DMA that fetches ahead of a loop of the DSP"},
     LeftOut{kAtEveryLevel, "the host's memory"},
@@ -59,6 +60,7 @@ inline constexpr std::array kUnmodelledFields{
     UnmodelledField{kAtFunctional, "ideal.queues"},
     UnmodelledField{kAtFunctional, "ideal.sorter"},
     UnmodelledField{kAtFunctional, "dsp.overflow_rays"},
+    UnmodelledField{kAtFunctional, "energy."},
 };
 
 constexpr bool is_modelled(unsigned level, std::string_view field) {

@@ -85,6 +85,31 @@ def cycles(counters: Counters, axes: Optional[Axes] = None) -> Axes:
     return to
 
 
+def energy_by_part(counters: Counters) -> dict[str, tuple[float, float, float]]:
+    """Joules of each part of a board with fidelity cycle, the largest first: (value, low, high). docs/guide/energy.md.
+
+    Raises BadArgument: the counters have no energy, as those of other fidelities.
+    """
+    parts = [name for name in counters if name.startswith("energy.") and name.count(".") == 1 and name != "energy.total"]
+    if not parts:
+        raise BadArgument("counters", "those of a board with fidelity=cycle", "none named energy.*")
+    parts.sort(key=lambda name: -counters[name])
+    return {name.removeprefix("energy."): (counters[name] * 1e-12, counters[f"{name}.low"] * 1e-12, counters[f"{name}.high"] * 1e-12) for name in parts}
+
+
+def energy(counters: Counters, axes: Optional[Axes] = None) -> Axes:
+    """A bar for each part of the card: its millijoules, with the interval that the uncertainties of the prices give."""
+    to = _axes(axes)
+    found = energy_by_part(counters)
+    for row, (value, low, high) in enumerate(found.values()):
+        to.barh(row, 1e3 * value, color="#0072B2")
+        to.plot([1e3 * low, 1e3 * high], [row, row], color="#D55E00", marker="|")
+    to.set_yticks(range(len(found)), list(found))
+    to.invert_yaxis()
+    to.set_xlabel("mJ")
+    return to
+
+
 def loads_over_time(trace: Union[str, "os.PathLike[str]"]) -> dict[str, tuple[Any, Any]]:
     """What waits and moves on a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE" and closed: arrays of
     simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory RDRAM 0 packets/us", "links rays on links".

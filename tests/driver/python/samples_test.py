@@ -116,6 +116,10 @@ def test_charts_of_counters():
         counters = board.counters
     assert sum(gicube.plot.cycles_by_cause(counters).values()) == pytest.approx(1)
     assert "samples" in [text.get_text().split("\n")[0] for text in gicube.plot.cycles(counters).texts]
+    joules = gicube.plot.energy_by_part(counters)
+    assert sum(value for value, _, _ in joules.values()) == pytest.approx(counters["energy.total"] * 1e-12)
+    assert all(low <= value <= high for value, low, high in joules.values())
+    assert [text.get_text() for text in gicube.plot.energy(counters).get_yticklabels()] == list(joules)
     assert gicube.plot.picture(image).images[0].get_array().shape == (32, 32, 3)
 
 

@@ -81,6 +81,7 @@ export class Machine {
           const share = window[`${part}.data_busy`] / (window[`${part}.cycles`] || 1);
           return [part, share, `${(100 * share).toFixed(1)}%`];
         }), "bandwidth used"),
+        ...this.#energy(window),
         ...(look?.memories.length ? [element("h2", {}, "Packets of each bank"), ...banks_map(packets_between(look, since?.look), look.banks, memory)] : []),
       );
     }
@@ -88,6 +89,20 @@ export class Machine {
     if (!this.#raw.open) return;
     this.#all.replaceChildren(...Object.entries(counters).map(([name, value]) =>
       element("tr", {}, element("td", {}, name), element("td", {}, String(value)), element("td", {}, String(this.#units[name] ?? "")))));
+  }
+
+  /** Energy by part of the card, the largest first.
+   * @param {Message["counters"]} window */
+  #energy(window) {
+    const parts = Object.keys(window).map((name) => /^energy\.(\w+)$/.exec(name)?.[1]).filter((part) => part !== undefined && part !== "total");
+    const total = window["energy.total"];
+    if (!total) return [];
+    const of = (/** @type {string} */ part) => window[`energy.${part}`] ?? 0;
+    const bounds = `${short(window["energy.total.low"] / 1e9)} to ${short(window["energy.total.high"] / 1e9)}`;
+    return [
+      element("h2", {}, `Energy: ${short(total / 1e9)} mJ (${bounds}), by part`),
+      bars(/** @type {string[]} */ (parts).sort((a, b) => of(b) - of(a)).map((part) => [part, of(part) / total, `${short(of(part) / 1e9)} mJ`]), "energy by part"),
+    ];
   }
 
   /** Rays under way, and where they wait.
