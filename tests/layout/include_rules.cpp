@@ -143,7 +143,7 @@ const std::vector<Rule>& rules() {
                                "board_emu/firmware"}, {"fmt", "google/protobuf"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/plug_ins", "board_emu/asic", "board_emu/cycle", "board_emu/board",
-                                 "board_emu/firmware/pixel_life.h", "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
+                                 "board_emu/firmware/pixel_life.h", "board_emu/config/energy.h", "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/board/checkpoint.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

@@ -50,7 +50,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
                                  HasSubstr("got \"block_voxel\"")),
                            "line 5: asic.core_khz: expected to be set once, got it a second time",
                            "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                           "memory, rdram, ddr, sdram, ideal, pace, threads, got \"asik\"",
+                           "memory, rdram, ddr, sdram, ideal, energy, pace, threads, got \"asik\"",
                            "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
 }
 
@@ -199,7 +199,7 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
                                          HasSubstr("got \"procesors\""))));
   EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
               testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                                             "memory, rdram, ddr, sdram, ideal, pace, threads, got \"chip\"")));
+                                             "memory, rdram, ddr, sdram, ideal, energy, pace, threads, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
         "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {

@@ -32,6 +32,7 @@ std::regex pattern_of(const std::string& name) {
   text = replaced(text, "<level>", "(functional|cycle)");
   text = replaced(text, "<command>", "(render|trace|illuminate|resume|pairs|continue)");
   text = replaced(text, "<cargo>", "(register|table|volume|command|rays|image|completion)");
+  text = replaced(text, "<part>", "[a-z_]+");
   return std::regex(std::regex_replace(text, std::regex("^(processor|link|rdram)"), "$1[0-9]*"));
 }
 
