@@ -145,13 +145,11 @@ void fdk_view_at_cycle_level(benchmark::State& state) {
   Counters counters;
   for (auto _ : state) {
     Board board = Board::open("emu:?fidelity=cycle");
-    const std::vector<std::byte> nothing(std::size_t{128} * 128 * 128);
-    board.load_volume({.samples = nothing, .dims = geometry.volume.dims, .spacing = geometry.volume.spacing});
+    Projector projector = projector_of(board, geometry, 1);
+    projector.load_nothing();
     const Counters before = board.counters();
-    Reconstruction counts;
-    benchmark::DoNotOptimize(backproject(
-        board, geometry, std::span(geometry.angles).first(1), {.max_density = most}, [&](std::size_t) { return view; },
-        counts));
+    const std::array<std::size_t, 1> first{0};
+    benchmark::DoNotOptimize(projector.backproject(first, most, [&](std::size_t) { return view; }));
     counters = board.counters() - before;
   }
   const auto value = [&counters](const std::string& name) { return static_cast<double>(counters.value(name)); };

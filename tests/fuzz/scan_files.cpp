@@ -45,13 +45,19 @@ void projection_matrix(Bytes input) {
   const MemoryFile file(input);
   try {
     const samples::ProjectionMatrix matrix = samples::read_projection_matrix(file.path());
-    const samples::ViewFrame frame = samples::frame_of(matrix, file.path());
-    const samples::FrameNames names{file.path(), "normal", "u", "v"};
-    const samples::FacingView view = samples::facing_view(frame, matrix.source_to_axis, 64, 64, names);
-    expect(std::isfinite(view.angle), "a view has an angle");
-    expect(std::isfinite(view.detector.offset_u) && std::isfinite(view.detector.offset_v), "offsets are finite");
-    expect(std::isfinite(length(view.centre)), "the axis is somewhere");
+    const gicube::ViewPose view = samples::pose_of(matrix, 64, 64, file.path());
+    expect(std::isfinite(length(view.source)) && std::isfinite(length(view.centre)), "a view stands somewhere");
+    expect(length(cross(view.u, view.v)) > 0, "a detector is flat");
   } catch (const samples::FileError&) {
+  }
+}
+
+// RTK's geometries, Nikon's files and vectors of ASTRA, whichever the bytes are.
+void orbit(Bytes input) {
+  const MemoryFile file(input);
+  try {
+    expect_description(samples::read_description(file.path(), {}, {64, 64, 1}));
+  } catch (const samples::InputError&) {
   }
 }
 

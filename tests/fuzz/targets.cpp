@@ -19,6 +19,7 @@ const std::vector<Target>& targets() {
       {"nifti", nifti},
       {"nrrd", nrrd},
       {"pfm", pfm},
+      {"orbit", orbit},
       {"projection_matrix", projection_matrix},
       {"scene", scene},
       {"transfer_function", transfer_function},

@@ -26,6 +26,7 @@ void meta_image(Bytes input);
 void nifti(Bytes input);
 void nrrd(Bytes input);
 void pfm(Bytes input);
+void orbit(Bytes input);
 void projection_matrix(Bytes input);
 void scene(Bytes input);
 void transfer_function(Bytes input);

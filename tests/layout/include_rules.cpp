@@ -196,7 +196,7 @@ const std::vector<Rule>& rules() {
                               "driver/include"}, {"fmt"}},
       // Projections are read by the parts that read volumes.
       program("samples/apps/cone_beam/scan", {"samples/apps/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
-              {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),
+              {"fmt", "google/protobuf", "nlohmann", "OpenImageIO", "pugixml.hpp"}),
       program("samples/apps/cone_beam/program", {"samples/apps/cone_beam"}, {kAnything}),
       // Its files are read by the parts that read scenes.
       program("samples/apps/compose", {"driver/scene/graph/graph_reader.h", "proto/gicube/v1/composition.pb.h", "samples/apps/meshes"},

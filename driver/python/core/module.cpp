@@ -71,5 +71,6 @@ PYBIND11_MODULE(_core, module) {
   add_board(module);
   add_group(module);
   add_plans(module);
+  add_projector(module);
   add_scenes(module);
 }

@@ -21,6 +21,7 @@ void add_errors();
 void add_board(pybind11::module_& module);
 void add_group(pybind11::module_& module);
 void add_plans(pybind11::module_& module);
+void add_projector(pybind11::module_& module);
 void add_scenes(pybind11::module_& module);
 
 // What Python holds of a board, or of several. A call keeps it alive, so close() on another thread ends it after that call.

@@ -24,4 +24,5 @@ from gicube.image import Image as Image
 from gicube.pending import Pending as Pending
 from gicube.records import *
 from gicube.scenes import *
+from gicube.tomography import *
 from gicube.volume import Volume as Volume, VolumeStream as VolumeStream

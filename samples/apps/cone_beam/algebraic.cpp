@@ -1,6 +1,9 @@
 #include "cone_beam/algebraic.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -19,15 +22,28 @@ constexpr int kPatience = 3;             // chosen: iterations
 
 void check(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
   check(geometry);
-  const auto& [method, iterations, subsets, relaxation, order, non_negative, stop, noise, step, seed] = settings;
-  expect(iterations >= 1, "iterations", "at least 1", iterations);
-  expect(method != Method::kOsSart || (subsets >= 2 && subsets <= std::ssize(geometry.angles)), "subsets",
-         "2..the number of views", subsets);
-  expect(std::isfinite(relaxation) && relaxation > 0, "relaxation", "a finite number above 0", relaxation);
-  expect(stop >= 0 && stop < 1, "stop", "0..1", stop);
-  expect(std::isfinite(noise) && noise >= 0, "noise", "0 or a number above it", noise);
-  expect(step >= 1.0 / 64 && step <= 16, "step", "1/64..16 voxels", step);
+  expect(settings.iterations >= 1, "iterations", "at least 1", settings.iterations);
+  const bool by_subsets =
+      settings.method == Method::kOsSart || settings.method == Method::kOsem || settings.method == Method::kTv;
+  expect(!by_subsets || (settings.subsets >= 2 && settings.subsets <= std::ssize(geometry.angles)), "subsets",
+         "2..the number of views", settings.subsets);
+  expect(std::isfinite(settings.relaxation) && settings.relaxation > 0, "relaxation", "a finite number above 0",
+         settings.relaxation);
+  expect(settings.stop >= 0 && settings.stop < 1, "stop", "0..1", settings.stop);
+  expect(std::isfinite(settings.noise) && settings.noise >= 0, "noise", "0 or a number above it", settings.noise);
+  expect(settings.step >= 1.0 / 64 && settings.step <= 16, "step", "1/64..16 voxels", settings.step);
+  expect(settings.tv_steps >= 1 && settings.tv_steps <= 1000, "tv_steps", "1..1000", settings.tv_steps);
+  expect(settings.tv_weight >= 0 && settings.tv_weight <= 1, "tv_weight", "0..1", settings.tv_weight);
+  const std::size_t voxels = voxel_count(geometry.volume.dims), given = settings.mask.size();
+  expect(given == 0 || given == voxels, "mask", fmt::format("{} values, one a voxel", voxels),
+         static_cast<double>(given));
   check(projections, geometry);
+}
+
+double square_sum(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += double{value} * double{value};
+  return sum;
 }
 
 // How much of what was measured a volume's projections miss.
@@ -44,18 +60,25 @@ struct Loop {
   const ConeGeometry& geometry;
   const Projections& projections;
   const AlgebraicSettings& settings;
+  Projector projector = projector_of(board, geometry, settings.step);
   std::vector<std::vector<std::size_t>> subsets = view_subsets(geometry.angles.size(), settings);
-  std::vector<std::vector<float>> known_steps{subsets.size()};  // of subsets, once they are known
+  std::vector<std::vector<float>> known_weights{subsets.size()};  // of subsets, once they are known
   Reconstruction out{.values = std::vector<float>(voxel_count(geometry.volume.dims))};
+  // kCgls: what is missing of all projections, the direction that was gone last, and the gradient's square there.
+  std::vector<float> remainder{}, direction{};
+  double steepness = 0;
+  double tv_weight = settings.tv_weight;
 
   Reconstruction run(const Progress& progress) {
     const Picoseconds begin = board.now();
+    if (settings.method == Method::kOsem) begin_evenly();
     std::vector<float> best = out.values;
     double least = 1;  // of nothing
     int since = 0;
     bool grew = false;
     for (int iteration = 0; iteration < settings.iterations; ++iteration) {
-      const double residual = iterate(iteration, progress);
+      const double residual =
+          settings.method == Method::kCgls ? descend(iteration, progress) : iterate(iteration, progress);
       out.residuals.push_back(residual);
       out.iteration_ends.push_back(board.now() - begin);
       if (subsets.size() == 1 && iteration > 0) judge(residual, out.residuals[out.residuals.size() - 2]);
@@ -75,6 +98,9 @@ struct Loop {
     }
     out.values = std::move(best);
     out.board_time = board.now() - begin;
+    out.rays = projector.counts().rays;
+    out.deposits = projector.counts().deposits;
+    out.overflowed = projector.counts().overflowed;
     told(progress, settings.iterations, 0);
     return std::move(out);
   }
@@ -94,6 +120,7 @@ struct Loop {
   // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected again
   // after its correction: non-negative values may circle for ever without growing.
   double iterate(int iteration, const Progress& progress) {
+    const std::vector<float> before = settings.method == Method::kTv ? out.values : std::vector<float>();
     Missing missing;
     std::uint32_t done = 0;
     bool first = subsets.size() > 1;
@@ -109,39 +136,34 @@ struct Loop {
       if (std::exchange(first, false)) judge(project(subsets[subset], densities).relative(), here.relative());
       if (out.diverged) break;
     }
+    if (!before.empty() && !out.diverged) flatten(before);
     return missing.relative();
   }
 
-  std::vector<double> angles_of(const std::vector<std::size_t>& views) const {
-    std::vector<double> angles;
-    for (const std::size_t view : views) angles.push_back(geometry.angles[view]);
-    return angles;
-  }
-
-  // What the views of a subset miss; and what each ray should have had more, by its length. Rays that cut a corner off are left out
-  // of it all, since they say next to nothing, and loudly.
+  // What the views of a subset miss; and what each ray should have had more, by its length, or of kOsem how many times as much. Rays that
+  // cut a corner off are left out of it all, since they say next to nothing, and loudly.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
-    load_values(board, geometry.volume, out.values);
+    constexpr double kDark = 1e-3;  // chosen: of a ray of the mean value, which no ratio is taken over less of
     densities.clear();
     Missing missing;
-    const auto take = [&](std::size_t i, const std::vector<float>& projected) {
+    projector.project(out.values, views, [&](std::size_t i, const std::vector<float>& projected) {
       std::vector<double>& rays = densities.emplace_back(lengths_of(views[i]));
       for (std::size_t pixel = 0; pixel < rays.size(); ++pixel) {
         if (rays[pixel] == 0) continue;
         const double wanted = double{projections.view(views[i])[pixel]}, off = wanted - double{projected[pixel]};
         missing.squares += off * off;
         missing.measured += wanted * wanted;
-        rays[pixel] = off / rays[pixel];
+        rays[pixel] = settings.method == Method::kOsem
+                          ? std::max(wanted, 0.0) / std::max(double{projected[pixel]}, kDark * even_value * rays[pixel])
+                          : off / rays[pixel];
       }
-    };
-    out.rays += project_views(board, geometry, angles_of(views), settings.step, take);
+    });
     return missing;
   }
 
   std::vector<double> lengths_of(std::size_t view) const {
-    const std::vector<HostRay> rays = view_rays(geometry, geometry.angles[view]);
     std::vector<double> lengths;
-    for (const HostRay& ray : rays) lengths.push_back(ray.length < 1 ? 0 : length_in_space(geometry.volume, ray));
+    for (const HostRay& ray : projector.rays(view)) lengths.push_back(ray.length < 1 ? 0 : projector.length_of(ray));
     return lengths;
   }
 
@@ -150,47 +172,154 @@ struct Loop {
     for (const auto& view : densities) {
       for (const double density : view) most = std::max(most, std::abs(density));
     }
-    return gicube::samples::backproject(
-        board, geometry, angles_of(views), {.step = settings.step, .max_density = most},
-        [&](std::size_t i) { return densities[i]; }, out);
+    return projector.backproject(views, most, [&](std::size_t i) { return densities[i]; });
   }
 
-  // What a correction is multiplied by: the relaxation over the splatted weights, 0 where rays say nothing of a voxel.
-  std::vector<float> steps_of(const std::vector<std::size_t>& views) {
-    Densities ones;  // what a density of one on all rays leaves
+  // What a density of one on all rays leaves; 0 where rays say nothing of a voxel.
+  std::vector<float> weights_of(const std::vector<std::size_t>& views) {
+    Densities ones;
     for (const std::size_t view : views) {
       for (double& value : ones.emplace_back(lengths_of(view))) value = value > 0 ? 1 : 0;
     }
-    std::vector<float> steps = backproject(views, ones);
+    std::vector<float> weights = backproject(views, ones);
     constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight
-    const float least = kLeast * std::ranges::max(steps);
-    const auto relaxation = static_cast<float>(settings.relaxation);
-    for (float& weight : steps) weight = weight <= least ? 0 : relaxation / weight;
-    return steps;
+    const float least = kLeast * std::ranges::max(weights);
+    for (float& weight : weights) weight = weight <= least ? 0 : weight;
+    mask(weights);
+    return weights;
+  }
+
+  void mask(std::vector<float>& values) const {
+    for (std::size_t i = 0; i < settings.mask.size(); ++i) values[i] = settings.mask[i] == 0 ? 0 : values[i];
   }
 
   void move(std::size_t subset, const std::vector<float>& corrections) {
-    std::vector<float> steps = std::move(known_steps[subset]);
-    if (steps.empty()) steps = steps_of(subsets[subset]);
+    std::vector<float> weights = std::move(known_weights[subset]);
+    if (weights.empty()) weights = weights_of(subsets[subset]);
+    const bool multiplies = settings.method == Method::kOsem;
+    const auto relaxation = static_cast<float>(settings.relaxation);
     const float floor = settings.non_negative ? 0 : std::numeric_limits<float>::lowest();
     constexpr std::size_t kPart = 1 << 16;
-    parallel_for_runs(steps.size(), kPart, 0, [&](std::size_t begin, std::size_t end) {
+    parallel_for_runs(weights.size(), kPart, 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const float moved = out.values[i] + corrections[i] * steps[i];
-        out.values[i] = std::max(moved, floor);
+        if (weights[i] == 0) continue;
+        const float change = corrections[i] / weights[i];
+        out.values[i] = std::max(multiplies ? out.values[i] * change : out.values[i] + relaxation * change, floor);
       }
     });
     constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
-    if (subsets.size() * steps.size() * sizeof(float) <= kMaxBytes) known_steps[subset] = std::move(steps);
+    if (subsets.size() * weights.size() * sizeof(float) <= kMaxBytes) known_weights[subset] = std::move(weights);
+  }
+
+  double even_value = 0;  // kOsem: what it begins with
+  void begin_evenly() {
+    double measured = 0, lengths = 0;
+    for (std::size_t view = 0; view < geometry.angles.size(); ++view) {
+      const std::vector<double> of_rays = lengths_of(view);
+      for (std::size_t i = 0; i < of_rays.size(); ++i) {
+        if (of_rays[i] == 0) continue;
+        measured += std::max(0.0, double{projections.view(view)[i]});
+        lengths += of_rays[i];
+      }
+    }
+    even_value = lengths > 0 ? measured / lengths : 0;
+    std::ranges::fill(out.values, static_cast<float>(even_value));
+    mask(out.values);
+  }
+
+  // One iteration of kCgls.
+  double descend(int iteration, const Progress& progress) {
+    told(progress, iteration, 0);
+    if (iteration == 0) remainder = projections.values;
+    if (direction.empty()) turn();
+    if (steepness == 0) return std::sqrt(square_sum(remainder) / std::max(square_sum(projections.values), 1e-300));
+    const std::vector<float> seen = projector.project(direction);
+    const double step = steepness / square_sum(seen);
+    for (std::size_t i = 0; i < direction.size(); ++i) out.values[i] += static_cast<float>(step * double{direction[i]});
+    for (std::size_t i = 0; i < seen.size(); ++i) remainder[i] -= static_cast<float>(step * double{seen[i]});
+    turn();
+    return std::sqrt(square_sum(remainder) / square_sum(projections.values));
+  }
+
+  // The next direction: downhill, and conjugate to the last.
+  void turn() {
+    std::vector<float> gradient = projector.backproject(remainder);
+    mask(gradient);
+    const double before = std::exchange(steepness, square_sum(gradient));
+    const double kept = direction.empty() || before == 0 ? 0 : steepness / before;
+    direction.resize(gradient.size());
+    for (std::size_t i = 0; i < gradient.size(); ++i)
+      direction[i] = gradient[i] + static_cast<float>(kept) * direction[i];
+  }
+
+  // kTv: steps down the total variation.
+  void flatten(const std::vector<float>& before) {
+    const auto distance = [this](const std::vector<float>& from) {
+      double sum = 0;
+      for (std::size_t i = 0; i < from.size(); ++i) sum += std::pow(double{out.values[i]} - double{from[i]}, 2);
+      return std::sqrt(sum);
+    };
+    const double changed = distance(before);
+    const std::vector<float> measured = out.values;
+    for (int step = 0; step < settings.tv_steps; ++step) {
+      std::vector<float> slope = tv_gradient(out.values, geometry.volume.dims);
+      mask(slope);
+      const double size = std::sqrt(square_sum(slope));
+      if (size == 0) return;
+      const auto by = static_cast<float>(tv_weight * changed / size);
+      const float floor = settings.non_negative ? 0 : std::numeric_limits<float>::lowest();
+      for (std::size_t i = 0; i < slope.size(); ++i) out.values[i] = std::max(out.values[i] - by * slope[i], floor);
+    }
+    constexpr double kMost = 0.95, kLess = 0.95;  // as Sidky and Pan have them
+    if (distance(measured) > kMost * changed) tv_weight *= kLess;
   }
 };
 
 }  // namespace
 
+std::vector<float> tv_gradient(const std::vector<float>& values, const Dims& dims) {
+  const auto columns = static_cast<std::size_t>(dims[0]), rows = static_cast<std::size_t>(dims[1]);
+  const auto slices = static_cast<std::size_t>(dims[2]);
+  const std::array<std::size_t, 3> strides{1, columns, columns * rows};
+  constexpr float kSmooth = 1e-6F;  // chosen: of the greatest value, against a division by nothing
+  float most = 0;
+  for (const float value : values) most = std::max(most, std::abs(value));
+  const float least = kSmooth * most * kSmooth * most;
+  // Differences to the next voxel on each axis, over their size; and what flows out of each voxel by them.
+  std::array<std::vector<float>, 3> flows;
+  for (auto& flow : flows) flow.resize(values.size());
+  const auto place = [&](std::size_t i) { return std::array{i % columns, i / columns % rows, i / strides[2]}; };
+  const std::array<std::size_t, 3> last{columns - 1, rows - 1, slices - 1};
+  parallel_for_runs(values.size(), strides[2], 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto at = place(i);
+      std::array<float, 3> rise{};
+      float square = least;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (at[axis] < last[axis]) rise[axis] = values[i + strides[axis]] - values[i];
+        square += rise[axis] * rise[axis];
+      }
+      const float size = std::sqrt(square);
+      for (std::size_t axis = 0; axis < 3; ++axis) flows[axis][i] = size == 0 ? 0 : rise[axis] / size;
+    }
+  });
+  std::vector<float> out(values.size());
+  parallel_for_runs(values.size(), strides[2], 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto at = place(i);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        out[i] += (at[axis] == 0 ? 0 : flows[axis][i - strides[axis]]) - flows[axis][i];
+      }
+    }
+  });
+  return out;
+}
+
 std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const AlgebraicSettings& settings) {
-  const std::size_t count = settings.method == Method::kSart     ? views
-                            : settings.method == Method::kOsSart ? static_cast<std::size_t>(settings.subsets)
-                                                                 : 1;
+  const std::size_t count = settings.method == Method::kSart ? views
+                            : settings.method == Method::kSirt || settings.method == Method::kCgls
+                                ? 1
+                                : static_cast<std::size_t>(settings.subsets);
   std::vector<std::vector<std::size_t>> subsets(count);
   for (std::size_t view = 0; view < views; ++view) subsets[view % count].push_back(view);
   return subsets;

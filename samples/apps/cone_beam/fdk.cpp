@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cone_beam/facing.h"
 #include "gicube/parallel_for.h"
 #include "scene/names.h"
 
@@ -28,12 +29,6 @@ void check(const FdkSettings& settings, const ConeGeometry& geometry, const Proj
   expect(bits == 0 || (bits >= 4 && bits <= 32), "bits", "0 or 4..32", bits);
   expect(std::isfinite(headroom) && headroom > 0, "headroom", "a finite number above 0", headroom);
   check(projections, geometry);
-}
-
-// Weights of four pixels for a value between the second and the third, by Catmull and Rom's cubic. The cubic through all four
-// loses more of the highest frequencies, and a transform, exact for rows of limited band, would make those of edges ring.
-std::array<double, 4> cubic(double t) {
-  return {-t * (1 - t) * (1 - t) / 2, 1 + t * t * (3 * t - 5) / 2, t * (1 + t * (4 - 3 * t)) / 2, t * t * (t - 1) / 2};
 }
 
 // The pixels and weights that make a ray's value. Pixels beyond the detector repeat its edge.
@@ -86,24 +81,23 @@ double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
 
 // That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more memory than the volume.
 double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter,
-                   PixelRays rays) {
+                   PixelRays rays, bool displaced) {
   const auto [least, most] = std::ranges::minmax(projections.values);
   constexpr double kCubics = 1.25 * 1.25;  // by which the cubics of finer_view() can overshoot
   const double value = std::max(std::abs(double{least}), std::abs(double{most})) * filter.gain();
   return value * density_scale(geometry, std::ranges::max(arc_weights(geometry)), rays) *
-         (rays == PixelRays{} ? 1 : kCubics);
+         (rays == PixelRays{} ? 1 : kCubics) * (displaced ? 2 : 1);
 }
 
-Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
-                                     const ViewDensities& filtered, double max_density, const Progress& progress) {
-  const std::size_t views = geometry.angles.size();
+Reconstruction backproject_into_sums(Projector& projector, const ViewDensities& filtered, double max_density,
+                                     const Progress& progress) {
+  const std::size_t views = projector.setup().views.size();
   Reconstruction out;
   const auto told_and_filtered = [&](std::size_t view) {
     if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
     return filtered(view);
   };
-  out.values = backproject(board, geometry, geometry.angles, {rays_of(settings, geometry), settings.step, max_density},
-                           told_and_filtered, out);
+  out.values = backproject(projector, max_density, told_and_filtered, out);
   return out;
 }
 
@@ -175,56 +169,53 @@ RampFilter ramp_filter(const ConeGeometry& geometry, Window window) {
 }
 
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
-                                  const RampFilter& filter, PixelRays rays) {
-  const Detector& detector = geometry.detector;
-  const double distance = geometry.source_to_detector;
-  const double arc = arc_weights(geometry)[view];
-  const bool is_short = is_short_scan(geometry);
-  const double after = geometry.angles[view] - geometry.angles.front();
-  const double whole = geometry.angles.back() - geometry.angles.front();
+                                  const RampFilter& filter, PixelRays rays, bool displaced) {
+  const ConeGeometry wide = widened(geometry, displaced);
+  const Detector& detector = wide.detector;
+  const double distance = wide.source_to_detector;
+  const WeightedRows rows(geometry, displaced);
   const auto columns = static_cast<std::size_t>(detector.columns);
-  std::vector<double> pixels(projections.view_size());
-  std::vector<double> row(columns);
+  std::vector<double> pixels(columns * static_cast<std::size_t>(detector.rows)), row(columns);
   for (int j = 0; j < detector.rows; ++j) {
-    const double v = v_of(detector, j);
-    const float* from = projections.view(view) + static_cast<std::size_t>(j) * columns;
+    rows.row(projections, view, j, row.data());
     for (std::size_t i = 0; i < columns; ++i) {
-      const double u = u_of(detector, static_cast<double>(i));
-      double weight = slant(distance, u, v);
-      if (is_short) weight *= short_scan_weight(after, -std::atan(u / distance), whole);
-      row[i] = weight * static_cast<double>(from[i]);
+      row[i] *= slant(distance, u_of(detector, static_cast<double>(i)), v_of(detector, j));
     }
     filter.apply(row.data(), pixels.data() + static_cast<std::size_t>(j) * columns);
   }
   std::vector<double> out = finer_view(pixels, columns, rays);
-  const double scale = density_scale(geometry, arc, rays);
+  const double scale = density_scale(wide, arc_weights(geometry)[view], rays);
   double* value = out.data();
-  for_each_ray(detector, rays, [&](double u, double v) {
-    *value++ *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
-  });
+  for_each_ray(detector, rays, [&](double u, double v) { *value++ *= scale * slant(distance, u, v); });
   return out;
 }
 
 Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                const FdkSettings& settings, const Progress& progress) {
+  if (!geometry.circular()) {
+    const FacingViews views = facing(geometry, projections);
+    return reconstruct_fdk(board, views.geometry, views.projections, settings, progress);
+  }
   check(settings, geometry, projections);
   const PixelRays rays = rays_of(settings, geometry);
-  const Dims dims = geometry.volume.dims;
-  const std::vector<std::byte> nothing(voxel_count(dims));
-  board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing, .find_gradients = false});
+  const bool displaced = is_displaced(geometry, projections);
+  const ConeGeometry wide = widened(geometry, displaced);
+  Projector projector = projector_of(board, wide, settings.step, rays);
+  projector.load_nothing();
   const Picoseconds begin = board.now();
 
-  const RampFilter filter = ramp_filter(geometry, settings.window);
+  const RampFilter filter = ramp_filter(wide, settings.window);
   const std::size_t views = geometry.angles.size();
   const ViewDensities filtered = [&](std::size_t view) {
-    return filtered_view(projections, geometry, view, filter, rays);
+    return filtered_view(projections, geometry, view, filter, rays, displaced);
   };
   const bool in_sums = settings.accumulator == Accumulator::kSums;
-  Reconstruction out = in_sums ? backproject_into_sums(board, geometry, settings, filtered,
-                                                       max_density(projections, geometry, filter, rays), progress)
-                               : backproject_into_irradiance(board, geometry, settings, filtered, progress);
-  if (settings.normalise) normalise(out, geometry, settings);
-  sharpen(out.values, dims, sharpening_of(settings, geometry));
+  Reconstruction out =
+      in_sums ? backproject_into_sums(projector, filtered, max_density(projections, geometry, filter, rays, displaced),
+                                      progress)
+              : backproject_into_irradiance(board, projector, settings, filtered, progress);
+  if (settings.normalise) normalise(out, wide, settings);
+  sharpen(out.values, geometry.volume.dims, sharpening_of(settings, geometry));
   out.board_time = board.now() - begin;
   if (progress) progress(static_cast<std::uint32_t>(views), static_cast<std::uint32_t>(views));
   return out;

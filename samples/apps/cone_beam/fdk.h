@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "cone_beam/redundancy.h"
 #include "cone_beam/view_rays.h"
 
 struct fftw_plan_s;  // FFTW's own
@@ -34,17 +35,6 @@ class RampFilter {
   };
   std::unique_ptr<fftw_plan_s, End> forward_, backward_;
 };
-
-// Of each angle: the arc that it stands for, times one half where every ray is measured twice (a whole turn).
-std::vector<double> arc_weights(const ConeGeometry& geometry);
-// The arc that all angles stand for.
-double arc_of(const ConeGeometry& geometry);
-// Whether the angles don't make a whole turn: then short_scan_weight() shares twice measured rays out.
-bool is_short_scan(const ConeGeometry& geometry);
-// Parker's weight (1982) in a scan over `arc`, at least pi and twice the largest fan angle, of the rays at `fan` in the view
-// `angle` after the first. They are measured again at angle + pi + 2 fan, from -fan; the weights of both sum to one, and rise
-// and fall smoothly. Column u of a detector has fan = -atan(u / source_to_detector).
-double short_scan_weight(double angle, double fan, double arc);
 
 // The words that rays leave their values in.
 enum class Accumulator {
@@ -79,10 +69,10 @@ PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
 // settings.sharpen on each axis or, if it is not given, the strength that suits the number of rays.
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry);
 
-// One view's projections, cosine-weighted, of short scans shared out, and filtered: what its rays leave in a unit of
-// volume.
+// One view's projections, cosine-weighted, shared out (WeightedRows), and filtered: what the rays of widened(geometry, displaced) leave in a
+// unit of volume. `filter`: of widened(geometry, displaced).
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
-                                  const RampFilter& filter, PixelRays rays);
+                                  const RampFilter& filter, PixelRays rays, bool displaced = false);
 RampFilter ramp_filter(const ConeGeometry& geometry, Window window);
 
 // v (1 + 2 part) - part (both neighbours), along each axis by its part; the ends are their own neighbours.
@@ -90,7 +80,7 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
 
 // Some views at a time into irradiance words [P §4.2]: their positive values in one pass, their negative ones in a second one, the
 // words' unit chosen for each pass by the greatest that a voxel can get of it. The words are read after each pass; the host adds up.
-Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
+Reconstruction backproject_into_irradiance(Board& board, const Projector& projector, const FdkSettings& settings,
                                            const ViewDensities& filtered, const Progress& progress);
 
 // Rows of rays that lie unevenly against voxels leave ripples along the axis of rotation, which all views have in common. Divides the
@@ -99,7 +89,8 @@ Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geo
 void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSettings& settings);
 
 // Loads an empty volume of geometry.volume's dims into the board, and leaves the sums there.
-// Throws BadArgument (geometry, projections, settings), what the board throws.
+// Views with poses of their own are resampled first: facing(). Throws BadArgument (geometry, projections, settings, a source off the
+// circle, a short scan by a displaced detector), what the board throws.
 Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                const FdkSettings& settings = {}, const Progress& progress = {});
 

@@ -1,4 +1,4 @@
-// What Feldkamp, Davis and Kress (1984) do to projections before they are backprojected: weights, and the ramp filter along rows.
+// The ramp filter along rows.
 #include <fftw3.h>
 
 #include <algorithm>
@@ -87,39 +87,6 @@ double RampFilter::gain() const {
   double sum = -std::abs(out[0]);  // of both sides
   for (const double value : out) sum += 2 * std::abs(value);
   return sum;
-}
-
-double arc_of(const ConeGeometry& geometry) {
-  const auto& angles = geometry.angles;
-  return (angles.back() - angles.front()) * static_cast<double>(angles.size()) / static_cast<double>(angles.size() - 1);
-}
-
-bool is_short_scan(const ConeGeometry& geometry) { return arc_of(geometry) < 2 * pi * 0.999; }
-
-std::vector<double> arc_weights(const ConeGeometry& geometry) {
-  const auto& angles = geometry.angles;
-  const std::size_t count = angles.size();
-  const bool whole = !is_short_scan(geometry);
-  std::vector<double> weights(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double before = i > 0 ? angles[i] - angles[i - 1] : whole ? angles[0] + 2 * pi - angles[count - 1] : 0;
-    const double behind = i + 1 < count ? angles[i + 1] - angles[i] : whole ? angles[0] + 2 * pi - angles[i] : 0;
-    weights[i] = (before + behind) / 2 * (whole ? 0.5 : 1);
-  }
-  return weights;
-}
-
-double short_scan_weight(double angle, double fan, double arc) {
-  const double beyond = (arc - pi) / 2;  // the largest fan angle that the arc serves
-  const auto smooth = [](double part) {
-    const double s = std::sin(pi / 4 * part);
-    return s * s;
-  };
-  if (angle < 0 || angle > arc) return 0;
-  const double rise = 2 * (beyond - fan), fall = 2 * (beyond + fan);  // angles of the first and the last such views
-  if (rise > 0 && angle < rise) return smooth(2 * angle / rise);
-  if (fall > 0 && angle > arc - fall) return smooth(2 * (arc - angle) / fall);
-  return 1;
 }
 
 }  // namespace gicube::samples

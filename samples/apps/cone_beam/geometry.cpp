@@ -34,6 +34,12 @@ void check(const ConeGeometry& geometry) {
   for (const int dim : grid.dims) expect(dim >= 2, "volume.dims", "at least 2", dim);
   const auto& angles = geometry.angles;
   expect(angles.size() >= 2, "angles", "at least 2", static_cast<double>(angles.size()));
+  const auto count = [](const auto& list) { return static_cast<double>(list.size()); };
+  if (!geometry.circular()) {
+    expect(count(geometry.poses) == count(angles), "poses", fmt::format("{}, one an angle", count(angles)),
+           count(geometry.poses));
+    return;  // the projector checks each
+  }
   for (std::size_t i = 0; i < angles.size(); ++i) {
     const bool ascends = i == 0 || angles[i] > angles[i - 1];
     expect(std::isfinite(angles[i]) && ascends && angles[i] - angles[0] < 2 * std::numbers::pi,
@@ -62,12 +68,15 @@ std::vector<double> even_angles(int views, double first, double arc) {
   return angles;
 }
 
-Pose pose(const ConeGeometry& geometry, double angle) {
-  const Vec3 out{std::cos(angle), std::sin(angle), 0};
+ViewPose pose(const ConeGeometry& geometry, std::size_t view) {
+  if (!geometry.circular()) return geometry.poses[view];
+  const Detector& detector = geometry.detector;
+  const double c = std::cos(geometry.angles[view]), s = std::sin(geometry.angles[view]);
+  const Vec3 out{c, s, 0}, along_u{-s, c, 0}, along_v{0, 0, 1};
   return {geometry.source_to_axis * out,
-          (geometry.source_to_axis - geometry.source_to_detector) * out,
-          {-out.y, out.x, 0},
-          {0, 0, 1}};
+          (geometry.source_to_axis - geometry.source_to_detector) * out + detector.offset_u * along_u +
+              detector.offset_v * along_v,
+          detector.pitch_u * along_u, detector.pitch_v * along_v};
 }
 
 }  // namespace gicube::samples

@@ -1,9 +1,9 @@
 // Where source, detector and volume stand in cone-beam tomography. Lengths in one unit of the caller's, say millimetres;
-// angles in radians.
+// angles in radians. The volume's middle is the origin.
 //
-// The axis of rotation is z. At angle b the source stands at source_to_axis (cos b, sin b, 0); a detector that faces it
-// squarely lies source_to_detector away from it, its columns run along (-sin b, cos b, 0) and its rows along z. The volume's
-// middle is the origin.
+// On a circle the axis of rotation is z. At angle b the source stands at source_to_axis (cos b, sin b, 0); a detector that faces it
+// squarely lies source_to_detector away from it, its columns run along (-sin b, cos b, 0) and its rows along z. Any other orbit has a
+// pose for each view. docs/guide/cone_beam_geometry.md draws both.
 #pragma once
 
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "gicube/projector.h"
 #include "gicube/vector.h"
 
 namespace gicube::samples {
@@ -34,7 +35,12 @@ struct ConeGeometry {
   double source_to_detector = 0;  // > 0
   Detector detector;
   Grid volume;
-  std::vector<double> angles;  // ascending, within one turn; at least 2
+  std::vector<double> angles;  // at least 2; on a circle ascending, within one turn
+  // Of views that lie on no circle, one an angle, which are then the sources' in any order. Distances and pitches are those of the
+  // mean view, for defaults; offsets count no more.
+  std::vector<ViewPose> poses{};
+
+  bool circular() const { return poses.empty(); }
 };
 
 // Throws BadArgument that names the field unless `good`.
@@ -45,13 +51,31 @@ void check(const ConeGeometry& geometry);
 // `views` angles from `first` on, evenly over `arc` (2 pi: the last is not the first).
 std::vector<double> even_angles(int views, double first, double arc);
 
-// One view's source and detector in space: pixel (i, j) is at middle + u_of(i) along_u + v_of(j) along_v.
-struct Pose {
-  Vec3 source;
-  Vec3 middle;  // where the ray through the axis meets the detector
-  Vec3 along_u, along_v;
+// One view's source and detector in space.
+ViewPose pose(const ConeGeometry& geometry, std::size_t view);
+
+// Where a view sees a place: pixels from the detector's middle. Not finite for a place beside its source.
+struct SeenAt {
+  double column = 0, row = 0;
 };
-Pose pose(const ConeGeometry& geometry, double angle);
+SeenAt seen_at(const ViewPose& view, Vec3 place);
+
+// The circle nearest to views with poses of their own whose sources go round z: mean distances, pitches and offsets, and the angles
+// of the sources, in the order of the views. Columns have to run as on a circle.
+ConeGeometry circle_of(const ConeGeometry& geometry);
+// By how many pixels at most a view sees places in the field of `circle` elsewhere than a view of the circle does.
+double off_circle(const ConeGeometry& geometry, const ConeGeometry& circle, std::size_t view);
+
+// Angles as a ConeGeometry wants them.
+struct SortedViews {
+  std::vector<double> angles;                    // ascending within one turn
+  std::vector<std::vector<std::size_t>> places;  // of each angle, in the list that came: several where it was repeated
+
+  std::size_t repeated() const;  // places beyond the first of their angle
+};
+// Angles a whole number of turns apart are one [C: to 1e-6]. Where the angles leave a gap that is more than twice their second widest
+// [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
+SortedViews sorted_views(const std::vector<double>& angles);
 
 // Of pixel centres; whole numbers are pixels.
 inline double u_of(const Detector& detector, double column) {

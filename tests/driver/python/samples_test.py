@@ -75,6 +75,12 @@ def test_tomography(tmp_path):
     assert more < 0.8 * few and more < 0.08
 
 
+def test_own_method():
+    module = program("own_method")
+    few, more = module.main(10), module.main(30)
+    assert more < 0.6 * few and more < 0.09
+
+
 def test_visibility():
     found = program("visibility").main()
     assert found[0, 1] == 1 and found[2, 3] == 0  # through the door, and not through the wall

@@ -140,14 +140,17 @@ samples::Projections project(const FdkScan& scan) {
   samples::Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
   parallel_for(geometry.angles.size(), 0, [&](std::size_t view) {
-    const samples::Pose at = samples::pose(geometry, geometry.angles[view]);
+    const ViewPose at = samples::pose(geometry, view);
     float* value = out.view(view);
-    samples::for_each_ray(detector, {}, [&](double u, double v) {
-      const Vec3 way = at.middle + u * at.along_u + v * at.along_v - at.source;
-      double sum = 0;
-      for (const Solid& solid : object) sum += solid.value * part_inside(solid, at.source, way);
-      *value++ = static_cast<float>(sum * length(way));
-    });
+    for (int row = 0; row < detector.rows; ++row) {
+      for (int column = 0; column < detector.columns; ++column) {
+        const double i = column - (detector.columns - 1) / 2.0, j = row - (detector.rows - 1) / 2.0;
+        const Vec3 way = at.centre + i * at.u + j * at.v - at.source;
+        double sum = 0;
+        for (const Solid& solid : object) sum += solid.value * part_inside(solid, at.source, way);
+        *value++ = static_cast<float>(sum * length(way));
+      }
+    }
   });
   return out;
 }

@@ -50,7 +50,7 @@ TEST(FdkPhantoms, VoxelsHoldTheirVolumeToo) {
 
 TEST(FdkPhantoms, EveryViewSeesAllOfEachVolume) {
   for (const FdkScan& scan : fdk_scans(24)) {
-    const auto& [to_axis, to_detector, detector, volume, angles] = scan.geometry;
+    const auto& [to_axis, to_detector, detector, volume, angles, poses] = scan.geometry;
     for (const double angle : angles) {
       const double c = std::cos(angle), s = std::sin(angle);
       for (int corner = 0; corner < 8; ++corner) {

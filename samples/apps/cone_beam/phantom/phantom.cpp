@@ -112,11 +112,12 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
   Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
   parallel_for(geometry.angles.size(), 0, [&](std::size_t view) {
-    const Pose at = pose(geometry, geometry.angles[view]);
+    const ViewPose at = pose(geometry, view);
     float* value = out.view(view);
     for (int row = 0; row < detector.rows; ++row) {
       for (int column = 0; column < detector.columns; ++column) {
-        const Vec3 pixel = at.middle + u_of(detector, column) * at.along_u + v_of(detector, row) * at.along_v;
+        const Vec3 pixel =
+            at.centre + (column - (detector.columns - 1) / 2.0) * at.u + (row - (detector.rows - 1) / 2.0) * at.v;
         *value++ = static_cast<float>(line_integral(phantom, at.source, pixel));
       }
     }

@@ -78,7 +78,7 @@ struct Planner {
     const auto start = std::chrono::steady_clock::now();
     plan.views = geometry.angles.size();
     plan.slices = slab.geometry.volume.dims[2];
-    plan.field = field_seen(geometry);
+    plan.field = field_seen(geometry, is_displaced(geometry, projections));
     const PixelRays by_default = rays_of(asked, geometry);
     plan.finest = {1, std::min(std::max(by_default.u, by_default.v) + 1, 4), kFinestStep};
     best = pilot(plan.finest);

@@ -54,7 +54,7 @@ ConeGeometry some_views(const ConeGeometry& geometry, int every);
 Projections some_views(const Projections& projections, std::size_t views, int every);
 
 // The voxels that every view sees.
-FieldOfView field_seen(const ConeGeometry& geometry);
+FieldOfView field_seen(const ConeGeometry& geometry, bool displaced = false);
 
 // Of which views one in so many may be kept so that these are as evenly spread, of a short scan from the first to the last. Ascending,
 // from 2.

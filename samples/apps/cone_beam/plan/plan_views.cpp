@@ -25,8 +25,8 @@ Projections some_views(const Projections& projections, std::size_t views, int ev
   return some;
 }
 
-FieldOfView field_seen(const ConeGeometry& geometry) {
-  const Detector& detector = geometry.detector;
+FieldOfView field_seen(const ConeGeometry& geometry, bool displaced) {
+  const Detector detector = widened(geometry, displaced).detector;
   const double wide = 0.5 * (detector.columns - 1) * detector.pitch_u - std::abs(detector.offset_u);
   const double high = 0.5 * (detector.rows - 1) * detector.pitch_v - std::abs(detector.offset_v);
   const Grid& grid = geometry.volume;

@@ -7,6 +7,7 @@
 #include "cone_beam/program/options.h"
 #include "cone_beam/scan/formats.h"
 #include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/program/option_group.h"
 #include "scene/program/program.h"
@@ -79,7 +80,21 @@ void run_compare(const CompareOptions& options) {
 
 void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
   check_outputs({{"--output", output}});
-  const ScanDescription description = description_of(scan);
+  ScanDescription description = description_of(scan);
+  const std::string extension = lower_case(output.extension().string());
+  if (extension == ".xml" || extension == ".txt") {
+    // In the scan's own coordinates, pixels as the files have them.
+    ConeGeometry& geometry = description.geometry;
+    std::vector<ViewPose> poses;
+    for (std::size_t view = 0; view < geometry.angles.size(); ++view) {
+      const ViewPose at = pose(geometry, view);
+      poses.push_back({at.source + description.centre, at.centre + description.centre,
+                       (description.columns_reversed ? -1.0 : 1.0) * at.u,
+                       (description.rows_reversed ? -1.0 : 1.0) * at.v});
+    }
+    geometry.poses = std::move(poses);
+    return (extension == ".xml" ? write_rtk : write_astra)(geometry, output);
+  }
   if (!output.empty()) return write_scan_file(description, output);
   std::cout << scan_text(description, std::filesystem::current_path());
 }
@@ -104,11 +119,13 @@ void add_compare(CLI::App& program) {
 }
 
 void add_import(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("import", "a scan as a scan file, to be looked at and edited");
+  CLI::App& app = *program.add_subcommand("import", "a scan as a scan file, to be looked at and edited, or for others");
   const auto scan = std::make_shared<ScanOptions>();
   const auto output = std::make_shared<std::filesystem::path>();
   add_input(app, *scan);
-  OptionGroup(app, "Output").file("-o,--output", *output, "a scan file (printed)");
+  OptionGroup(app, "Output")
+      .file("-o,--output", *output,
+            "a scan file, RTK's geometry (.xml) or vectors of ASTRA (.txt) (a scan file, printed)");
   app.callback([=] { run_import(*scan, *output); });
 }
 

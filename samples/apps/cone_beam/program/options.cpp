@@ -44,7 +44,22 @@ void add_volume(CLI::App& app, ScanOptions& scan) {
                });
 }
 
+void add_pixels(OptionGroup& group, ScanOptions& scan, const std::string& when) {
+  group.parsed("--detector", "WxH", "pixels" + when + "", [&scan](const std::string& option, const std::string& text) {
+    const std::vector<int> sizes = parse_sizes(option, text, 2, 'x');
+    scan.detector_size = {sizes[0], sizes[1]};
+  });
+  group.value("--pitch", scan.pitch, "of the pixels" + when)->check(CLI::PositiveNumber);
+}
+
 }  // namespace
+
+PixelsGiven ScanOptions::pixels() const {
+  PixelsGiven out;
+  if (detector_size) out = {(*detector_size)[0], (*detector_size)[1]};
+  out.pitch = pitch.value_or(0);
+  return out;
+}
 
 void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what) {
   app.add_option(name, object.name,
@@ -61,7 +76,9 @@ void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, c
 
 void add_input(CLI::App& app, ScanOptions& scan) {
   app.add_option("SCAN", scan.input,
-                 "a scan file (protobuf text), a .json of CTSimU, or a folder of plastimatch's projection matrices")
+                 "a scan file (protobuf text), CTSimU's .json, RTK's geometry (.xml), Nikon's .xtekct, vectors of "
+                 "ASTRA (text), "
+                 "or a folder of plastimatch's projection matrices")
       ->required();
   OptionGroup group(app, "Scan");
   group
@@ -73,6 +90,7 @@ void add_input(CLI::App& app, ScanOptions& scan) {
                  scan.type = raw_type(text);
                  if (!scan.type) throw expected(name, "uint8, uint16, int16 or float32", text);
                });
+  add_pixels(group, scan, " of RTK's or ASTRA's views where the projections' header says nothing");
   add_allow_outside(app, "Scan", scan.allow_outside);
   add_volume(app, scan);
 }
@@ -83,11 +101,7 @@ void add_own_scan(CLI::App& app, ScanOptions& scan) {
       .file("--scan", scan.input,
             "whose geometry is taken: as SCAN of reconstruct; without it these options describe one")
       ->type_name("SCAN");
-  group.parsed("--detector", "WxH", "pixels (256x256)", [&scan](const std::string& option, const std::string& text) {
-    const std::vector<int> sizes = parse_sizes(option, text, 2, 'x');
-    scan.detector_size = {sizes[0], sizes[1]};
-  });
-  group.number("--pitch", scan.pitch, CLI::PositiveNumber, "of the pixels");
+  add_pixels(group, scan, " (256x256 of 1.56)");
   group.number("--source-to-axis", scan.source_to_axis, CLI::PositiveNumber, "distance");
   group.number("--source-to-detector", scan.source_to_detector, CLI::PositiveNumber, "distance");
   group.number("--views", scan.views, CLI::Range(2, 100'000), "evenly over the arc");
@@ -125,16 +139,19 @@ ScanDescription description_of(const ScanOptions& options) {
   }
   ScanDescription out;
   if (!options.input.empty()) {
-    out = read_description(options.input, projections);
+    out = read_description(options.input, projections, options.pixels());
   } else {
     ConeGeometry& geometry = out.geometry;
     geometry.source_to_axis = options.source_to_axis;
     geometry.source_to_detector = options.source_to_detector;
-    geometry.detector = {options.detector_size[0], options.detector_size[1], options.pitch, options.pitch};
+    const std::array<int, 2> size = options.detector_size.value_or(std::array{256, 256});
+    const double pitch = options.pitch.value_or(1.56);
+    geometry.detector = {size[0], size[1], pitch, pitch};
     const double radians = std::numbers::pi / 180;
     geometry.angles = even_angles(options.views, 0, options.arc * radians);
   }
-  for (StackFiles* files : {&out.projections, &out.flats, &out.darks}) files->allow_outside = options.allow_outside;
+  for (StackFiles* files : {&out.projections, &out.flats, &out.darks, &out.dead})
+    files->allow_outside = options.allow_outside;
   if (options.size) out.geometry.volume.dims = *options.size;
   if (options.spacing) out.geometry.volume.spacing = *options.spacing;
   complete_volume(out);

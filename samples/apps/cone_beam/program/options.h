@@ -39,15 +39,18 @@ Phantom phantom_of(const ObjectOptions& object);
 // A scan file or, without one, a scan that these numbers describe.
 struct ScanOptions {
   std::filesystem::path input;
-  std::vector<std::filesystem::path> projections;  // in place of the input's
-  std::optional<SampleType> type;                  // of them, where they are raw
-  std::array<int, 2> detector_size{256, 256};
-  double pitch = 1.56, source_to_axis = 500, source_to_detector = 1000;
+  std::vector<std::filesystem::path> projections;   // in place of the input's
+  std::optional<SampleType> type;                   // of them, where they are raw
+  std::optional<std::array<int, 2>> detector_size;  // of a scan of these numbers 256 x 256
+  std::optional<double> pitch;                      // 1.56
+  double source_to_axis = 500, source_to_detector = 1000;
   int views = 180;
   double arc = 360;  // degrees
   std::optional<Dims> size;
   std::optional<Vec3> spacing;
   bool allow_outside = false;
+
+  PixelsGiven pixels() const;
 };
 void add_input(CLI::App& app, ScanOptions& scan);     // SCAN, and the volume
 void add_own_scan(CLI::App& app, ScanOptions& scan);  // --scan or its numbers, and the volume

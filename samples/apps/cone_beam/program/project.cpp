@@ -66,7 +66,7 @@ void write_files(const ProjectOptions& options, ScanDescription description, con
   description.projections = {files, {}};
   if (options.extension() == ".raw") description.projections.raw = RawLayout{.type = SampleType::kFloat32};
   description.intensities = false;
-  description.flats = description.darks = {};
+  description.flats = description.darks = description.dead = {};
   description.full = 0;
   for (std::size_t view = 0; matrices && view < files.size(); ++view) {
     write_projection_matrix(description.geometry, description.geometry.angles[view], matrix_of(files[view]));
@@ -79,7 +79,10 @@ void run_project(const ProjectOptions& options) {
   ProgressLine progress(!options.board.quiet);
   ScanDescription description = description_of(options.scan);
   ConeGeometry& geometry = description.geometry;
-  geometry.angles = sorted_views(geometry.angles).angles;
+  if (!geometry.circular() && options.extension() == ".pfm") {
+    throw UsageError("--output: expected .nrrd, .mhd, .mha, .raw or .tif for views that lie on no circle, got .pfm");
+  }
+  if (geometry.circular()) geometry.angles = sorted_views(geometry.angles).angles;
   std::vector<std::filesystem::path> inputs = description.inputs();
   inputs.emplace_back(options.object.name);
   check_inputs_stay(outputs_of(options, geometry.angles.size()), inputs);

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "cone_beam/algebraic.h"
+#include "cone_beam/centre.h"
+#include "cone_beam/facing.h"
 #include "cone_beam/plan/plan.h"
 #include "cone_beam/program/options.h"
 #include "scene/program/board_run.h"
@@ -29,9 +31,15 @@ const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSu
 const std::map<std::string, ViewOrder> kViewOrders{
     {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
 
+const std::map<std::string, Method> kMethods{{"sart", Method::kSart}, {"os-sart", Method::kOsSart},
+                                             {"sirt", Method::kSirt}, {"cgls", Method::kCgls},
+                                             {"osem", Method::kOsem}, {"tv", Method::kTv}};
+
 struct ReconstructOptions {
   ScanOptions scan;
-  std::string method = "fdk";  // or sart, os-sart, sirt
+  std::string method = "fdk";  // or one of kMethods
+  bool find_centre = false;
+  std::filesystem::path mask;
   FdkSettings filtered;
   AlgebraicSettings algebraic;
   std::filesystem::path output;
@@ -52,19 +60,32 @@ std::string name_of(const std::map<std::string, Value>& names, Value value) {
 }
 
 Json scan_json(const Scan& scan) {
-  const auto& [to_axis, to_detector, detector, volume, angles] = scan.geometry;
+  const auto& [to_axis, to_detector, detector, volume, angles, poses] = scan.geometry;
   const Json pixels{{"columns", detector.columns}, {"rows", detector.rows},         {"pitch_u", detector.pitch_u},
                     {"pitch_v", detector.pitch_v}, {"offset_u", detector.offset_u}, {"offset_v", detector.offset_v}};
-  return {{"views", angles.size()},       {"views_read", scan.views_read},
-          {"repeated", scan.repeated},    {"arc_degrees", (angles.back() - angles.front()) * 180 / std::numbers::pi},
-          {"source_to_axis", to_axis},    {"source_to_detector", to_detector},
-          {"detector", pixels},           {"absorbed", scan.flat_field.absorbed},
-          {"dead", scan.flat_field.dead}, {"unlit", scan.flat_field.unlit}};
+  return {{"views", angles.size()},
+          {"views_read", scan.views_read},
+          {"repeated", scan.repeated},
+          {"arc_degrees", (angles.back() - angles.front()) * 180 / std::numbers::pi},
+          {"circular", scan.geometry.circular()},
+          {"source_to_axis", to_axis},
+          {"source_to_detector", to_detector},
+          {"detector", pixels},
+          {"absorbed", scan.flat_field.absorbed},
+          {"dead", scan.flat_field.dead},
+          {"unlit", scan.flat_field.unlit},
+          {"stuck", scan.dead.stuck},
+          {"named_dead", scan.dead.named}};
 }
 
-Json fdk_json(const FdkSettings& fdk, const ConeGeometry& geometry) {
+Json fdk_json(const FdkSettings& fdk, const Scan& scan) {
+  const ConeGeometry& geometry = scan.geometry;
   const PixelRays rays = rays_of(fdk, geometry);
+  const char* const lines = is_displaced(geometry, scan.projections) ? "displaced"
+                            : is_short_scan(geometry)                ? "short"
+                                                                     : "turn";
   Json json{{"window", name_of(kWindows, fdk.window)},
+            {"lines", lines},
             {"rays", {rays.u, rays.v}},
             {"step", fdk.step},
             {"sharpen", sharpening_of(fdk, geometry)},
@@ -77,11 +98,14 @@ Json fdk_json(const FdkSettings& fdk, const ConeGeometry& geometry) {
 }
 
 Json algebraic_json(const AlgebraicSettings& settings) {
+  const Method method = settings.method;
   Json json{{"iterations", settings.iterations}};
-  if (settings.method == Method::kOsSart) json["subsets"] = settings.subsets;
-  json.update(Json{{"relaxation", settings.relaxation},
-                   {"order", name_of(kViewOrders, settings.order)},
-                   {"non_negative", settings.non_negative},
+  if (method == Method::kOsSart || method == Method::kOsem || method == Method::kTv) json["subsets"] = settings.subsets;
+  if (method == Method::kTv) json.update(Json{{"tv_steps", settings.tv_steps}, {"tv_weight", settings.tv_weight}});
+  if (method != Method::kCgls && method != Method::kOsem) json["relaxation"] = settings.relaxation;
+  json.update(Json{{"order", name_of(kViewOrders, settings.order)},
+                   {"non_negative", settings.non_negative && method != Method::kCgls},
+                   {"masked", !settings.mask.empty()},
                    {"stop", settings.stop},
                    {"noise_level", settings.noise},
                    {"step", settings.step},
@@ -124,7 +148,7 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
   Json json{{"scan", scan_json(scan)},
             {"volume", grid},
             {"method", options.method},
-            {"settings", options.fdk() ? fdk_json(options.filtered, scan.geometry) : algebraic_json(options.algebraic)},
+            {"settings", options.fdk() ? fdk_json(options.filtered, scan) : algebraic_json(options.algebraic)},
             {"rays", result.rays},
             {"rays_ms", to_ms(result.board_time)},
             {"deposits", result.deposits},
@@ -176,6 +200,11 @@ void print_summary(const ReconstructOptions& options, const Scan& scan, const Re
   fmt::print("{}: {} x {} x {} voxels from {} views by {}, {:.1f} ms simulated, {:.1f} s\n", options.output.string(),
              dims[0], dims[1], dims[2], scan.geometry.angles.size(), options.method, cost["board_ms"].get<double>(),
              cost["host_seconds"].get<double>());
+  if (options.find_centre) {
+    const Detector& detector = scan.geometry.detector;
+    fmt::print("the axis is seen {:.2f} pixels from the detector's middle: offset_u {:.6g}\n",
+               -detector.offset_u / detector.pitch_u, detector.offset_u);
+  }
   if (scan.repeated > 0) {
     fmt::print("{} views were read; {} of them repeat an angle, and are averaged with it\n", scan.views_read,
                scan.repeated);
@@ -193,9 +222,7 @@ std::vector<Output> outputs_of(const ReconstructOptions& options) {
 
 void check(const CLI::App& app, ReconstructOptions& options) {
   AlgebraicSettings& algebraic = options.algebraic;
-  algebraic.method = options.method == "sirt"      ? Method::kSirt
-                     : options.method == "os-sart" ? Method::kOsSart
-                                                   : Method::kSart;
+  if (!options.fdk()) algebraic.method = kMethods.at(options.method);
   algebraic.step = options.filtered.step;
   algebraic.seed = options.board.seed;
   check_plan(options.plan);
@@ -209,12 +236,32 @@ void check(const CLI::App& app, ReconstructOptions& options) {
   check_outputs(outputs_of(options));
 }
 
+std::vector<std::uint8_t> mask_of(const ReconstructOptions& options, const Grid& grid) {
+  const GridValues read = read_values(options.mask, options.scan.allow_outside);
+  if (read.grid.dims != grid.dims) {
+    const auto text = [](const Dims& dims) { return fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]); };
+    throw FileError(options.mask, "size", text(grid.dims) + " voxels, as the volume has", text(read.grid.dims));
+  }
+  std::vector<std::uint8_t> mask;
+  for (const float value : read.values) mask.push_back(value == 0 ? 0 : 1);
+  return mask;
+}
+
 void run_reconstruct(ReconstructOptions& options) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
   const ScanDescription description = description_of(options.scan);
-  check_inputs_stay(outputs_of(options), description.inputs());
+  std::vector<std::filesystem::path> inputs = description.inputs();
+  inputs.push_back(options.mask);
+  check_inputs_stay(outputs_of(options), inputs);
   Scan scan = load_scan(description);
+  if (options.find_centre) scan.geometry.detector.offset_u = find_offset_u(scan.geometry, scan.projections);
+  if (!options.mask.empty()) options.algebraic.mask = mask_of(options, scan.geometry.volume);
+  if (options.fdk() && !scan.geometry.circular()) {
+    FacingViews views = facing(scan.geometry, scan.projections);
+    scan.geometry = std::move(views.geometry);
+    scan.projections = std::move(views.projections);
+  }
   const std::uint64_t projection_hash = hash_of(scan.projections.values);  // as read, before a plan leaves views out
   if (options.fdk() && options.filtered.rays == 0) {
     constexpr double kFarApart = 1.25 * 4;  // of the most rays that there are
@@ -277,15 +324,20 @@ void add_fdk(CLI::App& app, FdkSettings& fdk) {
 }
 
 void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
-  OptionGroup group(app, "SART, OS-SART, SIRT");
+  OptionGroup group(app, "Iterative methods");
   group.number("--iterations", settings.iterations, CLI::Range(1, 10'000), "at most, each through all views");
-  group.number("--subsets", settings.subsets, CLI::Range(2, 100'000), "of views, each corrected for at once; os-sart");
-  group.number("--relaxation", settings.relaxation, CLI::PositiveNumber, "of a correction; beyond 2 it diverges");
+  group.number("--subsets", settings.subsets, CLI::Range(2, 100'000),
+               "of views, each corrected for at once; os-sart, osem, tv");
+  group.number("--relaxation", settings.relaxation, CLI::PositiveNumber,
+               "of a correction; beyond 2 it diverges; not of cgls, osem");
   group.choice("--order", settings.order, kViewOrders,
                "of the views or subsets: sequential, random or golden (golden)");
   app.add_flag_callback(
          "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
-      ->group("SART, OS-SART, SIRT");
+      ->group("Iterative methods");
+  group.number("--tv-steps", settings.tv_steps, CLI::Range(1, 1000), "down the total variation after an iteration; tv");
+  group.number("--tv-weight", settings.tv_weight, CLI::Range(0.0, 1.0),
+               "of such a step, over what the iteration has changed; tv");
   group.number("--stop", settings.stop, CLI::Range(0.0, 1.0),
                "when an iteration lowers the residual by less than this part of it; 0: never");
   group.number("--noise-level", settings.noise, CLI::Range(0.0, 1.0),
@@ -299,11 +351,15 @@ void add_reconstruct(CLI::App& program) {
   const auto options = std::make_shared<ReconstructOptions>();
   add_input(app, options->scan);
   OptionGroup method(app, "Method");
-  method.number("--method", options->method, CLI::IsMember({"fdk", "sart", "os-sart", "sirt"}),
-                "fdk, sart, os-sart or sirt");
+  method.number("--method", options->method, CLI::IsMember({"fdk", "sart", "os-sart", "sirt", "cgls", "osem", "tv"}),
+                "fdk, sart, os-sart, sirt, cgls, osem or tv");
+  method.flag("--find-centre", options->find_centre,
+              "find the detector's offset_u, where the axis is seen, from the views");
   method.number("--step", options->filtered.step, CLI::Range(1.0 / 64, 16.0), "of the rays, voxels");
   add_fdk(app, options->filtered);
   add_algebraic(app, options->algebraic);
+  OptionGroup(app, "Iterative methods")
+      .file("--mask", options->mask, "a volume, 0 where nothing is: those voxels stay 0");
   OptionGroup(app, "Output")
       .file("-o,--output", options->output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
       ->required();

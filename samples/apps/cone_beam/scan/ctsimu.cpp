@@ -130,21 +130,16 @@ Stand stand_of(const JsonPart& part) {
   return {stand.centre, stand.u, cross(stand.w, stand.u), stand.w};
 }
 
-// The view before the stage turns, in the stage's own axes.
-ViewFrame first_frame(const Stand& source, const Stand& stage, const Stand& detector, double pitch_u, double pitch_v,
-                      int columns, int rows) {
-  const auto turned = [&stage](Vec3 v) { return Vec3{dot(v, stage.u), dot(v, stage.v), dot(v, stage.w)}; };
-  ViewFrame frame;
-  frame.source = turned(source.centre - stage.centre);
-  const Vec3 middle = turned(detector.centre - stage.centre), u = turned(detector.u), v = turned(detector.v);
-  const Vec3 normal = turned(detector.w), way = middle - frame.source;
-  frame.distance = std::abs(dot(way, normal));
-  frame.towards = (dot(way, normal) < 0 ? -1.0 : 1.0) * normal;
-  frame.along_u = pitch_u * u;
-  frame.along_v = pitch_v * v;
-  frame.middle_column = (columns - 1) / 2.0 - dot(way, u) / pitch_u;
-  frame.middle_row = (rows - 1) / 2.0 - dot(way, v) / pitch_v;
-  return frame;
+// The view when the stage has turned by `angle` from where the file has it, in the stage's own axes.
+ViewPose pose_of(const Stand& source, const Stand& stage, const Stand& detector, double pitch_u, double pitch_v,
+                 double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto turned = [&](Vec3 v) {
+    const double x = dot(v, stage.u), y = dot(v, stage.v);
+    return Vec3{c * x + s * y, c * y - s * x, dot(v, stage.w)};
+  };
+  return {turned(source.centre - stage.centre), turned(detector.centre - stage.centre), pitch_u * turned(detector.u),
+          pitch_v * turned(detector.v)};
 }
 
 // Degrees that the stage turns to, in the order of the views; radians.
@@ -171,23 +166,18 @@ ScanDescription read_scenario(const JsonPart& json) {
   const Stand source = stand_of(geometry.at("source")), stage = stand_of(geometry.at("stage"));
   const int columns = detector.at("columns").pixels(), rows = detector.at("rows").pixels();
   const JsonPart pitch = detector.at("pixel_pitch");
-  const ViewFrame frame = first_frame(source, stage, stand_of(geometry.at("detector")), pitch.at("u").length(),
-                                      pitch.at("v").length(), columns, rows);
-  // Where the ray that meets the detector squarely passes the axis of rotation, which is z here.
-  const double to_axis = -(frame.source.x * frame.towards.x + frame.source.y * frame.towards.y);
-  const FrameNames names{json.file, "geometry.detector.vector_w", "geometry.detector.vector_u",
-                         "geometry.detector.vector_w x vector_u"};
-  const FacingView facing = facing_view(frame, to_axis, columns, rows, names);
-  const double beside = std::hypot(facing.centre.x, facing.centre.y);
-  if (beside > 0.05 * facing.detector.pitch_u * to_axis / frame.distance) {
-    geometry.at("stage").at("center").fault("an axis of rotation on the ray that meets the detector squarely",
-                                            fmt::format("one {:.6g} mm beside it", beside));
-  }
+  const double pitch_u = pitch.at("u").length(), pitch_v = pitch.at("v").length();
+  if (!(pitch_u > 0)) pitch.at("u").fault("a length above 0");
+  if (!(pitch_v > 0)) pitch.at("v").fault("a length above 0");
   ScanDescription out;
-  describe({facing}, {json.file}, out);
-  // The stage turns one way, so that from it the source goes the other.
-  out.geometry.angles.clear();
-  for (const double angle : stage_angles(json.at("acquisition"))) out.geometry.angles.push_back(facing.angle - angle);
+  out.geometry.detector.columns = columns;
+  out.geometry.detector.rows = rows;
+  std::vector<ViewPose> views;
+  for (const double angle : stage_angles(json.at("acquisition"))) {
+    views.push_back(pose_of(source, stage, stand_of(geometry.at("detector")), pitch_u, pitch_v, angle));
+    check_view(views.back(), json.file, "geometry");
+  }
+  set_views(std::move(views), {}, out);
   out.file = json.file;
   return out;
 }

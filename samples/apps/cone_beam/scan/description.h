@@ -58,7 +58,7 @@ struct ScanDescription {
   ScanDescription() { geometry.volume.spacing = {0, 0, 0}; }
 
   std::filesystem::path file;  // where it came from, for messages
-  // Its angles are those of the files' views: in any order, over any number of turns. What the scan leaves open of the volume is 0.
+  // Its angles or poses are those of the files' views: in any order, over any number of turns. What the scan leaves open of the volume is 0.
   ConeGeometry geometry;
   Vec3 centre;                    // of the volume, in the scan's own coordinates; the geometry's origin
   bool columns_reversed = false;  // the files' first column is that of the greatest u
@@ -66,6 +66,7 @@ struct ScanDescription {
   StackFiles projections;
   bool intensities = false;  // of the projections: else they are line integrals
   StackFiles flats, darks;   // averaged; only with intensities
+  StackFiles dead;           // one picture, whose pixels are not 0 where they are dead
   double full = 0;           // the intensity of a ray that met nothing, where there is no flat
 
   std::vector<std::filesystem::path> inputs() const;  // the files that it was read from, and those that it names

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "gicube/scene/error.h"
 
@@ -27,22 +29,34 @@ std::vector<double> mean(const Stack& stack, const Stack& views, const char* nam
   return out;
 }
 
-// Dead pixels side by side, and the live ones at both ends of them.
+// Dead pixels side by side, and the live ones at both ends of them with their shares of what is between.
 struct Gap {
   std::size_t dead = 1;
   std::vector<std::size_t> ends;
+  std::vector<double> shares;
+
+  float value(const float* view) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < ends.size(); ++i) sum += shares[i] * double{view[ends[i]]};
+    return static_cast<float>(sum);
+  }
 };
 
 // In the row or the column of a dead pixel, whichever has the shorter gap.
 Gap gap_at(const std::vector<double>& light, std::size_t pixel, std::size_t columns) {
   const auto along = [&](std::size_t place, std::size_t count, std::size_t stride) {
     Gap gap;
-    const auto take = [&](std::size_t i) {
-      light[i] > 0 ? gap.ends.push_back(i) : void(++gap.dead);
-      return light[i] > 0;
+    const auto take = [&](std::size_t i, std::size_t away) {
+      if (!(light[i] > 0)) return void(++gap.dead), false;
+      gap.ends.push_back(i);
+      gap.shares.push_back(1 / static_cast<double>(away));
+      return true;
     };
-    for (std::size_t k = 1; k <= place && !take(pixel - k * stride);) ++k;
-    for (std::size_t k = 1; k < count - place && !take(pixel + k * stride);) ++k;
+    for (std::size_t k = 1; k <= place && !take(pixel - k * stride, k);) ++k;
+    for (std::size_t k = 1; k < count - place && !take(pixel + k * stride, k);) ++k;
+    double all = 0;
+    for (const double share : gap.shares) all += share;
+    for (double& share : gap.shares) share /= all;
     return gap;
   };
   Gap row = along(pixel % columns, columns, 1), column = along(pixel / columns, light.size() / columns, columns);
@@ -97,10 +111,59 @@ FlatFieldReport correct_flat_field(Stack& views, const Stack& flats, const Stack
     }
     for (std::size_t i = 0; report.dead + report.unlit > 0 && i < light.size(); ++i) {
       if (light[i] > 0) continue;
-      const Gap gap = gap_at(light, i, static_cast<std::size_t>(views.columns));
-      values[i] = 0;
-      for (const std::size_t end : gap.ends) values[i] += values[end] / static_cast<float>(gap.ends.size());
+      values[i] = gap_at(light, i, static_cast<std::size_t>(views.columns)).value(values);
     }
+  }
+  return report;
+}
+
+DeadPixels repair_pixels(Stack& views, const Stack& map) {
+  constexpr std::size_t kLeastViews = 8;  // chosen
+  constexpr double kStuck = 0.02;         // chosen: of the change from view to view about a pixel
+  DeadPixels report;
+  const std::size_t size = views.view_size(), count = views.views();
+  const auto columns = static_cast<std::size_t>(views.columns);
+  std::vector<double> live(size, 1);
+  if (!map.values.empty()) {
+    const std::vector<double> named = mean(map, views, "dead", 0);
+    for (std::size_t i = 0; i < size; ++i) live[i] = named[i] == 0 ? 1 : 0;
+    report.named = static_cast<std::size_t>(std::ranges::count(live, 0.0));
+    if (report.named == size) throw InputError("dead", "some live pixel", "none");
+  }
+  if (count >= kLeastViews) {
+    std::vector<double> changes(size);
+    for (std::size_t view = 1; view < count; ++view) {
+      const float *const now = views.values.data() + view * size, *const before = now - size;
+      for (std::size_t i = 0; i < size; ++i) changes[i] += std::abs(double{now[i]} - double{before[i]});
+    }
+    const double all = std::accumulate(changes.begin(), changes.end(), 0.0) / static_cast<double>(size);
+    std::vector<double> about;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (live[i] == 0 || changes[i] > kStuck * all) continue;
+      // What three fifths of the pixels about it change by at least, two on each side: of two dead columns two fifths are dead, and of
+      // air beside a convex shadow half has no change or more.
+      about.clear();
+      const std::size_t row = i / columns, column = i % columns;
+      for (std::size_t y = row - std::min<std::size_t>(row, 2); y <= std::min(row + 2, size / columns - 1); ++y) {
+        for (std::size_t x = column - std::min<std::size_t>(column, 2); x <= std::min(column + 2, columns - 1); ++x) {
+          about.push_back(changes[y * columns + x]);
+        }
+      }
+      const std::size_t least = 2 * about.size() / 5;
+      std::ranges::nth_element(about, about.begin() + static_cast<std::ptrdiff_t>(least));
+      if (changes[i] >= kStuck * about[least]) continue;
+      live[i] = 0;
+      ++report.stuck;
+    }
+  }
+  if (report.named + report.stuck == 0) return report;
+  std::vector<std::pair<std::size_t, Gap>> gaps;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (live[i] == 0) gaps.emplace_back(i, gap_at(live, i, columns));
+  }
+  for (std::size_t view = 0; view < count; ++view) {
+    float* const values = views.values.data() + view * size;
+    for (const auto& [pixel, gap] : gaps) values[pixel] = gap.value(values);
   }
   return report;
 }

@@ -33,48 +33,21 @@ std::string scan_text(const ScanDescription& description, const std::filesystem:
 // Throws FileError; a file that was there stays until the new one is whole.
 void write_scan_file(const ScanDescription& description, const std::filesystem::path& path);
 
-// Pixel (column, row) of the file is at source + distance towards + (column - middle_column) along_u + (row - middle_row) along_v.
-struct ViewFrame {
-  Vec3 source;
-  Vec3 towards;         // unit, square to the detector
-  double distance = 0;  // from source to detector
-  Vec3 along_u, along_v;
-  double middle_column = 0, middle_row = 0;
-};
-
 std::string in_brackets(Vec3 v);  // for messages
 
-// The names of a frame's parts in its file, for messages.
-struct FrameNames {
-  std::filesystem::path file;
-  std::string normal, u, v;
-};
-
-// A detector that stands upright and faces the axis of rotation, z, squarely.
-struct FacingView {
-  double angle = 0;  // of the source, radians
-  double source_to_axis = 0, source_to_detector = 0;
-  Detector
-      detector;  // its offsets those of the files' columns and rows after they have been turned round where reversed
-  bool columns_reversed = false, rows_reversed = false;
-  Vec3 centre;  // where the ray that meets the detector squarely meets the axis
-};
-
-// `source_to_axis`: along that ray. `columns` and `rows`: of the detector. Throws FileError: a tilted or turned detector, by name;
-// directions count as the same within 1e-4 [C: a twentieth of a pixel at the edge of 1000].
-FacingView facing_view(const ViewFrame& frame, double source_to_axis, int columns, int rows, const FrameNames& names);
-
-// Of views that share all but their angle: fills geometry (without its volume), centre and reversals. `files`: of each view, for
-// messages. Throws FileError: a view whose distances, detector or axis differ from the first one's by more than a twentieth of a pixel [C].
-void describe(const std::vector<FacingView>& views, const std::vector<std::filesystem::path>& files,
-              ScanDescription& description);
+// Throws FileError that names the view: places that are not finite, steps in one direction, a source in the detector's plane.
+void check_view(const ViewPose& view, const std::filesystem::path& file, const std::string& name);
+// Fills angles, distances, detector (but its columns and rows), reversals and centre from the views as the file has them, whose axis of
+// rotation is parallel to z through `axis`; poses only where some place in the field is seen a twentieth of a pixel or more off a
+// circle's [C]. `height`: of the volume's middle; else the mean height of the sources.
+void set_views(std::vector<ViewPose> views, Vec3 axis, ScanDescription& description,
+               std::optional<double> height = std::nullopt);
 
 // CTSimU (BAM): a scenario says where source, stage and detector stand and how the stage turns, metadata which raw files hold what and
 // which volume is wanted, and where the scenario is. Format versions up to 1.2. Lengths become millimetres; the volume's coordinates
 // are the stage's at the first angle.
 // Either file; a scenario has no projections and no volume. Throws FileError naming the key: one that is missing or of another type,
-// an unknown unit, deviations or drifts, a parallel beam, a stage or detector that is tilted, a stage beside the ray that meets the
-// detector squarely, an angle that is no number.
+// an unknown unit, deviations or drifts, a parallel beam, an angle that is no number.
 ScanDescription read_ctsimu(const std::filesystem::path& file);
 
 // A view in the text files that plastimatch writes and reads: the detector's centre in pixels (column, row), a 3 x 4 matrix from
@@ -93,12 +66,46 @@ ProjectionMatrix read_projection_matrix(const std::filesystem::path& file);
 // As plastimatch writes it, with rows that run downwards, and with more digits. Throws FileError.
 void write_projection_matrix(const ConeGeometry& geometry, double angle, const std::filesystem::path& file);
 
-// Where the matrix says that source and detector stand. Throws FileError: a matrix of no camera, a normal beside its axis.
-ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& file);
+// Where the matrix says that source and a detector of so many pixels stand. Throws FileError: a matrix of no camera, a normal beside its
+// axis.
+ViewPose pose_of(const ProjectionMatrix& view, int columns, int rows, const std::filesystem::path& file);
 
 // A folder with a NAME.txt for each view. `projections` empty: the views are images NAME.pfm (or .tif .tiff .nrrd .mha .mhd) beside
-// them; else the views of that stack belong to the text files in natural order. Throws FileError, also for what facing_view() and
-// describe() refuse.
+// them; else the views of that stack belong to the text files in natural order. Throws FileError.
 ScanDescription read_matrix_folder(const std::filesystem::path& folder, const StackFiles& projections);
+
+// The pixels of a detector that a file of views alone does not say: of the projections or, where those do not say either, as given.
+struct PixelsGiven {
+  int columns = 0, rows = 0;  // 0: the projections'
+  double pitch = 0;           // 0: the spacing in the projections' header
+};
+struct Pixels {
+  int columns = 0, rows = 0;
+  double pitch_u = 0, pitch_v = 0;  // 0: unknown
+  double first_u = 0, first_v = 0;  // of the first pixel, by the header; else such that the middle is 0
+};
+// Throws FileError: no projections and nothing given, what reading a stack throws.
+Pixels pixels_of(const StackFiles& projections, const PixelsGiven& given, const std::filesystem::path& file);
+
+// The geometry files of RTK (ThreeDCircularProjectionGeometry, version 3): RTK's axis of rotation, y, becomes z, its z becomes x and its
+// x y, so that a gantry's angle is a circle's. The matrices, which repeat the parameters, are not read. Throws FileError naming the
+// element: another root, a number that is none or missing, a parallel beam, a cylindrical detector, no pitch of pixels.
+ScanDescription read_rtk(const std::filesystem::path& file, const StackFiles& projections, const PixelsGiven& given);
+// With matrices, as RTK wants them. Throws FileError: rows and columns that are not square to each other, a place that can't be written.
+void write_rtk(const ConeGeometry& geometry, const std::filesystem::path& file);
+
+// Vectors of the ASTRA toolbox's cone_vec: a line of twelve numbers for each view, source, detector's middle, the step to the next
+// column and the step to the next row, by white space or commas; # begins a comment. Throws FileError naming the line.
+ScanDescription read_astra(const std::filesystem::path& file, const StackFiles& projections, const PixelsGiven& given);
+void write_astra(const ConeGeometry& geometry, const std::filesystem::path& file);
+
+// Nikon's .xtekct: section [XTekCT]. Its projections are the .tif files in InputFolderName, or beside it those that begin with Name.
+// Throws FileError naming the key.
+ScanDescription read_nikon(const std::filesystem::path& file);
+
+// What the first bytes of a file say that it is; a text that is nothing else counts as a scan file.
+enum class ScanKind { kScanFile, kCtsimu, kRtk, kNikon, kAstra };
+// Throws FileError that names what the file is, where it describes no scan.
+ScanKind kind_of(const std::filesystem::path& file);
 
 }  // namespace gicube::samples

@@ -76,33 +76,38 @@ void write_projection_matrix(const ConeGeometry& geometry, double angle, const s
   write_whole(file, text);
 }
 
-ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& file) {
+ViewPose pose_of(const ProjectionMatrix& view, int columns, int rows, const std::filesystem::path& file) {
   const Vec3 a = row_of(view, 0), b = row_of(view, 1), c = row_of(view, 2);
   const double volume = dot(a, cross(b, c)), size = length(a) * length(b) * length(c);
   expect(std::abs(volume) > 1e-9 * size, file, "matrix", "three independent rows",
          fmt::format("a determinant of {}", volume));
   expect(view.source_to_detector > 0, file, "source to detector", "a number above 0",
          fmt::format("{}", view.source_to_detector));
+  expect(view.source_to_axis > 0, file, "source to axis", "a number above 0", fmt::format("{}", view.source_to_axis));
   // Where all three rows vanish is the source.
-  ViewFrame frame;
-  frame.source =
+  ViewPose out;
+  out.source =
       (-1 / volume) * (view.matrix[3] * cross(b, c) + view.matrix[7] * cross(c, a) + view.matrix[11] * cross(a, b));
   // A matrix counts up to a factor; the scan's middle lies before the source.
-  const double scale = (view.matrix[11] < 0 ? -1 : 1) / (length(c) * view.source_to_detector);
-  frame.towards = (view.matrix[11] < 0 ? -1 / length(c) : 1 / length(c)) * c;
-  frame.distance = view.source_to_detector;
-  const auto pixel_step = [&](Vec3 row, double& middle, double centre) {
-    const double along = dot(row, c) / dot(c, c);  // pixels between the centre given and the one that the source faces
-    middle = centre + along;
-    const Vec3 square = scale * (row - along * c);
-    return (1 / dot(square, square)) * square;
-  };
-  frame.along_u = pixel_step(a, frame.middle_column, view.centre[0]);
-  frame.along_v = pixel_step(b, frame.middle_row, view.centre[1]);
+  const double side = view.matrix[11] < 0 ? -1 : 1;
+  const double scale = side / (length(c) * view.source_to_detector);
+  const Vec3 towards = (side / length(c)) * c;
+  // The steps from pixel to pixel are the inverse of the rows' parts in the detector's plane.
+  const auto in_plane = [&](Vec3 row) { return scale * (row - (dot(row, c) / dot(c, c)) * c); };
+  const Vec3 along_u = in_plane(a), along_v = in_plane(b);
+  const double uu = dot(along_u, along_u), vv = dot(along_v, along_v), uv = dot(along_u, along_v);
+  const double square = uu * vv - uv * uv;
+  out.u = (1 / square) * (vv * along_u - uv * along_v);
+  out.v = (1 / square) * (uu * along_v - uv * along_u);
+  // Pixels from the one that the source faces to the middle.
+  const double right = (columns - 1) / 2.0 - view.centre[0] - dot(a, c) / dot(c, c);
+  const double down = (rows - 1) / 2.0 - view.centre[1] - dot(b, c) / dot(c, c);
+  out.centre = out.source + view.source_to_detector * towards + right * out.u + down * out.v;
   const Vec3 normal = view.normal;
-  expect(length(cross(normal, frame.towards)) < 1e-3 * length(normal), file, "normal",
-         "along " + in_brackets(frame.towards) + ", as the matrix says", in_brackets(normal));
-  return frame;
+  expect(length(cross(normal, towards)) < 1e-3 * length(normal), file, "normal",
+         "along " + in_brackets(towards) + ", as the matrix says", in_brackets(normal));
+  check_view(out, file, "matrix");
+  return out;
 }
 
 ScanDescription read_matrix_folder(const std::filesystem::path& folder, const StackFiles& projections) {
@@ -118,13 +123,18 @@ ScanDescription read_matrix_folder(const std::filesystem::path& folder, const St
   StackFiles first = out.projections;
   first.files.resize(1);
   const Stack stack = read_stack(first);
-  std::vector<FacingView> views;
+  out.geometry.detector.columns = stack.columns;
+  out.geometry.detector.rows = stack.rows;
+  std::vector<ViewPose> views;
+  Vec3 axis;  // as the first view says
   for (const auto& text : texts) {
     const ProjectionMatrix view = read_projection_matrix(text);
-    const FrameNames names{text, "matrix, its last row", "matrix, its first row", "matrix, its second row"};
-    views.push_back(facing_view(frame_of(view, text), view.source_to_axis, stack.columns, stack.rows, names));
+    views.push_back(pose_of(view, stack.columns, stack.rows, text));
+    const Vec3 normal = cross(views.back().u, views.back().v), towards = (1 / length(normal)) * normal;
+    const double side = dot(views.back().centre - views.back().source, towards) < 0 ? -1 : 1;
+    if (views.size() == 1) axis = views[0].source + (side * view.source_to_axis) * towards;
   }
-  describe(views, texts, out);
+  set_views(std::move(views), axis, out);
   return out;
 }
 

@@ -29,9 +29,18 @@ void for_each_pixel(const ScanDescription& description, int of_columns, int of_r
   }
 }
 
+// The least mean of a column, over the greatest.
+double least_column(const Projections& projections) {
+  std::vector<double> sums(static_cast<std::size_t>(projections.columns));
+  for (std::size_t i = 0; i < projections.values.size(); ++i) {
+    sums[i % sums.size()] += static_cast<double>(projections.values[i]);
+  }
+  return std::ranges::min(sums) / std::max(std::ranges::max(sums), 1e-300);
+}
+
 void check_size(const ScanDescription& description, const Stack& stack) {
   const std::filesystem::path& file = description.projections.files.front();
-  const auto& [to_axis, to_detector, detector, volume, angles] = description.geometry;
+  const auto& [to_axis, to_detector, detector, volume, angles, poses] = description.geometry;
   expect(stack.columns == detector.columns && stack.rows == detector.rows, file, "size",
          fmt::format("{} x {} pixels, as the detector has", detector.columns, detector.rows),
          fmt::format("{} x {}", stack.columns, stack.rows));
@@ -56,38 +65,51 @@ Projections sorted(const Stack& stack, const ScanDescription& description, const
   return out;
 }
 
+// Whether the object reaches beyond the detector, and what follows from that; a displaced detector's near side is no fault.
+void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>& out) {
+  const Detector& detector = scan.geometry.detector;
+  const SidesSeen seen = sides_seen(scan.projections);
+  constexpr double kBright = 0.95, kLess = 0.9;  // chosen
+  if (!intensities && std::min(seen.first, seen.last) >= kBright && least_column(scan.projections) < kLess) {
+    out.push_back(
+        "projections: the detector's sides have the greatest values, and columns between them less, as intensities "
+        "have; line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
+        "full_intensity)");
+    return;
+  }
+  const bool first = seen.first >= SidesSeen::kSeen, last = seen.last >= SidesSeen::kSeen;
+  if (!scan.geometry.circular() || (!first && !last)) return;
+  const double edge = 100 * std::max(seen.first, seen.last), offset = detector.offset_u;
+  const std::string shows = fmt::format("(its edge shows {:.0f}% of the greatest mean of a column)", edge);
+  if (first && last) {
+    out.push_back("projections: the object reaches beyond both sides of the detector " + shows +
+                  "; values are too high, most of all near the rim of what is seen");
+  } else if (std::abs(offset) > 0.01 * detector.columns * detector.pitch_u && (offset > 0) == first) {
+    return;  // what a displaced detector is for
+  } else {
+    out.push_back(
+        fmt::format("projections: the object reaches beyond the side of the {} u of the detector alone {}, as a "
+                    "displaced detector's with a {} offset_u does, but offset_u is {:g}; values are too high "
+                    "near the rim",
+                    first ? "least" : "greatest", shows, first ? "positive" : "negative", offset));
+  }
+}
+
 // What the projections can't show.
 std::vector<std::string> warnings_of(const Scan& scan, bool intensities) {
   std::vector<std::string> out;
   // Turns of the source, in degrees, that measure every ray at least once.
   const Detector& detector = scan.geometry.detector;
   const double side = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
-  const double degrees = 180 / std::numbers::pi, arc = degrees * arc_of(scan.geometry);
+  const double degrees = 180 / std::numbers::pi;
   const double wanted = 180 + 2 * degrees * std::atan(side / scan.geometry.source_to_detector);
-  if (is_short_scan(scan.geometry) && arc < wanted - 0.01) {
+  if (scan.geometry.circular() && is_short_scan(scan.geometry) && degrees * arc_of(scan.geometry) < wanted - 0.01) {
     out.push_back(
         fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
                     "detector's field; expect streaks and shadows",
-                    arc, wanted));
+                    degrees * arc_of(scan.geometry), wanted));
   }
-  // Whether something is seen at the detector's left or right edge: the mean there against the greatest mean of a column.
-  std::vector<double> sums(static_cast<std::size_t>(detector.columns));
-  for (std::size_t i = 0; i < scan.projections.values.size(); ++i) {
-    sums[i % sums.size()] += static_cast<double>(scan.projections.values[i]);
-  }
-  const double edge = std::max(sums.front(), sums.back()), most = std::ranges::max(sums);
-  constexpr double kSeen = 0.05, kBright = 0.95, kLess = 0.9;  // chosen: above noise and flat fields' errors
-  if (!intensities && std::min(sums.front(), sums.back()) >= kBright * most && std::ranges::min(sums) < kLess * most) {
-    out.push_back(
-        "projections: the detector's sides have the greatest values, and columns between them less, as intensities "
-        "have; line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
-        "full_intensity)");
-  } else if (most > 0 && edge >= kSeen * most) {
-    out.push_back(
-        fmt::format("projections: the object reaches beyond the detector (its edge shows {:.0f}% of the greatest mean "
-                    "of a column); values are too high, most of all near the rim of what is seen",
-                    100 * edge / most));
-  }
+  warn_of_sides(scan, intensities, out);
   if (scan.flat_field.absorbed > 0) {
     out.push_back(
         fmt::format("projections: {} values without any light left were taken as half a count; "
@@ -103,16 +125,30 @@ std::vector<std::string> warnings_of(const Scan& scan, bool intensities) {
                     "mean of those beside them",
                     scan.flat_field.unlit));
   }
+  if (scan.dead.stuck > 0) {
+    out.push_back(
+        fmt::format("projections: {} pixels hardly change from view to view, as those about them do; they are "
+                    "taken as dead, and interpolated",
+                    scan.dead.stuck));
+  }
   return out;
 }
 
 }  // namespace
 
-ScanDescription read_description(const std::filesystem::path& path, const StackFiles& projections) {
+ScanDescription read_description(const std::filesystem::path& path, const StackFiles& projections,
+                                 const PixelsGiven& given) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return read_matrix_folder(path, projections);
-  const bool json = lower_case(path.extension().string()) == ".json";
-  ScanDescription out = json ? read_ctsimu(path) : read_scan_file(path);
+  // A file that is not there is the scan file's own fault.
+  const ScanKind kind = std::filesystem::exists(path, error)               ? kind_of(path)
+                        : lower_case(path.extension().string()) == ".json" ? ScanKind::kCtsimu
+                                                                           : ScanKind::kScanFile;
+  ScanDescription out = kind == ScanKind::kCtsimu  ? read_ctsimu(path)
+                        : kind == ScanKind::kRtk   ? read_rtk(path, projections, given)
+                        : kind == ScanKind::kNikon ? read_nikon(path)
+                        : kind == ScanKind::kAstra ? read_astra(path, projections, given)
+                                                   : read_scan_file(path);
   if (!projections.empty()) {
     out.projections = projections;
     if (auto& raw = out.projections.raw) raw->dims = {out.geometry.detector.columns, out.geometry.detector.rows, 0};
@@ -122,7 +158,7 @@ ScanDescription read_description(const std::filesystem::path& path, const StackF
 
 std::vector<std::filesystem::path> ScanDescription::inputs() const {
   std::vector<std::filesystem::path> out;
-  for (const StackFiles* stack : {&projections, &flats, &darks}) {
+  for (const StackFiles* stack : {&projections, &flats, &darks, &dead}) {
     out.insert(out.end(), stack->files.begin(), stack->files.end());
   }
   std::error_code error;
@@ -159,7 +195,14 @@ Scan load_scan(const ScanDescription& description) {
     out.flat_field =
         correct_flat_field(stack, read_stack(description.flats), read_stack(description.darks), description.full);
   }
-  const SortedViews order = sorted_views(description.geometry.angles);
+  out.dead = repair_pixels(stack, read_stack(description.dead));
+  SortedViews order;
+  if (description.geometry.circular()) {
+    order = sorted_views(description.geometry.angles);
+  } else {  // each view is one of its own
+    order.angles = description.geometry.angles;
+    for (std::size_t view = 0; view < order.angles.size(); ++view) order.places.push_back({view});
+  }
   out.geometry = description.geometry;
   out.geometry.angles = order.angles;
   out.centre = description.centre;

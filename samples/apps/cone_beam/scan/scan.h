@@ -6,19 +6,9 @@
 #include <vector>
 
 #include "cone_beam/scan/description.h"
+#include "cone_beam/scan/formats.h"
 
 namespace gicube::samples {
-
-// Angles as a ConeGeometry wants them.
-struct SortedViews {
-  std::vector<double> angles;                    // ascending within one turn
-  std::vector<std::vector<std::size_t>> places;  // of each angle, in the list that came: several where it was repeated
-
-  std::size_t repeated() const;  // places beyond the first of their angle
-};
-// Angles a whole number of turns apart are one [C: to 1e-6]. Where the angles leave a gap that is more than twice their second widest
-// [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
-SortedViews sorted_views(const std::vector<double>& angles);
 
 struct FlatFieldReport {
   std::size_t absorbed = 0;  // values without any light left, taken as half of the smallest that can be measured
@@ -31,6 +21,16 @@ struct FlatFieldReport {
 // views', no light at all.
 FlatFieldReport correct_flat_field(Stack& views, const Stack& flats, const Stack& darks, double full);
 
+struct DeadPixels {
+  std::size_t named = 0;  // in the map
+  std::size_t stuck =
+      0;  // found: in eight or more views, a fiftieth and less of the change from view to view that those about them have
+};
+// Finds pixels that are stuck, takes those that `map` (one picture, not 0: dead; or empty) names, and interpolates between the live
+// pixels at both ends of each one's row or column, whichever gap is shorter. Throws InputError that begins with `dead`: another size, no
+// live pixel.
+DeadPixels repair_pixels(Stack& views, const Stack& map);
+
 struct Scan {
   ConeGeometry geometry;
   Vec3 centre;  // of the volume, in the scan's own coordinates
@@ -38,12 +38,14 @@ struct Scan {
   std::size_t views_read = 0;  // in the files
   std::size_t repeated = 0;    // of them at an angle that another one has too: their mean is taken
   FlatFieldReport flat_field;
+  DeadPixels dead;
   std::vector<std::string> warnings;  // of what the projections can't show
 };
 
-// A .json of CTSimU, a folder of projection matrices, or a scan file. `projections`: in place of those that the scan names.
-// Throws FileError, InputError.
-ScanDescription read_description(const std::filesystem::path& path, const StackFiles& projections = {});
+// A folder of projection matrices, or a file of any ScanKind. `projections`: in place of those that the scan names; `given`: of a file of
+// views alone. Throws FileError, InputError.
+ScanDescription read_description(const std::filesystem::path& path, const StackFiles& projections = {},
+                                 const PixelsGiven& given = {});
 
 // Gives the description's volume what it leaves open: voxels as large as a pixel seen at the axis, and as many as the detector sees.
 void complete_volume(ScanDescription& description);

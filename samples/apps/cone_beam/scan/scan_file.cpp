@@ -26,17 +26,12 @@ struct Translator {
   ScanDescription translate(const v1::ConeScan& source) {
     ScanDescription out;
     ConeGeometry& geometry = out.geometry;
-    geometry.source_to_axis = positive("source_to_axis", source.has_source_to_axis(), source.source_to_axis());
-    geometry.source_to_detector =
-        positive("source_to_detector", source.has_source_to_detector(), source.source_to_detector());
-    geometry.detector = detector(source.detector());
-    out.columns_reversed = source.detector().columns_reversed();
-    out.rows_reversed = source.detector().rows_reversed();
-    geometry.angles = angles(source);
     volume(source.volume(), out);
+    source.view_size() > 0 ? views(source, out) : circle(source, out);
     out.projections = stack("projections", source.projections(), geometry.detector);
     out.flats = stack("flat", source.flat(), geometry.detector);
     out.darks = stack("dark", source.dark(), geometry.detector);
+    out.dead = stack("dead", source.dead(), geometry.detector);
     out.intensities = source.intensities();
     if (source.has_full_intensity()) out.full = positive("full_intensity", true, source.full_intensity());
     const bool corrects = !out.flats.empty() || !out.darks.empty() || source.has_full_intensity();
@@ -45,6 +40,56 @@ struct Translator {
     faults.check(!out.intensities || !out.flats.empty() || source.has_full_intensity(), "flat",
                  "files, or a full_intensity, where intensities is true", "none");
     return out;
+  }
+
+  void circle(const v1::ConeScan& source, ScanDescription& out) {
+    ConeGeometry& geometry = out.geometry;
+    geometry.source_to_axis = positive("source_to_axis", source.has_source_to_axis(), source.source_to_axis());
+    geometry.source_to_detector =
+        positive("source_to_detector", source.has_source_to_detector(), source.source_to_detector());
+    geometry.detector = detector(source.detector());
+    out.columns_reversed = source.detector().columns_reversed();
+    out.rows_reversed = source.detector().rows_reversed();
+    geometry.angles = angles(source);
+  }
+
+  void views(const v1::ConeScan& source, ScanDescription& out) {
+    const v1::ConeDetector& pixels_of = source.detector();
+    const bool circular = source.has_source_to_axis() || source.has_source_to_detector() || source.angle_size() > 0 ||
+                          source.has_even_angles() || pixels_of.has_pitch_u() || pixels_of.has_pitch_v() ||
+                          pixels_of.has_offset_u() || pixels_of.has_offset_v() || pixels_of.columns_reversed() ||
+                          pixels_of.rows_reversed();
+    faults.check(!circular, "view", "no distances, angles, pitches, offsets and reversals, which each view has itself",
+                 "some");
+    Detector& detector = out.geometry.detector;
+    detector.columns = pixels("detector.columns", pixels_of.has_columns(), pixels_of.columns(), 2);
+    detector.rows = pixels("detector.rows", pixels_of.has_rows(), pixels_of.rows(), 1);
+    std::vector<ViewPose> poses;
+    bool good = !circular;
+    for (int i = 0; i < source.view_size(); ++i) {
+      const auto vector = [&](const char* part, const auto& numbers) {
+        const std::string field = fmt::format("view[{}].{}", i, part);
+        const bool three = numbers.size() == 3;
+        faults.check(three, field, "three numbers", std::to_string(numbers.size()));
+        good = good && three;
+        if (!three) return Vec3{};
+        for (const double number : numbers) good = std::isfinite(finite(field, number)) && good;
+        return Vec3{numbers[0], numbers[1], numbers[2]};
+      };
+      const v1::ConeView& view = source.view(i);
+      poses.push_back({vector("source", view.source()), vector("centre", view.centre()), vector("u", view.u()),
+                       vector("v", view.v())});
+    }
+    faults.check(poses.size() >= 2, "view", "at least 2", std::to_string(poses.size()));
+    if (!good) return;
+    try {
+      for (std::size_t i = 0; i < poses.size(); ++i) check_view(poses[i], "", fmt::format("view[{}]", i));
+    } catch (const FileError& error) {
+      faults.fault(error.field(), error.expected(), error.got());
+      return;
+    }
+    const bool placed = source.volume().centre_size() == 3;
+    set_views(std::move(poses), out.centre, out, placed ? std::optional(out.centre.z) : std::nullopt);
   }
 
   double positive(const std::string& field, bool set, double value) {
@@ -183,12 +228,28 @@ ScanDescription read_scan_file(const std::filesystem::path& path) {
 std::string scan_text(const ScanDescription& description, const std::filesystem::path& folder) {
   const ConeGeometry& geometry = description.geometry;
   v1::ConeScan message;
-  message.set_source_to_axis(geometry.source_to_axis);
-  message.set_source_to_detector(geometry.source_to_detector);
-  put(geometry.detector, *message.mutable_detector());
-  if (description.columns_reversed) message.mutable_detector()->set_columns_reversed(true);
-  if (description.rows_reversed) message.mutable_detector()->set_rows_reversed(true);
-  for (const double angle : geometry.angles) message.add_angle(angle * 180 / std::numbers::pi);
+  v1::ConeDetector& detector = *message.mutable_detector();
+  if (geometry.circular()) {
+    message.set_source_to_axis(geometry.source_to_axis);
+    message.set_source_to_detector(geometry.source_to_detector);
+    put(geometry.detector, detector);
+    if (description.columns_reversed) detector.set_columns_reversed(true);
+    if (description.rows_reversed) detector.set_rows_reversed(true);
+    for (const double angle : geometry.angles) message.add_angle(angle * 180 / std::numbers::pi);
+  } else {
+    detector.set_columns(static_cast<std::uint32_t>(geometry.detector.columns));
+    detector.set_rows(static_cast<std::uint32_t>(geometry.detector.rows));
+    for (const ViewPose& pose : geometry.poses) {
+      v1::ConeView& view = *message.add_view();
+      const auto add = [](Vec3 v, auto* numbers) {
+        for (const double number : {v.x, v.y, v.z}) numbers->Add(number);
+      };
+      add(pose.source + description.centre, view.mutable_source());
+      add(pose.centre + description.centre, view.mutable_centre());
+      add((description.columns_reversed ? -1.0 : 1.0) * pose.u, view.mutable_u());
+      add((description.rows_reversed ? -1.0 : 1.0) * pose.v, view.mutable_v());
+    }
+  }
   v1::ConeVolume& volume = *message.mutable_volume();
   const Vec3 edges = geometry.volume.spacing, centre = description.centre;
   if (geometry.volume.dims[0] > 0) {
@@ -204,6 +265,7 @@ std::string scan_text(const ScanDescription& description, const std::filesystem:
   if (description.intensities) message.set_intensities(true);
   if (!description.flats.empty()) put(description.flats, folder, *message.mutable_flat());
   if (!description.darks.empty()) put(description.darks, folder, *message.mutable_dark());
+  if (!description.dead.empty()) put(description.dead, folder, *message.mutable_dead());
   if (description.full > 0) message.set_full_intensity(description.full);
   std::string text;
   google::protobuf::TextFormat::PrintToString(message, &text);

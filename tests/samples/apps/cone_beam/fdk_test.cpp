@@ -193,15 +193,5 @@ TEST(Fdk, WhatIsWrongIsNamed) {
   EXPECT_THAT([&] { reconstruct_fdk(board, other, views); }, ThrowsMessage<BadArgument>(HasSubstr("projections")));
 }
 
-TEST(ClippedRay, RunsFromFaceToFaceOfTheVolume) {
-  const Grid grid{{11, 21, 31}, {2, 1, 1}};
-  const HostRay ray = clipped_ray(grid, {-100, 0, 0}, {100, 0, 0});
-  EXPECT_NEAR(ray.position.x, 0, 1e-12);
-  EXPECT_NEAR(ray.position.y, 10, 1e-12);
-  EXPECT_NEAR(ray.length, 10, 1e-12);
-  EXPECT_EQ(clipped_ray(grid, {-100, 0, 16}, {100, 0, 16}).length, 0);
-  EXPECT_EQ(clipped_ray(grid, {-100, 40, 0}, {100, 30, 0}).length, 0);
-}
-
 }  // namespace
 }  // namespace gicube::samples

@@ -79,8 +79,7 @@ Difference splatted_less_factors(const ConeGeometry& geometry, int fine) {
                [&](double u, double v) { even.push_back(area * slant(geometry.source_to_detector, u, v)); });
   const std::vector<double> arcs = arc_weights(geometry);
   Board board = open_board();
-  const std::vector<std::byte> nothing(voxel_count(geometry.volume.dims));
-  board.load_volume({.samples = nothing, .dims = geometry.volume.dims, .spacing = edge});
+  Projector projector = projector_of(board, geometry, 1, {fine, fine});
   Reconstruction counts, factors;
   const auto densities = [&](std::size_t view) {
     std::vector<double> out = even;
@@ -88,8 +87,7 @@ Difference splatted_less_factors(const ConeGeometry& geometry, int fine) {
     return out;
   };
   const std::vector<float> left =
-      backproject(board, geometry, geometry.angles, {{fine, fine}, 1, std::ranges::max(even) * std::ranges::max(arcs)},
-                  densities, counts);
+      backproject(projector, std::ranges::max(even) * std::ranges::max(arcs), densities, counts);
   factors.values.assign(left.size(), 1);
   normalise(factors, geometry, {.rays = fine});
   Difference out;

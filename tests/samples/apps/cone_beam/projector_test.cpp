@@ -44,11 +44,10 @@ TEST(Projector, AVolumesProjectionsAreItsLineIntegrals) {
   const Projections made = project_by_board(board, geometry, bump(geometry.volume, 0));
   double worst = 0;
   for (std::size_t view = 0; view < 5; ++view) {
-    const Pose at = pose(geometry, geometry.angles[view]);
+    const ViewPose at = pose(geometry, view);
     for (int j = 8; j < 24; ++j) {
       for (int i = 8; i < 24; ++i) {
-        const Vec3 pixel =
-            at.middle + u_of(geometry.detector, i) * at.along_u + v_of(geometry.detector, j) * at.along_v;
+        const Vec3 pixel = at.centre + (i - 15.5) * at.u + (j - 15.5) * at.v;
         const double off = double{made.view(view)[j * 32 + i]} - closed_form(at.source, pixel);
         worst = std::max(worst, std::abs(off));
       }

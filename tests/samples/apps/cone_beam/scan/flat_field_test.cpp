@@ -110,5 +110,53 @@ TEST(FlatField, RefusesWhatCannotBeOne) {
   EXPECT_THAT(error_of(views, {2, 1, {1, 1}, true}, {2, 1, {1, 1}, true}, 0), HasSubstr("flats: expected some pixel"));
 }
 
+// Twelve views of 9 x 7 pixels whose values change smoothly, and linearly from pixel to pixel.
+Stack changing() {
+  Stack stack{9, 7, {}, false};
+  for (int view = 0; view < 12; ++view) {
+    for (int i = 0; i < 63; ++i) stack.values.push_back(static_cast<float>(i % 9 + (i / 9) * 2 + 3 * std::sin(view)));
+  }
+  return stack;
+}
+
+TEST(DeadPixels, ThatAreStuckAreFoundAndInterpolated) {
+  const Stack whole = changing();
+  for (const float stuck : {0.0F, 65535.0F, 7.5F}) {  // a dead, a hot and a stuck column, and one pixel
+    Stack stack = whole;
+    for (std::size_t i = 0; i < stack.values.size(); ++i) {
+      if (i % 9 == 4 || i % 63 == 20) stack.values[i] = stuck;
+    }
+    const DeadPixels found = repair_pixels(stack, {});
+    EXPECT_EQ(found.stuck, 8u);
+    EXPECT_EQ(found.named, 0u);
+    for (std::size_t i = 0; i < stack.values.size(); ++i) EXPECT_NEAR(stack.values[i], whole.values[i], 1e-4) << i;
+  }
+}
+
+TEST(DeadPixels, ThatAMapNamesAreInterpolatedByTheirDistance) {
+  const Stack whole = changing();
+  Stack stack = whole, map{9, 7, std::vector<float>(63), true};
+  for (std::size_t row = 0; row < 7; ++row) map.values[row * 9 + 4] = map.values[row * 9 + 5] = 1;  // two columns
+  for (std::size_t i = 0; i < stack.values.size(); ++i)
+    stack.values[i] += map.values[i % 63] * static_cast<float>(i % 5);
+  EXPECT_EQ(repair_pixels(stack, map).named, 14u);
+  for (std::size_t i = 0; i < stack.values.size(); ++i) EXPECT_NEAR(stack.values[i], whole.values[i], 1e-4) << i;
+  Stack again = whole;
+  EXPECT_EQ(repair_pixels(again, {}).stuck, 0u);
+  EXPECT_EQ(again.values, whole.values);
+  map.columns = 7, map.rows = 9;
+  EXPECT_THAT([&] { repair_pixels(stack, map); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("dead: expected 9 x 7 pixels")));
+}
+
+// What no view changes, as the air beside an object, is no fault.
+TEST(DeadPixels, OfAirAreNone) {
+  Stack stack = changing();
+  for (std::size_t i = 0; i < stack.values.size(); ++i) {
+    if (i % 9 < 3) stack.values[i] = 0;
+  }
+  EXPECT_EQ(repair_pixels(stack, {}).stuck, 0u);
+}
+
 }  // namespace
 }  // namespace gicube::samples

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -71,46 +72,58 @@ class Matrices : public testing::Test {
 
 TEST_F(Matrices, OfPlastimatchAreTurnedIntoPlaces) {
   const auto file = written("a.txt", kSecondView);
-  const FacingView view = facing_view(frame_of(read_projection_matrix(file), file), 400, 40, 60, {});
-  EXPECT_NEAR(view.angle, -kPi / 4, 1e-6);
-  EXPECT_NEAR(view.source_to_axis, 400, 1e-4);
-  EXPECT_NEAR(view.source_to_detector, 600, 1e-4);
-  EXPECT_NEAR(view.detector.pitch_u, 3, 1e-6);
-  EXPECT_NEAR(view.detector.pitch_v, 3, 1e-6);
-  EXPECT_NEAR(view.detector.offset_u, 0, 1e-5);
-  EXPECT_NEAR(view.detector.offset_v, 0, 1e-6);
-  EXPECT_FALSE(view.columns_reversed);
-  EXPECT_TRUE(view.rows_reversed);
-  EXPECT_NEAR(length(view.centre), 0, 1e-4);
+  const ViewPose view = pose_of(read_projection_matrix(file), 40, 60, file);
+  const double half = std::sqrt(0.5);
+  EXPECT_NEAR(length(view.source - Vec3{400 * half, -400 * half, 0}), 0, 1e-4);
+  EXPECT_NEAR(length(view.centre - Vec3{-200 * half, 200 * half, 0}), 0, 1e-4);
+  EXPECT_NEAR(length(view.u - Vec3{3 * half, 3 * half, 0}), 0, 1e-6);
+  EXPECT_NEAR(length(view.v - Vec3{0, 0, -3}), 0, 1e-6);
+}
+
+double difference(const ViewPose& a, const ViewPose& b) {
+  return length(a.source - b.source) + length(a.centre - b.centre) + length(a.u - b.u) + length(a.v - b.v);
 }
 
 TEST_F(Matrices, SayTheSameWhateverTheirFactorAndTheirNormalsSide) {
   const auto file = written("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);
-  const ViewFrame first = frame_of(matrix, file);
+  const ViewPose first = pose_of(matrix, 40, 60, file);
   for (double& value : matrix.matrix) value *= -3;
   matrix.normal = -1.0 * matrix.normal;
-  const ViewFrame second = frame_of(matrix, file);
-  EXPECT_NEAR(length(first.source - second.source), 0, 1e-9);
-  EXPECT_NEAR(length(first.towards - second.towards), 0, 1e-12);
-  EXPECT_NEAR(length(first.along_u - second.along_u), 0, 1e-12);
-  EXPECT_NEAR(length(first.along_v - second.along_v), 0, 1e-12);
+  EXPECT_NEAR(difference(first, pose_of(matrix, 40, 60, file)), 0, 1e-9);
 }
 
 TEST_F(Matrices, MayHoldTheDetectorsCentreThemselves) {
   const auto file = written("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);
-  const ViewFrame first = frame_of(matrix, file);
+  const ViewPose first = pose_of(matrix, 40, 60, file);
   for (std::size_t i = 0; i < 4; ++i) {
     matrix.matrix[i] += matrix.centre[0] * matrix.matrix[8 + i];
     matrix.matrix[4 + i] += matrix.centre[1] * matrix.matrix[8 + i];
   }
   matrix.centre = {0, 0};
-  const ViewFrame second = frame_of(matrix, file);
-  EXPECT_NEAR(second.middle_column, first.middle_column, 1e-9);
-  EXPECT_NEAR(second.middle_row, first.middle_row, 1e-9);
-  EXPECT_NEAR(length(first.along_u - second.along_u), 0, 1e-9);
-  EXPECT_NEAR(length(first.source - second.source), 0, 1e-9);
+  EXPECT_NEAR(difference(first, pose_of(matrix, 40, 60, file)), 0, 1e-8);
+}
+
+// A matrix is what it says: a place's pixel by the matrix is where the pose sees it, however detector and pixels are turned.
+TEST_F(Matrices, OfTiltedAndSkewedDetectorsSeePlacesWhereTheySay) {
+  const auto file = written("a.txt", kSecondView);
+  ProjectionMatrix matrix = read_projection_matrix(file);
+  matrix.matrix[10] += 0.02 * matrix.matrix[8];  // tilted
+  matrix.matrix[2] += 0.05 * matrix.matrix[0];   // rows that rise
+  matrix.matrix[4] += 0.03 * matrix.matrix[6];   // columns that lean
+  matrix.normal = {matrix.matrix[8], matrix.matrix[9], matrix.matrix[10]};
+  const ViewPose view = pose_of(matrix, 40, 60, file);
+  for (const Vec3 place : {Vec3{10, -20, 5}, Vec3{-30, 4, 25}, Vec3{0, 0, 0}}) {
+    std::array<double, 3> out{};
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double* const r = matrix.matrix.data() + 4 * row;
+      out[row] = r[0] * place.x + r[1] * place.y + r[2] * place.z + r[3];
+    }
+    const SeenAt seen = seen_at(view, place);
+    EXPECT_NEAR(seen.column + 19.5, matrix.centre[0] + out[0] / out[2], 1e-5);
+    EXPECT_NEAR(seen.row + 29.5, matrix.centre[1] + out[1] / out[2], 1e-5);
+  }
 }
 
 TEST_F(Matrices, ComeBackAsTheGeometryThatTheyWereWrittenFrom) {
@@ -130,49 +143,41 @@ TEST_F(Matrices, ComeBackAsTheGeometryThatTheyWereWrittenFrom) {
 }
 
 TEST_F(Matrices, MayTurnAboutAnotherAxisThanTheOrigins) {
-  const auto file = written("a.txt", kSecondView);
-  ProjectionMatrix matrix = read_projection_matrix(file);
+  folder_of(geometry());
   const Vec3 shift{10, -20, 5};
-  for (std::size_t row = 0; row < 3; ++row) {
-    const double* const r = matrix.matrix.data() + 4 * row;
-    matrix.matrix[4 * row + 3] -= r[0] * shift.x + r[1] * shift.y + r[2] * shift.z;
+  for (const char* name : {"v0.txt", "v1.txt", "v2.txt"}) {
+    const ProjectionMatrix matrix = read_projection_matrix(folder_.file(name));
+    std::string text = fmt::format("{} {}\n", matrix.centre[0], matrix.centre[1]);
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double* const r = matrix.matrix.data() + 4 * row;
+      text += fmt::format("{} {} {} {}\n", r[0], r[1], r[2], r[3] - (r[0] * shift.x + r[1] * shift.y + r[2] * shift.z));
+    }
+    const Vec3 n = matrix.normal;
+    written(name, text + fmt::format("400\n600\n{} {} {}\n", n.x, n.y, n.z));
   }
-  const FacingView view = facing_view(frame_of(matrix, file), 400, 40, 60, {});
-  EXPECT_NEAR(length(view.centre - shift), 0, 1e-4);
-  EXPECT_NEAR(view.angle, -kPi / 4, 1e-6);
+  const ScanDescription scan = read_matrix_folder(folder_.file(""), {});
+  EXPECT_TRUE(scan.geometry.circular());
+  EXPECT_NEAR(length(scan.centre - shift), 0, 1e-4);
+  EXPECT_NEAR(scan.geometry.detector.offset_u, 5, 1e-5);
 }
 
-TEST_F(Matrices, OfTiltedDetectorsAreRefusedByName) {
-  const auto file = written("a.txt", kSecondView);
-  const FrameNames names{file, "last row", "first row", "second row"};
-  const auto tilted = [&](std::size_t a, std::size_t b, double by) {
-    ProjectionMatrix matrix = read_projection_matrix(file);
-    matrix.matrix[a] += by * matrix.matrix[b];
-    matrix.normal = {matrix.matrix[8], matrix.matrix[9], matrix.matrix[10]};
-    return error_of([&] { facing_view(frame_of(matrix, file), 400, 40, 60, names); });
-  };
-  EXPECT_THAT(tilted(10, 8, 0.01), HasSubstr("a.txt: last row: expected one square to the axis of rotation"));
-  EXPECT_THAT(tilted(2, 0, 0.01), HasSubstr("a.txt: first row: expected rows of pixels square to the axis"));
-  EXPECT_THAT(tilted(4, 0, 0.1), HasSubstr("a.txt: second row: expected columns of pixels along the axis"));
-}
-
-TEST_F(Matrices, MustShareAllButTheAngle) {
+TEST_F(Matrices, ThatLieOnNoCircleKeepTheirPoses) {
   folder_of(geometry());
   ConeGeometry other = geometry();
   other.detector.offset_u = 7;
   write_projection_matrix(other, 1, folder_.file("v1.txt"));
-  const auto read = [&] { read_matrix_folder(folder_.file(""), {}); };
-  EXPECT_THAT(error_of(read), HasSubstr("v1.txt: offset of columns: expected 5 as in the first view, got 7"));
-  other = geometry();
-  other.source_to_axis = 410;
-  write_projection_matrix(other, 1, folder_.file("v1.txt"));
-  EXPECT_THAT(error_of(read), HasSubstr("v1.txt: source to axis: expected 400 as in the first view, got 410"));
+  const ScanDescription scan = read_matrix_folder(folder_.file(""), {});
+  ASSERT_FALSE(scan.geometry.circular());
+  EXPECT_EQ(scan.geometry.angles.size(), 3u);
+  const ConeGeometry shifted = other, wanted = geometry();
+  EXPECT_NEAR(difference(scan.geometry.poses[0], pose(wanted, 0)), 0, 1e-6);
+  EXPECT_NEAR(difference(scan.geometry.poses[1], pose(shifted, 1)), 0, 1e-6);
 }
 
 TEST_F(Matrices, AreRefusedWithTheNumberThatIsWrong) {
   const auto expect = [&](const std::string& text, const std::string& part) {
     const auto file = written("a.txt", text);
-    EXPECT_THAT(error_of([&] { frame_of(read_projection_matrix(file), file); }), HasSubstr(part));
+    EXPECT_THAT(error_of([&] { pose_of(read_projection_matrix(file), 4, 4, file); }), HasSubstr(part));
   };
   expect("1 2 3", "a.txt: matrix 2: expected a number, got the end");
   expect("1 x", "a.txt: centre 2: expected a number, got \"x\"");

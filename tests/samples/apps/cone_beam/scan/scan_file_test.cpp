@@ -79,6 +79,44 @@ TEST(ScanFile, ComesBackAsItWasWritten) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(read.geometry.angles[i], scan.geometry.angles[i], 1e-14);
 }
 
+constexpr const char* kViews = R"(detector { columns: 8 rows: 4 }
+  view { source: 400 source: 0 source: 0 centre: -300 centre: 0 centre: 0 u: 0 u: 2 u: 0 v: 0 v: 0 v: -3 }
+  view { source: 0 source: 400 source: 7 centre: 0 centre: -300 centre: 7 u: -2 u: 0 u: 0 v: 0 v: 0 v: -3 })";
+
+TEST(ScanFile, HasAPoseForEachViewAndTakesACircleForOne) {
+  const reference::TemporaryDirectory folder;
+  const ScanDescription scan = parse_scan(kViews, "x", "");
+  ASSERT_EQ(scan.geometry.poses.size(), 2u);
+  EXPECT_TRUE(scan.rows_reversed);
+  EXPECT_FALSE(scan.columns_reversed);
+  EXPECT_EQ(scan.centre, (Vec3{0, 0, 3.5}));
+  EXPECT_EQ(scan.geometry.poses[1].source, (Vec3{0, 400, 3.5}));
+  EXPECT_EQ(scan.geometry.poses[1].v, (Vec3{0, 0, 3}));
+  write_scan_file(scan, folder.file("y.textproto"));
+  const ScanDescription read = read_scan_file(folder.file("y.textproto"));
+  EXPECT_EQ(read.geometry.poses, scan.geometry.poses);
+  EXPECT_EQ(read.rows_reversed, scan.rows_reversed);
+  // The same at one height is a circle.
+  std::string flat = kViews;
+  for (std::size_t at; (at = flat.find(": 7")) != std::string::npos;) flat.replace(at, 3, ": 0");
+  const ScanDescription circle = parse_scan(flat, "x", "");
+  ASSERT_TRUE(circle.geometry.circular());
+  EXPECT_NEAR(circle.geometry.source_to_detector, 700, 1e-9);
+  EXPECT_NEAR(circle.geometry.angles[1], kPi / 2, 1e-12);
+  EXPECT_NEAR(circle.geometry.detector.pitch_v, 3, 1e-12);
+}
+
+TEST(ScanFile, RefusesAPoseThatIsNoneAndACircleBesidePoses) {
+  EXPECT_THAT(error_of("detector { columns: 8 rows: 4 } view { source: 1 } view {}"),
+              testing::AllOf(HasSubstr("view[0].source: expected three numbers, got 1"),
+                             HasSubstr("view[1].v: expected three numbers, got 0")));
+  EXPECT_THAT(error_of(std::string(kViews) + "source_to_axis: 3"),
+              HasSubstr("view: expected no distances, angles, pitches, offsets and reversals"));
+  std::string text = kViews;
+  text.replace(text.find("u: 0 u: 2"), 9, "u: 0 u: 0");
+  EXPECT_THAT(error_of(text), HasSubstr("view[0]: expected steps between pixels in two directions"));
+}
+
 TEST(ScanFile, NamesAllFaultsAtOnce) {
   const std::string text = error_of(R"(source_to_axis: -1 detector { columns: 8 rows: 0 pitch_u: nan }
       angle: 0 angle: inf volume { size: 4 spacing: 0 } projections { file: "" type: "int64" } flat { file: "f" })");

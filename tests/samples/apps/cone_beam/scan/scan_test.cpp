@@ -76,8 +76,36 @@ TEST_F(LoadedScan, WarnsOfAnArcThatMissesRays) {
               testing::Contains(HasSubstr("the views stand for 120.0 degrees, where 180.6 would")));
 }
 
-TEST_F(LoadedScan, WarnsOfAnObjectBeyondTheDetector) {
-  EXPECT_THAT(load_scan(scan({0, 90, 180, 270})).warnings, testing::Contains(HasSubstr("reaches beyond the detector")));
+TEST_F(LoadedScan, TellsAnObjectBeyondOneSideFromOneBeyondBoth) {
+  const auto warnings = [&](const std::vector<float>& row, double offset) {
+    ScanDescription description = scan({0, 90, 180, 270});
+    description.geometry.detector = {4, 2, 1, 1, offset};
+    Stack stack{4, 2, {}, false};
+    for (int i = 0; i < 8; ++i) stack.values.insert(stack.values.end(), row.begin(), row.end());
+    description.projections.files = write_stack(stack, folder_.file("b.mha"));
+    return load_scan(description).warnings;
+  };
+  EXPECT_THAT(warnings({2, 5, 5, 1}, 0),
+              ElementsAre(HasSubstr("beyond both sides of the detector (its edge shows 40%")));
+  EXPECT_THAT(warnings({2, 5, 5, 0}, 0),
+              ElementsAre(HasSubstr("beyond the side of the least u of the detector alone (its edge shows 40%")));
+  EXPECT_THAT(warnings({0, 5, 5, 2}, 0.5),
+              ElementsAre(HasSubstr("greatest u of the detector alone (its edge shows 40% of the greatest mean of a "
+                                    "column), as a displaced detector's with a negative offset_u does, but offset_u "
+                                    "is 0.5")));
+  EXPECT_THAT(warnings({2, 5, 5, 0}, 0.5), SizeIs(0));  // a displaced detector's near side
+  EXPECT_THAT(warnings({0, 5, 5, 0}, 0.5), SizeIs(0));
+}
+
+TEST_F(LoadedScan, KeepsEachViewOfAnOrbitThatIsNoCircle) {
+  ScanDescription description = scan({0, 0, 720});
+  for (const double z : {0.0, 1.0, 2.0}) {
+    description.geometry.poses.push_back({{100, 0, z}, {-100, 0, z}, {0, 1, 0}, {0, 0, 1}});
+  }
+  const Scan loaded = load_scan(description);
+  EXPECT_EQ(loaded.geometry.poses.size(), 3u);
+  EXPECT_EQ(loaded.repeated, 0u);
+  EXPECT_THAT(loaded.projections.values, ElementsAre(0, 1, 2, 3, 10, 11, 12, 13, 20, 21, 22, 23));
 }
 
 TEST_F(LoadedScan, IsRefusedWhereFilesAndGeometryDiffer) {

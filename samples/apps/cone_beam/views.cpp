@@ -1,4 +1,4 @@
-#include "cone_beam/scan/scan.h"
+#include "cone_beam/geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,102 @@
+#include "cone_beam/centre.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "cone_beam/redundancy.h"
+#include "gicube/error.h"
+#include "gicube/parallel_for.h"
+
+namespace gicube::samples {
+namespace {
+
+// The mean of some rows of each view, views by columns.
+struct Fan {
+  const ConeGeometry& geometry;
+  std::size_t columns;
+  std::vector<double> values;
+
+  // Between pixels of a view, by the parabola through three of them.
+  double at(std::size_t view, double column) const {
+    const double nearest = std::clamp(std::round(column), 1.0, static_cast<double>(columns) - 2), t = column - nearest;
+    const double* const p = values.data() + view * columns + static_cast<std::size_t>(nearest);
+    return p[0] + t * (p[1] - p[-1]) / 2 + t * t * (p[1] + p[-1] - 2 * p[0]) / 2;
+  }
+
+  // By how much lines and their opposites differ with this offset, over what both are; infinite if there are too few.
+  double mismatch(double offset) const {
+    const auto& angles = geometry.angles;
+    const Detector& detector = geometry.detector;
+    const double turn = 2 * std::numbers::pi;
+    double off = 0, all = 0;
+    std::size_t pairs = 0;
+    for (std::size_t view = 0; view < angles.size(); ++view) {
+      for (std::size_t column = 0; column < columns; ++column) {
+        const double u = (static_cast<double>(column) - (detector.columns - 1) / 2.0) * detector.pitch_u + offset;
+        const double other = (-u - offset) / detector.pitch_u + (detector.columns - 1) / 2.0;
+        if (other < 0 || other > detector.columns - 1) continue;
+        double angle = angles[view] + std::numbers::pi - 2 * std::atan(u / geometry.source_to_detector);
+        angle -= turn * std::floor((angle - angles[0]) / turn);
+        const auto above = static_cast<std::size_t>(std::ranges::upper_bound(angles, angle) - angles.begin());
+        const bool closes = above == angles.size();
+        if (closes && is_short_scan(geometry)) continue;
+        const std::size_t before = above - 1, behind = closes ? 0 : above;
+        const double gap = angles[behind] + (closes ? turn : 0) - angles[before];
+        const double part = (angle - angles[before]) / gap;
+        const double own = values[view * columns + column];
+        const double opposite = (1 - part) * at(before, other) + part * at(behind, other);
+        off += (own - opposite) * (own - opposite);
+        all += own * own + opposite * opposite;
+        ++pairs;
+      }
+    }
+    constexpr double kFew = 0.01;  // chosen: of all lines
+    const bool enough = static_cast<double>(pairs) > kFew * static_cast<double>(values.size()) && all > 0;
+    return enough ? off / all : std::numeric_limits<double>::infinity();
+  }
+};
+
+}  // namespace
+
+double find_offset_u(const ConeGeometry& geometry, const Projections& projections) {
+  check(geometry);
+  check(projections, geometry);
+  if (!geometry.circular()) {
+    throw BadArgument("poses", "views on a circle, whose centre is looked for",
+                      fmt::format("{} poses", geometry.poses.size()));
+  }
+  const Detector& detector = geometry.detector;
+  const auto columns = static_cast<std::size_t>(detector.columns);
+  expect(columns >= 3, "detector.columns", "at least 3", detector.columns);
+  Fan fan{geometry, columns, std::vector<double>(columns * geometry.angles.size())};
+  constexpr int kRows = 2;  // chosen: on both sides of the middle plane
+  const int middle = static_cast<int>(std::lround((detector.rows - 1) / 2.0 - detector.offset_v / detector.pitch_v));
+  const int first = std::clamp(middle - kRows, 0, detector.rows - 1),
+            last = std::clamp(middle + kRows, 0, detector.rows - 1);
+  for (std::size_t view = 0; view < geometry.angles.size(); ++view) {
+    for (int row = first; row <= last; ++row) {
+      const float* const from = projections.view(view) + static_cast<std::size_t>(row) * columns;
+      for (std::size_t i = 0; i < columns; ++i) fan.values[view * columns + i] += double{from[i]};
+    }
+  }
+  // Whole pixels first, then ever finer about the best.
+  double best = detector.offset_u, step = detector.pitch_u;
+  int steps = std::max(2, detector.columns / 4);
+  for (; step > 0.005 * detector.pitch_u; step /= 4, steps = 5) {
+    std::vector<double> found(static_cast<std::size_t>(2 * steps + 1));
+    const double from = best - steps * step;
+    parallel_for(found.size(), 0,
+                 [&](std::size_t i) { found[i] = fan.mismatch(from + static_cast<double>(i) * step); });
+    const auto least = std::ranges::min_element(found);
+    expect(std::isfinite(*least), "angles", "an arc in which lines are measured from both sides, of an object",
+           arc_of(geometry));
+    best = from + static_cast<double>(least - found.begin()) * step;
+  }
+  return best;
+}
+
+}  // namespace gicube::samples

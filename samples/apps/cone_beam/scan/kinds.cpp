@@ -1,0 +1,70 @@
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "cone_beam/scan/formats.h"
+#include "scene/common/checks.h"
+#include "scene/formats/data_stream.h"
+
+namespace gicube::samples {
+namespace {
+
+using namespace std::string_view_literals;
+
+// Files that people hold for a scan's description, by their first bytes; where there is none the file extension is asked.
+constexpr std::array kOthers{
+    std::pair{"\x89HDF\r\n\x1a\n"sv,
+              "an HDF5 file, as DXchange's: not read; its projections can be written as .nrrd, its angles into a "
+              "scan file"},
+    std::pair{"\x93NUMPY"sv, "an array of numpy: numpy.savetxt() writes vectors as text"},
+    std::pair{"MATLAB 5.0"sv, "a MATLAB file"},
+    std::pair{"II*\0"sv, "a TIFF picture: views belong to a scan's projections"},
+    std::pair{"MM\0*"sv, "a TIFF picture: views belong to a scan's projections"},
+    std::pair{"NRRD"sv, "an NRRD file: views belong to a scan's projections"},
+    std::pair{"ObjectType"sv, "a MetaImage: views belong to a scan's projections"},
+    std::pair{"Pf\n"sv, "a portable float map: views belong to a scan's projections"},
+    std::pair{"\x89PNG"sv, "a PNG picture"},
+    std::pair{"PK\x03\x04"sv, "a zip archive"},
+    std::pair{"\x1f\x8b"sv, "a gzip file"},
+    std::pair{"VMS.XI"sv, "a Varian .xim picture"},
+};
+
+// A line of twelve numbers before anything else.
+bool is_vectors(std::string_view text) {
+  while (!text.empty()) {
+    std::string line(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    line.resize(std::min(line.find('#'), line.size()));
+    int numbers = 0;
+    for (std::size_t at = 0; (at = line.find_first_not_of(" \t\r,", at)) != std::string::npos; ++numbers) {
+      const std::size_t end = std::min(line.find_first_of(" \t\r,", at), line.size());
+      const std::size_t sign = line[at] == '+' ? 1 : 0;
+      if (!parse_number<double>(std::string_view(line).substr(at + sign, end - at - sign))) return false;
+      at = end;
+    }
+    if (numbers > 0) return numbers >= 3;
+  }
+  return false;
+}
+
+}  // namespace
+
+ScanKind kind_of(const std::filesystem::path& file) {
+  constexpr std::size_t kStart = 4096;
+  const std::string start = file_start(file, kStart);
+  for (const auto& [magic, name] : kOthers) {
+    expect(!start.starts_with(magic), file, "file",
+           "a scan file, CTSimU's JSON, RTK's geometry, Nikon's .xtekct or ASTRA's vectors", name);
+  }
+  expect(start.substr(std::min<std::size_t>(128, start.size()), 4) != "DICM", file, "file", "a scan's description",
+         "a DICOM file");
+  const std::size_t text = start.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  const std::string_view begin = text == std::string::npos ? "" : std::string_view(start).substr(text);
+  const std::string extension = lower_case(file.extension().string());
+  if (extension == ".json" || begin.starts_with('{')) return ScanKind::kCtsimu;
+  if (extension == ".xml" || begin.starts_with("<?xml") || begin.starts_with("<RTK")) return ScanKind::kRtk;
+  if (extension == ".xtekct" || begin.starts_with("[XTekCT]")) return ScanKind::kNikon;
+  return is_vectors(begin) ? ScanKind::kAstra : ScanKind::kScanFile;
+}
+
+}  // namespace gicube::samples
