@@ -102,7 +102,8 @@ def circular_views(
 
 
 def _turned(rotation: Array, vectors: Array) -> Array:
-    return np.einsum("nij,nj->ni", rotation, vectors)
+    out: Array = (rotation @ vectors[:, :, None])[:, :, 0]
+    return out
 
 
 def _about(axis: int, angles: Array) -> Array:

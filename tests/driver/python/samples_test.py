@@ -78,7 +78,7 @@ def test_tomography(tmp_path):
 def test_own_method():
     module = program("own_method")
     few, more = module.main(10), module.main(30)
-    assert more < 0.6 * few and more < 0.09
+    assert more < 0.6 * few and more < 0.1
 
 
 def test_visibility():

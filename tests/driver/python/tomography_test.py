@@ -13,7 +13,7 @@ VIEWS = gicube.circular_views(60, 100, np.linspace(0, 2 * np.pi, 9, endpoint=Fal
 @pytest.fixture
 def projector():
     with gicube.open("emu:?set=asic.block_voxels=16") as board:
-        yield gicube.Projector(board, dims=(16, 14, 12), spacing=(1, 1, 1.5), columns=20, rows=18, views=VIEWS, step=0.5)
+        yield gicube.Projector(board, dims=(16, 14, 12), spacing=(1, 1, 1.5), columns=20, rows=30, views=VIEWS, step=0.5)
 
 
 def seen_at(view, place):
@@ -25,9 +25,9 @@ def seen_at(view, place):
 
 def test_project_and_backproject_are_each_others_transpose(projector):
     random = np.random.default_rng(1)
-    x, y = random.random((12, 14, 16), "f4"), random.random((9, 18, 20), "f4")
+    x, y = random.random((12, 14, 16), "f4"), random.random((9, 30, 20), "f4")
     seen, back = projector.project(x), projector.backproject(y)
-    assert seen.shape == (9, 18, 20) and back.shape == (12, 14, 16)
+    assert seen.shape == (9, 30, 20) and back.shape == (12, 14, 16)
     assert np.vdot(seen.astype("f8"), y) == pytest.approx(np.vdot(x, back.astype("f8")), rel=1e-3)
     assert np.array_equal(projector.project(x, [7, 2]), seen[[7, 2]])
     assert projector.counts[0] > 1000 and projector.counts[2] == 0
@@ -38,10 +38,10 @@ def test_a_ball_is_seen_where_the_view_puts_it(projector):
     volume[9, 4, 12] = 1
     place = (12 - 7.5, 4 - 6.5, 1.5 * (9 - 5.5))
     for view, seen in zip(VIEWS, projector.project(volume)):
-        rows, columns = np.mgrid[0:18, 0:20]
+        rows, columns = np.mgrid[0:30, 0:20]
         wanted = seen_at(view, place)
         assert (columns * seen).sum() / seen.sum() - 9.5 == pytest.approx(wanted[0], abs=0.1)
-        assert (rows * seen).sum() / seen.sum() - 8.5 == pytest.approx(wanted[1], abs=0.1)
+        assert (rows * seen).sum() / seen.sum() - 14.5 == pytest.approx(wanted[1], abs=0.1)
 
 
 def test_circular_views_are_those_of_the_drawing():
@@ -87,7 +87,7 @@ def test_what_is_wrong_is_named(projector):
     for call, words in [
         (lambda: projector.project(np.zeros((12, 14, 15))), r"volume: expected the shape \(12, 14, 16\)"),
         (lambda: projector.project(np.full((12, 14, 16), np.nan)), "volume: expected finite values"),
-        (lambda: projector.backproject(np.zeros((9, 18, 19))), "values: expected the shape"),
+        (lambda: projector.backproject(np.zeros((9, 30, 19))), "values: expected the shape"),
         (lambda: projector.project(np.zeros((12, 14, 16)), [9]), r"views: expected indices of 0\.\.8"),
         (lambda: gicube.Projector(None, dims=(4, 4, 4), columns=4, rows=4, views=np.zeros((2, 11))), "views: expected the shape"),
         (lambda: gicube.tigre_views(SimpleNamespace(mode="parallel"), [0.0]), "geo.mode: expected \"cone\""),
