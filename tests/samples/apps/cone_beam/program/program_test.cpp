@@ -267,6 +267,65 @@ TEST_F(ConeBeamProgram, FillsADeadColumnAndNamesAForgottenFlag) {
   EXPECT_THAT(bad.err, testing::AllOf(HasSubstr("as intensities have"), testing::Not(HasSubstr("reaches beyond"))));
 }
 
+// A helix of vectors as ASTRA has them, through the program and its formats.
+TEST_F(ConeBeamProgram, TakesAnyOrbit) {
+  std::ofstream vectors(path("helix.txt"));
+  for (int i = 0; i < 24; ++i) {
+    const double angle = i * 0.7, c = std::cos(angle), s = std::sin(angle), z = 3.0 * i - 34.5;
+    vectors << 500 * c << ' ' << 500 * s << ' ' << z << ' ' << -500 * c << ' ' << -500 * s << ' ' << z << ' ' << -5 * s
+            << ' ' << 5 * c << " 0 0 0 5\n";
+  }
+  vectors.close();
+  expect_done("project builtin:sphere --radius 40 --scan " + path("helix.txt") +
+              " --detector 48x40 --size 24,24,24 --spacing 4 -o " + path("p.nrrd"));
+  EXPECT_THAT(text_of(path("p.textproto")), HasSubstr("view {"));
+  const std::string scan = path("p.textproto");
+  for (const char* method :
+       {"cgls --iterations 4", "osem --subsets 4 --iterations 2", "tv --subsets 4 --iterations 3"}) {
+    expect_done("reconstruct " + scan + " --method " + method + " -o " + path("v.nrrd") + " --stats " + path("v.json") +
+                " --quiet");
+    const std::vector<float> values = values_in("v.nrrd");
+    EXPECT_NEAR(values[(12 * 24 + 12) * 24 + 12], 1, 0.25) << method;
+    const auto json = nlohmann::json::parse(text_of(path("v.json")));
+    EXPECT_FALSE(json.at("scan").at("circular").get<bool>());
+    EXPECT_GE(json.at("residuals").size(), 2u);
+  }
+  const ProgramResult fdk = run("reconstruct " + scan + " -o " + path("w.nrrd"));
+  EXPECT_EQ(fdk.code, 1);
+  EXPECT_THAT(fdk.err, HasSubstr("poses[0].source: expected a place on the circle"));
+  // As RTK and ASTRA have it, it is the same scan.
+  for (const char* name : {"h.xml", "h.txt"}) {
+    expect_done("import " + scan + " -o " + path(name));
+    expect_done("project builtin:sphere --radius 40 --scan " + path(name) +
+                " --detector 48x40 --pitch 5 --size 24,24,24" + " --spacing 4 -o " + path("q.nrrd"));
+    EXPECT_LT(greatest_difference(values_in("q.nrrd"), values_in("p.nrrd")), 0.01) << name;  // of 80
+  }
+  EXPECT_EQ(run("project builtin:sphere --scan " + scan + " -o " + path("m.pfm")).code, 2);
+}
+
+TEST_F(ConeBeamProgram, FindsTheAxisAndKeepsToAMask) {
+  expect_done(
+      "project builtin:shepp-logan --detector 48x40 --pitch 5 --views 90 --radius 50 --size 32,32,32 --spacing 4 -o " +
+      path("p.nrrd") + " --voxels " + path("t.nrrd"));
+  std::string text = text_of(path("p.textproto"));
+  text.replace(text.find("pitch_v: 5"), 10, "pitch_v: 5 offset_u: 6");
+  std::ofstream(path("off.textproto")) << text;
+  const ProgramResult found =
+      run("reconstruct " + path("off.textproto") + " --find-centre --method sirt --iterations 2" + " --mask " +
+          path("t.nrrd") + " -o " + path("v.nrrd") + " --stats " + path("v.json"));
+  ASSERT_EQ(found.code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("pixels from the detector's middle"));
+  const auto json = nlohmann::json::parse(text_of(path("v.json")));
+  EXPECT_NEAR(json.at("scan").at("detector").at("offset_u").get<double>(), 0, 0.5);
+  EXPECT_TRUE(json.at("settings").at("masked").get<bool>());
+  const std::vector<float> values = values_in("v.nrrd"), mask = values_in("t.nrrd");
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] == 0) {
+      ASSERT_EQ(values[i], 0);
+    }
+  }
+}
+
 // Names that are derived from --output are held against all that the scan is read from.
 TEST_F(ConeBeamProgram, ReplacesNoFileOfTheUsersByANameThatItDerives) {
   const auto expect_kept = [&](const std::string& arguments, const std::string& file) {
