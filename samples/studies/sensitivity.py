@@ -20,14 +20,17 @@ def stepped(value, legal):
     return sorted(number for number in numbers if number > value)[:1] + sorted(number for number in numbers if number < value)[-1:]
 
 
-def chosen_numbers(explained):
-    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that the level models."""
+def chosen_numbers(explained, with_energy=False):
+    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that the level models.
+    `with_energy`: also all prices of energy, since none of them is certain; without, none of them is read."""
     rows = [re.split(r"\s{2,}", line.strip()) for line in explained.splitlines()]
     memory = next((row[1] for row in rows if row[0] == "memory"), "")
     found = []
     for row in rows:
         part = row[0].split(".")[0]
-        if len(row) < 4 or not row[1].isdigit() or not re.search("(^|: )chosen:", row[3]) or row[3].startswith("not modelled"):
+        if len(row) < 4 or not row[1].isdigit() or row[3].startswith("not modelled"):
+            continue
+        if not with_energy if part == "energy" else not re.search("(^|: )chosen:", row[3]):
             continue
         if part not in MEMORIES or part == memory:
             found.append((row[0], int(row[1]), row[2]))
@@ -53,11 +56,11 @@ def explain(board, words):
     return done.stdout if done.returncode == 0 else None
 
 
-def steps_of(board, settings):
+def steps_of(board, settings, with_energy=False):
     """A row for each number: its name, its value, and the values below and above it to which it is set: those that the board takes."""
     words = board_arguments(settings)
     rows = []
-    for name, value, legal in chosen_numbers(explain(board, words) or ""):
+    for name, value, legal in chosen_numbers(explain(board, words) or "", with_energy):
         to = [each for each in sorted(stepped(value, legal)) if explain(board, [*words, "--set", f"{name}={each}"]) is not None]
         if to:
             rows.append(SimpleNamespace(name=name, value=value, to=to))
@@ -82,7 +85,7 @@ def sensitivity(arguments, settings, cost, board, carry_out, read):
     base = Run(arguments)
     carry_out([base])
     statistics = read(base)
-    rows = steps_of(board, settings)
+    rows = steps_of(board, settings, "energy" in cost)
     for row in rows:
         row.runs = [Run([*arguments, "--set", f"{row.name}={to}"]) for to in row.to]
     carry_out([run for row in rows for run in row.runs])

@@ -364,6 +364,15 @@ def test_of_a_level_those_numbers_are_taken_that_are_chosen_and_that_it_models()
     assert found[0] == ("dsp.clock_khz", 200000, "1000..2000000 kHz")
 
 
+def test_prices_of_energy_are_stepped_only_for_a_cost_of_energy():
+    explained = """memory                           ddr            """ + """            paper
+energy.ddr_read_fj               21900000       0..4000000000 fJ              derived: a data sheet, give or take 25%
+energy.logic_aj                  1500           0..4000000000 aJ              chosen: half of 6 fF, give or take 50%
+"""
+    assert sensitivity.chosen_numbers(explained) == []
+    assert [row[0] for row in sensitivity.chosen_numbers(explained, True)] == ["energy.ddr_read_fj", "energy.logic_aj"]
+
+
 def test_the_sensitivity_of_a_run_is_what_its_steps_do_to_the_frame(program):
     small = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=cycle --fix asic.block_voxels=8 -o out --jobs 2"
     assert program.run(f"{small} --sensitivity") == 0, program.err
