@@ -183,6 +183,9 @@ const std::vector<Rule>& rules() {
                              {kAnything}},
       // Speaks the bus below the driver's public headers.
       {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      // Carries a driver's bytes, and connects as a driver does; reads no frame.
+      {"driver/tools/pci",          {"driver/tools/pci", "driver/include/gicube/error.h", "driver/src/transport", "proto/gicube/wire/pci_config.h",
+                              "proto/gicube/wire/pci_function.h", "proto/gicube/unknown_options.h"}, {kAnything}},
       program("samples/studies", {}, {kAnything}),
       // Outside applications, which know the installed headers only; C too.
       {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},

@@ -96,7 +96,7 @@ struct OpenOptions {  // how a board is opened
   // to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable GICUBE_CAPTURE.
   // Only its user can read it. If it can't be written, the session ends: calls throw DeviceLost.
   std::string capture{};
-  // Over TCP and TLS, a file of mode 600 with the access token for the board (docs/reference/security.md). Empty: the file that the
+  // Over TCP, TLS and PCI, a file of mode 600 with the access token for the board (docs/reference/security.md). Empty: the file that the
   // environment variable GICUBE_TOKEN_FILE names; without it, on this machine, the token that a board of this user has left.
   std::string token_file{};
   // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the environment
@@ -131,6 +131,8 @@ class GICUBE_API Board {
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
   //   tls:HOST:PORT         the same by TLS: gicube-board --tls-cert; OpenOptions::ca_file names who signed its certificate
+  //   pci:0000:00:04.0      a PCI function of this machine, a guest, that gicube-pci serves (docs/guide/pci.md); it has one session, so
+  //                         wait_for_board does not wait for another process to end
   // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
   // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
   // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,

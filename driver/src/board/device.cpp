@@ -43,17 +43,23 @@ Device::Device(const Uri& uri, const OpenOptions& options, std::function<void()>
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {
-    if (uri_.scheme == UriScheme::kTcp)
-      access_token(-1, false, options.token_file);  // throws if the file for it is no good
+    // Throws if the file for it is no good.
+    if (uri_.scheme == UriScheme::kTcp || uri_.scheme == UriScheme::kPci) named_token(options.token_file);
     if (uri_.is_secure) link_options_.tls = make_tls(uri_.host, options.ca_file);
     link_options_.token = [this, token_file = options.token_file](int socket) {
       try {
+        if (uri_.scheme == UriScheme::kPci) return named_token(token_file);  // who the board is only gicube-pci knows
         return access_token(socket, uri_.is_secure, token_file);
       } catch (const BadArgument&) {  // the board says that it wants one
         return std::string();
       }
     };
-    link_options_.reconnect = [this] { return connect(uri_, link_options_.watchdog); };
+    link_options_.reconnect = [this] {
+      if (uri_.scheme != UriScheme::kPci) return connect(uri_, link_options_.watchdog);
+      function_.reset();  // a function has one session
+      function_ = std::make_unique<PciFunction>(uri_.path);
+      return function_->take_socket();
+    };
   }
   link_ = open_link();
 }

@@ -19,6 +19,7 @@
 #include "gicube/wire/registers.h"
 #include "transport/launch.h"
 #include "transport/link.h"
+#include "transport/pci_function.h"
 #include "transport/uri.h"
 
 namespace gicube {
@@ -152,8 +153,9 @@ class Device {
   const std::string capture_file_;
   unsigned captures_ = 0;  // sessions that were begun
   LinkOptions link_options_;
-  std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
-  std::shared_ptr<Link> link_;           // shared with who waits for a mark
+  std::unique_ptr<ChildProcess> child_;    // before the link: it ends by itself once the link has closed
+  std::unique_ptr<PciFunction> function_;  // the same
+  std::shared_ptr<Link> link_;             // shared with who waits for a mark
   HostClock clock_;
   std::map<std::uint32_t, std::uint32_t> registers_;  // as last written, for set_register()
 };

@@ -14,6 +14,7 @@
 #include "gicube/error.h"
 #include "gicube/registry.h"
 #include "transport/connect.h"
+#include "transport/pci_devices.h"
 
 namespace gicube {
 namespace {
@@ -81,12 +82,11 @@ std::optional<std::string> answer_of(const fs::path& socket, Clock::time_point e
   return std::nullopt;
 }
 
-}  // namespace
-
-std::vector<FoundBoard> enumerate() {
+// By their processes.
+void find_local(std::vector<FoundBoard>& found) {
   const std::string folder = registry_folder();
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(folder, error))) return {};  // no board has run yet
+  if (!fs::exists(fs::symlink_status(folder, error))) return;  // no board has run yet
   if (const std::string fault = registry_fault(folder); !fault.empty()) throw Error(fault);
   std::vector<std::pair<std::uint32_t, fs::path>> sockets;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
@@ -97,7 +97,6 @@ std::vector<FoundBoard> enumerate() {
   }
   std::ranges::sort(sockets);
   const auto end = Clock::now() + kPatience;
-  std::vector<FoundBoard> found;
   for (const auto& [process, socket] : sockets) {
     const auto answer = answer_of(socket, end);
     if (!answer) continue;
@@ -120,6 +119,19 @@ std::vector<FoundBoard> enumerate() {
       return board.uri.starts_with("unix:") || board.uri.starts_with("tcp:") || board.uri.starts_with("tls:");
     };
     std::ranges::copy_if(std::move(boards), std::back_inserter(found), listens);
+  }
+}
+
+}  // namespace
+
+std::vector<FoundBoard> enumerate() {
+  std::vector<FoundBoard> found;
+  find_local(found);
+  for (const auto& [address, in_use] : pci_devices()) {
+    FoundBoard& board = found.emplace_back();
+    board.uri = "pci:" + address;
+    board.product = "GI-Cube (PCI function)";
+    board.in_use = in_use;
   }
   return found;
 }

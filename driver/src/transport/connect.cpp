@@ -79,16 +79,18 @@ NamedFile named_file(const std::string& option, const char* field, const char* v
   return {named != nullptr ? named : "", variable};
 }
 
-std::string access_token(int socket, bool is_secure, const std::string& token_file) {
+std::string named_token(const std::string& token_file) {
   const auto [path, field] = named_file(token_file, "token_file", "GICUBE_TOKEN_FILE");
-  std::string named;
-  if (!path.empty()) {
-    try {
-      named = read_tokens(path).front().token;
-    } catch (const std::runtime_error& error) {
-      throw BadArgument(field, "a file with a token", error.what());
-    }
+  if (path.empty()) return {};
+  try {
+    return read_tokens(path).front().token;
+  } catch (const std::runtime_error& error) {
+    throw BadArgument(field, "a file with a token", error.what());
   }
+}
+
+std::string access_token(int socket, bool is_secure, const std::string& token_file) {
+  const std::string named = named_token(token_file);
   asio::ip::tcp::endpoint peer;
   sockaddr_storage address{};
   socklen_t size = sizeof address;

@@ -36,7 +36,9 @@ class Event {
         ::write(fd_.get(), &one, sizeof one);  // fails only if it has happened very often
   }
 
-  // Readable from when it happens on. The caller's to close; it outlives the event.
+  // Readable from when it happens on.
+  int get() const { return fd_.get(); }
+  // The same for the caller, who closes it; it outlives the event.
   Fd descriptor() const { return duplicate(fd_); }
 
  private:

@@ -162,11 +162,32 @@ Uri parse_tcp(std::string_view rest, bool is_secure) {
   return uri;
 }
 
+Uri parse_pci(std::string_view rest) {
+  const auto part = [&rest](std::size_t digits, std::string_view end, unsigned most) {
+    const auto value = rest.size() >= digits ? parse_number<unsigned>(rest.substr(0, digits), 16) : std::nullopt;
+    const bool fits = value && *value <= most && rest.substr(digits).starts_with(end);
+    if (fits) rest.remove_prefix(digits + end.size());
+    return fits ? value : std::nullopt;
+  };
+  const std::string_view whole = rest;
+  const auto domain = rest.find(':') == 4 ? part(4, ":", 0xFFFF) : 0;
+  const auto bus = part(2, ":", 0xFF), slot = part(2, ".", 0x1F), function = part(1, "", 7);
+  if (!domain || !bus || !slot || !function || !rest.empty()) {
+    throw BadArgument("URI", "pci:DOMAIN:BUS:SLOT.FUNCTION, as pci:0000:00:04.0 (lspci -D lists addresses)",
+                      in_quotes("pci:" + std::string(whole)));
+  }
+  Uri uri;
+  uri.scheme = UriScheme::kPci;
+  uri.path = fmt::format("{:04x}:{:02x}:{:02x}.{:x}", *domain, *bus, *slot, *function);
+  return uri;
+}
+
 }  // namespace
 
 std::string text_of(const Uri& uri) {
   if (uri.scheme == UriScheme::kEmu) return "emu:";
   if (uri.scheme == UriScheme::kUnix) return "unix:" + uri.path;
+  if (uri.scheme == UriScheme::kPci) return "pci:" + uri.path;
   const bool is_ipv6 = uri.host.find(':') != std::string::npos;
   return fmt::format("{}:{}:{}", uri.is_secure ? "tls" : "tcp", is_ipv6 ? "[" + uri.host + "]" : uri.host, uri.port);
 }
@@ -178,9 +199,10 @@ Uri parse_uri(std::string_view text) {
     const std::string_view rest = text.substr(colon + 1);
     if (scheme == "emu") return parse_emu(rest);
     if (scheme == "unix") return parse_unix(rest);
+    if (scheme == "pci") return parse_pci(rest);
     if (scheme == "tcp" || scheme == "tls") return parse_tcp(rest, scheme == "tls");
   }
-  throw BadArgument("URI", "emu:, unix:PATH, tcp:HOST:PORT or tls:HOST:PORT", in_quotes(text));
+  throw BadArgument("URI", "emu:, unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS", in_quotes(text));
 }
 
 }  // namespace gicube

@@ -5,6 +5,7 @@
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
 //   tls:HOST:PORT               the same, encrypted
+//   pci:DOMAIN:BUS:SLOT.FUNCTION   a PCI function, as pci:0000:00:04.0; without DOMAIN: 0000
 //
 // %XX stands for a byte, in paths and option values.
 #pragma once
@@ -16,11 +17,11 @@
 
 namespace gicube {
 
-enum class UriScheme { kEmu, kUnix, kTcp };
+enum class UriScheme { kEmu, kUnix, kTcp, kPci };
 
 struct Uri {
   UriScheme scheme = UriScheme::kEmu;
-  std::string path;                          // unix
+  std::string path;                          // unix; pci: the address, with its domain
   std::string host;                          // tcp, without brackets
   std::uint16_t port = 0;                    // tcp
   bool is_secure = false;                    // tcp: by TLS
@@ -30,7 +31,7 @@ struct Uri {
   bool restores = false;                     // emu: the board begins with a checkpoint
 };
 
-// unix:PATH, tcp:HOST:PORT or tls:HOST:PORT; emu: without its options.
+// unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS; emu: without its options.
 std::string text_of(const Uri& uri);
 
 // Throws BadArgument that names the scheme, the option or the value that is wrong.

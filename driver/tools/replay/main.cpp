@@ -16,6 +16,7 @@
 #include "player.h"
 #include "transport/connect.h"
 #include "transport/launch.h"
+#include "transport/pci_function.h"
 #include "transport/uri.h"
 
 namespace {
@@ -42,12 +43,16 @@ int run(const std::string& file, const std::string& board, std::uint32_t watchdo
   const Uri uri = parse_uri(board);
   const std::chrono::milliseconds watchdog(watchdog_ms);
   std::unique_ptr<ChildProcess> child;
+  std::unique_ptr<PciFunction> function;
   Fd socket;
   std::string token;
   std::shared_ptr<Tls> tls;
   if (uri.scheme == UriScheme::kEmu) {
     child = std::make_unique<ChildProcess>(find_board_program(), uri.board_arguments);
     socket = child->take_socket();
+  } else if (uri.scheme == UriScheme::kPci) {
+    function = std::make_unique<PciFunction>(uri.path);
+    socket = function->take_socket();
   } else {
     socket = connect(uri, watchdog);
     if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get(), uri.is_secure, {});

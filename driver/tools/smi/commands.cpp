@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "client.h"
+#include "local_boards.h"
 #include "output.h"
 
 namespace gicube::smi {
@@ -96,7 +97,11 @@ v1::TraceInfo set_trace(Client& client, const std::string& file) {
 
 }  // namespace
 
-int list(const Options& options) { return show(options, Client(options).call(&Stub::ListBoards), print_boards); }
+int list(const Options& options) {
+  // A guest has PCI functions and no board process.
+  if (options.management.empty() && local_processes().empty() && list_functions(options.json)) return 0;
+  return show(options, Client(options).call(&Stub::ListBoards), print_boards);
+}
 
 int info(const Options& options) { return show(options, Client(options).call(&Stub::GetInfo), print_board); }
 

@@ -20,6 +20,7 @@
 #include "output.h"
 #include "transport/connect.h"
 #include "transport/launch.h"
+#include "transport/pci_devices.h"
 #include "transport/uri.h"
 
 namespace gicube::smi {
@@ -139,6 +140,14 @@ bool look_at_port(const Uri& uri, const std::string& text, Diagnosis& diagnosis)
                            : "is the host up, and does a firewall let the port through?");
 }
 
+bool look_at_function(const Uri& uri, Diagnosis& diagnosis) {
+  for (const auto& [holds, question, answer, advice] : pci_conditions(uri.path)) {
+    if (!holds) return diagnosis.bad(question, answer, advice);
+    diagnosis.good(question, answer);
+  }
+  return true;
+}
+
 bool look_at_place(const std::string& text, Diagnosis& diagnosis) {
   try {
     const Uri uri = parse_uri(text);
@@ -146,6 +155,7 @@ bool look_at_place(const std::string& text, Diagnosis& diagnosis) {
       case UriScheme::kEmu: return look_for_program(diagnosis);
       case UriScheme::kUnix: return look_at_socket(uri, diagnosis);
       case UriScheme::kTcp: return look_at_port(uri, text, diagnosis);
+      case UriScheme::kPci: return look_at_function(uri, diagnosis);
     }
   } catch (const BadArgument&) {  // the driver says what is wrong with it
   }

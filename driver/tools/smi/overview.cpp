@@ -5,16 +5,19 @@
 #include "local_boards.h"
 #include "options.h"
 #include "output.h"
+#include "transport/pci_devices.h"
 
 namespace gicube::smi {
 namespace {
+
+constexpr const char* kFunctionName = "GI-Cube (PCI function)";
 
 // A private board has no place where others could open it.
 std::string place_of(const v1::BoardInfo& board) {
   return board.bus_endpoint().starts_with("fd:") ? "private" : board.bus_endpoint();
 }
 
-void print_table(const std::vector<LocalProcess>& processes) {
+void print_table(const std::vector<LocalProcess>& processes, const std::vector<PciDevice>& functions) {
   Table table({{"PID", Align::kRight},
                {"BOARD", Align::kRight},
                {"NAME"},
@@ -42,11 +45,20 @@ void print_table(const std::vector<LocalProcess>& processes) {
                  board.in_use() ? "in use by " + board.owner() : "free"});
     }
   }
+  for (const auto& [address, in_use] : functions) {
+    table.add({"", "", kFunctionName, "pci:" + address, "", "", "", "", "none", in_use ? "in use" : "free"});
+  }
   if (table.empty()) return fmt::print("no board of this user runs on this machine ({})\n", registry_folder());
   fmt::print("{}", table.text());
 }
 
-void print_json(const std::vector<LocalProcess>& processes) {
+nlohmann::ordered_json functions_json(const std::vector<PciDevice>& functions) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& [address, in_use] : functions) list.push_back({{"uri", "pci:" + address}, {"in_use", in_use}});
+  return list;
+}
+
+void print_json(const std::vector<LocalProcess>& processes, const std::vector<PciDevice>& functions) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const LocalProcess& process : processes) {
     nlohmann::ordered_json entry{{"pid", process.pid}, {"answers", process.told.has_value()}};
@@ -58,19 +70,35 @@ void print_json(const std::vector<LocalProcess>& processes) {
     }
     list.push_back(std::move(entry));
   }
-  print({{"registry", registry_folder()}, {"processes", std::move(list)}});
+  print({{"registry", registry_folder()}, {"processes", std::move(list)}, {"functions", functions_json(functions)}});
 }
 
 }  // namespace
 
 int overview(const Options& options) {
   const std::vector<LocalProcess> processes = local_processes();
+  const std::vector<PciDevice> functions = pci_devices();
   if (options.json) {
-    print_json(processes);
+    print_json(processes, functions);
   } else {
-    print_table(processes);
+    print_table(processes, functions);
   }
   return 0;
+}
+
+bool list_functions(bool json) {
+  const std::vector<PciDevice> functions = pci_devices();
+  if (functions.empty()) return false;
+  if (json) {
+    print({{"functions", functions_json(functions)}});
+    return true;
+  }
+  Table table({{"NAME"}, {"OPEN WITH"}, {"STATE"}});
+  for (const auto& [address, in_use] : functions) {
+    table.add({kFunctionName, "pci:" + address, in_use ? "in use" : "free"});
+  }
+  fmt::print("{}", table.text());
+  return true;
 }
 
 }  // namespace gicube::smi

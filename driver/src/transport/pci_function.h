@@ -1,0 +1,77 @@
+// A session with a board over a PCI function (gicube/wire/pci_function.h): this process is the function's driver, with its registers mapped
+// and its rings in a huge page. A thread moves bytes between the rings and a socket, of which the link has the other end.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "event.h"
+#include "fd.h"
+
+namespace gicube {
+
+class PciFunction {
+ public:
+  // `address` as 0000:00:04.0. Throws OpenFailed that says what is missing, and BoardBusy if another process has opened it.
+  explicit PciFunction(const std::string& address);
+  // Ends the session. Waits some time for what the link has sent last, if the link has closed its socket.
+  ~PciFunction();
+
+  PciFunction(const PciFunction&) = delete;
+  PciFunction& operator=(const PciFunction&) = delete;
+
+  // The link's end of the socket pair; once.
+  Fd take_socket() { return std::move(link_end_); }
+
+ private:
+  // A mapping with one owner.
+  class Mapping {
+   public:
+    Mapping() = default;
+    Mapping(Mapping&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
+    Mapping& operator=(Mapping&& other) noexcept {
+      std::swap(bytes_, other.bytes_);
+      return *this;
+    }
+    ~Mapping();
+    // Throws OpenFailed that says what `what` is.
+    Mapping(std::size_t bytes, int flags, int file, const std::string& what);
+    std::byte* data() const { return bytes_.data(); }
+
+   private:
+    std::span<std::byte> bytes_;
+  };
+
+  std::uint32_t read(std::uint32_t offset) const;
+  void write(std::uint32_t offset, std::uint32_t value) const;
+  // Throws OpenFailed if bits that are to be set can't be.
+  void set_command(std::uint16_t set, std::uint16_t clear) const;
+  std::uint64_t physical_address() const;
+  void open_session();
+
+  void run();
+  bool move_down();
+  bool move_up();
+  bool is_over();
+  void wait(std::chrono::nanoseconds idle);
+
+  const std::string address_;
+  Fd registers_file_, config_, interrupts_;  // the last: -1 without uio_pci_generic
+  Mapping registers_, rings_;
+  std::span<std::byte> down_, up_;
+  std::uint32_t put_ = 0, taken_ = 0;  // ours
+  Fd socket_, link_end_;
+  Event stop_;
+  std::atomic<bool> stops_ = false;
+  bool link_has_closed_ = false, has_ended_ = false, ring_is_full_ = false, socket_is_full_ = false;
+  std::chrono::steady_clock::time_point looked_;  // when a register last said that the session is open
+  std::thread thread_;
+};
+
+}  // namespace gicube

@@ -1,0 +1,104 @@
+#include "bridge.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <utility>
+
+namespace gicube::pci {
+namespace {
+
+constexpr std::uint64_t kNobody = ~std::uint64_t{0};  // what a bus reads where no device answers
+
+}  // namespace
+
+std::optional<std::uint64_t> Bridge::take(Message message) {
+  std::optional<std::uint64_t> answer = 0;
+  // Addresses of BAR accesses are those of the guest's memory.
+  const std::uint64_t in_bar = message.address % wire::kBar0Bytes;
+  switch (message.kind) {
+    case MessageKind::kMemoryMap:
+      memory_.map(message.map);
+      function_.memory_changed();
+      answer.reset();
+      break;
+    case MessageKind::kInterruptFiles:
+      raise_ = std::move(message.files[0]);
+      acknowledged_ = std::move(message.files[1]);
+      raised_ = false;
+      answer.reset();
+      break;
+    case MessageKind::kConfigRead:
+      answer = config_.read(static_cast<std::uint32_t>(message.address), static_cast<std::uint32_t>(message.size));
+      break;
+    case MessageKind::kConfigWrite: take_config_write(message); break;
+    case MessageKind::kBarRead: answer = message.is_memory ? function_.read(in_bar, message.size) : kNobody; break;
+    case MessageKind::kBarWrite:
+      if (message.is_memory) function_.write(in_bar, message.size, message.value);
+      break;
+    case MessageKind::kReset:
+      config_.reset();
+      function_.reset();
+      function_.let_master_bus(false);
+      break;
+    case MessageKind::kAnswer: answer.reset(); break;
+  }
+  update_interrupt();
+  return answer;
+}
+
+void Bridge::take_config_write(const Message& message) {
+  const bool resets =
+      config_.write(static_cast<std::uint32_t>(message.address), static_cast<std::uint32_t>(message.size),
+                    static_cast<std::uint32_t>(message.value));
+  if (resets) function_.reset();
+  function_.let_master_bus(config_.may_master_bus());
+}
+
+// INTx is a level. KVM keeps it until the guest acknowledges it, and then asks whether it is still there.
+void Bridge::update_interrupt() {
+  const bool pending = function_.interrupt_is_pending();
+  config_.show_interrupt(pending);
+  const bool level = pending && !config_.interrupts_are_disabled();
+  if (level && !raised_ && raise_.get() >= 0) {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(raise_.get(), &one, sizeof one);
+  }
+  raised_ = level;
+}
+
+bool Bridge::wait(int qemu, int milliseconds) {
+  // A negative file is not waited for; an event of no kind still reports that the peer has closed.
+  std::array<pollfd, 4> files{{{qemu, POLLIN, 0},
+                               {function_.board_socket(), function_.board_events(), 0},
+                               {function_.connected_event(), POLLIN, 0},
+                               {acknowledged_.get(), POLLIN, 0}}};
+  // While the guest's ring is full and the board takes bytes, only a bell goes on: a closed peer would be reported without end.
+  if (files[1].events == 0) files[1].fd = -1;
+  if (::poll(files.data(), files.size(), milliseconds) <= 0) return false;
+  if (files[2].revents != 0) function_.connection_is_made();
+  if (files[1].revents != 0) function_.board_is_ready();
+  if (files[3].revents != 0) {
+    std::uint64_t count = 0;
+    if (::read(acknowledged_.get(), &count, sizeof count) != sizeof count) acknowledged_.reset();
+    raised_ = false;
+  }
+  update_interrupt();
+  return files[0].revents != 0;
+}
+
+void Bridge::serve(int qemu) {
+  for (;;) {
+    if (!wait(qemu, -1)) continue;
+    auto message = receive(qemu);
+    if (!message) return;
+    const auto value = take(std::move(*message));
+    if (!value) continue;
+    const auto bytes = answer(*value);
+    if (::send(qemu, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) return;
+  }
+}
+
+}  // namespace gicube::pci

@@ -1,0 +1,40 @@
+// One function of a guest: takes QEMU's messages, answers them, and raises INTx.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "config_space.h"
+#include "function.h"
+#include "qemu_messages.h"
+
+namespace gicube::pci {
+
+class Bridge {
+ public:
+  // As for Function.
+  explicit Bridge(std::function<Connection()> connect) : function_(memory_, std::move(connect)) {}
+
+  // The value of the answer; nothing where QEMU waits for none.
+  std::optional<std::uint64_t> take(Message message);
+
+  // Waits for the board, INTx's acknowledgement or, if it is not -1, the socket of QEMU, at most so long (-1: without end). True: there is
+  // a message of QEMU.
+  bool wait(int qemu, int milliseconds);
+
+  // Serves QEMU until it closes the socket. Throws what receive() does.
+  void serve(int qemu);
+
+ private:
+  void take_config_write(const Message& message);
+  void update_interrupt();
+
+  GuestMemory memory_;
+  ConfigSpace config_;
+  Function function_;
+  Fd raise_, acknowledged_;  // eventfds
+  bool raised_ = false;
+};
+
+}  // namespace gicube::pci

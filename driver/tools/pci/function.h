@@ -1,0 +1,83 @@
+// The registers and rings of the function, and the connection to its board: moves bytes between the two, and looks at none of them.
+//
+// Whatever a guest writes, an access returns, reads and writes only mapped memory, and moves at most the bytes of a ring each way.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "gicube/wire/pci_function.h"
+#include "guest_memory.h"
+#include "transport/fd.h"
+
+namespace gicube::pci {
+
+// A connected board. `owner` ends its process when it is released, if it is a private one.
+struct Connection {
+  Fd socket;
+  std::shared_ptr<void> owner;
+};
+
+class Function {
+ public:
+  // `connect` is called on a thread of its own for each session, and throws if the board can't be connected. `memory` outlives this.
+  Function(const GuestMemory& memory, std::function<Connection()> connect);
+  ~Function() { reset(); }
+  Function(const Function&) = delete;
+  Function& operator=(const Function&) = delete;
+
+  // An access to BAR 0; `size` in bytes.
+  std::uint64_t read(std::uint64_t offset, std::uint64_t size);
+  void write(std::uint64_t offset, std::uint64_t size, std::uint64_t value);
+
+  // As after power-up. Ends the session.
+  void reset();
+  void let_master_bus(bool may);
+  // GuestMemory::map() was called: its bytes have moved.
+  void memory_changed();
+
+  bool interrupt_is_pending() const { return (interrupt_status_ & interrupt_mask_) != 0; }
+
+  // What to wait for: poll() events of the board's socket, -1 without one, and a file that is readable when a connection is made.
+  int board_socket() const { return board_.socket.get(); }
+  short board_events() const;
+  int connected_event() const;
+  // One of the two has happened.
+  void board_is_ready();
+  void connection_is_made();
+
+ private:
+  struct Opening;
+
+  void open();
+  // Ends the session; the error is kept if it is the first.
+  void close(wire::function::State state, wire::function::Error error);
+  void fail(wire::function::Error error) { close(wire::function::State::kFailed, error); }
+  void note(wire::function::Error error);
+  void move();
+  bool move_down();
+  bool move_up();
+
+  const GuestMemory& memory_;
+  const std::function<Connection()> connect_;
+
+  // Registers.
+  wire::function::State state_ = wire::function::State::kClosed;
+  wire::function::Error error_ = wire::function::Error::kNone;
+  std::uint64_t ring_address_ = 0;
+  std::uint32_t ring_bytes_ = 0;
+  std::uint32_t interrupt_status_ = 0, interrupt_mask_ = 0;
+  bool may_master_bus_ = false;
+
+  // The session.
+  std::shared_ptr<Opening> opening_;
+  Connection board_;
+  std::span<std::byte> rings_;         // index page, down, up; empty without a session
+  std::uint64_t session_address_ = 0;  // theirs
+  std::uint32_t taken_ = 0, put_ = 0;  // ours, never read back from the guest's memory
+  bool board_is_full_ = false, ring_is_full_ = false;
+};
+
+}  // namespace gicube::pci

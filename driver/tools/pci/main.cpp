@@ -1,0 +1,128 @@
+// gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a board on the other.
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bridge.h"
+#include "gicube/error.h"
+#include "gicube/unknown_options.h"
+#include "transport/connect.h"
+#include "transport/launch.h"
+#include "transport/uri.h"
+
+namespace gicube::pci {
+namespace {
+
+constexpr std::chrono::seconds kConnectPatience{5};  // chosen: a guest's driver waits longer
+
+Connection connect_board(const Uri& uri) {
+  if (uri.scheme != UriScheme::kEmu) return {connect(uri, kConnectPatience), {}};
+  const auto child = std::make_shared<ChildProcess>(find_board_program(), uri.board_arguments);
+  return {child->take_socket(), child};
+}
+
+// Starts the command with its end of a socket pair as file `number`; returns the other end.
+Fd start(const std::vector<std::string>& command, int number, pid_t& process) {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
+  Fd ours(ends[0]);
+  const Fd theirs(ends[1]);
+  std::vector<std::string> words = command;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  process = ::fork();
+  if (process < 0) throw std::runtime_error(fmt::format("cannot start {}: {}", command[0], std::strerror(errno)));
+  if (process > 0) return ours;
+  // dup2() of a file to itself would leave it to be closed.
+  const int moved = theirs.get() == number ? ::dup(theirs.get()) : theirs.get();
+  if (::dup2(moved, number) == number) ::execvp(argv[0], argv.data());
+  fmt::print(stderr, "gicube-pci: cannot start {}: {}\n", command[0], std::strerror(errno));
+  ::_exit(127);
+}
+
+int run(const std::string& board, int number, const std::vector<std::string>& command) {
+  const Uri uri = parse_uri(board);
+  if (uri.is_secure || uri.scheme == UriScheme::kPci) {
+    throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT", "\"" + board + "\"");
+  }
+  pid_t process = -1;
+  Fd qemu;
+  if (command.empty()) {
+    struct stat info {};
+    if (::fstat(number, &info) != 0 || !S_ISSOCK(info.st_mode)) {
+      throw BadArgument("--fd", "the number of an open socket, or a command behind --", std::to_string(number));
+    }
+    qemu = Fd(number);
+  } else {
+    qemu = start(command, number, process);
+  }
+  int code = 0;
+  try {
+    Bridge bridge([uri] { return connect_board(uri); });
+    bridge.serve(qemu.get());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gicube-pci: {}\n", error.what());
+    code = 1;
+  }
+  qemu.reset();
+  if (process < 0) return code;
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  const int theirs = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return code != 0 ? code : theirs;
+}
+
+}  // namespace
+}  // namespace gicube::pci
+
+int main(int argc, char** argv) {
+  using namespace gicube;
+  std::string board = "emu:";
+  int number = 3;
+  CLI::App app(
+      "Gives a guest of QEMU a board as a PCI function. QEMU needs the device x-pci-proxy-dev,fd=N, memory that it "
+      "shares\n"
+      "(memory-backend-memfd,share=on), and one processor. gicube-pci URI -- COMMAND starts COMMAND, QEMU or another\n"
+      "gicube-pci, with file N as the socket of the function, and ends with its exit code.",
+      "gicube-pci");
+  app.set_version_flag("--version", "gicube-pci " GICUBE_VERSION);
+  app.add_option("uri", board, "the board: emu:, unix:PATH or tcp:HOST:PORT")->type_name("URI")->capture_default_str();
+  app.add_option("--fd", number, "the socket to QEMU; a file of the command, or else of this process")
+      ->type_name("N")
+      ->check(CLI::Range(3, 1023))
+      ->capture_default_str();
+  char** const dashes = std::find_if(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--") == 0; });
+  const std::vector<std::string> command(std::min(dashes + 1, argv + argc), argv + argc);
+  try {
+    app.parse(static_cast<int>(dashes - argv), argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "gicube-pci: {}\n", usage_fault(app, error.what()));
+    return 2;
+  }
+  try {
+    return pci::run(board, number, command);
+  } catch (const BadArgument& error) {
+    fmt::print(stderr, "gicube-pci: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gicube-pci: {}\n", error.what());
+    return 1;
+  }
+}
