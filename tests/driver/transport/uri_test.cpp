@@ -49,6 +49,23 @@ TEST(Uri, UnixTakesThePathWithItsPercentEscapes) {
   EXPECT_EQ(uri.path, "/run/a?b/board%.sock");
 }
 
+TEST(Uri, PciTakesTheAddressOfAFunction) {
+  for (const char* text : {"pci:0000:00:1f.7", "pci:00:1F.7"}) {
+    const Uri uri = parse_uri(text);
+    EXPECT_EQ(uri.scheme, UriScheme::kPci);
+    EXPECT_EQ(uri.path, "0000:00:1f.7");
+    EXPECT_EQ(text_of(uri), "pci:0000:00:1f.7");
+  }
+  EXPECT_EQ(parse_uri("pci:12ab:cd:00.0").path, "12ab:cd:00.0");
+  for (const char* text : {"pci:", "pci:4", "pci:00:20.0", "pci:00:04.8", "pci:00:04.0?", "pci:00:04",
+                           "pci:0000:00:04.00", "pci:00:+4.0", "pci:00000:00:04.0", "pci:../00:04.0"}) {
+    EXPECT_EQ(error_of(text),
+              std::string("URI: expected pci:DOMAIN:BUS:SLOT.FUNCTION, as pci:0000:00:04.0 (lspci -D lists "
+                          "addresses), got \"") +
+                  text + "\"");
+  }
+}
+
 TEST(Uri, TcpTakesHostAndPort) {
   const Uri name = parse_uri("tcp:localhost:7000");
   EXPECT_EQ(name.scheme, UriScheme::kTcp);
