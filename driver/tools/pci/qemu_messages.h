@@ -36,10 +36,10 @@ struct Message {
   MessageKind kind{};
   std::uint64_t address = 0;  // in the configuration space; of the guest's memory or I/O ports
   std::uint64_t value = 0;
-  std::uint64_t size = 0;         // bytes of an access
-  bool is_memory = false;         // kBarRead, kBarWrite: else I/O ports
-  std::vector<MemoryRegion> map;  // kMemoryMap
-  std::vector<Fd> files;          // kInterruptFiles
+  std::uint64_t size = 0;           // bytes of an access
+  bool is_memory = false;           // kBarRead, kBarWrite: else I/O ports
+  std::vector<MemoryRegion> map{};  // kMemoryMap
+  std::vector<Fd> files{};          // kInterruptFiles
 };
 
 // The size of the data that a header announces; nothing if it is more than any message has.
