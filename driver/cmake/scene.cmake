@@ -11,7 +11,7 @@ target_sources(gicube-scene
 target_compile_features(gicube-scene INTERFACE cxx_std_20)
 target_link_libraries(gicube-scene
   PUBLIC gicube
-  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
+  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB BZip2::BZip2 pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
 target_link_options(gicube-scene PRIVATE
   LINKER:--version-script=${scene_script} LINKER:--exclude-libs,ALL LINKER:--as-needed)
 if(NOT GICUBE_SANITIZE AND NOT GICUBE_FUZZ)  # as libgicube.so

@@ -1,6 +1,7 @@
 #include "gicube/scene/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -67,14 +68,43 @@ void allow_outside_in(Node& node) {
 
 }  // namespace
 
-void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& spacing, View& view) {
+Vec3 see_from(const std::string& name, WorldAxes axes, std::optional<Vec3>& up) {
+  struct Named {
+    const char* name;
+    Vec3 towards_eye;
+    bool of_patient;  // a name for patients alone
+  };
+  const bool patient = axes == WorldAxes::kPatient;
+  const double left = patient ? 1 : -1;
+  const std::array views{
+      Named{"front", {0, -1, 0}, false},    Named{"back", {0, 1, 0}, false},     Named{"left", {left, 0, 0}, false},
+      Named{"right", {-left, 0, 0}, false}, Named{"top", {0, 0, 1}, false},      Named{"bottom", {0, 0, -1}, false},
+      Named{"iso", {1, -1, 1}, false},      Named{"anterior", {0, -1, 0}, true}, Named{"posterior", {0, 1, 0}, true},
+      Named{"superior", {0, 0, 1}, true},   Named{"inferior", {0, 0, -1}, true}};
+  const auto* const found = std::ranges::find_if(views, [&](const Named& view) { return name == view.name; });
+  if (found == views.end() || (found->of_patient && !patient)) {
+    std::string names;
+    for (const Named& view : views) {
+      if (patient || !view.of_patient) names += (names.empty() ? "" : ", ") + std::string(view.name);
+    }
+    throw InputError("view", "one of " + names + (patient ? "" : " (the file says nothing of a patient)"),
+                     in_quotes(name));
+  }
+  if (!up && found->towards_eye.x == 0 && found->towards_eye.y == 0)
+    up = Vec3{0, patient || found->towards_eye.z < 0 ? -1.0 : 1.0, 0};
+  return found->towards_eye;
+}
+
+void fit_camera(const CameraSettings& asked, const SceneBox& box, const Vec3& spacing, View& view, WorldAxes axes) {
+  CameraSettings camera = asked;
+  const Vec3 direction = camera.from.empty() ? kDefaultDirection : see_from(camera.from, axes, camera.up);
   const Vec3 scale = relative(spacing), inverse{1 / scale.x, 1 / scale.y, 1 / scale.z};
   view.fov_degrees = camera.fov_degrees.value_or(view.fov_degrees);
   if (!(view.fov_degrees > 0 && view.fov_degrees < 180)) {
     throw InputError("field of view", "more than 0 and less than 180 degrees", shown(view.fov_degrees));
   }
   view.look_at = camera.look_at.value_or(0.5 * (box.low + box.high));
-  const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : kDefaultDirection;
+  const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : direction;
   const Vec3 towards_eye = unit_or_zero(sight);  // zero: the driver refuses it
   view.up = choose_up(camera, towards_eye);
 

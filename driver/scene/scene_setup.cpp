@@ -54,12 +54,14 @@ CameraSettings in_voxels(CameraSettings camera, const WorldGrid& grid) {
 void set_camera(const Scene& scene, SceneSetup& setup) {
   // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
   const CameraSettings& asked = scene.camera;
-  const bool own = asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height;
+  const bool own =
+      asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height || !asked.from.empty();
   setup.view = scene.view;
   for (CutPlane& plane : setup.view.cut_planes) {
     plane.offset = (plane.offset - dot(plane.normal, setup.grid.low)) / setup.grid.voxel;
   }
-  fit_camera(own ? in_voxels(asked, setup.grid) : setup.built_in.camera, setup.box, setup.volume.spacing, setup.view);
+  fit_camera(own ? in_voxels(asked, setup.grid) : setup.built_in.camera, setup.box, setup.volume.spacing, setup.view,
+             setup.volume.placement.axes);
 }
 
 // Outside of the volume, where the light of its pictures without illumination shines from.

@@ -15,7 +15,8 @@
 namespace gicube::scene {
 namespace {
 
-constexpr std::uint64_t kMaxDeflateRatio = 1032;           // zlib's technical notes: no deflate stream does better
+constexpr std::uint64_t kMaxDeflateRatio = 1032;   // zlib's technical notes: no deflate stream does better
+constexpr std::uint64_t kMaxBzip2Ratio = 1 << 20;  // 45 bytes can hold 45,899,235 (bzip2's manual, memory management)
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // chosen
 constexpr int kGzipOrZlib = MAX_WBITS + 32;                // zlib.h: detect the header
 
@@ -25,8 +26,8 @@ void throw_truncated(const DataPlace& place, std::uint64_t bytes, const std::str
   throw FileError(place.file, "data", fmt::format("{} bytes", bytes), got + " (truncated, or the header is wrong)");
 }
 
-DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed)
-    : file_(file), bytes_(file_bytes(file)), compressed_(compressed) {
+DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, Compression compression)
+    : file_(file), bytes_(file_bytes(file)), compression_(compression) {
   if (offset > bytes_) {
     throw FileError(file, "data", fmt::format("to begin at byte {}", offset),
                     fmt::format("a file of {} bytes (truncated, or the header is wrong)", bytes_));
@@ -35,11 +36,18 @@ DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, 
   input_.open(file, std::ios::binary);
   if (!input_) throw FileError(file, "file", "a readable file", std::strerror(errno));
   input_.seekg(static_cast<std::streamoff>(offset));
-  if (compressed && inflateInit2(&inflater_, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
+  const bool bzip2 = compression == Compression::kBzip2;
+  const int window = compression == Compression::kDeflate ? -MAX_WBITS : kGzipOrZlib;
+  if (bzip2 && BZ2_bzDecompressInit(&decompressor_, 0, 0) != BZ_OK) throw std::bad_alloc();
+  if (!bzip2 && compression != Compression::kNone && inflateInit2(&inflater_, window) != Z_OK) throw std::bad_alloc();
 }
 
 DataStream::~DataStream() {
-  if (compressed_) inflateEnd(&inflater_);
+  if (compression_ == Compression::kBzip2) {
+    BZ2_bzDecompressEnd(&decompressor_);
+  } else if (compression_ != Compression::kNone) {
+    inflateEnd(&inflater_);
+  }
 }
 
 std::size_t DataStream::read_file(void* bytes, std::size_t count) {
@@ -57,7 +65,7 @@ bool DataStream::refill() {
 // A gzip file may consist of several streams; what else follows one is not ours.
 void DataStream::end_member() {
   const bool more = inflater_.avail_in > 0 || refill();
-  ended_ = !more || *inflater_.next_in != 0x1f;
+  ended_ = !more || *inflater_.next_in != 0x1f || compression_ == Compression::kDeflate;
   if (!ended_) inflateReset(&inflater_);
 }
 
@@ -77,12 +85,49 @@ void DataStream::inflate_some(std::span<std::byte> out) {
   }
 }
 
+// The same for bzip2, which has several streams one after another where several threads made them.
+void DataStream::decompress_some(std::span<std::byte> out) {
+  if (decompressor_.avail_in == 0) {
+    decompressor_.avail_in = static_cast<unsigned>(read_file(buffer_.data(), buffer_.size()));
+    decompressor_.next_in = buffer_.data();
+    if (decompressor_.avail_in == 0) {
+      throw FileError(file_, "compressed data", "a whole bzip2 stream", "its beginning (truncated)");
+    }
+  }
+  decompressor_.next_out = reinterpret_cast<char*>(out.data());
+  decompressor_.avail_out = static_cast<unsigned>(std::min(out.size(), kChunkBytes));
+  const int status = BZ2_bzDecompress(&decompressor_);
+  if (status == BZ_STREAM_END) {
+    char* const next = decompressor_.next_out;
+    if (decompressor_.avail_in == 0) {
+      decompressor_.avail_in = static_cast<unsigned>(read_file(buffer_.data(), buffer_.size()));
+      decompressor_.next_in = buffer_.data();
+    }
+    ended_ = decompressor_.avail_in == 0 || *decompressor_.next_in != 'B';
+    if (ended_) return;
+    const bz_stream left = decompressor_;
+    BZ2_bzDecompressEnd(&decompressor_);
+    decompressor_ = {};
+    if (BZ2_bzDecompressInit(&decompressor_, 0, 0) != BZ_OK) throw std::bad_alloc();
+    decompressor_.next_in = left.next_in;
+    decompressor_.avail_in = left.avail_in;
+    decompressor_.next_out = next;
+  } else if (status != BZ_OK) {
+    throw FileError(file_, "compressed data", "a bzip2 stream", fmt::format("damage (bzip2's error {})", status));
+  }
+}
+
 std::size_t DataStream::read(std::span<std::byte> bytes) {
   WhileReading::look();
-  if (!compressed_) return read_file(bytes.data(), bytes.size());
+  if (compression_ == Compression::kNone) return read_file(bytes.data(), bytes.size());
   std::size_t done = 0;
   while (done < bytes.size() && !ended_) {
     WhileReading::look();
+    if (compression_ == Compression::kBzip2) {
+      decompress_some(bytes.subspan(done));
+      done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(decompressor_.next_out) - bytes.data());
+      continue;
+    }
     inflate_some(bytes.subspan(done));
     done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater_.next_out) - bytes.data());
   }
@@ -91,9 +136,9 @@ std::size_t DataStream::read(std::span<std::byte> bytes) {
 
 std::uint64_t DataStream::max_bytes() const {
   // A file system's sizes are below 2^63, but not 1032 times below.
-  if (!compressed_) return bytes_;
-  constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max() / kMaxDeflateRatio;
-  return std::min(bytes_, kMax) * kMaxDeflateRatio;
+  if (compression_ == Compression::kNone) return bytes_;
+  const std::uint64_t ratio = compression_ == Compression::kBzip2 ? kMaxBzip2Ratio : kMaxDeflateRatio;
+  return std::min(bytes_, std::numeric_limits<std::uint64_t>::max() / ratio) * ratio;
 }
 
 std::uint64_t file_bytes(const std::filesystem::path& file) {
@@ -110,7 +155,7 @@ std::uint64_t file_bytes(const std::filesystem::path& file) {
 }
 
 std::string file_start(const std::filesystem::path& file, std::size_t max_bytes) {
-  DataStream stream(file, 0, false);
+  DataStream stream(file, 0, Compression::kNone);
   std::string start(std::min<std::uint64_t>(max_bytes, stream.max_bytes()), '\0');
   start.resize(stream.read(std::as_writable_bytes(std::span(start))));
   return start;
@@ -119,12 +164,13 @@ std::string file_start(const std::filesystem::path& file, std::size_t max_bytes)
 bool starts_as_gzip(const std::filesystem::path& file) { return file_start(file, 2) == "\x1f\x8b"; }
 
 std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes) {
-  auto stream = std::make_unique<DataStream>(place.file, place.offset, place.compressed);
+  auto stream = std::make_unique<DataStream>(place.file, place.offset, place.compression);
   const std::uint64_t max = stream->max_bytes();
   if (place.skip > max || bytes > max - place.skip) {
     const std::uint64_t left = place.skip > max ? 0 : max - place.skip;
-    throw_truncated(place, bytes,
-                    fmt::format("{}{}", place.compressed ? "a compressed stream for at most " : "", left));
+    throw_truncated(
+        place, bytes,
+        fmt::format("{}{}", place.compression != Compression::kNone ? "a compressed stream for at most " : "", left));
   }
   std::vector<std::byte> passed;
   for (std::uint64_t skipped = 0; skipped < place.skip; skipped += passed.size()) {
@@ -142,10 +188,21 @@ void end_data(DataStream& stream, DataPlace& place, std::size_t bytes) {
   if (!std::exchange(place.warns_of_more, false)) return;
   const std::uint64_t all = file_bytes(place.file) - std::min(file_bytes(place.file), place.offset + place.skip);
   warn(place.file, "data", fmt::format("{} bytes by the header", bytes),
-       (place.compressed ? "more" : fmt::format("{}", all)) + " (the rest is ignored, or the header is wrong)");
+       (place.compression != Compression::kNone ? "more" : fmt::format("{}", all)) +
+           " (the rest is ignored, or the header is wrong)");
 }
 
 std::vector<std::byte> read_data(DataPlace place, std::size_t bytes) {
+  if (!place.series.empty()) {
+    const std::vector<std::filesystem::path> files = std::exchange(place.series, {});
+    std::vector<std::byte> all;
+    for (const auto& file : files) {
+      place.file = file;
+      const std::vector<std::byte> part = read_data(place, bytes / files.size());
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }
   const auto stream = open_data(place, bytes);
   std::vector<std::byte> out;
   out.reserve(bytes);  // memory that is not written to costs nothing, should a compressed file end early

@@ -1,6 +1,7 @@
-// Bytes of a file, as they are or out of a gzip or zlib stream.
+// Bytes of a file, as they are or out of a compressed stream.
 #pragma once
 
+#include <bzlib.h>
 #include <zlib.h>
 
 #include <array>
@@ -17,21 +18,29 @@
 
 namespace gicube::scene {
 
+enum class Compression {
+  kNone,
+  kGzip,
+  kDeflate,
+  kBzip2
+};  // kGzip: gzip or zlib, the stream says which; kDeflate: bare
+
 // Where the samples of a volume lie.
 struct DataPlace {
   std::filesystem::path file;
-  std::uint64_t offset = 0;    // bytes of the file before the data, or before its compressed stream
-  bool compressed = false;     // gzip or zlib; the stream says which
-  std::uint64_t skip = 0;      // uncompressed bytes before the first sample
-  bool nothing_after = false;  // bytes behind the samples are an error
-  bool warns_of_more = false;  // or a warning: of a file that has samples alone
+  std::uint64_t offset = 0;  // bytes of the file before the data, or before its compressed stream
+  Compression compression = Compression::kNone;
+  std::uint64_t skip = 0;                       // uncompressed bytes before the first sample
+  bool nothing_after = false;                   // bytes behind the samples are an error
+  bool warns_of_more = false;                   // or a warning: of a file that has samples alone
+  std::vector<std::filesystem::path> series{};  // in place of `file`: the same share of the samples in each
 };
 
 // Reads forward. Damage in the compressed stream, its checksum included, throws FileError.
 class DataStream {
  public:
   // Throws FileError when the file is missing, unreadable, no regular file, or shorter than the offset.
-  DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed);
+  DataStream(const std::filesystem::path& file, std::uint64_t offset, Compression compression);
   DataStream(const DataStream&) = delete;
   DataStream& operator=(const DataStream&) = delete;
   ~DataStream();
@@ -47,13 +56,15 @@ class DataStream {
   bool refill();
   void end_member();
   void inflate_some(std::span<std::byte> out);
+  void decompress_some(std::span<std::byte> out);
 
   std::filesystem::path file_;
   std::ifstream input_;
   std::uint64_t bytes_;  // of the file, behind the offset
-  bool compressed_;
+  Compression compression_;
   bool ended_ = false;
   z_stream inflater_{};
+  bz_stream decompressor_{};
   std::array<char, 65536> buffer_;
 };
 

@@ -22,6 +22,10 @@ class Header {
     const HeaderLines lines =
         read_header_lines(file, [](std::string_view line) { return key_of(line) == "ElementDataFile"; });
     end_ = lines.end;
+    if (lines.complete &&
+        trimmed(std::string_view(lines.lines.back()).substr(lines.lines.back().find('=') + 1)).starts_with("LIST"))
+      list_ = read_header_lines(file, [](std::string_view) { return false; }).lines;
+    list_.erase(list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(std::min(list_.size(), lines.lines.size())));
     for (const std::string& line : lines.lines) {
       const std::size_t equals = line.find('=');
       if (trimmed(line).empty()) continue;
@@ -34,6 +38,7 @@ class Header {
   static std::string_view key_of(std::string_view line) { return trimmed(line.substr(0, line.find('='))); }
 
   std::uint64_t end() const { return end_; }
+  const std::vector<std::string>& list() const { return list_; }  // the lines behind "ElementDataFile = LIST"
   bool has(const std::string& key) const { return values_.contains(key); }
 
   const std::string& text(const std::string& key) const {
@@ -72,6 +77,7 @@ class Header {
  private:
   std::filesystem::path file_;
   std::map<std::string, std::string> values_;
+  std::vector<std::string> list_;
   std::uint64_t end_ = 0;
 };
 
@@ -96,6 +102,30 @@ Vec3 spacing_of(const std::filesystem::path& file, const Header& header) {
   return {list[0], list[1], list[2]};
 }
 
+// TransformMatrix has the direction of each axis, one after another. MetaImage says of no file that it is a patient; ITK, whose format it is,
+// takes all as that.
+void place(const std::filesystem::path& file, const Header& header, StoredLayout& layout) {
+  const auto given = [&](std::initializer_list<const char*> keys, std::size_t count) -> std::vector<double> {
+    for (const char* const key : keys) {
+      if (!header.has(key)) continue;
+      auto list = header.numbers<double>(key);
+      if (list.size() < count)
+        throw FileError(file, key, fmt::format("{} numbers", count), in_quotes(header.text(key)));
+      return list;
+    }
+    return {};
+  };
+  const auto axes = static_cast<std::size_t>(header.number("NDims", 3));
+  const auto matrix = given({"TransformMatrix", "Rotation", "Orientation"}, axes * axes);
+  const auto origin = given({"Offset", "Position", "Origin"}, 3);
+  if (!origin.empty()) layout.placement.origin = {origin[0], origin[1], origin[2]};
+  if (matrix.empty()) return;
+  for (std::size_t i = 0; i < 3; ++i)
+    layout.placement.directions[i] = {matrix[i * axes], matrix[i * axes + 1], matrix[i * axes + 2]};
+  const bool unknown = header.has("AnatomicalOrientation") && header.text("AnatomicalOrientation").starts_with('?');
+  layout.placement.axes = unknown ? WorldAxes::kWorld : WorldAxes::kPatient;
+}
+
 StoredLayout layout_of(const std::filesystem::path& file, const Header& header) {
   StoredLayout layout;
   layout.file = file;
@@ -103,12 +133,14 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   if (const auto axes = header.number("NDims", 3); axes != static_cast<std::int64_t>(sizes.size())) {
     throw FileError(file, "DimSize", fmt::format("NDims = {} numbers", axes), in_quotes(header.text("DimSize")));
   }
-  layout.dims = checked_dims(file, "DimSize", sizes);
-  if (const auto channels = header.number("ElementNumberOfChannels", 1); channels != 1) {
-    throw FileError(file, "ElementNumberOfChannels", "1", fmt::format("{}", channels));
-  }
+  layout.dims = checked_dims(file, "DimSize", std::span(sizes).first(std::min<std::size_t>(sizes.size(), 3)));
+  const auto channels = header.number("ElementNumberOfChannels", 1);
+  if (channels < 1 || channels > kMaxParts)
+    throw FileError(file, "ElementNumberOfChannels", fmt::format("1..{}", kMaxParts), fmt::format("{}", channels));
+  layout.channels = static_cast<int>(channels);
   layout.type = type_of(file, header.text("ElementType"));
   layout.spacing = spacing_of(file, header);
+  place(file, header, layout);
   // Two names of one thing; writers differ.
   layout.big_endian = header.flag("ElementByteOrderMSB", header.flag("BinaryDataByteOrderMSB", false));
   return layout;
@@ -118,17 +150,20 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
 // last line ends.
 DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes, bool allow_outside) {
   DataPlace place;
-  place.compressed = header.flag("CompressedData", false);
+  if (header.flag("CompressedData", false)) place.compression = Compression::kGzip;
   const std::string& name = header.text("ElementDataFile");
   const bool local = name == "LOCAL";
-  if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos) {
-    throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", in_quotes(name));
+  if (name.empty()) throw FileError(file, "ElementDataFile", "LOCAL, LIST or the name of a file", "none");
+  if (name.starts_with("LIST") || name.find('%') != std::string::npos) {
+    place.series = series_of(file, "ElementDataFile", name, header.list(), allow_outside);
+    place.file = place.series.front();
+  } else {
+    place.file = local ? file : beside(file, "ElementDataFile", name, allow_outside);
   }
-  place.file = local ? file : beside(file, "ElementDataFile", name, allow_outside);
   place.warns_of_more = !local;
   const std::uint64_t begin = local ? header.end() : 0;
   const std::int64_t skip = header.number("HeaderSize", 0);
-  if (skip == -1 && !place.compressed) {
+  if (skip == -1 && place.compression == Compression::kNone && place.series.empty()) {
     const std::uint64_t all = file_bytes(place.file);
     place.offset = all >= begin + bytes ? all - bytes : begin;
   } else if (skip == 0 || (skip > 0 && static_cast<std::uint64_t>(skip) >= begin)) {
@@ -157,7 +192,7 @@ bool is_meta_image(const std::filesystem::path& file) {
   return key == "ObjectType" || key == "NDims";
 }
 
-StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside) {
+StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside, const std::string& part) {
   if (first_key(file).empty()) throw FileError(file, "header", "lines \"Key = Value\"", "another beginning");
   const Header header(file);
   if (header.has("ObjectType") && header.text("ObjectType") != "Image") {
@@ -165,8 +200,27 @@ StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside
   }
   StoredLayout layout = layout_of(file, header);
   const std::size_t bytes = checked_bytes(layout);
-  const DataPlace place = place_of(file, header, bytes, allow_outside);
-  if (header.flag("BinaryData", true)) return {layout, place, Encoding::kBytes};
+  DataPlace place = place_of(file, header, bytes, allow_outside);
+  const bool binary = header.flag("BinaryData", true);
+  std::int64_t volumes = 1;
+  const auto sizes = header.numbers<std::int64_t>("DimSize");
+  for (const std::int64_t size : std::span(sizes).subspan(3)) {
+    if (size < 1 || size > kMaxParts)
+      throw FileError(file, "DimSize", fmt::format("1..{} volumes", kMaxParts), fmt::format("{}", size));
+    volumes = std::min(volumes * size, std::int64_t{kMaxParts} + 1);
+  }
+  place.warns_of_more = place.warns_of_more && volumes == 1;
+  const bool colours = layout.channels == 3 || layout.channels == 4;
+  const bool small = layout.type == StoredType::kUint8 || layout.type == StoredType::kUint16;
+  if (layout.channels > 1 && !(colours && small && part.empty())) {
+    if (part.empty()) throw FileError(file, "part", fmt::format("a channel, 1..{}", layout.channels), "none");
+    layout.channel = static_cast<int>(chosen_part(file, "channel", layout.channels, part));
+  } else if (const std::size_t chosen = chosen_part(file, "volume", volumes, part); chosen > 0) {
+    if (!binary || !place.series.empty())
+      throw FileError(file, "part", "1, as the samples are text or in several files", part);
+    place.skip += chosen * std::uint64_t{bytes};
+  }
+  if (binary) return {layout, place, Encoding::kBytes};
   layout.big_endian = std::endian::native == std::endian::big;
   return {layout, place, Encoding::kNumbers};
 }

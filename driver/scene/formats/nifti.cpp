@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
+#include "scene/common/checks.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/stored_samples.h"
 
@@ -25,7 +26,7 @@ struct Header {
   double data_offset = 0;       // a float in version 1
   std::int64_t min_offset = 0;  // header and the four bytes that announce extensions
   bool swapped = false;
-  bool gzipped = false;
+  Compression compression = Compression::kNone;
 
   std::string magic() const { return {raw.magic, strnlen(raw.magic, 4)}; }
 };
@@ -36,6 +37,17 @@ Header from(const Raw& raw, bool swapped) {
   std::ranges::copy(raw.dim, header.raw.dim);
   std::ranges::copy(raw.pixdim, header.raw.pixdim);
   std::copy_n(raw.magic, 4, header.raw.magic);
+  header.raw.qform_code = raw.qform_code;
+  header.raw.sform_code = raw.sform_code;
+  header.raw.quatern_b = static_cast<double>(raw.quatern_b);
+  header.raw.quatern_c = static_cast<double>(raw.quatern_c);
+  header.raw.quatern_d = static_cast<double>(raw.quatern_d);
+  header.raw.qoffset_x = static_cast<double>(raw.qoffset_x);
+  header.raw.qoffset_y = static_cast<double>(raw.qoffset_y);
+  header.raw.qoffset_z = static_cast<double>(raw.qoffset_z);
+  std::ranges::copy(raw.srow_x, header.raw.srow_x);
+  std::ranges::copy(raw.srow_y, header.raw.srow_y);
+  std::ranges::copy(raw.srow_z, header.raw.srow_z);
   header.raw.datatype = raw.datatype;
   header.raw.scl_slope = static_cast<double>(raw.scl_slope);
   header.raw.scl_inter = static_cast<double>(raw.scl_inter);
@@ -54,13 +66,13 @@ std::optional<Header> parse(std::span<const std::byte> start, void (*swap)(Raw*)
 }
 
 std::optional<Header> read_header(const std::filesystem::path& file) {
-  const bool gzipped = starts_as_gzip(file);
-  DataStream stream(file, 0, gzipped);
+  const Compression compression = starts_as_gzip(file) ? Compression::kGzip : Compression::kNone;
+  DataStream stream(file, 0, compression);
   std::array<std::byte, sizeof(nifti_2_header)> buffer;
   const std::span<const std::byte> start(buffer.data(), stream.read(buffer));
   auto header = parse<nifti_1_header>(start, nifti_swap_as_nifti1);
   if (!header) header = parse<nifti_2_header>(start, nifti_swap_as_nifti2);
-  if (header) header->gzipped = gzipped;
+  if (header) header->compression = compression;
   return header;
 }
 
@@ -82,19 +94,55 @@ StoredType type_of(const std::filesystem::path& file, int datatype) {
   }
 }
 
+// Header and data are in two files: NIfTI says so, Analyze 7.5 has no magic and is always so.
+bool is_pair(const Header& header) { return !header.magic().starts_with("n+"); }
+
+// From the scanner's axes, to the right, to the front and upwards, to ours.
+Vec3 from_ras(double x, double y, double z) { return {-x, -y, z}; }
+
+// sform is preferred to qform, as nibabel does. Analyze has neither, nor has a file that says that both mean nothing.
+void place(const std::filesystem::path& file, const nifti_2_header& raw, StoredLayout& layout) {
+  layout.spacing = {raw.pixdim[1], raw.pixdim[2], raw.pixdim[3]};
+  if (raw.sform_code <= 0 && raw.qform_code <= 0) return;
+  nifti_dmat44 to_world{};
+  if (raw.sform_code > 0) {
+    std::ranges::copy(raw.srow_x, to_world.m[0]);
+    std::ranges::copy(raw.srow_y, to_world.m[1]);
+    std::ranges::copy(raw.srow_z, to_world.m[2]);
+  } else {
+    to_world = nifti_quatern_to_dmat44(raw.quatern_b, raw.quatern_c, raw.quatern_d, raw.qoffset_x, raw.qoffset_y,
+                                       raw.qoffset_z, 1, 1, 1, raw.pixdim[0] < 0 ? -1 : 1);
+  }
+  const auto& m = to_world.m;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    layout.placement.directions[axis] = from_ras(m[0][axis], m[1][axis], m[2][axis]);
+  layout.placement.origin = from_ras(m[0][3], m[1][3], m[2][3]);
+  layout.placement.axes = WorldAxes::kPatient;
+  if (raw.sform_code <= 0) return;
+  const auto edge = [&](std::size_t axis) { return length(layout.placement.directions[axis]); };
+  const Vec3 edges{edge(0), edge(1), edge(2)};
+  const auto near = [](double a, double b) { return std::abs(std::abs(a) - b) <= 1e-4 * b; };  // chosen: of floats
+  if (near(layout.spacing.x, edges.x) && near(layout.spacing.y, edges.y) && near(layout.spacing.z, edges.z)) return;
+  warn(file, "pixdim", fmt::format("{:g} {:g} {:g} as in srow", edges.x, edges.y, edges.z),
+       fmt::format("{:g} {:g} {:g}; srow is taken", layout.spacing.x, layout.spacing.y, layout.spacing.z));
+  layout.spacing = edges;
+}
+
 StoredLayout layout_of(const std::filesystem::path& file, const Header& header) {
   const nifti_2_header& raw = header.raw;
-  if (header.magic() != "n+1" && header.magic() != "n+2") {
-    throw FileError(file, "magic", "\"n+1\" or \"n+2\" (header and data in one file)", '"' + header.magic() + '"');
-  }
   if (raw.dim[0] < 3 || raw.dim[0] > 7) throw FileError(file, "dim[0]", "3..7", fmt::format("{}", raw.dim[0]));
   StoredLayout layout;
   layout.file = file;
-  layout.dims = checked_dims(file, "dim", {raw.dim + 1, static_cast<std::size_t>(raw.dim[0])});
-  layout.type = type_of(file, raw.datatype);
-  layout.spacing = {raw.pixdim[1], raw.pixdim[2], raw.pixdim[3]};
+  layout.dims = checked_dims(file, "dim", {raw.dim + 1, 3});
+  if (raw.datatype == NIFTI_TYPE_RGB24 || raw.datatype == NIFTI_TYPE_RGBA32) {
+    layout.channels = raw.datatype == NIFTI_TYPE_RGB24 ? 3 : 4;
+  } else {
+    layout.type = type_of(file, raw.datatype);
+  }
+  place(file, raw, layout);
   layout.big_endian = header.swapped == (std::endian::native == std::endian::little);
-  if (raw.scl_slope == 0 || std::isnan(raw.scl_slope)) return layout;
+  const bool is_analyze = header.magic().empty();  // funused1 and funused2 are there
+  if (raw.scl_slope == 0 || std::isnan(raw.scl_slope) || layout.channels > 1 || is_analyze) return layout;
   if (!std::isfinite(raw.scl_slope) || !std::isfinite(raw.scl_inter)) {
     throw FileError(file, "scl_slope, scl_inter", "finite numbers",
                     fmt::format("{}, {}", raw.scl_slope, raw.scl_inter));
@@ -104,18 +152,51 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   return layout;
 }
 
-DataPlace place_of(const std::filesystem::path& file, const Header& header) {
+// The number of volumes that follow each other: dim[4] times and what dim[5] to dim[7] count.
+std::int64_t volumes_of(const std::filesystem::path& file, const nifti_2_header& raw) {
+  std::int64_t count = 1;
+  for (int axis = 4; axis <= static_cast<int>(raw.dim[0]); ++axis) {
+    const std::int64_t size = raw.dim[axis];
+    if (size < 1 || size > kMaxParts) {
+      throw FileError(file, fmt::format("dim[{}]", axis), fmt::format("1..{}", kMaxParts), fmt::format("{}", size));
+    }
+    count = std::min(count * size, std::int64_t{kMaxParts} + 1);
+  }
+  return count;
+}
+
+DataPlace place_of(const std::filesystem::path& file, const Header& header, const std::filesystem::path& data) {
   // A float in NIfTI-1: exact up to 2^24, and a whole number always.
-  const double offset = header.data_offset;
-  if (!(offset >= static_cast<double>(header.min_offset) && offset < 0x1p53) || offset != std::floor(offset)) {
-    throw FileError(file, "vox_offset", fmt::format("a whole number from {} on", header.min_offset),
-                    fmt::format("{}", offset));
+  const double offset = header.data_offset, least = is_pair(header) ? 0 : static_cast<double>(header.min_offset);
+  if (!(offset >= least && offset < 0x1p53) || offset != std::floor(offset)) {
+    throw FileError(file, "vox_offset", fmt::format("a whole number from {} on", least), fmt::format("{}", offset));
   }
   DataPlace place;
-  place.file = file;
-  place.compressed = header.gzipped;
+  place.file = data;
+  place.compression = data == file           ? header.compression
+                      : starts_as_gzip(data) ? Compression::kGzip
+                                             : Compression::kNone;
   place.skip = static_cast<std::uint64_t>(offset);
   return place;
+}
+
+// The other file of a pair, NAME.hdr and NAME.img, each gzipped or not.
+std::filesystem::path partner(const std::filesystem::path& file, const char* extension) {
+  std::filesystem::path name = file;
+  if (lower_case(name.extension().string()) == ".gz") name.replace_extension();
+  for (const char* const end : {"", ".gz"}) {
+    std::error_code none;
+    std::filesystem::path other = name;
+    other.replace_extension(std::string(extension) + end);
+    if (std::filesystem::exists(other, none)) return other;
+  }
+  return name.replace_extension(extension);
+}
+
+// Of an Analyze file, which has no magic.
+bool has_pair_name(const std::filesystem::path& file) {
+  const std::string name = lower_case(file.filename().string());
+  return name.ends_with(".hdr") || name.ends_with(".hdr.gz");
 }
 
 }  // namespace
@@ -125,11 +206,23 @@ bool is_nifti(const std::filesystem::path& file) {
   return header && (header->magic().starts_with("n+") || header->magic().starts_with("ni"));
 }
 
-StoredFile find_nifti(const std::filesystem::path& file) {
+StoredFile find_nifti(const std::filesystem::path& named, const std::string& part) {
+  const std::string name = lower_case(named.filename().string());
+  const bool is_image = name.ends_with(".img") || name.ends_with(".img.gz");
+  const std::filesystem::path file = is_image ? partner(named, ".hdr") : named;
   const auto header = read_header(file);
   if (!header)
     throw FileError(file, "sizeof_hdr", "a NIfTI header (348 or 540)", "another beginning, or a shorter file");
-  return {layout_of(file, *header), place_of(file, *header), Encoding::kBytes};
+  const std::string magic = header->magic();
+  const bool pair = is_pair(*header);
+  if (magic != "n+1" && magic != "n+2" && magic != "ni1" && magic != "ni2" && !(magic.empty() && has_pair_name(file))) {
+    throw FileError(file, "magic", "\"n+1\", \"n+2\", \"ni1\" or \"ni2\"", '"' + magic + '"');
+  }
+  StoredLayout layout = layout_of(file, *header);
+  DataPlace place = place_of(file, *header, pair ? partner(file, ".img") : file);
+  const std::size_t chosen = chosen_part(file, "volume", volumes_of(file, header->raw), part);
+  place.skip += chosen * std::uint64_t{checked_bytes(layout)};
+  return {layout, place, Encoding::kBytes};
 }
 
 }  // namespace gicube::scene

@@ -35,6 +35,7 @@ struct Header {
   std::unique_ptr<Nrrd, NrrdDelete> nrrd{nrrdNew()};
   std::unique_ptr<NrrdIoState, NrrdDelete> io{nrrdIoStateNew()};
   std::filesystem::path data_file;
+  std::vector<std::filesystem::path> series;  // in place of data_file
   std::uint64_t data_offset = 0;
 };
 
@@ -92,25 +93,85 @@ bool is_key_value(std::string_view line) {
   return !field && line.find(":=") != std::string_view::npos;
 }
 
+// The names that "data file: FORMAT MIN MAX STEP [SUBDIM]" stands for. A FORMAT is one number of printf's, "%03d"; it is not given to printf.
+std::vector<std::string> numbered_names(const std::filesystem::path& file, const std::string& field,
+                                        std::string_view pattern) {
+  const auto fault = [&] {
+    return FileError(file, field, "a name with one %d and its first and last number and step", in_quotes(pattern));
+  };
+  auto words = words_of(pattern);
+  std::size_t numbers = 0;
+  while (numbers < words.size() && numbers < 4 && parse_number<std::int64_t>(words[words.size() - 1 - numbers]))
+    ++numbers;
+  if (numbers < 2) throw fault();
+  const auto number = [&](std::size_t i) { return *parse_number<std::int64_t>(words[words.size() - numbers + i]); };
+  const std::int64_t low = number(0), high = number(1), step = numbers > 2 ? number(2) : 1;
+  const std::string_view name =
+      trimmed(pattern.substr(0, static_cast<std::size_t>(words[words.size() - numbers].data() - pattern.data())));
+  const std::size_t begin = name.find('%'), end = begin == name.npos ? begin : name.find('d', begin);
+  if (end == name.npos || name.find('%', end) != name.npos || end - begin > 4) throw fault();
+  std::string_view width = name.substr(begin + 1, end - begin - 1);
+  const bool zeros = width.starts_with('0');
+  const auto digits = width.empty() ? std::optional(0) : parse_number<int>(width);
+  if (!digits || *digits < 0 || step == 0 || (high - low) / step < 0 || (high - low) / step >= kMaxFileDim)
+    throw fault();
+  std::vector<std::string> names;
+  for (std::int64_t i = low; step > 0 ? i <= high : i >= high; i += step) {
+    const std::string text = zeros ? fmt::format("{:0{}}", i, *digits) : fmt::format("{:{}}", i, *digits);
+    names.push_back(std::string(name.substr(0, begin)) + text + std::string(name.substr(end + 1)));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, const std::string& field,
+                                             std::string_view pattern, std::span<const std::string> list,
+                                             bool allow_outside) {
+  const std::vector<std::string> names = pattern.starts_with("LIST")
+                                             ? std::vector<std::string>(list.begin(), list.end())
+                                             : numbered_names(file, field, pattern);
+  std::vector<std::filesystem::path> files;
+  for (const std::string& name : names) {
+    if (!trimmed(name).empty()) files.push_back(beside(file, field, trimmed(name), allow_outside));
+  }
+  if (files.empty() || files.size() > kMaxFileDim)
+    throw FileError(file, field, fmt::format("1..{} files", kMaxFileDim), fmt::format("{}", files.size()));
+  return files;
+}
+
+namespace {
+
 // Where the data begin and, in `text`, the header for teem. The data file's name is kept from teem, which would open it
 // and, for a numbered series, take the name as a printf format.
 void split_header(const std::filesystem::path& file, bool allow_outside, Header& header, std::string& text) {
   const HeaderLines lines = read_header_lines(file, [](std::string_view line) { return line.empty(); });
-  check_begin_and_fields(file, lines.lines);
+  const auto names_list = [](const std::string& line) {
+    const auto name = data_file_of(line);
+    return name && name->starts_with("LIST");
+  };
+  // Behind LIST there are names up to the file's end.
+  const auto list = std::ranges::find_if(lines.lines, names_list);
+  const std::vector<std::string> fields(lines.lines.begin(), list == lines.lines.end() ? list : list + 1);
+  check_begin_and_fields(file, fields);
   header.data_file = file;
   header.data_offset = lines.end;
-  for (const std::string& line : lines.lines) {
+  for (const std::string& line : fields) {
     const auto name = data_file_of(line);
     if (!name) {
       if (!line.starts_with('#') && !is_key_value(line)) text += line + '\n';
       continue;
     }
-    if (name->empty() || name->find('%') != std::string::npos || *name == "LIST" || name->starts_with("LIST ") ||
-        name->starts_with("SKIPLIST")) {
-      throw FileError(file, "data file", "the name of one file", '"' + *name + '"');
+    if (name->empty() || name->starts_with("SKIPLIST")) {
+      throw FileError(file, "data file", "the name of one file, LIST or a numbered name", in_quotes(*name));
     }
-    header.data_file = beside(file, "data file", *name, allow_outside);
     header.data_offset = 0;
+    if (name->find('%') != std::string::npos || names_list(line)) {
+      header.series = series_of(file, "data file", *name, std::span(lines.lines).subspan(fields.size()), allow_outside);
+      header.data_file = header.series.front();
+    } else {
+      header.data_file = beside(file, "data file", *name, allow_outside);
+    }
   }
 }
 
@@ -142,14 +203,82 @@ StoredType type_of(const std::filesystem::path& file, int type) {
   }
 }
 
-// Axes of one sample go, the last first, until three are left.
-std::vector<unsigned> spatial_axes(const Nrrd& nrrd) {
-  std::vector<unsigned> axes(nrrd.dim);
-  for (unsigned i = 0; i < nrrd.dim; ++i) axes[i] = i;
-  for (std::size_t i = axes.size(); i-- > 0 && axes.size() > 3;) {
-    if (nrrd.axis[axes[i]].size == 1) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(i));
+// Which axes the volume has, and another, of `count` samples, if one is beside them.
+struct Axes {
+  std::array<unsigned, 3> space{};
+  std::optional<unsigned> other;
+  std::size_t count = 1;
+};
+
+// Whether the header says that an axis is none of space: by its kind or, if others have directions, by having none.
+bool is_other(const Nrrd& nrrd, unsigned axis) {
+  const int kind = nrrd.axis[axis].kind;
+  if (kind == nrrdKindTime) return true;
+  if (kind != nrrdKindUnknown) return nrrdKindIsDomain(kind) == 0;
+  return nrrd.spaceDim > 0 && !AIR_EXISTS(nrrd.axis[axis].spaceDirection[0]);
+}
+
+// Axes of one sample go, the last first, until three are left; of those beside the volume's at most one may have more.
+Axes axes_of(const std::filesystem::path& file, const Nrrd& nrrd) {
+  std::vector<unsigned> space;
+  Axes axes;
+  const auto take_other = [&](unsigned axis) {
+    if (nrrd.axis[axis].size == 1) return;
+    if (axes.other)
+      throw FileError(file, "sizes", "one axis beside those of space",
+                      fmt::format("axes {} and {}", *axes.other, axis));
+    axes.other = axis;
+    axes.count = nrrd.axis[axis].size;
+  };
+  for (unsigned i = 0; i < nrrd.dim; ++i) {
+    if (is_other(nrrd, i)) {
+      take_other(i);
+    } else {
+      space.push_back(i);
+    }
   }
+  for (std::size_t i = space.size(); i-- > 0 && space.size() > 3;) {
+    if (nrrd.axis[space[i]].size == 1) space.erase(space.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  // Nothing says what a fourth axis is: the slowest is a time.
+  if (space.size() == 4 && !axes.other) {
+    take_other(space.back());
+    space.pop_back();
+  }
+  if (space.size() != 3) {
+    std::string sizes;
+    for (unsigned i = 0; i < nrrd.dim; ++i)
+      sizes +=
+          fmt::format("{}{}{}", i > 0 ? " x " : "", nrrd.axis[i].size, is_other(nrrd, i) ? " (none of space)" : "");
+    throw FileError(file, "sizes", "three axes of space", sizes);
+  }
+  std::ranges::copy(space, axes.space.begin());
   return axes;
+}
+
+// Of the header's space in the world's.
+Vec3 in_world(const Nrrd& nrrd, const double* v) {
+  switch (nrrd.space) {
+    case nrrdSpaceRightAnteriorSuperior:
+    case nrrdSpaceRightAnteriorSuperiorTime: return {-v[0], -v[1], v[2]};
+    case nrrdSpaceLeftAnteriorSuperior:
+    case nrrdSpaceLeftAnteriorSuperiorTime: return {v[0], -v[1], v[2]};
+    case nrrdSpace3DLeftHanded:
+    case nrrdSpace3DLeftHandedTime: return {v[0], v[1], -v[2]};  // a mirror, so that ours is right-handed
+    default: return {v[0], v[1], v[2]};
+  }
+}
+
+void place(const Header& header, const Axes& axes, StoredLayout& layout) {
+  const Nrrd& nrrd = *header.nrrd;
+  if (header.io->seen[nrrdField_space_directions] == 0 || nrrd.spaceDim < 3) return;
+  for (std::size_t i = 0; i < 3; ++i)
+    layout.placement.directions[i] = in_world(nrrd, nrrd.axis[axes.space[i]].spaceDirection);
+  if (AIR_EXISTS(nrrd.spaceOrigin[0])) layout.placement.origin = in_world(nrrd, nrrd.spaceOrigin);
+  const bool patient = nrrd.space >= nrrdSpaceRightAnteriorSuperior && nrrd.space <= nrrdSpaceLeftPosteriorSuperior;
+  const bool with_time =
+      nrrd.space >= nrrdSpaceRightAnteriorSuperiorTime && nrrd.space <= nrrdSpaceLeftPosteriorSuperiorTime;
+  layout.placement.axes = patient || with_time ? WorldAxes::kPatient : WorldAxes::kWorld;
 }
 
 // Not a number where the header says that of others only.
@@ -162,28 +291,27 @@ double spacing_of(const Header& header, unsigned axis) {
   return spacing;
 }
 
-// `channels`: of the first axis, taken into the second.
-StoredLayout layout_of(const std::filesystem::path& file, const Header& header, std::size_t channels = 1) {
+StoredLayout layout_of(const std::filesystem::path& file, const Header& header, const Axes& axes) {
   const Nrrd& nrrd = *header.nrrd;
-  const std::vector<unsigned> axes = channels > 1 ? std::vector<unsigned>{1, 2, 3} : spatial_axes(nrrd);
   std::vector<std::int64_t> sizes;
-  for (const unsigned axis : axes) {
+  for (const unsigned axis : axes.space) {
     constexpr std::size_t kMax = std::numeric_limits<std::int64_t>::max();
     sizes.push_back(static_cast<std::int64_t>(std::min(nrrd.axis[axis].size, kMax)));
   }
-  if (channels > 1 && sizes[0] <= kMaxFileDim) sizes[0] *= static_cast<std::int64_t>(channels);
   StoredLayout layout;
   layout.file = file;
   layout.dims = checked_dims(file, "sizes", sizes);
   layout.type = type_of(file, nrrd.type);
-  layout.spacing = {spacing_of(header, axes[0]), spacing_of(header, axes[1]), spacing_of(header, axes[2])};
+  const auto& space = axes.space;
+  layout.spacing = {spacing_of(header, space[0]), spacing_of(header, space[1]), spacing_of(header, space[2])};
   layout.big_endian = header.io->endian == airEndianBig;
+  place(header, axes, layout);
   return layout;
 }
 
 // The byte behind `lines` line ends from `offset` on.
 std::uint64_t skip_lines(const std::filesystem::path& file, std::uint64_t offset, unsigned lines) {
-  DataStream stream(file, offset, false);
+  DataStream stream(file, offset, Compression::kNone);
   std::vector<std::byte> chunk(65536);
   while (lines > 0) {
     const std::size_t came = stream.read(chunk);
@@ -194,10 +322,12 @@ std::uint64_t skip_lines(const std::filesystem::path& file, std::uint64_t offset
 }
 
 // Byte skips count before the samples: in the file, or in what a compressed stream holds.
-DataPlace place_of(const std::filesystem::path& file, const Header& header, bool compressed, std::size_t bytes) {
+DataPlace place_of(const std::filesystem::path& file, const Header& header, Compression compression,
+                   std::size_t bytes) {
   DataPlace place;
   place.file = header.data_file;
-  place.compressed = compressed;
+  place.compression = compression;
+  place.series = header.series;
   place.warns_of_more = header.data_file != file;
   place.offset = skip_lines(header.data_file, header.data_offset, header.io->lineSkip);
   const long skip = header.io->byteSkip;
@@ -205,23 +335,63 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, bool
     place.skip = static_cast<std::uint64_t>(skip);
     return place;
   }
-  const bool at_end = skip == -1 && !compressed;
+  const bool at_end = skip == -1 && compression == Compression::kNone && header.series.empty();
   if (!at_end) throw FileError(file, "byte skip", "0 or more, or -1 for raw data", fmt::format("{}", skip));
   const std::uint64_t all = file_bytes(header.data_file);
   if (all >= place.offset + bytes) place.offset = all - bytes;
   return place;
 }
 
-StoredFile stored_file(const std::filesystem::path& file, const Header& header, StoredLayout layout) {
+// What the axis beside those of space is: colours, or one of its samples. `volumes`: of the layout's size, before the chosen one.
+void choose(const std::filesystem::path& file, const Nrrd& nrrd, const Axes& axes, const std::string& part,
+            StoredLayout& layout, std::size_t& volumes) {
+  if (!axes.other) {
+    chosen_part(file, "volume", 1, part);
+    return;
+  }
+  const int kind = nrrd.axis[*axes.other].kind;
+  const bool first = *axes.other<axes.space[0], last = *axes.other> axes.space[2];
+  if (!first && !last)
+    throw FileError(file, "sizes", "an axis beside those of space before or behind them", "one between");
+  const bool bytes = layout.type == StoredType::kUint8 || layout.type == StoredType::kUint16;
+  const bool colours =
+      kind == nrrdKindRGBColor || kind == nrrdKindRGBAColor || kind == nrrdKind3Color || kind == nrrdKind4Color;
+  if (colours && first && bytes && part.empty()) {
+    layout.channels = static_cast<int>(std::min<std::size_t>(axes.count, 5));  // of more than four it will be refused
+    return;
+  }
+  const bool series = kind == nrrdKindUnknown || kind == nrrdKindList || kind == nrrdKindTime;
+  const std::string what = kind == nrrdKindUnknown ? "volume" : airEnumStr(nrrdKind, kind);
+  if (part.empty() && !series)
+    throw FileError(file, "part", fmt::format("a number, 1..{}, as there are axes of kind {}", axes.count, what),
+                    "none");
+  const std::size_t chosen =
+      chosen_part(file, what, static_cast<std::int64_t>(std::min<std::size_t>(axes.count, kMaxParts + 1)), part);
+  if (last) {
+    volumes = chosen;
+    return;
+  }
+  layout.channels = static_cast<int>(axes.count);
+  layout.channel = static_cast<int>(chosen);
+}
+
+StoredFile stored_file(const std::filesystem::path& file, const Header& header, StoredLayout layout,
+                       std::size_t volumes, bool several) {
   const std::size_t bytes = checked_bytes(layout);
   const NrrdEncoding* encoding = header.io->encoding;
-  if (encoding == nrrdEncodingRaw || encoding == nrrdEncodingGzip) {
-    return {layout, place_of(file, header, encoding == nrrdEncodingGzip, bytes), Encoding::kBytes};
-  }
-  const DataPlace place = place_of(file, header, false, bytes);
+  const auto compression = encoding == nrrdEncodingRaw     ? std::optional(Compression::kNone)
+                           : encoding == nrrdEncodingGzip  ? std::optional(Compression::kGzip)
+                           : encoding == nrrdEncodingBzip2 ? std::optional(Compression::kBzip2)
+                                                           : std::nullopt;
+  DataPlace place = place_of(file, header, compression.value_or(Compression::kNone), bytes);
+  if (volumes > 0 && (!compression || !header.series.empty()))
+    throw FileError(file, "part", "1, as the samples are text or in several files", fmt::format("{}", volumes + 1));
+  place.skip += volumes * std::uint64_t{bytes};
+  place.warns_of_more = place.warns_of_more && !several;
+  if (compression) return {layout, place, Encoding::kBytes};
   if (encoding == nrrdEncodingHex) return {layout, place, Encoding::kHex};
-  if (encoding != nrrdEncodingAscii) {
-    throw FileError(file, "encoding", "raw, gzip, ascii or hex", encoding->name);
+  if (encoding != nrrdEncodingAscii || !header.series.empty()) {
+    throw FileError(file, "encoding", "raw, gzip, bzip2, ascii or hex (the last two in one file)", encoding->name);
   }
   layout.big_endian = std::endian::native == std::endian::big;
   return {layout, place, Encoding::kNumbers};
@@ -231,16 +401,30 @@ StoredFile stored_file(const std::filesystem::path& file, const Header& header, 
 
 bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
 
-StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside) {
+StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside, const std::string& part) {
   const Header header = read_header(file, allow_outside);
-  return stored_file(file, header, layout_of(file, header));
+  const Axes axes = axes_of(file, *header.nrrd);
+  StoredLayout layout = layout_of(file, header, axes);
+  std::size_t volumes = 0;
+  choose(file, *header.nrrd, axes, part, layout, volumes);
+  return stored_file(file, header, layout, volumes, axes.other.has_value());
 }
 
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels) {
   const Header header = read_header(file, false);
-  const bool vectors = header.nrrd->dim == 4 && header.nrrd->axis[0].size == 3;
+  const Nrrd& nrrd = *header.nrrd;
+  const bool vectors = nrrd.dim == 4 && nrrd.axis[0].size == 3;
   channels = vectors ? 3 : 1;
-  return read_stored(stored_file(file, header, layout_of(file, header, vectors ? 3 : 1)));
+  const Axes axes = vectors ? Axes{{1, 2, 3}, 0, 3} : axes_of(file, nrrd);
+  if (axes.other && !vectors)
+    throw FileError(file, "sizes", "three axes, or a first one of 3 before them",
+                    fmt::format("axis {} of {}", *axes.other, axes.count));
+  StoredLayout layout = layout_of(file, header, axes);
+  if (vectors && layout.dims[0] > kMaxFileDim / 3)
+    throw FileError(file, "sizes", fmt::format("at most {} voxels of three", kMaxFileDim / 3),
+                    fmt::format("{}", layout.dims[0]));
+  layout.dims[0] *= channels;
+  return read_stored(stored_file(file, header, layout, 0, false));
 }
 
 }  // namespace gicube::scene

@@ -41,6 +41,11 @@ class PlaneFile {
   int next_ = 0;
 };
 
+// Not in planes: text, samples of several channels, and those in several files.
+bool is_whole(const StoredFile& file) {
+  return file.encoding != Encoding::kBytes || file.layout.channels > 1 || !file.place.series.empty();
+}
+
 }  // namespace
 
 Volume read_stored(const StoredFile& file) {
@@ -53,14 +58,14 @@ Volume read_stored(const StoredFile& file) {
     case Encoding::kNumbers:
       return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
   }
-  if (is_kept(layout)) return to_volume(read_data(place, bytes), layout);
+  if (is_kept(layout) || is_whole(file)) return to_volume(read_data(place, bytes), layout);
   Volume volume = open_stored(file);
   take_planes(volume);
   return volume;
 }
 
 Volume open_stored(const StoredFile& file) {
-  if (file.encoding != Encoding::kBytes) return read_stored(file);
+  if (is_whole(file)) return read_stored(file);
   Volume volume = to_volume({}, file.layout);
   volume.planes = [planes = std::make_shared<PlaneFile>(file)](int first, int count, std::span<std::byte> out) {
     planes->read(first, count, out);

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,24 +16,31 @@
 namespace gicube::scene {
 
 // .mhd .mha, MetaImage; known by its contents if its first key is ObjectType or NDims; plain, zlib-compressed or text.
-// Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL) or in one other. A
-// LIST or numbered series of slice files is refused: give the folder or one file. Keys that say nothing of the samples'
-// layout are ignored. MET_LONG has 4 bytes, as in MetaIO. HeaderSize counts from the data file's first byte, also where
-// that is this file.
+// Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL), in one other, or in one for each
+// slice, LIST or a numbered name. Keys that say nothing of the samples' layout are ignored. MET_LONG has 4 bytes, as in MetaIO. HeaderSize
+// counts from the data file's first byte, also where that is this file. TransformMatrix says where the axes run, in the patient's
+// world as ITK has it. Three or four channels of bytes are colours, others need `part`, their number from 1, as do volumes along a
+// fourth axis.
 bool is_meta_image(const std::filesystem::path& file);
-StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside = false);
+StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside = false, const std::string& part = {});
 
-// .nii .nii.gz, NIfTI-1 and NIfTI-2: header and data in one, gzipped or not, of either byte order; libnifti gives the header's layout and byte
-// swapping. A scl_slope of 0 or NaN means "not scaled". Refused: a header whose data lie in another file (.hdr and .img), colour and
-// complex samples.
+// .nii .nii.gz, NIfTI-1 and NIfTI-2, and .hdr with .img, which Analyze 7.5 has too; gzipped or not, of either byte order; libnifti gives the
+// header's layout and byte swapping. A scl_slope of 0 or NaN means "not scaled". sform says where the axes run, or else qform; Analyze says
+// nothing of them. `part`: which of several volumes (times), from 1. Refused: complex samples.
 bool is_nifti(const std::filesystem::path& file);
-StoredFile find_nifti(const std::filesystem::path& file);
+StoredFile find_nifti(const std::filesystem::path& file, const std::string& part = {});
 
-// .nrrd .nhdr, NRRD; header attached or detached, encodings raw, gzip, ascii, hex. teem reads the header, from memory and without touching any data; the data are read here, once their size is known to be
-// there. Refused, though NRRD knows them: several data files, bzip2 and zrl encodings, block samples, byte skips below -1 (-1 = data
-// at the file's end). Axes of one sample may stand beside the three that count, wherever they are.
+// .nrrd .nhdr, NRRD; header attached or detached, encodings raw, gzip, bzip2, ascii, hex; data in one file or in one for each slice (LIST or a
+// numbered name). teem reads the header, from memory and without touching any data; the data are read here, once their size is known
+// to be there. One axis may be beside the three of space, told by its kind: colours, or `part` is a number on it, from 1. Refused, though NRRD
+// knows them: zrl encodings, block samples, byte skips below -1 (-1 = data at the file's end).
 bool is_nrrd(const std::filesystem::path& file);
-StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside = false);
+StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside = false, const std::string& part = {});
+// The data files that a header names by `pattern`: "LIST", or a name with a %d, its first and last number and the step; `list`: the
+// lines behind the header. Throws FileError.
+std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, const std::string& field,
+                                             std::string_view pattern, std::span<const std::string> list,
+                                             bool allow_outside);
 // Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other, as a
 // volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);

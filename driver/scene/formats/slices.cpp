@@ -102,27 +102,6 @@ std::vector<std::byte> grey(std::vector<std::byte> pixels, std::size_t channels,
   return pixels;
 }
 
-// Colours of eight bits, and the samples beside them: alpha if there is a fourth channel, else luma.
-void take_colours(const std::vector<std::byte>& pixels, std::size_t channels, Slice& slice) {
-  const bool narrow = slice.type == SampleType::kUint8;
-  const std::size_t count = pixels.size() / (channels * bytes_per_sample(slice.type));
-  const auto byte_at = [&](std::size_t i) {  // the nearest of 8 bits
-    if (narrow) return static_cast<int>(sample_at<std::uint8_t>(pixels, i));
-    return (sample_at<std::uint16_t>(pixels, i) * 255 + 32767) / 65535;
-  };
-  slice.samples.resize(count);
-  slice.colours.resize(3 * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const int red = byte_at(channels * i), green = byte_at(channels * i + 1), blue = byte_at(channels * i + 2);
-    const int luma = (2126 * red + 7152 * green + 722 * blue + 5000) / 10000;  // [ITU-R BT.709]
-    slice.colours[3 * i] = static_cast<std::uint8_t>(red);
-    slice.colours[3 * i + 1] = static_cast<std::uint8_t>(green);
-    slice.colours[3 * i + 2] = static_cast<std::uint8_t>(blue);
-    slice.samples[i] = static_cast<std::byte>(channels == 4 ? byte_at(channels * i + 3) : luma);
-  }
-  slice.type = SampleType::kUint8;
-}
-
 void check_page(const std::filesystem::path& file, const PictureReader::Page& page) {
   if (page.width < 1 || page.width > kMaxFileDim || page.height < 1 || page.height > kMaxFileDim || page.depth > 1) {
     throw FileError(file, "size", fmt::format("1..{} pixels a side", kMaxFileDim),
@@ -197,7 +176,8 @@ Slice slice_of(const std::filesystem::path& file, Slice pixels, bool coloured, c
                     fmt::format("{}", pixels.channels));
   }
   const std::vector<std::byte> all = std::move(pixels.samples);
-  take_colours(all, pixels.channels, pixels);
+  take_colours(all, pixels.channels, pixels.type, pixels.samples, pixels.colours);
+  pixels.type = SampleType::kUint8;
   return pixels;
 }
 

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/common/checks.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -76,16 +78,50 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
   return dims;
 }
 
+std::size_t chosen_part(const std::filesystem::path& file, const std::string& what, std::int64_t count,
+                        const std::string& part) {
+  if (count > kMaxParts) throw FileError(file, what, fmt::format("at most {}", kMaxParts), "more");
+  if (part.empty()) {
+    if (count > 1) warn(file, what, fmt::format("a part, 1..{}", count), "none; 1 is taken");
+    return 0;
+  }
+  const auto number = parse_number<std::int64_t>(part);
+  if (!number || *number < 1 || *number > count)
+    throw FileError(file, "part", fmt::format("a {}, 1..{}", what, count), in_quotes(part));
+  return static_cast<std::size_t>(*number - 1);
+}
+
+void take_colours(std::span<const std::byte> pixels, std::size_t channels, SampleType type,
+                  std::vector<std::byte>& samples, std::vector<std::uint8_t>& colours) {
+  const bool narrow = type == SampleType::kUint8;
+  const std::size_t count = pixels.size() / (channels * bytes_per_sample(type));
+  const auto byte_at = [&](std::size_t i) {  // the nearest of 8 bits
+    if (narrow) return static_cast<int>(sample_at<std::uint8_t>(pixels, i));
+    return (sample_at<std::uint16_t>(pixels, i) * 255 + 32767) / 65535;
+  };
+  samples.resize(count);
+  colours.resize(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int red = byte_at(channels * i), green = byte_at(channels * i + 1), blue = byte_at(channels * i + 2);
+    const int luma = (2126 * red + 7152 * green + 722 * blue + 5000) / 10000;  // [ITU-R BT.709]
+    colours[3 * i] = static_cast<std::uint8_t>(red);
+    colours[3 * i + 1] = static_cast<std::uint8_t>(green);
+    colours[3 * i + 2] = static_cast<std::uint8_t>(blue);
+    samples[i] = static_cast<std::byte>(channels == 4 ? byte_at(channels * i + 3) : luma);
+  }
+}
+
 bool is_kept(const StoredLayout& layout) { return kept_type(layout).has_value(); }
 
 std::size_t checked_bytes(const StoredLayout& layout) {
   // At most 2^36 voxels of 8 bytes: no overflow.
-  const std::uint64_t count = voxels_of(layout.dims);
+  const std::uint64_t count = voxels_of(layout.dims) * static_cast<std::uint64_t>(layout.channels);
   const std::size_t kept = kept_type(layout) ? bytes_of(layout.type) : sizeof(float);
   const std::uint64_t bytes = count * std::max(kept, bytes_of(layout.type));
   if (bytes > kMaxVolumeBytes) {
     throw FileError(layout.file, "size", fmt::format("at most {} bytes of samples", kMaxVolumeBytes),
-                    fmt::format("{} ({})", bytes, fmt::join(layout.dims, " x ")));
+                    fmt::format("{} ({}{})", bytes, fmt::join(layout.dims, " x "),
+                                layout.channels > 1 ? fmt::format(" x {}", layout.channels) : ""));
   }
   return count * bytes_of(layout.type);
 }
@@ -95,7 +131,26 @@ Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
   volume.dims = layout.dims;
   volume.source = layout.file.string();
   volume.spacing = layout.spacing;
+  volume.placement = layout.placement;
   to_machine_order(stored, layout);
+  if (layout.channels > 1) {
+    const auto channels = static_cast<std::size_t>(layout.channels);
+    if (layout.channel < 0) {
+      const bool narrow = layout.type == StoredType::kUint8;
+      if ((!narrow && layout.type != StoredType::kUint16) || channels < 3 || channels > 4) {
+        throw FileError(layout.file, "colours", "three or four channels of 8 or 16 bits",
+                        fmt::format("{} of others", channels));
+      }
+      take_colours(stored, channels, narrow ? SampleType::kUint8 : SampleType::kUint16, volume.samples, volume.colours);
+      return volume;
+    }
+    const std::size_t bytes = bytes_of(layout.type), count = stored.size() / (bytes * channels);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::memmove(stored.data() + i * bytes,
+                   stored.data() + (i * channels + static_cast<std::size_t>(layout.channel)) * bytes, bytes);
+    }
+    stored.resize(count * bytes);
+  }
   if (layout.type == StoredType::kUint12) check_12_bits(stored, layout);
   if (const auto kept = kept_type(layout)) {
     volume.type = *kept;

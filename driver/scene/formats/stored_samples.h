@@ -58,12 +58,27 @@ struct StoredLayout {
   bool big_endian = false;
   double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
+  int channels = 1;              // samples of a voxel, side by side
+  int channel = -1;              // which of them, from 0; -1: the channels are red, green, blue and, of four, alpha
+  WorldPlacement placement;      // of the axes as they are stored; directions of any length but 0
   std::size_t first_sample = 0;  // of a part: the number of its first, as errors name it
 };
 
 // The first three of a file's axis sizes; there must be at least three, each 1..kMaxFileDim, and those beyond must
 // be 1. Throws FileError naming `field`.
 Dims checked_dims(const std::filesystem::path& file, const std::string& field, std::span<const std::int64_t> sizes);
+
+constexpr int kMaxParts = 1 << 20;  // chosen: volumes in a file
+
+// The index of the one of `count` volumes (or channels; `what`) that `part` says, from 1 on. Says which is taken if there are
+// several and `part` is empty. Throws FileError.
+std::size_t chosen_part(const std::filesystem::path& file, const std::string& what, std::int64_t count,
+                        const std::string& part);
+
+// The colours of `pixels`, of 8 or 16 bits, as VolumeView has them, and the samples beside them, of 8 bits: alpha if there are four
+// channels, else luma.
+void take_colours(std::span<const std::byte> pixels, std::size_t channels, SampleType type,
+                  std::vector<std::byte>& samples, std::vector<std::uint8_t>& colours);
 
 // How many bytes the layout's samples take in the file. Throws FileError above kMaxVolumeBytes, stored or converted.
 std::size_t checked_bytes(const StoredLayout& layout);

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include "scene/common/checks.h"
 #include "scene/formats/data_stream.h"
+#include "scene/formats/orientation.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 
@@ -15,18 +17,25 @@ namespace gicube::scene {
 namespace {
 
 using Finder = StoredFile (*)(const VolumeSource&);
-constexpr Finder kNrrd = [](const VolumeSource&source) { return find_nrrd(source.file, source.allow_outside); },
+constexpr Finder kNrrd =
+                     [](const VolumeSource&source) {
+                       return find_nrrd(source.file, source.allow_outside, source.part);
+                     },
                  kMetaImage =
-                     [](const VolumeSource&source) { return find_meta_image(source.file, source.allow_outside); },
-                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file); };
+                     [](const VolumeSource&source) {
+                       return find_meta_image(source.file, source.allow_outside, source.part);
+                     },
+                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file, source.part); };
 
 struct Format {
   const char* extension;  // lower case, at the end of the name
   Finder find;
 };
 
-constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd}, Format{".mhd", kMetaImage},
-                                 Format{".mha", kMetaImage}, Format{".nii", kNifti}, Format{".nii.gz", kNifti}};
+constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd},    Format{".mhd", kMetaImage},
+                                 Format{".mha", kMetaImage}, Format{".nii", kNifti},    Format{".nii.gz", kNifti},
+                                 Format{".hdr", kNifti},     Format{".hdr.gz", kNifti}, Format{".img", kNifti},
+                                 Format{".img.gz", kNifti}};
 
 // Null: the name says nothing.
 Finder finder_by_name(const std::filesystem::path& path) {
@@ -55,7 +64,7 @@ StoredFile find_raw(const std::filesystem::path& path, const RawLayout& raw) {
   layout.big_endian = raw.big_endian;
   DataPlace place;
   place.file = path;
-  place.compressed = lower_case(path.extension().string()) == ".gz";
+  if (lower_case(path.extension().string()) == ".gz") place.compression = Compression::kGzip;
   place.skip = raw.skip_bytes;
   place.nothing_after = true;
   return {layout, place, Encoding::kBytes};
@@ -115,7 +124,10 @@ namespace {
 
 // Where the samples of a file lie that is no folder.
 StoredFile find(const VolumeSource& source) {
-  const Finder named = finder_by_name(source.file);
+  const std::string name = lower_case(source.file.filename().string());
+  // Many programs call raw samples so.
+  const bool is_image = name.ends_with(".img") || name.ends_with(".img.gz");
+  const Finder named = is_image && source.raw ? nullptr : finder_by_name(source.file);
   if (named != nullptr && source.raw) {
     throw FileError(source.file, "layout", "none: the file says its own", "the layout of raw samples");
   }
@@ -137,20 +149,42 @@ Slices slices_of(const VolumeSource& source) {
 
 }  // namespace
 
+namespace {
+
+// As the source asks for it: the right way round, with its own edges, and numbers for what is none.
+Volume finished(Volume volume, const VolumeSource& source) {
+  if (!source.as_stored) volume = oriented(std::move(volume));
+  volume = with_spacing(std::move(volume), source.spacing);
+  if (!source.nan || volume.type != SampleType::kFloat32) return volume;
+  const auto replace = [value = static_cast<float>(*source.nan)](std::span<std::byte> samples) {
+    const std::span floats(reinterpret_cast<float*>(samples.data()), samples.size() / sizeof(float));
+    for (float& sample : floats) sample = std::isfinite(sample) ? sample : value;
+  };
+  replace(volume.samples);
+  if (!volume.planes) return volume;
+  volume.planes = [replace, planes = std::move(volume.planes)](int first, int count, std::span<std::byte> out) {
+    planes(first, count, out);
+    replace(out);
+  };
+  return volume;
+}
+
+}  // namespace
+
 Volume read_volume(const VolumeSource& source) {
   const Slices slices = slices_of(source);
-  return with_spacing(slices == Slices::kFolder  ? read_slices(source.file)
-                      : slices == Slices::kPages ? read_pages(source.file)
-                                                 : read_stored(find(source)),
-                      source.spacing);
+  return finished(slices == Slices::kFolder  ? read_slices(source.file)
+                  : slices == Slices::kPages ? read_pages(source.file)
+                                             : read_stored(find(source)),
+                  source);
 }
 
 Volume open_volume(const VolumeSource& source) {
   const Slices slices = slices_of(source);
-  return with_spacing(slices == Slices::kFolder  ? open_slices(source.file)
-                      : slices == Slices::kPages ? open_pages(source.file)
-                                                 : open_stored(find(source)),
-                      source.spacing);
+  return finished(slices == Slices::kFolder  ? open_slices(source.file)
+                  : slices == Slices::kPages ? open_pages(source.file)
+                                             : open_stored(find(source)),
+                  source);
 }
 
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {

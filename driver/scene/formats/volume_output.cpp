@@ -29,9 +29,14 @@ static_assert(std::endian::native == std::endian::little, "floats are written as
 
 std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 
+// One direction after another.
+std::array<double, 9> numbers_of(const std::array<Vec3, 3>& d) {
+  return {d[0].x, d[0].y, d[0].z, d[1].x, d[1].y, d[1].z, d[2].x, d[2].y, d[2].z};
+}
+
 std::string ending_of(const std::filesystem::path& path) {
   const std::string name = lower_case(path.filename().string());
-  for (const char* ending : {".nrrd", ".mhd", ".mha", ".nii", ".nii.gz"}) {
+  for (const char* ending : {".nrrd", ".mhd", ".mha", ".nii", ".nii.gz", ".vti"}) {
     if (name.ends_with(ending)) return ending;
   }
   return {};
@@ -72,11 +77,16 @@ void write_gzip(WholeFile& file, std::string_view start, std::string_view rest) 
 
 // Where the samples lie; of channels, which come first, nothing is said. Whether teem took it.
 bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
-  const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+  const auto spacing = in_order(volume.spacing), origin = in_order(volume.origin);
   double directions[4][NRRD_SPACE_DIM_MAX] = {};
   for (double& none : directions[0]) none = first > 0 ? AIR_NAN : 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) directions[first + axis][axis] = edges[axis];
-  const bool good = nrrdSpaceDimensionSet(nrrd, 3) == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto edge = in_order(spacing[axis] * volume.directions[axis]);
+    std::ranges::copy(edge, directions[first + axis]);
+  }
+  const bool patient = volume.axes == WorldAxes::kPatient;
+  const int space = patient ? nrrdSpaceSet(nrrd, nrrdSpaceLeftPosteriorSuperior) : nrrdSpaceDimensionSet(nrrd, 3);
+  const bool good = space == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
   nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpaceDirection, directions);
   for (unsigned axis = 0; axis < 3; ++axis) nrrd->axis[first + axis].kind = nrrdKindDomain;
   if (first > 0) nrrd->axis[0].kind = nrrdKindRGBColor;
@@ -124,8 +134,10 @@ void write_meta_image(const FloatVolume& volume, const std::filesystem::path& pa
   const auto data = std::filesystem::path(path).replace_extension(".raw");
   const std::string header = fmt::format(
       "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
-      "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = {}\nElementSpacing = {}\nDimSize = {} {} {}\n"
+      "TransformMatrix = {}\n{}Offset = {}\nElementSpacing = {}\nDimSize = {} {} {}\n"
       "ElementType = MET_FLOAT\nElementDataFile = {}\n",
+      fmt::join(numbers_of(volume.directions), " "),
+      volume.axes == WorldAxes::kPatient ? "" : "AnatomicalOrientation = ???\n",  // MetaIO's word for an unknown one
       fmt::join(in_order(volume.origin), " "), fmt::join(in_order(volume.spacing), " "), x, y, z,
       apart ? data.filename().string() : "LOCAL");
   WholeFiles files;
@@ -146,28 +158,29 @@ void add_comment(nifti_image* image, const Provenance& provenance) {
   }
 }
 
-// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes are the scanner's: sform and qform say the same, since some programs read one and some the other.
+// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes run to the right, to the front and upwards. sform
+// and qform say the same, since some programs read one and some the other.
 void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, bool packed,
                  const Provenance& provenance) {
   const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};
   const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(nifti_make_new_nim(dims, NIFTI_TYPE_FLOAT32, 0),
                                                                         &nifti_image_free);
   if (!image) throw std::bad_alloc();
-  const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+  const auto edges = in_order(volume.spacing);
+  image->xyz_units = NIFTI_UNITS_MM;
+  image->sform_code = image->qform_code = NIFTI_XFORM_SCANNER_ANAT;
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    const Vec3 column = axis < 3 ? edges[axis] * volume.directions[axis] : volume.origin;
+    image->sto_xyz.m[0][axis] = -column.x;
+    image->sto_xyz.m[1][axis] = -column.y;
+    image->sto_xyz.m[2][axis] = column.z;
+  }
+  image->sto_xyz.m[3][3] = 1;
+  nifti_dmat44_to_quatern(image->sto_xyz, &image->quatern_b, &image->quatern_c, &image->quatern_d, &image->qoffset_x,
+                          &image->qoffset_y, &image->qoffset_z, nullptr, nullptr, nullptr, &image->qfac);
   image->dx = image->pixdim[1] = edges[0];
   image->dy = image->pixdim[2] = edges[1];
   image->dz = image->pixdim[3] = edges[2];
-  image->xyz_units = NIFTI_UNITS_MM;
-  image->sform_code = image->qform_code = NIFTI_XFORM_SCANNER_ANAT;
-  image->qfac = 1;  // with a quaternion of 0: no rotation
-  image->qoffset_x = origin[0];
-  image->qoffset_y = origin[1];
-  image->qoffset_z = origin[2];
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) image->sto_xyz.m[row][column] = row == column ? edges[row] : 0;
-    image->sto_xyz.m[row][3] = origin[row];
-  }
-  image->sto_xyz.m[3][3] = 1;
   add_comment(image.get(), provenance);
   image->nifti_type = NIFTI_FTYPE_NIFTI1_1;
   nifti_set_iname_offset(image.get(), 1);
@@ -189,6 +202,28 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, b
   });
 }
 
+// VTK's image data, its samples raw behind the XML. Direction is a matrix by rows (VTK 9).
+void write_vti(const FloatVolume& volume, const std::filesystem::path& path) {
+  const auto [x, y, z] = volume.dims;
+  const auto& d = volume.directions;
+  const std::array<double, 9> rows{d[0].x, d[1].x, d[2].x, d[0].y, d[1].y, d[2].y, d[0].z, d[1].z, d[2].z};
+  const std::string extent = fmt::format("0 {} 0 {} 0 {}", x - 1, y - 1, z - 1);
+  const std::string header = fmt::format(
+      "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "<ImageData WholeExtent=\"{}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{}\">\n<Piece Extent=\"{}\">\n"
+      "<PointData Scalars=\"values\">\n<DataArray type=\"Float32\" Name=\"values\" format=\"appended\" offset=\"0\"/>\n"
+      "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_",
+      extent, fmt::join(in_order(volume.origin), " "), fmt::join(in_order(volume.spacing), " "), fmt::join(rows, " "),
+      extent);
+  const std::uint64_t bytes = volume.values.size_bytes();
+  write_whole(path, [&](WholeFile& file) {
+    file.write(header);
+    file.write(std::string_view(reinterpret_cast<const char*>(&bytes), sizeof bytes));
+    file.write(volume.values);
+    file.write(std::string_view("\n</AppendedData>\n</VTKFile>\n"));
+  });
+}
+
 }  // namespace
 
 void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance) {
@@ -204,9 +239,11 @@ void write_volume(const FloatVolume& volume, const std::filesystem::path& path, 
   }
   const std::string ending = ending_of(path);
   if (ending.empty()) {
-    throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii or .nii.gz", '"' + path.extension().string() + '"');
+    throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii, .nii.gz or .vti",
+                    '"' + path.extension().string() + '"');
   }
   if (ending == ".nrrd") return write_nrrd(volume, path, nrrdEncodingRaw, provenance);
+  if (ending == ".vti") return write_vti(volume, path);
   if (ending.starts_with(".mh")) return write_meta_image(volume, path, ending == ".mhd");
   write_nifti(volume, path, ending == ".nii.gz", provenance);
 }

@@ -17,9 +17,11 @@ namespace gicube::samples {
 namespace {
 
 const char* const kFooter =
-    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin; in a scene with a "
-    "world they are\n"
-    "world units. Directions of light and\n"
+    "Positions and lengths are voxels: voxel (0, 0, 0) has its centre at the origin, and x, y, z run to the left, to "
+    "the back "
+    "and up\n"
+    "of a patient if the file says where these are, else along the file's axes; in a scene with a world they are world "
+    "units. Directions of light and\n"
     "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
@@ -45,6 +47,13 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
                  }
                });
+  group
+      .value("--part", options.part,
+             "which volume of a file or folder that has several; without it, the error or a warning lists them")
+      ->type_name("NAME|N");
+  group.flag("--as-stored", options.as_stored,
+             "leave axes as the file stores them, whatever it says of left, back and up");
+  group.value("--nan", options.nan, "this value in place of samples that are no finite numbers")->type_name("VALUE");
   group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
 }
 
@@ -52,6 +61,11 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Camera and image");
   group.value("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
   group.vector("--eye", options.camera.eye, "the viewer's position");
+  group
+      .value("--view", options.camera.from,
+             "see all from the front, back, left, right, top, bottom, or iso; of a patient too: anterior, posterior, "
+             "superior, inferior")
+      ->type_name("NAME");
   group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the centre of what is visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
   CLI::Option* fov = group.value("--fov", options.camera.fov_degrees, "vertical field of view in degrees (30)");
@@ -140,6 +154,7 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
 }
 
 void check_output(const RenderOptions& options) {
+  if (!options.camera.from.empty() && options.camera.eye) throw UsageError("--view: expected without --eye, got both");
   check_picture_name(options.output);
   if (options.composite && options.no_background) throw UsageError("--composite: expected with a background, got none");
   if (options.output.extension() == ".exr" && options.background && !options.composite)
@@ -238,10 +253,17 @@ void set_volume(const RenderOptions& options, Scene& scene) {
     volume.raw = layout;
   }
   if (options.spacing) volume.spacing = options.spacing;
+  const bool of_files = !options.part.empty() || options.as_stored || options.nan;
+  if (of_files && (scene.world || !volume.builtin.empty()))
+    throw UsageError("--part, --as-stored, --nan: only for a volume's file");
+  if (!options.part.empty()) volume.part = options.part;
+  volume.as_stored = volume.as_stored || options.as_stored;
+  if (options.nan) volume.nan = options.nan;
 }
 
 void set_camera(const CameraSettings& options, CameraSettings& camera) {
   if (options.eye) camera.eye = options.eye;
+  if (!options.from.empty()) camera.from = options.from, camera.eye.reset(), camera.up.reset();
   if (options.look_at) camera.look_at = options.look_at;
   if (options.up) camera.up = options.up;
   if (options.fov_degrees) camera.fov_degrees = options.fov_degrees, camera.orthographic_height.reset();
@@ -282,7 +304,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "
-                 ".nii .nii.gz .tif .tiff, others with --dims), or a folder of slices")
+                 ".nii .nii.gz .hdr .img .tif .tiff, others with --dims), or a folder of slices")
       ->required();
   add_volume_options(app, options);
   add_camera_options(app, options);

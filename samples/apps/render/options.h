@@ -70,7 +70,9 @@ struct RenderOptions {
   bool big_endian = false;
   std::uint64_t skip_bytes = 0;
   std::optional<Vec3> spacing;
-  bool allow_outside = false;
+  bool allow_outside = false, as_stored = false;
+  std::string part;           // as VolumeSource has it
+  std::optional<double> nan;  // the same
   std::string transfer_function;
   std::string camera_name;  // of the scene's; empty: its first
   CameraSettings camera;

@@ -55,6 +55,7 @@ Stack read_one(const std::filesystem::path& file, const StackFiles& files) {
   source.file = file;
   source.spacing = Vec3{1, 1, 1};  // the scan has its own
   source.allow_outside = files.allow_outside;
+  source.as_stored = true;  // columns, rows and views are no axes of space
   return stack_of(read_volume(source));
 }
 

@@ -114,7 +114,10 @@ TEST(MetaImageFile, RefusesWhatItCannotRead) {
   const auto error = [&](const std::string& text) { return read_error(folder.write("v.mhd", text)); };
   const std::string data = kLocal + stored(ramp<std::uint8_t>());
   EXPECT_THAT(error(header("MET_STRANGE", data)), AllOf(HasSubstr("ElementType"), HasSubstr("MET_STRANGE")));
-  EXPECT_THAT(error(header("MET_UCHAR", "ElementNumberOfChannels = 3\n" + data)), HasSubstr("ElementNumberOfChannels"));
+  EXPECT_THAT(error(header("MET_UCHAR", "ElementNumberOfChannels = 3\n" + data)), HasSubstr("expected 72 bytes"));
+  EXPECT_THAT(error(header("MET_UCHAR", "ElementNumberOfChannels = 2\n" + data)),
+              HasSubstr("part: expected a channel, 1..2"));
+  EXPECT_THAT(error(header("MET_UCHAR", "TransformMatrix = 1 0 0\n" + data)), HasSubstr("TransformMatrix"));
   EXPECT_THAT(error(header("MET_UCHAR", "ElementSpacing = 1 2\n" + data)), HasSubstr("ElementSpacing"));
   EXPECT_THAT(error(header("MET_UCHAR", "ElementSpacing = a b c\n" + data)), HasSubstr("ElementSpacing"));
   EXPECT_THAT(error(header("MET_UCHAR", "CompressedData = maybe\n" + data)), HasSubstr("CompressedData"));
@@ -122,8 +125,8 @@ TEST(MetaImageFile, RefusesWhatItCannotRead) {
               HasSubstr("begin at byte 5000"));
   EXPECT_THAT(error(header("MET_UCHAR", "HeaderSize = -7\nElementDataFile = v.mhd\n")), HasSubstr("HeaderSize"));
   EXPECT_THAT(error(header("MET_UCHAR", "ElementDataFile = gone.raw\n")), HasSubstr("gone.raw: file: expected a file"));
-  EXPECT_THAT(error(header("MET_UCHAR", "ElementDataFile = LIST\na.raw\n")), HasSubstr("ElementDataFile"));
-  EXPECT_THAT(error(header("MET_UCHAR", "ElementDataFile = s%03d.raw 1 4 1\n")), HasSubstr("ElementDataFile"));
+  EXPECT_THAT(error(header("MET_UCHAR", "ElementDataFile = LIST\na.raw\n")), HasSubstr("a.raw"));
+  EXPECT_THAT(error(header("MET_UCHAR", "ElementDataFile = s%03d.raw 1 4 1\n")), HasSubstr("s001.raw"));
   EXPECT_THAT(error(header("MET_UCHAR", "")), AllOf(HasSubstr("ElementDataFile"), HasSubstr("none")));
   EXPECT_THAT(error("ObjectType = Tube\nElementDataFile = LOCAL\n"), HasSubstr("ObjectType"));
   EXPECT_THAT(error("ObjectType = Image\nnonsense\n"), HasSubstr("nonsense"));

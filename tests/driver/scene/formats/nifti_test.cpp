@@ -122,14 +122,23 @@ TEST(NiftiFile, TakesASlopeOfZeroOrNaNAsUnscaled) {
   }
 }
 
-TEST(NiftiFile, AllowsFurtherAxesOfOneOnly) {
+TEST(NiftiFile, TakesTheFirstOfSeveralVolumesOrTheOneAskedFor) {
   const TemporaryFolder folder;
   auto header = header_1(NIFTI_TYPE_UINT8);
   header.dim[0] = 4;
   const std::string samples = stored(ramp<std::uint8_t>());
   EXPECT_EQ(read_volume(folder.write("v.nii", file_of(header, samples))).dims, kRampDims);
   header.dim[4] = 2;
-  EXPECT_THAT(read_error(folder.write("v.nii", file_of(header, samples + samples))), HasSubstr("2 x 3 x 4 x 2"));
+  VolumeSource source;
+  source.file = folder.write("v.nii", file_of(header, std::string(24, 'a') + std::string(24, 'b')));
+  const Warnings warnings;
+  EXPECT_EQ(read_volume(source).samples.front(), std::byte{'a'});
+  EXPECT_THAT(warnings.texts, testing::ElementsAre(HasSubstr("volume: expected a part, 1..2, got none; 1 is taken")));
+  source.part = "2";
+  EXPECT_EQ(read_volume(source).samples.back(), std::byte{'b'});
+  EXPECT_EQ(bytes_in_planes(open_volume(source), 1).front(), std::byte{'b'});
+  source.part = "3";
+  EXPECT_THROW(read_volume(source), FileError);
 }
 
 template <typename Change>
@@ -137,6 +146,38 @@ std::string error_after(const TemporaryFolder& folder, Change change) {
   auto header = header_1(NIFTI_TYPE_UINT8);
   change(header);
   return read_error(folder.write("v.nii", file_of(header, stored(ramp<std::uint8_t>()))));
+}
+
+TEST(NiftiFile, ReadsPairsAndAnalyze) {
+  const TemporaryFolder folder;
+  const std::string samples = stored(ramp<std::uint8_t>());
+  for (const char* magic : {"ni1", ""}) {
+    auto header = header_1(NIFTI_TYPE_UINT8);
+    std::memset(header.magic, 0, 4);
+    std::memcpy(header.magic, magic, std::strlen(magic));
+    header.vox_offset = 2;
+    const std::string start = file_of(header, "").substr(0, 348);
+    for (const bool packed : {false, true}) {
+      const TemporaryFolder pair;
+      const auto head = pair.write(packed ? "v.hdr.gz" : "v.hdr", packed ? gzip(start) : start);
+      const auto image = pair.write(packed ? "v.img.gz" : "v.img", packed ? gzip("xx" + samples) : "xx" + samples);
+      for (const auto& file : {head, image})
+        EXPECT_EQ(samples_of<std::uint8_t>(read_volume(file)), ramp<std::uint8_t>());
+    }
+  }
+  const RawLayout raw{.dims = kRampDims};  // many programs call raw samples so
+  EXPECT_EQ(samples_of<std::uint8_t>(read_volume(folder.write("raw.img", samples), raw)), ramp<std::uint8_t>());
+}
+
+TEST(NiftiFile, HasColours) {
+  const TemporaryFolder folder;
+  auto header = header_1(NIFTI_TYPE_RGB24);
+  std::string bytes(72, '\0');
+  bytes[3] = 10, bytes[4] = 20, bytes[5] = 30;
+  const Volume volume = read_volume(folder.write("v.nii", file_of(header, bytes)));
+  EXPECT_EQ(volume.colours.size(), 72u);
+  EXPECT_EQ(volume.colours[4], 20);
+  EXPECT_EQ(volume.samples[1], std::byte{19});  // luma
 }
 
 TEST(NiftiFile, RefusesSpacingThatIsNone) {
@@ -171,10 +212,13 @@ TEST(NiftiFile, RefusesSizesThatTheFileCannotHold) {
 
 TEST(NiftiFile, RefusesWhatItCannotRead) {
   const TemporaryFolder folder;
-  EXPECT_THAT(error_after(folder, [](auto& header) { header.datatype = NIFTI_TYPE_RGB24; }), HasSubstr("RGB24"));
+  EXPECT_THAT(error_after(folder, [](auto& header) { header.datatype = NIFTI_TYPE_COMPLEX64; }),
+              HasSubstr("COMPLEX64"));
   EXPECT_THAT(error_after(folder, [](auto& header) { header.datatype = 12345; }),
               AllOf(HasSubstr("datatype"), HasSubstr("12345")));
-  EXPECT_THAT(error_after(folder, [](auto& header) { header.magic[1] = 'i'; }), HasSubstr("ni1"));
+  EXPECT_THAT(error_after(folder, [](auto& header) { header.magic[1] = 'x'; }), HasSubstr("ni1"));
+  EXPECT_THAT(error_after(folder, [](auto& header) { header.magic[1] = 'i'; }),
+              HasSubstr("v.img: file: expected a file"));
   EXPECT_THAT(error_after(folder, [](auto& header) { header.sizeof_hdr = 1; }), HasSubstr("sizeof_hdr"));
   EXPECT_THAT(error_after(folder, [](auto& header) { header.scl_slope = HUGE_VALF; }), HasSubstr("scl_slope"));
   EXPECT_THAT(read_error(folder.write("v.nii", "short")), HasSubstr("sizeof_hdr"));

@@ -139,7 +139,7 @@ TEST(NrrdFile, RefusesSpacingThatIsNone) {
               HasSubstr("spacing: expected three finite numbers, none of them 0, got 0.5 nan 2"));
   EXPECT_THAT(error("spacings: nan nan nan"), HasSubstr("got nan nan nan"));
   const std::string space = "space: left-posterior-superior\nspace directions: ";
-  EXPECT_THAT(error(space + "none (0,3,4) (0,0,1)"), HasSubstr("got nan 5 1"));
+  EXPECT_THAT(error(space + "none (0,3,4) (0,0,1)"), HasSubstr("three axes of space"));
 }
 
 // teem compares each note with all before it, which takes it several times as long for so many.
@@ -281,11 +281,11 @@ TEST(NrrdFile, RefusesWhatItCannotRead) {
   const auto error = [&](const std::string& text) { return read_error(folder.write("v.nrrd", text)); };
   EXPECT_THAT(error(header("strange", raw)), HasSubstr("strange"));
   EXPECT_THAT(error(header("short", raw)), HasSubstr("endian"));
-  EXPECT_THAT(error(header("uchar", "encoding: bzip2\n\nxx" + std::string(99, 'x'))), HasSubstr("encoding"));
+  EXPECT_THAT(error(header("uchar", "encoding: bzip2\n\nxx" + std::string(99, 'x'))), HasSubstr("compressed data"));
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: gone.raw\n")),
               HasSubstr("gone.raw: file: expected a file"));
-  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: s%03d.raw 1 4 1\n")), HasSubstr("data file"));
-  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: LIST\na.raw\nb.raw\n")), HasSubstr("data file"));
+  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: s%03d.raw 1 4 1\n")), HasSubstr("s001.raw"));
+  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: LIST\na.raw\nb.raw\n")), HasSubstr("a.raw"));
   EXPECT_THAT(error("NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 3\nencoding: raw\n\n123456"),
               HasSubstr("three axes"));
   EXPECT_THAT(error("NRRD0004\ntype: block\ndimension: 3\nsizes: 2 3 4\nblock size: 1\nendian: big\n" + raw),

@@ -62,11 +62,11 @@ TEST(VolumeOutput, SaysWhereTheFirstVoxelIs) {
   for (std::size_t row = 0; row < 3; ++row) {
     float offset = 0;
     std::memcpy(&offset, bytes.data() + 280 + 16 * row + 12, sizeof offset);
-    EXPECT_EQ(offset, (std::array{-1.5F, 2.0F, 7.0F})[row]);
+    EXPECT_EQ(offset, (std::array{1.5F, -2.0F, 7.0F})[row]);  // to the right, to the front and up
   }
 }
 
-// As NIfTI readers take it: both transforms of the same code, lengths in millimetres, and no rotation.
+// As NIfTI readers take it: both transforms of the same code, lengths in millimetres; axes run to the right and to the front.
 TEST(VolumeOutput, NiftiSaysUnitsAndTwiceWhereTheVoxelsAre) {
   const TemporaryFolder folder;
   const std::vector<float> values = ramp(8);
@@ -78,7 +78,7 @@ TEST(VolumeOutput, NiftiSaysUnitsAndTwiceWhereTheVoxelsAre) {
   EXPECT_EQ(image->xyz_units, NIFTI_UNITS_MM);
   EXPECT_EQ(image->sform_code, NIFTI_XFORM_SCANNER_ANAT);
   EXPECT_EQ(image->qform_code, NIFTI_XFORM_SCANNER_ANAT);
-  const double expected[3][4] = {{0.5, 0, 0, -1.5}, {0, 1, 0, 2}, {0, 0, 2, 7}};
+  const double expected[3][4] = {{-0.5, 0, 0, 1.5}, {0, -1, 0, -2}, {0, 0, 2, 7}};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
       EXPECT_EQ(image->sto_xyz.m[row][column], expected[row][column]) << row << ' ' << column;

@@ -35,6 +35,7 @@ namespace gicube::scene {
 struct CameraSettings {
   std::string name;
   std::optional<Vec3> eye, look_at, up;
+  std::string from;                           // a named view (see_from()), in place of `eye`
   std::optional<double> fov_degrees;          // vertical
   std::optional<double> orthographic_height;  // in (smallest) voxel edges; set = orthographic
 };
@@ -122,11 +123,19 @@ GICUBE_API bool same_voxels(const Scene& a, const Scene& b);
 // Whether, beyond that, an illumination pass leaves the same irradiance: lights and settings are alike.
 GICUBE_API bool same_illumination(const Scene& a, const Scene& b);
 
+// The direction to the eye, and what is up unless `up` is set, of a named view: front, back, left, right, top, bottom or iso. With a
+// patient they are the patient's, and anterior, posterior, superior and inferior are views too; the patient's left is then at +x,
+// and his front is up as seen along z. Without one, left is the viewer's left in front, at -x. Throws InputError.
+GICUBE_API Vec3 see_from(const std::string& name, WorldAxes axes, std::optional<Vec3>& up);
+
 // Fills in eye, look_at, up, fov and height of `view` from `camera`; its image size gives the aspect ratio.
-// look_at: the box's centre. up: +z, or +y if the line of sight runs along z. eye: in the direction (-0.35, -1, 0.45)
+// look_at: the box's centre. up: +z, or +y if the line of sight runs along z. eye: towards `from`, or else in the direction
+// (-0.35, -1, 0.45),
 // from look_at in physical space, where `box` just fits into the image.
 // Throws InputError for a field of view that is not within 0..180 degrees.
-GICUBE_API void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& spacing, View& view);
+// `axes`: what `from` is said of.
+GICUBE_API void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& spacing, View& view,
+                           WorldAxes axes = WorldAxes::kNone);
 
 // The direction towards a light above the viewer's left shoulder.
 GICUBE_API Vec3 shoulder_light(const View& view, const Vec3& spacing);

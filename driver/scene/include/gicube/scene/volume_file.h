@@ -1,11 +1,14 @@
 // Volumes in files: NRRD, MetaImage, NIfTI, folders of image slices, or raw samples, also gzipped (.gz), if a RawLayout says how they
 // lie. The end of a file's name says its format, or else its contents do.
 //
-// Axes stay as the file stores them: voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Orientation
-// and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; without any it is 1, a negative one
+// If a file says how its axes lie in a world, samples are permuted and flipped on loading so that the volume's x, y and z run along the
+// nearest axes of that world: to the left, to the back (posterior) and upwards (superior) of a patient, as in DICOM; along x, y and z
+// otherwise. Volume::placement has what is left. Where the file says nothing, or with VolumeSource::as_stored, voxel (x, y, z) is
+// the x-th sample of the y-th row of the z-th slice. Spacing is the voxel's edge on each axis; without any it is 1, a negative one
 // counts as its absolute value.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,6 +30,25 @@ constexpr std::size_t voxels_of(const Dims& dims) {
   return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
 }
 
+enum class WorldAxes {
+  kNone,     // the file says nothing of its axes
+  kWorld,    // x, y, z of some space, with no patient in it
+  kPatient,  // x to the patient's left, y to the back, z to the head (LPS)
+};
+
+// Where a volume lies in the world of its file: voxel p is at origin + the sum of p[i] * spacing[i] * directions[i].
+struct WorldPlacement {
+  WorldAxes axes = WorldAxes::kNone;
+  std::array<Vec3, 3> directions{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of the volume's x, y, z in the world; unit vectors
+  Vec3 origin;                             // the first voxel's centre in the world, in the file's unit of length
+  std::array<int, 3> stored{1, 2,
+                            3};  // the file's axis, from 1, along the volume's x, y, z; negative: it runs the other way
+};
+
+// How far the volume's axes are from those of the world, in degrees: the largest of the three angles.
+GICUBE_API double oblique_degrees(const WorldPlacement& placement);
+
 struct Volume {
   std::vector<std::byte>
       samples;         // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order; none if there are:
@@ -38,6 +60,7 @@ struct Volume {
   Vec3 spacing{1, 1, 1};            // the file's unit of length
   std::optional<ValueRange> range;  // unset: the driver's default for the type
   std::string source;               // the file or folder, for messages
+  WorldPlacement placement;
 
   // Points into this Volume. view(): of one with samples; stream(): with planes.
   VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}, colours}; }
@@ -68,6 +91,10 @@ struct VolumeSource {
   std::optional<RawLayout> raw;  // headerless files only
   std::optional<Vec3> spacing;   // in place of the file's
   bool allow_outside = false;    // a header may name a data file outside of its folder and those below
+  bool as_stored = false;        // axes stay as the file has them, whatever it says of their directions
+  // Which volume, if the file or folder has several: its name or number, as the error says that lists them.
+  std::string part;
+  std::optional<double> nan;  // replaces samples that are no finite numbers
   // For set_up(): a file with more than kMaxWholeBytes of samples is read in planes while load() sends it, and SceneSetup has no samples.
   bool in_planes = false;
 
@@ -104,16 +131,19 @@ GICUBE_API SampleType sample_type_named(const std::string& name, const std::stri
 struct FloatVolume {
   Dims dims{};
   Vec3 spacing{1, 1, 1};          // voxel edges, > 0
-  Vec3 origin;                    // of the first voxel's centre; axes run along x, y, z
+  Vec3 origin;                    // of the first voxel's centre, in the world
   std::span<const float> values;  // x fastest
   int channels = 1;               // or 3, a voxel's side by side: of light fields only
+  // As WorldPlacement's. Without a patient, NIfTI and MetaImage, whose world is always one, take x, y, z for left, back and up, as ITK does.
+  WorldAxes axes = WorldAxes::kWorld;
+  std::array<Vec3, 3> directions{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };
 
 // Whether write_volume() knows the extension.
 GICUBE_API bool is_volume_output(const std::filesystem::path& path);
-// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz. Values, spacing and origin come back
-// as they are, in NIfTI spacing and origin as 32-bit floats; NIfTI says that they are millimetres in the scanner's space (qform and
-// sform of code 1). MetaImage has no place for the provenance. A file that was there stays until the new one is whole.
+// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz, .vti. Values, spacing, origin and directions come
+// back as they are, in NIfTI all but the values as 32-bit floats; NIfTI says that they are millimetres in the scanner's space (qform and
+// sform of code 1). MetaImage and VTI have no place for the provenance. A file that was there stays until the new one is whole.
 // Throws FileError: another extension, a wrong number of values, a place that can't be written to.
 GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path,
                              const Provenance& provenance = {});
