@@ -11,7 +11,7 @@ target_sources(gicube-scene
 target_compile_features(gicube-scene INTERFACE cxx_std_20)
 target_link_libraries(gicube-scene
   PUBLIC gicube
-  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB BZip2::BZip2 pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
+  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB BZip2::BZip2 ${MINIZIP_LIBRARY} pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
 target_link_options(gicube-scene PRIVATE
   LINKER:--version-script=${scene_script} LINKER:--exclude-libs,ALL LINKER:--as-needed)
 if(NOT GICUBE_SANITIZE AND NOT GICUBE_FUZZ)  # as libgicube.so
@@ -47,3 +47,19 @@ set_target_properties(gicube-pictures PROPERTIES
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 add_dependencies(gicube_scene gicube-pictures)  # whoever links that one may load this one
 install(TARGETS gicube-pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_SKIP)
+
+# libgicube-dicom.so, libgicube-hdf5.so and libgicube-openvdb.so, loaded the same way (driver/scene/formats/volume_library.h). Debian 12's
+# CMake configs of DCMTK and OpenVDB name parts that nothing here needs.
+function(gicube_volume_library name)
+  add_library(gicube-${name} SHARED ${PROJECT_SOURCE_DIR}/driver/scene/libraries/${name}.cpp)
+  target_include_directories(gicube-${name} PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include ${scene_include})
+  target_link_libraries(gicube-${name} PRIVATE gicube_options fmt::fmt ${ARGN})
+  target_link_options(gicube-${name} PRIVATE LINKER:--as-needed)
+  set_target_properties(gicube-${name} PROPERTIES
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    VERSION ${PROJECT_VERSION} SOVERSION ${GICUBE_SOVERSION}
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+  add_dependencies(gicube_scene gicube-${name})
+  install(TARGETS gicube-${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_SKIP)
+endfunction()
+gicube_volume_library(dicom dcmdata dcmjpeg dcmjpls oflog ofstd)

@@ -3,11 +3,10 @@
 #include <dlfcn.h>
 
 #include "gicube/scene/error.h"
+#include "scene/formats/plug_in.h"
 
 namespace gicube::scene {
 namespace {
-
-constexpr const char* kLibrary = "libgicube-pictures.so." GICUBE_SOVERSION;
 
 // The file of the shared object that has this code. Of a program this is how it was called, which need not be a path.
 std::filesystem::path own_file() {
@@ -17,29 +16,33 @@ std::filesystem::path own_file() {
 }
 
 // Beside libgicube-scene.so, or where a program's libraries are, installed or in the build tree; else where the system looks.
-void* load() {
+void* load(const std::string& library) {
   for (const std::filesystem::path& own : {own_file(), std::filesystem::path("/proc/self/exe")}) {
     for (const char* const folder : {".", GICUBE_PROGRAMS_TO_LIBRARIES, "../lib"}) {
       std::error_code none;
-      const std::filesystem::path file = std::filesystem::canonical(own, none).parent_path() / folder / kLibrary;
+      const std::filesystem::path file = std::filesystem::canonical(own, none).parent_path() / folder / library;
       if (file.is_absolute() && std::filesystem::exists(file, none))
         return ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     }
   }
-  return ::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
+  return ::dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
 }
 
 }  // namespace
 
+const void* plug_in(const std::filesystem::path& file, const std::string& name) {
+  const std::string library = "libgicube-" + name + ".so." GICUBE_SOVERSION;
+  void* const loaded = load(library);
+  void* const open = loaded != nullptr ? ::dlsym(loaded, ("gicube_" + name).c_str()) : nullptr;
+  if (open != nullptr) return reinterpret_cast<const void* (*)()>(open)();
+  const char* const why = ::dlerror();
+  throw FileError(file, "format", "one that can be read or written without " + library,
+                  why != nullptr ? why : "the library can't be loaded");
+}
+
 const PictureLibrary& picture_library(const std::filesystem::path& file) {
-  static void* const library = load();
-  void* const open = library != nullptr ? ::dlsym(library, "gicube_pictures") : nullptr;
-  if (open == nullptr) {
-    const char* const why = ::dlerror();
-    throw FileError(file, "image", std::string("one that can be read or written without ") + kLibrary,
-                    why != nullptr ? why : "the library can't be loaded");
-  }
-  return *reinterpret_cast<const PictureLibrary* (*)()>(open)();
+  static const void* const library = plug_in(file, "pictures");
+  return *static_cast<const PictureLibrary*>(library);
 }
 
 std::vector<std::uint8_t> encoded_picture(const std::filesystem::path& file, const PictureToWrite& picture) {

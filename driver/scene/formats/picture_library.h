@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "gicube/scene/volume_file.h"
+#include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {
 
@@ -29,7 +30,7 @@ class PictureReader {
  public:
   struct Page {
     int width = 0, height = 0, depth = 0, channels = 0;
-    std::optional<SampleType> type;  // nothing: one that a volume can't have
+    std::optional<StoredType> type;  // nothing: one that a volume can't have
     std::string type_name;           // OpenImageIO's
   };
 
@@ -38,8 +39,9 @@ class PictureReader {
   virtual Page page() const = 0;    // at first page 0
   // All channels of the page as samples of this type, in the host's byte order. False: they are not whole, and error()
   // says why.
-  virtual bool read(int page, SampleType type, std::span<std::byte> out) = 0;
-  virtual std::string description() const = 0;  // TIFF's ImageDescription
+  virtual bool read(int page, StoredType type, std::span<std::byte> out) = 0;
+  virtual std::string description() const = 0;             // TIFF's ImageDescription
+  virtual double number(const char* attribute) const = 0;  // of OpenImageIO, 0 if there is none
   virtual std::string error() = 0;
 };
 

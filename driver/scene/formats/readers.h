@@ -45,6 +45,19 @@ std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, 
 // volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
 
+// .npy, and .npz, whose array `part` names if there are several: bools and numbers of at least three axes, the last running fastest, or the
+// first of Fortran's order. Of an array of more axes `part` is a number, from 1, over those before the three.
+bool is_numpy(const std::filesystem::path& file);
+StoredFile find_numpy(const std::filesystem::path& file, const std::string& part = {});
+StoredFile find_numpy_archive(const std::filesystem::path& file, const std::string& part = {});
+
+// .vti, VTK's image data of one piece: ascii, raw or base64, zlib-compressed; `part`: an array's name. And legacy .vtk of structured points,
+// in text or big-endian: its first scalars. A volume's voxels are VTK's points, or else its cells.
+bool is_vti(const std::filesystem::path& file);
+Volume read_vti(const std::filesystem::path& file, const std::string& part = {});
+bool is_legacy_vtk(const std::filesystem::path& file);
+StoredFile find_legacy_vtk(const std::filesystem::path& file);
+
 // With the spacing that is given or, made positive, the file's own. Throws FileError: that has a zero or no number.
 Volume with_spacing(Volume volume, const std::optional<Vec3>& given = {});
 
@@ -56,17 +69,18 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
                                               std::initializer_list<std::string_view> extensions);
 
 // The folder's .png .tif .tiff .bmp .jpg .jpeg .pgm .exr files (any case) in natural order, the first at z = 0; x and y
-// run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are 8 or 16
-// bits or float32, the same in all slices, and so are width and height; spacing is 1. If no pixel has a colour (red = green = blue),
+// run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are integers of 8, 16
+// or 32 bits, float32 or float64, the same in all slices, and so are width and height; spacing is 1. If no pixel has a colour (red = green = blue),
 // samples are grey and alpha is ignored. Else slices are of 8 or 16 bits, voxels have the pixels' colours, and samples are the
 // pixels' alpha if the first slice has one, or else their luma (ITU-R BT.709), of 8 bits. Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
 // The same, each slice when it is asked for.
 Volume open_slices(const std::filesystem::path& folder);
 
-// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF has. They must be grey.
-// Reduced pages (NewSubfileType) are skipped.
-Volume open_pages(const std::filesystem::path& file);  // each page when it is asked for
-Volume read_pages(const std::filesystem::path& file);
+// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF or ImageJ gives. They must be grey.
+// Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and times, from 1: all channels of the first time, then of
+// the next.
+Volume open_pages(const std::filesystem::path& file, const std::string& part = {});  // each page when it is asked for
+Volume read_pages(const std::filesystem::path& file, const std::string& part = {});
 
 }  // namespace gicube::scene

@@ -75,7 +75,7 @@ std::vector<std::filesystem::path> slice_files(const std::filesystem::path& fold
 
 struct Slice {
   int width = 0, height = 0;
-  SampleType type = SampleType::kUint8;
+  StoredType type = StoredType::kUint8;
   std::size_t channels = 1;
   std::vector<std::byte> samples;
   std::vector<std::uint8_t> colours;  // of coloured slices, three bytes a pixel
@@ -110,7 +110,7 @@ void check_page(const std::filesystem::path& file, const PictureReader::Page& pa
   if (page.channels < 1 || page.channels > 4) {
     throw FileError(file, "channels", "1 to 4", fmt::format("{}", page.channels));
   }
-  if (!page.type) throw FileError(file, "sample type", "8 or 16 bits or float", page.type_name);
+  if (!page.type) throw FileError(file, "sample type", "8, 16 or 32 bits, float or double", page.type_name);
 }
 
 std::unique_ptr<PictureReader> open(const std::filesystem::path& file) {
@@ -126,7 +126,7 @@ Slice read_pixels(const std::filesystem::path& file, PictureReader& reader, int 
   check_page(file, page);
   Slice slice{page.width, page.height, *page.type, static_cast<std::size_t>(page.channels), {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(page.width) * static_cast<std::size_t>(page.height);
-  slice.samples.resize(pixels * slice.channels * bytes_per_sample(slice.type));
+  slice.samples.resize(pixels * slice.channels * bytes_of(slice.type));
   if (!reader.read(number, slice.type, slice.samples)) {
     throw FileError(file, "image", "a whole image", reader.error());
   }
@@ -157,17 +157,16 @@ Slice read_pixels(const std::filesystem::path& file) {
   return read_page(file, *reader, pages.front());
 }
 
-bool is_coloured(const Slice& pixels) {
-  return has_colour(pixels.samples, pixels.channels, bytes_per_sample(pixels.type));
-}
+bool is_coloured(const Slice& pixels) { return has_colour(pixels.samples, pixels.channels, bytes_of(pixels.type)); }
 
 // Its samples, and if the volume is coloured its colours. `first`: the volume's first slice with its channels.
 Slice slice_of(const std::filesystem::path& file, Slice pixels, bool coloured, const Slice& first) {
   if (!coloured) {
-    pixels.samples = grey(std::move(pixels.samples), pixels.channels, bytes_per_sample(pixels.type));
+    pixels.samples = grey(std::move(pixels.samples), pixels.channels, bytes_of(pixels.type));
     return pixels;
   }
-  if (pixels.type != SampleType::kUint8 && pixels.type != SampleType::kUint16) {
+  const bool narrow = pixels.type == StoredType::kUint8;
+  if (!narrow && pixels.type != StoredType::kUint16) {
     throw FileError(file, "sample type", "8 or 16 bits, as the volume has colours", "another");
   }
   if (pixels.channels < 3 || pixels.channels != first.channels) {
@@ -176,8 +175,8 @@ Slice slice_of(const std::filesystem::path& file, Slice pixels, bool coloured, c
                     fmt::format("{}", pixels.channels));
   }
   const std::vector<std::byte> all = std::move(pixels.samples);
-  take_colours(all, pixels.channels, pixels.type, pixels.samples, pixels.colours);
-  pixels.type = SampleType::kUint8;
+  take_colours(all, pixels.channels, narrow ? SampleType::kUint8 : SampleType::kUint16, pixels.samples, pixels.colours);
+  pixels.type = StoredType::kUint8;
   return pixels;
 }
 
@@ -193,7 +192,7 @@ StoredLayout layout_of(const std::filesystem::path& source, const Slice& first, 
   StoredLayout layout;
   layout.file = source;
   layout.dims = {first.width, first.height, static_cast<int>(count)};
-  layout.type = stored_type(first.type);
+  layout.type = first.type;
   layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
   checked_bytes(layout);
   return layout;
@@ -255,7 +254,7 @@ Volume read_slices(const std::filesystem::path& folder) {
     samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
     colours.insert(colours.end(), slice.colours.begin(), slice.colours.end());
   }
-  if (coloured) first.type = SampleType::kUint8;
+  if (coloured) first.type = StoredType::kUint8;
   Volume volume = to_volume(std::move(samples), layout_of(folder, first, files.size()));
   volume.colours = std::move(colours);
   return volume;
@@ -270,19 +269,23 @@ Volume open_slices(const std::filesystem::path& folder) {
     coloured = is_coloured(read_pixels(files[z]));
   }
   Slice stored = first;
-  if (coloured) stored.type = SampleType::kUint8;
-  Volume volume = to_volume({}, layout_of(folder, stored, files.size()));
+  if (coloured) stored.type = StoredType::kUint8;
+  const StoredLayout layout = layout_of(folder, stored, files.size());
+  Volume volume = to_volume({}, layout);
   // The colours of the planes that were read last, since both readers are asked for the same ones.
   const auto colours = std::make_shared<std::vector<std::uint8_t>>();
-  volume.planes = [files, first, coloured, colours](int z, int count, std::span<std::byte> out) {
+  volume.planes = [files, first, coloured, colours, layout](int z, int count, std::span<std::byte> out) {
     colours->clear();
     for (const int end = z + count; z < end; ++z) {
       const auto& file = files.at(static_cast<std::size_t>(z));
       Slice pixels = read_pixels(file);
       check_same(file, pixels, first);
       const Slice slice = slice_of(file, std::move(pixels), coloured, first);
-      std::ranges::copy(slice.samples, out.begin());
-      out = out.subspan(slice.samples.size());
+      StoredLayout plane = layout;
+      plane.dims[2] = 1;
+      const Volume made = to_volume(slice.samples, plane);
+      std::ranges::copy(made.samples, out.begin());
+      out = out.subspan(made.samples.size());
       colours->insert(colours->end(), slice.colours.begin(), slice.colours.end());
     }
   };
@@ -294,27 +297,81 @@ Volume open_slices(const std::filesystem::path& folder) {
   return volume;
 }
 
-Volume open_pages(const std::filesystem::path& file) {
-  const std::shared_ptr<PictureReader> reader = open(file);
-  const auto ome = ome_pixels(file, reader->description());
-  const std::vector<int> pages = full_pages(file, *reader);
-  if (ome && static_cast<std::size_t>(ome->size_z) != pages.size()) {
-    throw FileError(file, "SizeZ", fmt::format("{}, a plane a page", pages.size()), fmt::format("{}", ome->size_z));
+namespace {
+
+// Of ImageJ, whose planes follow each other behind the one page.
+StoredFile planes_behind(const std::filesystem::path& file, const Slice& first, const PageStack& stack,
+                         std::size_t chosen) {
+  const auto strip = first_strip(file);
+  if (!strip || stack.channels > 1 || first.channels > 1) {
+    throw FileError(file, "image",
+                    fmt::format("{} pages, or grey planes of one channel that are not compressed", stack.z),
+                    "one page");
   }
-  const auto read = [file, reader, pages](int z) {
-    Slice pixels = read_page(file, *reader, pages.at(static_cast<std::size_t>(z)));
+  StoredFile stored{layout_of(file, first, static_cast<std::size_t>(stack.z)), {}, Encoding::kBytes};
+  stored.layout.big_endian = strip->big_endian;
+  stored.layout.spacing = stack.spacing;
+  stored.place.file = file;
+  stored.place.offset = strip->offset;
+  stored.place.skip = chosen * std::uint64_t{checked_bytes(stored.layout)};
+  return stored;
+}
+
+}  // namespace
+
+Volume open_pages(const std::filesystem::path& file, const std::string& part) {
+  const std::shared_ptr<PictureReader> reader = open(file);
+  const std::string description = reader->description();
+  std::vector<int> pages = full_pages(file, *reader);
+  const auto edge = [&](const char* resolution) {
+    const double pixels = reader->number(resolution);
+    return pixels > 0 ? 1 / pixels : 1;
+  };
+  auto stack = ome_pixels(file, description);
+  const bool ome = stack.has_value();
+  if (!stack)
+    stack = imagej_stack(file, description, static_cast<int>(pages.size()), {edge("XResolution"), edge("YResolution")});
+  const auto read = [file, reader](int page) {
+    Slice pixels = read_page(file, *reader, page);
     if (is_coloured(pixels)) throw FileError(file, "colour", "a grey image", "a coloured one");
     return pixels;
   };
-  Slice first = read(0);
+  Slice first = read(pages.front());
   first.samples.clear();
-  Volume volume = to_volume({}, layout_of(file, first, pages.size()));
-  if (ome) volume.spacing = ome->spacing;
-  volume.planes = [file, first, read](int z, int count, std::span<std::byte> out) {
+  if (stack) {
+    if (stack->z > kMaxFileDim)
+      throw FileError(file, "slices", fmt::format("at most {}", kMaxFileDim), fmt::format("{}", stack->z));
+    const std::int64_t planes = std::int64_t{stack->z} * stack->channels * stack->times;
+    const std::size_t chosen = chosen_part(file,
+                                           stack->times > 1 && stack->channels > 1
+                                               ? fmt::format("time and channel, of {} channels each", stack->channels)
+                                           : stack->times > 1 ? "time"
+                                                              : "channel",
+                                           std::int64_t{stack->channels} * stack->times, part);
+    if (!ome && pages.size() == 1 && planes > 1) return open_stored(planes_behind(file, first, *stack, chosen));
+    if (planes != static_cast<std::int64_t>(pages.size())) {
+      throw FileError(file, ome ? "SizeZ" : "images", fmt::format("{}, a plane a page", pages.size()),
+                      fmt::format("{}", planes));
+    }
+    const auto channels = static_cast<std::size_t>(stack->channels);
+    const std::size_t begin = chosen % channels * static_cast<std::size_t>(stack->steps[1]) +
+                              chosen / channels * static_cast<std::size_t>(stack->steps[2]);
+    std::vector<int> own;
+    for (int z = 0; z < stack->z; ++z) own.push_back(pages.at(begin + static_cast<std::size_t>(z * stack->steps[0])));
+    pages = std::move(own);
+  } else {
+    chosen_part(file, "volume", 1, part);
+  }
+  const StoredLayout layout = layout_of(file, first, pages.size());
+  Volume volume = to_volume({}, layout);
+  if (stack) volume.spacing = stack->spacing;
+  volume.planes = [file, first, read, pages, layout](int z, int count, std::span<std::byte> out) {
     for (const int end = z + count; z < end; ++z) {
-      Slice pixels = read(z);
+      Slice pixels = read(pages.at(static_cast<std::size_t>(z)));
       check_same(file, pixels, first);
-      const Slice slice = slice_of(file, std::move(pixels), false, first);
+      StoredLayout plane = layout;
+      plane.dims[2] = 1;
+      const Volume slice = to_volume(slice_of(file, std::move(pixels), false, first).samples, plane);
       std::ranges::copy(slice.samples, out.begin());
       out = out.subspan(slice.samples.size());
     }
@@ -322,9 +379,9 @@ Volume open_pages(const std::filesystem::path& file) {
   return volume;
 }
 
-Volume read_pages(const std::filesystem::path& file) {
-  Volume volume = open_pages(file);
-  take_planes(volume);
+Volume read_pages(const std::filesystem::path& file, const std::string& part) {
+  Volume volume = open_pages(file, part);
+  if (volume.planes) take_planes(volume);
   return volume;
 }
 

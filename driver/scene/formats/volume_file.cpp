@@ -12,6 +12,7 @@
 #include "scene/formats/orientation.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
+#include "scene/formats/volume_library.h"
 
 namespace gicube::scene {
 namespace {
@@ -25,7 +26,10 @@ constexpr Finder kNrrd =
                      [](const VolumeSource&source) {
                        return find_meta_image(source.file, source.allow_outside, source.part);
                      },
-                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file, source.part); };
+                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file, source.part); },
+                 kNumpy = [](const VolumeSource&source) { return find_numpy(source.file, source.part); },
+                 kNumpyArchive = [](const VolumeSource&source) { return find_numpy_archive(source.file, source.part); },
+                 kVtk = [](const VolumeSource&source) { return find_legacy_vtk(source.file); };
 
 struct Format {
   const char* extension;  // lower case, at the end of the name
@@ -35,7 +39,8 @@ struct Format {
 constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd},    Format{".mhd", kMetaImage},
                                  Format{".mha", kMetaImage}, Format{".nii", kNifti},    Format{".nii.gz", kNifti},
                                  Format{".hdr", kNifti},     Format{".hdr.gz", kNifti}, Format{".img", kNifti},
-                                 Format{".img.gz", kNifti}};
+                                 Format{".img.gz", kNifti},  Format{".npy", kNumpy},    Format{".npz", kNumpyArchive},
+                                 Format{".vtk", kVtk}};
 
 // Null: the name says nothing.
 Finder finder_by_name(const std::filesystem::path& path) {
@@ -50,7 +55,11 @@ Finder finder_by_contents(const std::filesystem::path& path) {
   if (is_nrrd(path)) return kNrrd;
   if (is_meta_image(path)) return kMetaImage;
   if (is_nifti(path)) return kNifti;
-  throw FileError(path, "format", "NRRD, MetaImage, NIfTI, TIFF, a folder of slices, or the layout of raw samples",
+  if (is_numpy(path)) return kNumpy;
+  if (is_legacy_vtk(path)) return kVtk;
+  throw FileError(path, "format",
+                  "NRRD, MetaImage, NIfTI, DICOM, TIFF, VTK, HDF5, OpenVDB, numpy, a folder of slices, or the layout "
+                  "of raw samples",
                   "an unknown format and no layout");
 }
 
@@ -135,6 +144,22 @@ StoredFile find(const VolumeSource& source) {
   return (named != nullptr ? named : finder_by_contents(source.file))(source);
 }
 
+Volume read_otherwise(const std::string& reader, const VolumeSource& source) {
+  return reader == "vti" ? read_vti(source.file, source.part) : read_by(reader, source.file, source.part);
+}
+
+// Who reads a file that no StoredFile describes: "vti", or the shared object of that name. Empty: none.
+std::string library_of(const VolumeSource& source) {
+  if (source.raw) return "";
+  std::error_code fault;
+  if (std::filesystem::is_directory(source.file, fault)) return is_dicom(source.file) ? "dicom" : "";
+  if (finder_by_name(source.file) != nullptr) return "";
+  const std::string name = lower_case(source.file.filename().string());
+  if (name.ends_with(".dcm") || name.ends_with(".ima") || is_dicom(source.file)) return "dicom";
+  if (name.ends_with(".vti") || is_vti(source.file)) return "vti";
+  return is_hdf5(source.file) ? "hdf5" : is_openvdb(source.file) ? "openvdb" : "";
+}
+
 // Of pictures: a folder of them, or the pages of a TIFF.
 enum class Slices { kNone, kFolder, kPages };
 Slices slices_of(const VolumeSource& source) {
@@ -172,17 +197,21 @@ Volume finished(Volume volume, const VolumeSource& source) {
 }  // namespace
 
 Volume read_volume(const VolumeSource& source) {
+  if (const std::string library = library_of(source); !library.empty())
+    return finished(read_otherwise(library, source), source);
   const Slices slices = slices_of(source);
   return finished(slices == Slices::kFolder  ? read_slices(source.file)
-                  : slices == Slices::kPages ? read_pages(source.file)
+                  : slices == Slices::kPages ? read_pages(source.file, source.part)
                                              : read_stored(find(source)),
                   source);
 }
 
 Volume open_volume(const VolumeSource& source) {
+  if (const std::string library = library_of(source); !library.empty())
+    return finished(read_otherwise(library, source), source);
   const Slices slices = slices_of(source);
   return finished(slices == Slices::kFolder  ? open_slices(source.file)
-                  : slices == Slices::kPages ? open_pages(source.file)
+                  : slices == Slices::kPages ? open_pages(source.file, source.part)
                                              : open_stored(find(source)),
                   source);
 }

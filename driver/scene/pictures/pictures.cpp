@@ -2,25 +2,32 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <array>
+#include <utility>
+
 #include "scene/formats/picture_library.h"
 
 namespace gicube::scene {
 namespace {
 
-OIIO::TypeDesc type_of(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8: return OIIO::TypeDesc::UINT8;
-    case SampleType::kInt16: return OIIO::TypeDesc::INT16;
-    case SampleType::kFloat32: return OIIO::TypeDesc::FLOAT;
-    default: return OIIO::TypeDesc::UINT16;
+constexpr std::array kTypes = {
+    std::pair{StoredType::kInt8, OIIO::TypeDesc::INT8},     std::pair{StoredType::kUint8, OIIO::TypeDesc::UINT8},
+    std::pair{StoredType::kInt16, OIIO::TypeDesc::INT16},   std::pair{StoredType::kUint16, OIIO::TypeDesc::UINT16},
+    std::pair{StoredType::kInt32, OIIO::TypeDesc::INT32},   std::pair{StoredType::kUint32, OIIO::TypeDesc::UINT32},
+    std::pair{StoredType::kFloat32, OIIO::TypeDesc::FLOAT}, std::pair{StoredType::kFloat64, OIIO::TypeDesc::DOUBLE},
+    std::pair{StoredType::kFloat32, OIIO::TypeDesc::HALF}};
+
+OIIO::TypeDesc type_of(StoredType type) {
+  for (const auto& [stored, made] : kTypes) {
+    if (stored == type) return made;
   }
+  return OIIO::TypeDesc::UINT16;
 }
 
-std::optional<SampleType> type_of(const OIIO::TypeDesc& format) {
-  if (format == OIIO::TypeDesc::UINT8) return SampleType::kUint8;
-  if (format == OIIO::TypeDesc::UINT16) return SampleType::kUint16;
-  if (format == OIIO::TypeDesc::INT16) return SampleType::kInt16;
-  if (format == OIIO::TypeDesc::FLOAT || format == OIIO::TypeDesc::HALF) return SampleType::kFloat32;
+std::optional<StoredType> type_of(const OIIO::TypeDesc& format) {
+  for (const auto& [stored, made] : kTypes) {
+    if (format == made) return stored;
+  }
   return std::nullopt;
 }
 
@@ -33,12 +40,15 @@ class Reader final : public PictureReader {
     const OIIO::ImageSpec& spec = input_->spec();
     return {spec.width, spec.height, spec.depth, spec.nchannels, type_of(spec.format), spec.format.c_str()};
   }
-  bool read(int page, SampleType type, std::span<std::byte> out) override {
+  bool read(int page, StoredType type, std::span<std::byte> out) override {
     input_->geterror();  // of a search for pages
     // Rows that a TIFF or JPEG does not have are zero or grey, and only this error tells.
     return input_->read_image(page, 0, 0, input_->spec().nchannels, type_of(type), out.data()) && !input_->has_error();
   }
   std::string description() const override { return input_->spec().get_string_attribute("ImageDescription"); }
+  double number(const char* attribute) const override {
+    return static_cast<double>(input_->spec().get_float_attribute(attribute));
+  }
   std::string error() override { return input_->geterror(); }
 
  private:

@@ -1,0 +1,13 @@
+// Shared objects that are loaded when a file first needs them, since they bring other libraries of a size (driver/scene/pictures,
+// driver/scene/libraries).
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace gicube::scene {
+
+// What gicube_NAME() of libgicube-NAME.so returns. Throws FileError for `file` if there is none.
+const void* plug_in(const std::filesystem::path& file, const std::string& name);
+
+}  // namespace gicube::scene

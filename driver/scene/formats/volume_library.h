@@ -1,0 +1,58 @@
+// Readers of volumes that are shared objects of their own (driver/scene/libraries): DICOM, HDF5, OpenVDB. Nothing is thrown from one to
+// the library that loads it.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gicube/scene/volume_file.h"
+#include "scene/formats/stored_samples.h"
+
+namespace gicube::scene {
+
+// As the arguments of FileError and warn().
+struct FileFault {
+  std::filesystem::path file;
+  std::string field, expected, got;
+};
+
+struct LibraryVolume {
+  StoredLayout layout;  // of `samples`, in the machine's byte order
+  std::vector<std::byte> samples;
+  std::vector<FileFault> warnings;
+  std::optional<FileFault> fault;  // then nothing else is there but warnings
+};
+
+class VolumeLibrary {
+ public:
+  virtual ~VolumeLibrary() = default;
+  // `part`: as VolumeSource has it.
+  virtual LibraryVolume read(const std::filesystem::path& file, const std::string& part) const = 0;
+  // Nothing: it is written.
+  virtual std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const {
+    return FileFault{file, "format", "one that can be written", std::to_string(volume.values.size())};
+  }
+};
+
+// The bytes of the layout's samples; nothing if its sizes are impossible or above kMaxVolumeBytes.
+inline std::optional<std::size_t> sane_bytes(const StoredLayout& layout, std::size_t sample_bytes) {
+  std::uint64_t bytes = sample_bytes * static_cast<std::uint64_t>(layout.channels);
+  for (const int dim : layout.dims) {
+    if (dim < 1 || dim > kMaxFileDim) return std::nullopt;
+    bytes *= static_cast<std::uint64_t>(dim);
+  }
+  return bytes <= kMaxVolumeBytes ? std::optional<std::size_t>(bytes) : std::nullopt;
+}
+
+bool is_dicom(const std::filesystem::path& path);  // a file, or a folder that has more of them than pictures
+bool is_hdf5(const std::filesystem::path& file);
+bool is_openvdb(const std::filesystem::path& file);
+
+// By the shared object of this name: dicom, hdf5 or openvdb. Throws FileError.
+Volume read_by(const std::string& library, const std::filesystem::path& file, const std::string& part);
+void write_by(const std::string& library, const FloatVolume& volume, const std::filesystem::path& file);
+
+}  // namespace gicube::scene
