@@ -23,6 +23,8 @@
 namespace gicube::python {
 
 using scene::RawLayout;
+using scene::WorldAxes;
+using scene::WorldPlacement;
 
 #define F(NAME) \
   std::pair { #NAME, &T::NAME }
@@ -35,6 +37,7 @@ using scene::RawLayout;
 GICUBE_RECORD(ValueRange, F(low), F(high));
 GICUBE_RECORD(VoxelBox, F(low), F(size));
 GICUBE_RECORD(Placement, F(low), F(edge));
+GICUBE_RECORD(WorldPlacement, F(axes), F(directions), F(origin), F(stored));
 GICUBE_RECORD(RawLayout, F(dims), F(type), F(spacing), F(big_endian), F(skip_bytes));
 GICUBE_RECORD(ColourPoint, F(value), F(colour));
 GICUBE_RECORD(OpacityPoint, F(value), F(opacity));
@@ -97,10 +100,10 @@ GICUBE_RECORD(LightPlan, F(chosen), F(asked), F(kept), F(at_limit), F(points), F
 
 // Those that have a class of their own in Python.
 template <template <typename...> typename To>
-using EveryRecord = To<ValueRange, VoxelBox, Placement, RawLayout, ColourPoint, OpacityPoint, TransferFunction, Phong,
-                       Shading, Material, CutPlane, PointLight, DirectionalLight, RectangleLight, SphereLight, Lamp,
-                       View, Illumination, LightEnergy, LightingReport, BoardTime, DepositReport, FoundBoard, Sampling,
-                       RayRequest, PairRequest, BoardInfo, Reopened, BrickDetail, LevelError, PlanPoint, LightPoint,
-                       ScatterEvent, ScatterAnswer, AnsweredCommand, LevelReport>;
+using EveryRecord = To<ValueRange, VoxelBox, Placement, WorldPlacement, RawLayout, ColourPoint, OpacityPoint,
+                       TransferFunction, Phong, Shading, Material, CutPlane, PointLight, DirectionalLight,
+                       RectangleLight, SphereLight, Lamp, View, Illumination, LightEnergy, LightingReport, BoardTime,
+                       DepositReport, FoundBoard, Sampling, RayRequest, PairRequest, BoardInfo, Reopened, BrickDetail,
+                       LevelError, PlanPoint, LightPoint, ScatterEvent, ScatterAnswer, AnsweredCommand, LevelReport>;
 
 }  // namespace gicube::python

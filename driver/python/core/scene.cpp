@@ -5,6 +5,7 @@
 
 #include "call.h"
 #include "gicube/scene/image_file.h"
+#include "gicube/scene/orientation.h"
 #include "gicube/scene/volume_file.h"
 
 namespace gicube::python {
@@ -25,6 +26,7 @@ py::dict fields_of(const scene::Volume& volume) {
   fields["spacing"] = write(volume.spacing);
   fields["range"] = write(volume.range);
   fields["source"] = decoded(volume.source);
+  fields["world"] = write(volume.placement);
   return fields;
 }
 
@@ -56,20 +58,33 @@ py::object functions_of(const scene::SceneSetup& setup) {
 }
 
 void add_files(py::module_& module) {
-  module.def("read_volume", [](const fs::path& path, const py::object& raw) {
+  module.def("nearest_axes", [](const py::object& directions) {
+    return write(scene::nearest_axes(read_as<std::array<Vec3, 3>>(directions, "directions")));
+  });
+  module.def("read_volume", [](const fs::path& path, const py::object& raw, const std::string& part, bool as_stored,
+                               const py::object& nan) {
+    scene::VolumeSource source;
+    source.file = path;
+    source.raw = read_as<std::optional<RawLayout>>(raw, "raw");
+    source.part = part;
+    source.as_stored = as_stored;
+    read(nan, "nan", source.nan);
     // teem keeps its error texts in one place: one reader at a time, for which the interpreter's lock is held.
-    scene::Volume volume = scene::read_volume(path, read_as<std::optional<RawLayout>>(raw, "raw"));
+    scene::Volume volume = scene::read_volume(source);
     py::dict fields = fields_of(volume);
     const auto [x, y, z] = volume.dims;
     if (!volume.colours.empty()) fields["colours"] = to_array(std::move(volume.colours)).attr("reshape")(z, y, x, 3);
     return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
   });
   module.def("write_volume", [](const fs::path& path, const py::object& values, const Dims& dims,
-                                const py::object& spacing, const py::object& origin) {
+                                const py::object& spacing, const py::object& world) {
     scene::FloatVolume volume;
     volume.dims = dims;
     read(spacing, "spacing", volume.spacing);
-    read(origin, "origin", volume.origin);
+    const auto placement = read_as<WorldPlacement>(world, "world");
+    volume.origin = placement.origin;
+    volume.axes = placement.axes;
+    volume.directions = placement.directions;
     volume.values = items_of<float>(values, "values");
     without_interpreter([&] { scene::write_volume(volume, path); });
   });
@@ -87,20 +102,21 @@ void add_files(py::module_& module) {
     if (!background.is_none()) under.emplace(read_as<Colour>(background, "background"));
     without_interpreter([&] { scene::write_image(image, path, under); });
   });
-  module.def("fit_view",
-             [](const py::object& low, const py::object& high, const py::object& spacing, const py::object& view,
-                const py::object& eye, const py::object& look_at, const py::object& up) {
-               scene::CameraSettings camera;
-               read(eye, "eye", camera.eye);
-               read(look_at, "look_at", camera.look_at);
-               read(up, "up", camera.up);
-               auto out = read_as<View>(view, "");
-               camera.fov_degrees = out.fov_degrees;
-               if (out.orthographic_height > 0) camera.orthographic_height = out.orthographic_height;
-               scene::fit_camera(camera, {read_as<Vec3>(low, "low"), read_as<Vec3>(high, "high")},
-                                 read_as<Vec3>(spacing, "spacing"), out);
-               return write(out);
-             });
+  module.def("fit_view", [](const py::object& low, const py::object& high, const py::object& spacing,
+                            const py::object& view, const py::object& eye, const py::object& look_at,
+                            const py::object& up, const std::string& from, const py::object& axes) {
+    scene::CameraSettings camera;
+    read(eye, "eye", camera.eye);
+    read(look_at, "look_at", camera.look_at);
+    read(up, "up", camera.up);
+    camera.from = from;
+    auto out = read_as<View>(view, "");
+    camera.fov_degrees = out.fov_degrees;
+    if (out.orthographic_height > 0) camera.orthographic_height = out.orthographic_height;
+    scene::fit_camera(camera, {read_as<Vec3>(low, "low"), read_as<Vec3>(high, "high")},
+                      read_as<Vec3>(spacing, "spacing"), out, read_as<WorldAxes>(axes, "axes"));
+    return write(out);
+  });
 }
 
 }  // namespace

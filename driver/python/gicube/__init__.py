@@ -21,6 +21,7 @@ from gicube.board_group import BoardGroup as BoardGroup
 from gicube.counters import Counters as Counters, fidelity_report as fidelity_report
 from gicube.errors import *
 from gicube.image import Image as Image
+from gicube.images import *
 from gicube.pending import Pending as Pending
 from gicube.records import *
 from gicube.scenes import *

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple
 
@@ -21,6 +22,31 @@ Colour = Sequence[float]
 
 FRESNEL_ROUTINE, HENYEY_GREENSTEIN_ROUTINE, TABULATED_ROUTINE = 0, 1, 2  # Material.routine, on every board
 FIRST_USER_ROUTINE, HOST_ROUTINE = 8, 255
+
+
+class Record:
+    """What all records share: a name that they do not have is refused, with the nearest one that they have."""
+
+    def __new__(cls, *_: Any, **given: Any) -> Any:
+        for name in given:
+            if name not in cls._names():
+                raise TypeError(cls._without(name))
+        return super().__new__(cls)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in self._names():
+            raise AttributeError(self._without(name))
+        super().__setattr__(name, value)
+
+    @classmethod
+    def _names(cls) -> Any:
+        return getattr(cls, "__dataclass_fields__")
+
+    @classmethod
+    def _without(cls, name: str) -> str:
+        # A part of a name counts as near, as fov of fov_degrees.
+        near = [known for known in cls._names() if name in known] or difflib.get_close_matches(name, cls._names(), 1)
+        return f"{cls.__name__} has no field {name!r}" + (f", the nearest is {near[0]!r}" if near else f": it has {', '.join(cls._names())}")
 
 
 class TransferFunctionCalls:
@@ -63,15 +89,15 @@ class SamplingCalls:
 
 
 @dataclass(frozen=True)
-class Ticket:
+class Ticket(Record):
     """Names one submitted batch until its rays have been received; `rays`: how many come back."""
 
     id: int
     rays: int
 
 
-@dataclass
-class RayBatch:
+@dataclass(repr=False)
+class RayBatch(Record):
     """A ray batch that has come back, at the simulated time `completed`. `rays`: array of gicube.TRACED_RAY."""
 
     ticket: int
@@ -80,3 +106,8 @@ class RayBatch:
     lighting: Optional[LightingReport]
     deposits: Optional[DepositReport]
     rays: Array
+
+    def __repr__(self) -> str:
+        how = "cancelled" if self.cancelled else f"completed at {self.completed} ps"
+        left = "".join(f", {name}" for name in ("lighting", "deposits") if getattr(self, name) is not None)
+        return f"<gicube.RayBatch {self.ticket}: {len(self.rays)} rays, {how}{left}>"

@@ -14,7 +14,7 @@ from typing import Optional, Sequence, Tuple, Union
 
 from gicube import record_calls
 from gicube.record_calls import *
-from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
+from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, Record, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
 
 __all__ = [
     "Albedo", "AnsweredCommand", "BackPressure", "BoardInfo", "BoardTime", "BrickDetail", "Bsdf", "ColourPoint",
@@ -23,7 +23,7 @@ __all__ = [
     "LightingReport", "Loss", "Material", "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter",
     "Placement", "PlanPoint", "PointLight", "RawLayout", "RayRequest", "RayType", "RectangleLight", "Reopened",
     "SampleType", "Sampling", "ScatterAnswer", "ScatterEvent", "Shading", "SphereLight", "SumWords", "TransferFunction",
-    "ValueRange", "View", "VoxelBox", "VoxelFormat"
+    "ValueRange", "View", "VoxelBox", "VoxelFormat", "WorldAxes", "WorldPlacement"
 ]
 __all__ += record_calls.__all__
 
@@ -180,8 +180,18 @@ class Loss(Enum):
     driver did, whose capture could not be written"""
 
 
+class WorldAxes(Enum):
+    """See gicube/scene/volume_file.h."""
+    NONE = "none"
+    """the file says nothing of its axes"""
+    WORLD = "world"
+    """x, y, z of some space, with no patient in it"""
+    PATIENT = "patient"
+    """x to the patient's left, y to the back, z to the head (LPS)"""
+
+
 @dataclass
-class ValueRange:
+class ValueRange(Record):
     """The map from values to the board's 12-bit density: round(4095 (v - low) / (high - low)), clamped. Low < high,
     both finite. See gicube/volume.h."""
     low: float = 0.0
@@ -189,7 +199,7 @@ class ValueRange:
 
 
 @dataclass
-class VoxelBox:
+class VoxelBox(Record):
     """A box of voxels: low[axis] .. low[axis] + size[axis] - 1. See gicube/volume.h."""
     low: Sequence[int] = (0, 0, 0)
     size: Sequence[int] = (0, 0, 0)
@@ -197,7 +207,7 @@ class VoxelBox:
 
 
 @dataclass
-class Placement:
+class Placement(Record):
     """Where a derived volume lies in the original: its voxel p is at low + edge p there. See gicube/level_of_detail.h.
     """
     low: Vec3 = (0.0, 0.0, 0.0)
@@ -206,7 +216,20 @@ class Placement:
 
 
 @dataclass
-class RawLayout:
+class WorldPlacement(Record):
+    """Where a volume lies in the world of its file: voxel p is at origin + the sum of p[i] * spacing[i] *
+    directions[i]. See gicube/scene/volume_file.h."""
+    axes: WorldAxes = WorldAxes.NONE
+    directions: Sequence[Vec3] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    """of the volume's x, y, z in the world; unit vectors"""
+    origin: Vec3 = (0.0, 0.0, 0.0)
+    """the first voxel's centre in the world, in the file's unit of length"""
+    stored: Sequence[int] = (1, 2, 3)
+    """the file's axis, from 1, along the volume's x, y, z; negative: it runs the other way"""
+
+
+@dataclass
+class RawLayout(Record):
     """How the samples of a file without a header lie. See gicube/scene/volume_file.h."""
     dims: Sequence[int] = (0, 0, 0)
     type: SampleType = SampleType.UINT8
@@ -218,7 +241,7 @@ class RawLayout:
 
 
 @dataclass
-class ColourPoint:
+class ColourPoint(Record):
     """A colour at a value. See gicube/transfer_function.h."""
     value: float = 0.0
     """in the volume's own values"""
@@ -226,7 +249,7 @@ class ColourPoint:
 
 
 @dataclass
-class OpacityPoint:
+class OpacityPoint(Record):
     """An opacity at a value. See gicube/transfer_function.h."""
     value: float = 0.0
     opacity: float = 0.0
@@ -234,7 +257,7 @@ class OpacityPoint:
 
 
 @dataclass
-class TransferFunction(TransferFunctionCalls):
+class TransferFunction(TransferFunctionCalls, Record):
     """Piecewise linear between its points, constant beyond the first and the last. Values must rise strictly, except
     that two points may share one value: a step, which takes the second's side. See gicube/transfer_function.h."""
     colours: Sequence[Union[ColourPoint, Tuple[float, Colour]]] = field(default_factory=list)
@@ -244,7 +267,7 @@ class TransferFunction(TransferFunctionCalls):
 
 
 @dataclass
-class Phong:
+class Phong(Record):
     """Shade(normal) = ambient + diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess, R the reflected light
     direction, V towards the eye; s fades the highlight in over 0 <= N.L <= 0.1, so that the terminator has no hard
     edge. What a shade has above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not
@@ -258,7 +281,7 @@ class Phong:
 
 
 @dataclass
-class Shading:
+class Shading(Record):
     """Local illumination by one light. See gicube/shading.h."""
     phong: Phong = field(default_factory=Phong)
     light: Vec3 = (0.0, 0.0, 0.0)
@@ -267,7 +290,7 @@ class Shading:
 
 
 @dataclass
-class Material:
+class Material(Record):
     """How a material scatters rays. See gicube/material.h."""
     scattering: float = 0.0
     """Ks, the share of an interaction that is scattered and not absorbed; 0..1"""
@@ -289,7 +312,7 @@ class Material:
 
 
 @dataclass
-class CutPlane:
+class CutPlane(Record):
     """Points p, in voxels, with normal . p >= offset are kept. See gicube/view.h."""
     normal: Vec3 = (0.0, 0.0, 0.0)
     """any length but 0"""
@@ -297,7 +320,7 @@ class CutPlane:
 
 
 @dataclass
-class PointLight:
+class PointLight(Record):
     """Positions in voxels, directions and lengths physical (in smallest voxel edges, axes parallel to the voxel axes).
     See gicube/illumination.h."""
     position: Vec3 = (0.0, 0.0, 0.0)
@@ -307,7 +330,7 @@ class PointLight:
 
 
 @dataclass
-class DirectionalLight:
+class DirectionalLight(Record):
     """A distant light. See gicube/illumination.h."""
     towards: Vec3 = (0.0, 0.0, 0.0)
     """from the scene to the light; any length but 0"""
@@ -316,7 +339,7 @@ class DirectionalLight:
 
 
 @dataclass
-class RectangleLight:
+class RectangleLight(Record):
     """Shines to the side of edge_u x edge_v, each point by Lambert's law. See gicube/illumination.h."""
     corner: Vec3 = (0.0, 0.0, 0.0)
     edge_u: Vec3 = (0.0, 0.0, 0.0)
@@ -327,7 +350,7 @@ class RectangleLight:
 
 
 @dataclass
-class SphereLight:
+class SphereLight(Record):
     """Shines outward from its surface, Lambert. See gicube/illumination.h."""
     centre: Vec3 = (0.0, 0.0, 0.0)
     radius: float = 1.0
@@ -339,7 +362,7 @@ Light = Union[PointLight, DirectionalLight, RectangleLight, SphereLight]
 
 
 @dataclass
-class Lamp:
+class Lamp(Record):
     """What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it
     shines, or a SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power
     / area x exposure, the view's or the chosen one (without View.irradiance and without an exposure: x 1), times
@@ -350,7 +373,7 @@ class Lamp:
 
 
 @dataclass
-class View:
+class View(Record):
     """All positions in voxels of the volume; voxel (0, 0, 0) has its centre at the origin. Angles and lengths are seen
     in physical space, so a volume with anisotropic spacing keeps its shape.
      Irradiance is what voxels absorbed after illuminate() and rays of type DEPOSIT: a sample's brightness is then its
@@ -403,7 +426,7 @@ class View:
 
 
 @dataclass
-class Illumination:
+class Illumination(Record):
     """How light is spread. See gicube/illumination.h."""
     albedo: Albedo = Albedo.LOW
     rules: EnergyRules = EnergyRules.CONSERVING
@@ -426,7 +449,7 @@ class Illumination:
 
 
 @dataclass
-class LightEnergy:
+class LightEnergy(Record):
     """Of one colour of light, as in LightingReport. See gicube/illumination.h."""
     emitted: float = 0.0
     deposited: float = 0.0
@@ -437,7 +460,7 @@ class LightEnergy:
 
 
 @dataclass
-class LightingReport(LightingReportCalls):
+class LightingReport(LightingReportCalls, Record):
     """Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
     emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green
     and blue. See gicube/illumination.h."""
@@ -470,7 +493,7 @@ class LightingReport(LightingReportCalls):
 
 
 @dataclass
-class BoardTime:
+class BoardTime(Record):
     """Where the simulated time of a board has gone. The parts add up to BoardGroup.now(). See gicube/board_group.h."""
     bus: int = 0
     """its own transfers"""
@@ -483,7 +506,7 @@ class BoardTime:
 
 
 @dataclass
-class DepositReport:
+class DepositReport(Record):
     """What a batch of type BACKPROJECT left: kept + clipped in all. See gicube/ray.h."""
     rays: int = 0
     samples: int = 0
@@ -498,12 +521,12 @@ class DepositReport:
 
 
 @dataclass(frozen=True)
-class FoundBoard:
+class FoundBoard(Record):
     """A board that a program could open. See gicube/enumerate.h."""
     uri: str = ""
     """for Board.open()"""
     process: int = 0
-    """the id of its gicube-board"""
+    """the id of its gicube-board; 0: a PCI function, which says no version and no owner"""
     product: str = ""
     """what it calls itself"""
     version: str = ""
@@ -515,7 +538,7 @@ class FoundBoard:
 
 
 @dataclass
-class Sampling(SamplingCalls):
+class Sampling(SamplingCalls, Record):
     """How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of()
     takes it from a view. See gicube/ray.h."""
     jitter: bool = False
@@ -537,7 +560,7 @@ class Sampling(SamplingCalls):
 
 
 @dataclass
-class RayRequest:
+class RayRequest(Record):
     """What is asked of the rays of a batch. See gicube/ray.h."""
     type: RayType = RayType.INTEGRATE
     opacity: float = 1.0
@@ -556,7 +579,7 @@ class RayRequest:
 
 
 @dataclass
-class PairRequest:
+class PairRequest(Record):
     """Rays for each pair, and how they are sampled. See gicube/pair.h."""
     rays: int = 16
     """For each pair, 1..65536; any number of them fills both elements evenly. The parts of a near pair share them: none
@@ -574,7 +597,7 @@ class PairRequest:
 
 
 @dataclass
-class BoardInfo:
+class BoardInfo(Record):
     """What the board said of itself when it was opened. See gicube/board.h."""
     protocol_major: int = 0
     protocol_minor: int = 0
@@ -604,7 +627,7 @@ class BoardInfo:
 
 
 @dataclass
-class Reopened:
+class Reopened(Record):
     """What Board.reopen() found. See gicube/board.h."""
     resumed: bool = False
     """the same session goes on: nothing was lost"""
@@ -613,7 +636,7 @@ class Reopened:
 
 
 @dataclass
-class BrickDetail:
+class BrickDetail(Record):
     """Of the last picture of a volume in bricks (Board.set_brick_detail()). See gicube/level_of_detail.h."""
     blocks: Sequence[int] = (0, 0, 0, 0)
     """on the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels"""
@@ -624,7 +647,7 @@ class BrickDetail:
 
 
 @dataclass
-class LevelError:
+class LevelError(Record):
     """How far a coarser volume is from its original. See gicube/level_of_detail.h."""
     largest_density: float = 0.0
     """at any point between voxels, in density units (4095 = the value range): a bound"""
@@ -636,7 +659,7 @@ class LevelError:
 
 
 @dataclass
-class PlanPoint:
+class PlanPoint(Record):
     """One setting, and what its pilot showed. See gicube/plan.h."""
     level: int = 0
     step: float = 0.0
@@ -656,7 +679,7 @@ class PlanPoint:
 
 
 @dataclass
-class LightPoint:
+class LightPoint(Record):
     """One setting, and what two passes of it showed, or what other passes predict. See gicube/light_plan.h."""
     albedo: Albedo = Albedo.LOW
     step: float = 0.0
@@ -676,7 +699,7 @@ class LightPoint:
 
 
 @dataclass
-class ScatterEvent:
+class ScatterEvent(Record):
     """Directions are unit vectors in physical space (axes parallel to the voxel axes). See gicube/scattering.h."""
     position: Vec3 = (0.0, 0.0, 0.0)
     """voxels"""
@@ -700,7 +723,7 @@ class ScatterEvent:
 
 
 @dataclass
-class ScatterAnswer:
+class ScatterAnswer(Record):
     """What becomes of a ray that was scattered. See gicube/scattering.h."""
     direction: Vec3 = (0.0, 0.0, 0.0)
     """in which the ray goes on; physical, of a length from 1e-6 to 1e6"""
@@ -709,7 +732,7 @@ class ScatterAnswer:
 
 
 @dataclass
-class AnsweredCommand:
+class AnsweredCommand(Record):
     """How many commands of a kind a level answered. See gicube/fidelity.h."""
     command: str = ""
     """"render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell."""
@@ -717,7 +740,7 @@ class AnsweredCommand:
 
 
 @dataclass
-class LevelReport:
+class LevelReport(Record):
     """What a level answered, and what its figures leave out. See gicube/fidelity.h."""
     level: Fidelity = Fidelity.FUNCTIONAL
     answered: Sequence[AnsweredCommand] = field(default_factory=list)

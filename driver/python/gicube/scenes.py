@@ -14,7 +14,7 @@ from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
 from gicube.errors import Rejected
 from gicube.records import Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3, View
-from gicube.records import SampleType, VoxelBox
+from gicube.records import SampleType, VoxelBox, WorldAxes, WorldPlacement
 from gicube.volume import Volume
 
 __all__ = [
@@ -26,18 +26,37 @@ __all__ = [
 Path = Union[str, "os.PathLike[str]"]
 
 
-def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
-    """NRRD, MetaImage, NIfTI, TIFF of many pages, a folder of image slices, or raw samples by `raw`; gzipped too (gicube/scene/volume_file.h).
+def read_volume(
+    path: Path, raw: Optional[RawLayout] = None, *, part: str = "", as_stored: bool = False, nan: Optional[float] = None
+) -> Volume:
+    """A volume of a file or folder, in the formats of gicube/scene/volume_file.h (docs/guide/formats.md), or raw samples by `raw`.
+
+    Its axes run along the nearest of the patient's or the world's, if the file says where these are; Volume.world has what is left.
+
+    part: which volume, if there are several: a name or number, as the error or warning says that lists them.
+    as_stored: axes stay as the file has them.
+    nan: a value in place of samples that are no finite numbers.
 
     Raises FileError. Warns of what looks wrong, as numbers that are missing among the slices (UserWarning).
     """
-    return _core.read_volume(os.fspath(path), raw)
+    return _core.read_volume(os.fspath(path), raw, part, as_stored, nan)
 
 
-def write_volume(path: Path, values: ArrayLike, *, spacing: Vec3 = (1.0, 1.0, 1.0), origin: Vec3 = (0.0, 0.0, 0.0)) -> None:
-    """Values [z, y, x] as float32, by the extension: .nrrd, .mhd, .mha, .nii, .nii.gz. Raises FileError."""
+def write_volume(
+    path: Path,
+    values: ArrayLike,
+    *,
+    spacing: Vec3 = (1.0, 1.0, 1.0),
+    origin: Vec3 = (0.0, 0.0, 0.0),
+    world: Optional[WorldPlacement] = None,
+) -> None:
+    """Values [z, y, x] as float32, by the extension: .nrrd, .mhd, .mha, .nii, .nii.gz, .vti, .vdb. Raises FileError.
+
+    world: where they lie, in place of `origin` (Volume.world of what was read).
+    """
     array = as_array(values, "values", "float32", (None, None, None))
-    _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, origin)
+    placement = WorldPlacement(WorldAxes.WORLD, origin=origin) if world is None else world
+    _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, placement)
 
 
 def value_range(volume: Volume) -> ValueRange:
@@ -68,14 +87,17 @@ def fit_view(
     eye: Optional[Vec3] = None,
     look_at: Optional[Vec3] = None,
     up: Optional[Vec3] = None,
+    name: str = "",
     **fields: Any,
 ) -> View:
-    """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's. What is not given is
+    """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's. `name`: front, back,
+    left, right, top, bottom or iso; of a patient (Volume.world) also anterior, posterior, superior, inferior. What is not given is
     chosen: eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
     if box is None:
         box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
     high = [low + size - 1 for low, size in zip(box.low, box.size)]
-    return _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up)
+    axes = WorldAxes.NONE if volume.world is None else volume.world.axes
+    return _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up, name, axes)
 
 
 def visible_box(volume: Volume, looks: Sequence[TransferFunction]) -> VoxelBox:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from gicube.arrays import as_array, as_choice, unmasked
 from gicube.errors import BadArgument
-from gicube.records import Array, Placement, SampleType, ValueRange, Vec3
+from gicube.records import Array, Placement, SampleType, ValueRange, Vec3, WorldPlacement
 
 
 @dataclass
@@ -41,6 +41,7 @@ class Volume:
     source: str = ""  # the file it was read from, for messages
     placement: Optional[Placement] = None  # of one that coarser() or cropped() made
     colours: Optional[Array] = None
+    world: Optional[WorldPlacement] = None  # where the file says that it lies
 
     def __post_init__(self) -> None:
         array = np.asarray(unmasked(self.samples, "samples"))

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "gicube/scene/orientation.h"
 #include "scene/common/checks.h"
 #include "scene/formats/plane_file.h"
 #include "scene/geometry/signed_distance.h"
@@ -23,28 +24,6 @@ constexpr double kLeastDeterminant = 1e-3;  // chosen: of unit vectors that span
 std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 std::size_t index_of(int axis) { return static_cast<std::size_t>(std::abs(axis) - 1); }
 double determinant(const std::array<Vec3, 3>& axes) { return dot(cross(axes[0], axes[1]), axes[2]); }
-
-// The signed permutation that brings the directions nearest to the world's axes, with a right-handed result.
-Axes nearest_axes(const std::array<Vec3, 3>& directions) {
-  Axes best = kSame;
-  double most = -4;
-  Axes order{0, 1, 2};
-  do {
-    for (unsigned signs = 0; signs < 8; ++signs) {
-      std::array<Vec3, 3> turned;
-      Axes axes{};
-      double sum = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const int sign = (signs >> i & 1U) != 0 ? -1 : 1;
-        axes[i] = sign * (order[i] + 1);
-        turned[i] = sign * directions[static_cast<std::size_t>(order[i])];
-        sum += in_order(turned[i])[i];
-      }
-      if (determinant(turned) > 0 && sum > most + 1e-9) best = axes, most = sum;
-    }
-  } while (std::ranges::next_permutation(order).found);
-  return best;
-}
 
 // The placement with unit vectors. A zero or a direction that is no number stays what it is.
 WorldPlacement with_unit_directions(WorldPlacement placement) {
@@ -125,6 +104,30 @@ PlaneReader turned_planes(PlaneReader planes, std::optional<SampleType> type, Di
 
 }  // namespace
 
+Axes nearest_axes(const std::array<Vec3, 3>& given) {
+  std::array<Vec3, 3> directions;
+  std::ranges::transform(given, directions.begin(), unit_or_zero);
+  if (!(std::abs(determinant(directions)) > kLeastDeterminant)) return {};
+  Axes best = kSame;
+  double most = -4;
+  Axes order{0, 1, 2};
+  do {
+    for (unsigned signs = 0; signs < 8; ++signs) {
+      std::array<Vec3, 3> turned;
+      Axes axes{};
+      double sum = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int sign = (signs >> i & 1U) != 0 ? -1 : 1;
+        axes[i] = sign * (order[i] + 1);
+        turned[i] = sign * directions[static_cast<std::size_t>(order[i])];
+        sum += in_order(turned[i])[i];
+      }
+      if (determinant(turned) > 0 && sum > most + 1e-9) best = axes, most = sum;
+    }
+  } while (std::ranges::next_permutation(order).found);
+  return best;
+}
+
 double oblique_degrees(const WorldPlacement& placement) {
   double least = 1;
   for (std::size_t i = 0; i < 3; ++i) least = std::min(least, in_order(placement.directions[i])[i]);
@@ -134,13 +137,13 @@ double oblique_degrees(const WorldPlacement& placement) {
 Volume oriented(Volume volume) {
   if (volume.placement.axes == WorldAxes::kNone) return volume;
   const WorldPlacement before = with_unit_directions(volume.placement);
-  if (!(std::abs(determinant(before.directions)) > kLeastDeterminant) || !is_finite(before.origin)) {
+  const Axes axes = nearest_axes(before.directions);
+  if (axes == Axes{} || !is_finite(before.origin)) {
     throw FileError(volume.source, "orientation",
                     "an origin and three directions that span space (or the axes as stored)",
                     fmt::format("{}, {} and {}", shown_point(before.directions[0]), shown_point(before.directions[1]),
                                 shown_point(before.directions[2])));
   }
-  const Axes axes = nearest_axes(before.directions);
   const Dims dims = volume.dims;
   const auto spacing = in_order(volume.spacing);
   std::array<double, 3> edges{};

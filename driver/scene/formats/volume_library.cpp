@@ -1,11 +1,19 @@
 #include "scene/formats/volume_library.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
 #include <system_error>
 #include <utility>
 
 #include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/plug_in.h"
 
@@ -59,8 +67,19 @@ Volume read_by(const std::string& library, const std::filesystem::path& file, co
 }
 
 void write_by(const std::string& library, const FloatVolume& volume, const std::filesystem::path& file) {
-  if (const auto fault = library_of(library, file).write(volume, file))
-    throw FileError(fault->file, fault->field, fault->expected, fault->got);
+  // The library takes a path, and does not leave what was there until the new file is whole.
+  std::string made = (std::filesystem::temp_directory_path() / "gicube-XXXXXX").string();
+  const int fd = ::mkstemp(made.data());
+  if (fd < 0) throw FileError(made, "file", "a place to write to", std::strerror(errno));
+  ::close(fd);
+  const std::unique_ptr<std::string, void (*)(std::string*)> gone(&made,
+                                                                  [](std::string* name) { ::unlink(name->c_str()); });
+  if (const auto fault = library_of(library, file).write(volume, made))
+    throw FileError(file, fault->field, fault->expected, fault->got);
+  const std::vector<std::byte> bytes = read_data({made}, file_bytes(made));
+  write_whole(file, [&bytes](WholeFile& out) {
+    out.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  });
 }
 
 }  // namespace gicube::scene

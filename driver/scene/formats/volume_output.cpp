@@ -21,6 +21,7 @@
 #include "scene/common/whole_file.h"
 #include "scene/formats/compressed_nrrd.h"
 #include "scene/formats/header_lines.h"
+#include "scene/formats/volume_library.h"
 
 namespace gicube::scene {
 namespace {
@@ -36,7 +37,7 @@ std::array<double, 9> numbers_of(const std::array<Vec3, 3>& d) {
 
 std::string ending_of(const std::filesystem::path& path) {
   const std::string name = lower_case(path.filename().string());
-  for (const char* ending : {".nrrd", ".mhd", ".mha", ".nii", ".nii.gz", ".vti"}) {
+  for (const char* ending : {".nrrd", ".mhd", ".mha", ".nii", ".nii.gz", ".vti", ".vdb"}) {
     if (name.ends_with(ending)) return ending;
   }
   return {};
@@ -239,10 +240,11 @@ void write_volume(const FloatVolume& volume, const std::filesystem::path& path, 
   }
   const std::string ending = ending_of(path);
   if (ending.empty()) {
-    throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii, .nii.gz or .vti",
+    throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii, .nii.gz, .vti or .vdb",
                     '"' + path.extension().string() + '"');
   }
   if (ending == ".nrrd") return write_nrrd(volume, path, nrrdEncodingRaw, provenance);
+  if (ending == ".vdb") return write_by("openvdb", volume, path);
   if (ending == ".vti") return write_vti(volume, path);
   if (ending.starts_with(".mh")) return write_meta_image(volume, path, ending == ".mhd");
   write_nifti(volume, path, ending == ".nii.gz", provenance);

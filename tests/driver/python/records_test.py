@@ -15,7 +15,7 @@ HEADERS = Path(__file__).parents[3] / "driver/include/gicube"
 
 
 def test_hold_what_the_drivers_records_hold_if_nothing_is_said():
-    assert len(_core.defaults()) == 36
+    assert len(_core.defaults()) == 37
     for held in _core.defaults():
         assert type(held)() == held
 

@@ -141,9 +141,10 @@ struct FloatVolume {
 
 // Whether write_volume() knows the extension.
 GICUBE_API bool is_volume_output(const std::filesystem::path& path);
-// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz, .vti. Values, spacing, origin and directions come
+// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz, .vti, .vdb. Values, spacing, origin and directions come
 // back as they are, in NIfTI all but the values as 32-bit floats; NIfTI says that they are millimetres in the scanner's space (qform and
-// sform of code 1). MetaImage and VTI have no place for the provenance. A file that was there stays until the new one is whole.
+// sform of code 1). MetaImage, VTI and VDB have no place for the provenance. A VDB has a
+// grid "density" whose background is the first value. A file that was there stays until the new one is whole.
 // Throws FileError: another extension, a wrong number of values, a place that can't be written to.
 GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path,
                              const Provenance& provenance = {});

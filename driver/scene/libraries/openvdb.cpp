@@ -1,0 +1,142 @@
+// libgicube-openvdb.so: grids of floats of OpenVDB, in and out.
+#include <fmt/format.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+
+#include <algorithm>
+#include <exception>
+#include <fstream>
+#include <span>
+#include <utility>
+
+#include "scene/formats/volume_library.h"
+
+namespace gicube::scene {
+namespace {
+
+constexpr std::uint64_t kMaxRatio = 4096;  // chosen: voxels for a byte of the file; a tile of 4096^3 voxels takes some
+
+[[noreturn]] void fail(const std::filesystem::path& file, std::string field, std::string expected, std::string got) {
+  throw FileFault{file, std::move(field), std::move(expected), std::move(got)};
+}
+
+Vec3 vec(const openvdb::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// The grid that is asked for, or "density", or the only one of floats, or the first of these.
+std::string choose(const std::filesystem::path& file, openvdb::io::File& opened, const std::string& part,
+                   std::vector<FileFault>& warnings) {
+  std::vector<std::string> names;
+  std::string list;
+  const auto grids = opened.readAllGridMetadata();
+  for (const auto& grid : *grids) {
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", grid->getName(), grid->valueType());
+    if (grid->isType<openvdb::FloatGrid>()) names.push_back(grid->getName());
+  }
+  if (!part.empty()) {
+    if (std::ranges::find(names, part) == names.end())
+      fail(file, "part", "a grid of floats: " + list, '"' + part + '"');
+    return part;
+  }
+  if (names.empty()) fail(file, "grid", "one of floats", list.empty() ? "none" : list);
+  const auto density = std::ranges::find(names, "density");
+  const std::string chosen = density != names.end() ? *density : names.front();
+  if (names.size() > 1) warnings.push_back({file, "grid", "a part, one of " + list, "none; " + chosen + " is taken"});
+  return chosen;
+}
+
+LibraryVolume read_grid(const std::filesystem::path& file, const std::string& part) {
+  LibraryVolume out;
+  std::error_code none;
+  const std::uint64_t in_file = std::filesystem::file_size(file, none);
+  openvdb::io::File opened(file.string());
+  opened.open(false);  // whole: pages that are read later would be read from a file that may change
+  const std::string name = choose(file, opened, part, out.warnings);
+  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(opened.readGrid(name));
+  if (!grid->transform().isLinear()) fail(file, name, "a linear transform", grid->transform().mapType());
+  const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+  if (box.empty()) fail(file, name, "active voxels", "none");
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t size = std::int64_t{box.max()[i]} - box.min()[i] + 1;
+    out.layout.dims[static_cast<std::size_t>(i)] = static_cast<int>(std::clamp<std::int64_t>(size, 0, kMaxFileDim + 1));
+  }
+  out.layout.type = StoredType::kFloat32;
+  const auto bytes = sane_bytes(out.layout, sizeof(float));
+  if (!bytes || *bytes / sizeof(float) > in_file * kMaxRatio)
+    fail(file, name,
+         fmt::format("1..{} voxels a side, at most {} bytes, {} for each of the file's", kMaxFileDim, kMaxVolumeBytes,
+                     kMaxRatio),
+         fmt::format("{}", fmt::join(out.layout.dims, " x ")));
+  const openvdb::Vec3d origin = grid->transform().indexToWorld(box.min());
+  std::array<double, 3> edges{};
+  for (int i = 0; i < 3; ++i) {
+    openvdb::Coord next = box.min();
+    next[i] += 1;
+    const Vec3 edge = vec(grid->transform().indexToWorld(next) - origin);
+    out.layout.placement.directions[static_cast<std::size_t>(i)] = edge;
+    edges[static_cast<std::size_t>(i)] = length(edge);
+  }
+  out.layout.spacing = {edges[0], edges[1], edges[2]};
+  out.layout.placement.axes = WorldAxes::kWorld;
+  out.layout.placement.origin = vec(origin);
+  out.samples.resize(*bytes);
+  // What no voxel is stored for has the grid's background.
+  openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, reinterpret_cast<float*>(out.samples.data()));
+  openvdb::tools::copyToDense(*grid, dense);
+  return out;
+}
+
+void write_grid(const FloatVolume& volume, const std::filesystem::path& file) {
+  const auto [x, y, z] = volume.dims;
+  const openvdb::CoordBBox box(0, 0, 0, x - 1, y - 1, z - 1);
+  // The dense grid only lends the values, though it takes them by a pointer that could change them.
+  auto* const values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast)
+  const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, values);
+  // The background is the first corner's value, as that of most volumes is empty. It must not shrink the box, so the far corners are active.
+  const float background = volume.values.front();
+  const auto grid = openvdb::FloatGrid::create(background);
+  openvdb::tools::copyFromDense(dense, *grid, 0.0F);
+  grid->tree().setValueOn({0, 0, 0}, background);
+  grid->tree().setValueOn({x - 1, y - 1, z - 1}, volume.values.back());
+  const auto& d = volume.directions;
+  const Vec3 &s = volume.spacing, &o = volume.origin;
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(
+      openvdb::Mat4d(s.x * d[0].x, s.x * d[0].y, s.x * d[0].z, 0.0, s.y * d[1].x, s.y * d[1].y, s.y * d[1].z, 0.0,
+                     s.z * d[2].x, s.z * d[2].y, s.z * d[2].z, 0.0, o.x, o.y, o.z, 1.0)));
+  grid->setName("density");
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  openvdb::io::File(file.string()).write({grid});
+}
+
+class Library final : public VolumeLibrary {
+ public:
+  Library() { openvdb::initialize(); }
+  LibraryVolume read(const std::filesystem::path& file, const std::string& part) const override {
+    LibraryVolume out;
+    try {
+      return read_grid(file, part);
+    } catch (const FileFault& fault) {
+      out.fault = fault;
+    } catch (const std::exception& error) {
+      out.fault = {file, "file", "one that OpenVDB can read", error.what()};
+    }
+    return out;
+  }
+  std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const override {
+    try {
+      write_grid(volume, file);
+    } catch (const std::exception& error) {
+      return FileFault{file, "file", "a place to write to", error.what()};
+    }
+    return std::nullopt;
+  }
+};
+
+}  // namespace
+}  // namespace gicube::scene
+
+extern "C" __attribute__((visibility("default"))) const gicube::scene::VolumeLibrary* gicube_openvdb() {
+  static const gicube::scene::Library library;
+  return &library;
+}
