@@ -160,7 +160,7 @@ class ArrayReader {
     const std::vector<std::byte> start = take(0, 3 * word_bytes_);
     const std::uint64_t blocks = number(start, 0), block = number(start, 1), last = number(start, 2);
     const std::uint64_t whole = blocks - (last > 0 ? 1 : 0);
-    if (blocks == 0 || blocks > bytes || block > bytes || whole * block + last != bytes)
+    if (blocks == 0 || blocks > bytes || block > kMaxVolumeBytes || whole * block + last != bytes)
       throw_size(bytes, whole * block + last);
     const std::size_t header = (3 + blocks) * word_bytes_;
     const std::vector<std::byte> sizes = take(0, header);

@@ -188,8 +188,10 @@ LibraryVolume read_data_set(const std::filesystem::path& file, const std::string
   const int filters = H5Pget_nfilters(created);
   const std::size_t all = *bytes / std::max(sample, sizeof(float)) * sample;
   const std::uint64_t in_file = H5Dget_storage_size(data_set);
-  if (in_file < all / (filters > 0 ? kMaxRatio : 1))
-    fail(file, found.path, fmt::format("{} bytes of samples", all),
+  const Id type(H5Dget_type(data_set), H5Tclose);
+  const std::size_t stored_bytes = all / sample * H5Tget_size(type);  // of half floats half as many
+  if (in_file < stored_bytes / (filters > 0 ? kMaxRatio : 1))
+    fail(file, found.path, fmt::format("{} bytes of samples", stored_bytes),
          fmt::format("{} in the file (truncated, or never written)", in_file));
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0, config = 0;

@@ -1,9 +1,12 @@
 // libgicube-openvdb.so: grids of floats of OpenVDB, in and out.
-#include <fmt/format.h>
+// The library's templates share variables with those that are instantiated here, as the names of grids, if they are visible.
+#pragma GCC visibility push(default)
 #include <openvdb/io/File.h>
-#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
+#pragma GCC visibility pop
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <exception>
