@@ -133,7 +133,7 @@ VoxelWorld make_buckyball(int size, bool gradients, int threads, const Buckyball
 Appearance buckyball_appearance(int size) {
   // Opaque within about one voxel around the surface, which is at half of the greatest density.
   const auto solid = [](const Colour& colour) {
-    return TransferFunctionFile{{{{0, colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, 1}}}, false};
+    return TransferFunctionFile{{{{0, colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, 1}}}};
   };
   Appearance look;
   look.materials = {solid({0.93, 0.52, 0.20}), solid({0.66, 0.69, 0.74}), solid({0.52, 0.60, 0.70}),

@@ -29,7 +29,7 @@ struct Hasher {
   void add(const Colour& colour) { add(colour[0], colour[1], colour[2]); }
 
   void add(const TransferFunctionFile& file) {
-    add(file.normalised, file.function.colours.size(), file.function.opacities.size());
+    add(static_cast<int>(file.scale), file.function.colours.size(), file.function.opacities.size());
     for (const ColourPoint& point : file.function.colours) add(point.value), add(point.colour);
     for (const OpacityPoint& point : file.function.opacities) add(point.value, point.opacity);
   }

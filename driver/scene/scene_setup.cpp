@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "scene/common/checks.h"
 #include "scene/formats/plane_file.h"
 #include "scene/hashes.h"
+#include "scene/label_map.h"
 
 namespace gicube::scene {
 namespace {
@@ -27,6 +30,54 @@ void take_world(const Scene& scene, int threads, SceneSetup& setup) {
   setup.grid = built.grid;
   static_cast<VoxelWorld&>(setup) = std::move(built.voxels);
   setup.built_in.materials = std::move(built.looks);
+}
+
+// In the volume's values, where the function's are those that a survey knows of.
+TransferFunctionFile settled(const SceneSetup& setup, const TransferFunctionFile& file) {
+  const bool asks = file.scale == TransferScale::kHounsfield || file.scale == TransferScale::kRobust;
+  return asks && setup.survey ? in_values_of(*setup.survey, setup.survey->range, file) : file;
+}
+
+// Whether an absolute function has points beyond the range that a survey proposes.
+bool leaves(const TransferFunctionFile& file, const ValueRange& range) {
+  if (file.scale != TransferScale::kAbsolute) return false;
+  return std::ranges::any_of(file.function.opacities, [&range](const OpacityPoint& point) {
+    return point.value < range.low || point.value > range.high;
+  });
+}
+
+bool is_auto(const Scene& scene) {
+  return !scene.transfer_function &&
+         std::ranges::none_of(scene.materials, [](const SceneMaterial& material) { return material.look.has_value(); });
+}
+
+// Whether single extreme values are left out of the range.
+bool narrows(const Scene& scene, const Survey& survey) {
+  return !scene.range && !(survey.range == survey.whole) &&
+         !(scene.transfer_function && leaves(*scene.transfer_function, survey.range));
+}
+
+// The range of a volume file's values, and its look.
+void take_values(const Scene& scene, SceneSetup& setup) {
+  setup.survey = survey_of(setup.volume);
+  Survey& survey = *setup.survey;
+  if (scene.range) {
+    if (!(scene.range->low < scene.range->high))
+      throw InputError("range", "a lower number before a higher one",
+                       fmt::format("{},{}", scene.range->low, scene.range->high));
+    setup.volume.range = survey.range = survey.robust = *scene.range;
+  } else if (narrows(scene, survey)) {
+    setup.volume.range = survey.range;
+  }
+  if (!setup.volume.colours.empty() || setup.volume.colour_planes) {
+    setup.built_in.materials = {find_preset("colours")};
+    return;
+  }
+  const AutomaticLook look = automatic_look(survey, scene.range);
+  setup.built_in.materials = {look.function};
+  if (!is_auto(scene)) return;
+  setup.look_why = look.why;
+  if (survey.kind == DataKind::kLabels || survey.kind == DataKind::kMask) colour_labels(setup);
 }
 
 // A look of a material in place of what the volume has.
@@ -170,8 +221,7 @@ SceneSetup set_up(const Scene& scene, int threads) {
     take_world(scene, threads, setup);
   } else if (scene.volume.builtin.empty()) {
     setup.volume = volume_of(scene.volume);
-    const bool coloured = !setup.volume.colours.empty() || setup.volume.colour_planes;
-    setup.built_in.materials = {find_preset(coloured ? "colours" : "ramp")};
+    take_values(scene, setup);
   } else if (scene.volume.builtin == "buckyball") {
     take_buckyball(scene, threads, setup);
   } else {
@@ -182,7 +232,8 @@ SceneSetup set_up(const Scene& scene, int threads) {
   setup.box = whole_box(setup.volume.dims);
   if (!scene.world && scene.volume.builtin.empty() && !scene.camera.eye) {
     const Materials& own = setup.built_in.materials;
-    setup.box = visible_box(setup.volume, scene.transfer_function ? *scene.transfer_function : own.front());
+    setup.box =
+        visible_box(setup.volume, settled(setup, scene.transfer_function ? *scene.transfer_function : own.front()));
   }
   set_look(scene, setup);
   return setup;
@@ -192,6 +243,7 @@ void set_look(const Scene& scene, SceneSetup& setup) {
   setup.materials = setup.built_in.materials;
   set_material_looks(scene, setup);
   if (scene.transfer_function) setup.materials.assign(setup.materials.size(), *scene.transfer_function);
+  for (TransferFunctionFile& material : setup.materials) material = settled(setup, material);
   setup.background = scene.background ? scene.background : setup.built_in.background;
   set_camera(scene, setup);
   set_lights(scene, setup);
@@ -200,7 +252,16 @@ void set_look(const Scene& scene, SceneSetup& setup) {
   setup.view.irradiance = scene.lighting.on;
 }
 
-bool same_voxels(const Scene& a, const Scene& b) { return a.volume == b.volume && a.world == b.world; }
+bool keeps_voxels(const Scene& scene, const SceneSetup& setup) {
+  if (!setup.survey) return true;
+  const bool labels = setup.survey->kind == DataKind::kLabels || setup.survey->kind == DataKind::kMask;
+  return (!labels || is_auto(scene) == !setup.look_why.empty()) &&
+         narrows(scene, *setup.survey) == (setup.volume.range == setup.survey->range && !scene.range);
+}
+
+bool same_voxels(const Scene& a, const Scene& b) {
+  return a.volume == b.volume && a.world == b.world && a.range == b.range;
+}
 
 bool same_illumination(const Scene& a, const Scene& b) {
   const auto same_light = [](const SceneLight& x, const SceneLight& y) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <ranges>
@@ -55,10 +56,13 @@ struct Parser {
       return fault("values", "one such statement, before all points", "another");
     }
     scaled = true;
-    if (words.size() != 2 || (words[1] != "normalised" && words[1] != "absolute")) {
-      return fault("values", "normalised or absolute", words.size() < 2 ? "nothing" : in_quotes(words.back()));
+    constexpr std::array kNames{"absolute", "normalised", "hounsfield", "robust"};  // as TransferScale
+    const auto found = words.size() == 2 ? std::ranges::find(kNames, words[1]) : kNames.end();
+    if (found == kNames.end()) {
+      return fault("values", "absolute, normalised, hounsfield or robust",
+                   words.size() < 2 ? "nothing" : in_quotes(words.back()));
     }
-    file.normalised = words[1] == "normalised";
+    file.scale = static_cast<TransferScale>(found - kNames.begin());
   }
 
   // The numbers behind the statement's name, or nothing if there is a fault.
@@ -119,7 +123,7 @@ TransferFunctionFile read_transfer_function(const std::filesystem::path& path) {
 
 TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file) {
   TransferFunction function = file.function;
-  if (!file.normalised) return function;
+  if (file.scale == TransferScale::kAbsolute || file.scale == TransferScale::kHounsfield) return function;
   const auto scaled = [&range](double value) { return range.low + value * (range.high - range.low); };
   for (ColourPoint& point : function.colours) point.value = scaled(point.value);
   for (OpacityPoint& point : function.opacities) point.value = scaled(point.value);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -13,6 +14,103 @@ namespace {
 
 constexpr double kVisible = 0.005;   // chosen: opacity of one voxel that is still seen as a haze over many
 constexpr std::size_t kBins = 4096;  // as the board's densities
+constexpr int kEdge = 4;             // voxels of a cell
+constexpr int kLeast = 5;            // chosen: visible voxels of a cell that counts; a wire of one voxel has 4
+constexpr double kPiece = 0.1;  // chosen: of the largest piece's voxels, that a piece has which is to be in the picture
+
+// Visible voxels of a cell, and the box around them.
+struct Cell {
+  std::array<std::uint16_t, 3> low{}, high{};
+  std::uint8_t count = 0;
+};
+
+using Box = std::array<std::array<int, 3>, 2>;
+
+class Pieces {
+ public:
+  explicit Pieces(const Dims& dims) : across_{(dims[0] + 3) / kEdge, (dims[1] + 3) / kEdge, (dims[2] + 3) / kEdge} {
+    cells_.resize(voxels_of(across_));
+  }
+
+  void add(int x, int y, int z) {
+    Cell& cell = cells_[index({x / kEdge, y / kEdge, z / kEdge})];
+    const std::array<std::uint16_t, 3> at{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                                          static_cast<std::uint16_t>(z)};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cell.low[axis] = cell.count == 0 ? at[axis] : std::min(cell.low[axis], at[axis]);
+      cell.high[axis] = cell.count == 0 ? at[axis] : std::max(cell.high[axis], at[axis]);
+    }
+    ++cell.count;
+  }
+
+  // Around the pieces that count; empty (low above high) if nothing is visible.
+  Box box() {
+    std::vector<std::pair<std::size_t, Box>> pieces;  // voxels
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (cells_[i].count >= kLeast) pieces.push_back(piece_at(i));
+    }
+    std::size_t most = 0;
+    for (const auto& [voxels, box] : pieces) most = std::max(most, voxels);
+    Box all = kNothing;
+    for (const auto& [voxels, box] : pieces) {
+      if (static_cast<double>(voxels) >= kPiece * static_cast<double>(most)) join(all, box[0], box[1]);
+    }
+    if (!pieces.empty()) return all;
+    for (const Cell& cell : cells_) {
+      if (cell.count > 0) join(all, cell.low, cell.high);
+    }
+    return all;
+  }
+
+ private:
+  static constexpr Box kNothing{{{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}}};
+
+  std::size_t index(const std::array<int, 3>& at) const {
+    return (static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(across_[1]) + static_cast<std::size_t>(at[1])) *
+               static_cast<std::size_t>(across_[0]) +
+           static_cast<std::size_t>(at[0]);
+  }
+
+  template <typename Corner>
+  static void join(Box& box, const Corner& low, const Corner& high) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box[0][axis] = std::min<int>(box[0][axis], low[axis]);
+      box[1][axis] = std::max<int>(box[1][axis], high[axis]);
+    }
+  }
+
+  // Takes the cells that hang together with this one, corners included.
+  std::pair<std::size_t, Box> piece_at(std::size_t first) {
+    std::size_t voxels = 0;
+    Box box = kNothing;
+    std::vector<std::size_t> open;
+    const auto take = [&](std::size_t i) {
+      if (cells_[i].count == 0) return;
+      if (cells_[i].count < kLeast) return join(box, cells_[i].low, cells_[i].high);  // its last tip
+      voxels += cells_[i].count;
+      join(box, cells_[i].low, cells_[i].high);
+      cells_[i].count = 0;
+      open.push_back(i);
+    };
+    take(first);
+    while (!open.empty()) {
+      const std::size_t i = open.back();
+      open.pop_back();
+      const auto row = static_cast<std::size_t>(across_[0]), slice = row * static_cast<std::size_t>(across_[1]);
+      const std::array<int, 3> at{static_cast<int>(i % row), static_cast<int>(i % slice / row),
+                                  static_cast<int>(i / slice)};
+      for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, across_[2] - 1); ++z) {
+        for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, across_[1] - 1); ++y) {
+          for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, across_[0] - 1); ++x) take(index({x, y, z}));
+        }
+      }
+    }
+    return {voxels, box};
+  }
+
+  Dims across_;
+  std::vector<Cell> cells_;
+};
 
 }  // namespace
 
@@ -34,24 +132,18 @@ SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file) {
     return bin >= 0 && visible[static_cast<std::size_t>(bin)] != 0;  // not-a-numbers are not
   };
 
-  std::array<int, 3> low = dims, high{-1, -1, -1};
+  Pieces pieces(dims);
   for_each_plane(volume, [&](int z, std::span<const std::byte> samples) {
     with_sample(volume.type, [&](auto sample) {
-      std::size_t row = 0;
-      for (int y = 0; y < dims[1]; ++y, row += static_cast<std::size_t>(dims[0])) {
-        const auto seen_at = [&](int x) {
-          const std::size_t index = row + static_cast<std::size_t>(x);
-          return seen(static_cast<double>(sample_at<decltype(sample)>(samples, index)));
-        };
-        int first = 0, last = dims[0] - 1;
-        while (first <= last && !seen_at(first)) ++first;
-        if (first > last) continue;
-        while (!seen_at(last)) --last;
-        low = {std::min(low[0], first), std::min(low[1], y), std::min(low[2], z)};
-        high = {std::max(high[0], last), std::max(high[1], y), std::max(high[2], z)};
+      std::size_t index = 0;
+      for (int y = 0; y < dims[1]; ++y) {
+        for (int x = 0; x < dims[0]; ++x, ++index) {
+          if (seen(static_cast<double>(sample_at<decltype(sample)>(samples, index)))) pieces.add(x, y, z);
+        }
       }
     });
   });
+  const auto [low, high] = pieces.box();
   if (high[0] < 0) return whole_box(dims);
   const auto below = [&low](std::size_t axis) { return std::max(low[axis] - 1.0, 0.0); };
   const auto above = [&](std::size_t axis) { return std::min(high[axis] + 1.0, dims[axis] - 1.0); };

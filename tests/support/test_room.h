@@ -41,8 +41,8 @@ inline samples::SceneSetup setup_of(const Room& room) {
       }
     }
   }
-  const samples::TransferFunctionFile air{{{{0, {1, 1, 1}}}, {{0, 1 - std::exp(-room.kappa)}}}, false};
-  const samples::TransferFunctionFile solid{{{{0, {1, 1, 1}}}, {{0, 0}, {255, 1}}}, false};
+  const samples::TransferFunctionFile air{{{{0, {1, 1, 1}}}, {{0, 1 - std::exp(-room.kappa)}}}};
+  const samples::TransferFunctionFile solid{{{{0, {1, 1, 1}}}, {{0, 0}, {255, 1}}}};
   setup.materials = {air, solid, solid, solid};
   setup.optics.resize(4);
   setup.scattering_colours.assign(4, {1, 1, 1});

@@ -13,13 +13,13 @@ constexpr double kMaxGloss = 15.99;  // as Material::gloss
 constexpr std::size_t kMaxParameters = 32;
 
 TransferFunctionFile look_of(const SolidLook& solid, double) {
-  return {{{{0, solid.colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, solid.opacity}}}, false};
+  return {{{{0, solid.colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, solid.opacity}}}};
 }
 
 // Its opacity grows with its density up to that which voxelise() gives it.
 TransferFunctionFile look_of(const FogLook& fog, double voxel) {
   const double opacity = 1 - std::exp(-fog.extinction * voxel);
-  return {{{{0, fog.colour}}, {{0, 0}, {std::round(kFogDensity * kMaxDensity), opacity}}}, false};
+  return {{{{0, fog.colour}}, {{0, 0}, {std::round(kFogDensity * kMaxDensity), opacity}}}};
 }
 
 TransferFunctionFile look_of(const TransferFunctionFile& function, double) { return function; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <ranges>
 
@@ -58,6 +59,11 @@ class Walk {
 
   // Of the scan that is made of this material.
   const std::optional<ValueRange>& range_of(std::size_t material) const { return ranges_[material]; }
+  // Its function in that scan's values.
+  const TransferFunctionFile& settled(std::size_t material, const TransferFunctionFile& own) const {
+    const auto found = settled_.find(material);
+    return found != settled_.end() ? found->second : own;
+  }
 
  private:
   static Affine placed(const Affine& parent, const std::vector<Transform>& transforms) {
@@ -104,7 +110,8 @@ class Walk {
     const Volume scan = read_volume(content.source);
     const ValueRange range = value_range_of(scan);
     if (!(range.low < range.high)) throw InputError(scan.source, "more than one value", "one");
-    take(place_scan(scan, range, compose(to_voxels_, map)), range, function, material);
+    settled_[material] = in_values_of(survey_of(scan), range, function);
+    take(place_scan(scan, range, compose(to_voxels_, map)), range, settled_[material], material);
   }
 
   // Of a material for scans and hypertextures.
@@ -137,13 +144,14 @@ class Walk {
   Affine to_voxels_;
   Dims dims_;
   int threads_;
-  std::vector<std::optional<ValueRange>> ranges_;  // by material
+  std::vector<std::optional<ValueRange>> ranges_;        // by material
+  std::map<std::size_t, TransferFunctionFile> settled_;  // of scans, by material: in their values
   std::vector<bool> used_by_solid_;
 };
 
 // Fog beside solids: its extinction is in proportion to its density up to the densest that balance_fog() makes.
 TransferFunctionFile beside_solids(const FogLook& fog, double voxel) {
-  TransferFunctionFile look{{{{0, fog.colour}}, {{0, 0}}}, false};
+  TransferFunctionFile look{{{{0, fog.colour}}, {{0, 0}}}};
   const double full = std::round(kFogBesideSolids * kMaxDensity);
   constexpr int kPoints = 20;  // chosen: of ten times its own density
   for (int i = 1; i <= kPoints; ++i) {
@@ -155,7 +163,7 @@ TransferFunctionFile beside_solids(const FogLook& fog, double voxel) {
 
 // From a scan's values to the densities that they became.
 TransferFunctionFile in_densities(const TransferFunctionFile& file, const ValueRange& range) {
-  TransferFunctionFile result{in_values_of(range, file), false};
+  TransferFunctionFile result{in_values_of(range, file)};
   const auto density = [&range](double value) { return kMaxDensity * (value - range.low) / (range.high - range.low); };
   for (ColourPoint& point : result.function.colours) point.value = density(point.value);
   for (OpacityPoint& point : result.function.opacities) point.value = density(point.value);
@@ -208,15 +216,15 @@ BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials
   Walk walk(built.grid, materials, threads);
   walk.visit(world.root, {}, "world", "", 0);
   built.voxels = voxelise(built.grid, walk.solids, walk.scans, threads, world.densities);
-  built.looks.assign(4, {{{{0, {1, 1, 1}}}, {{0, 0}}}, false});
+  built.looks.assign(4, {{{{0, {1, 1, 1}}}, {{0, 0}}}});
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TransferFunctionFile& look = built.looks[static_cast<std::size_t>(materials[i].tag)];
     const MaterialLook own = materials[i].look.value_or(SolidLook{});
     look = transfer_function_of(own, built.grid.voxel);
     if (walk.range_of(i)) {
-      look = in_densities(look, *walk.range_of(i));
-    } else if (look.normalised) {
-      look = {in_values_of({0, kMaxDensity}, look), false};
+      look = in_densities(walk.settled(i, look), *walk.range_of(i));
+    } else if (look.scale != TransferScale::kAbsolute) {
+      look = {in_values_of({0, kMaxDensity}, look)};
     }
     if (const auto* fog = std::get_if<FogLook>(&own); fog != nullptr && built.voxels.fog_density != kFogDensity) {
       look = beside_solids(*fog, built.grid.voxel);

@@ -1,5 +1,5 @@
 # Industrial CT of a light casting with dense inserts: the casting translucent and cool, the inserts opaque and warm.
-values normalised
+values robust
 colour  0.25  0.55 0.66 0.78
 colour  0.62  0.78 0.86 0.95
 colour  0.72  0.95 0.55 0.20

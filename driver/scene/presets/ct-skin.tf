@@ -1,14 +1,12 @@
-# CT as for ct-bone: skin and soft tissue as a warm translucent layer, bone behind it.
-values normalised
-colour  0.05  0.92 0.60 0.46
-colour  0.24  0.96 0.68 0.54
-colour  0.29  0.85 0.45 0.35
-colour  0.34  0.94 0.86 0.72
-colour  0.60  1.00 0.98 0.93
-opacity 0.070 0
-opacity 0.120 0.110
-opacity 0.200 0.110
-opacity 0.245 0.004
-opacity 0.290 0.008
-opacity 0.340 0.25
-opacity 0.420 1
+# CT of people and animals, in Hounsfield units: the skin as a surface; cut planes show fat, muscle and bone by colours.
+values hounsfield
+colour  -400  0.90 0.67 0.55
+colour  -100  0.96 0.80 0.62
+colour  -20   0.93 0.66 0.53
+colour  60    0.80 0.42 0.36
+colour  180   0.88 0.60 0.48
+colour  400   0.97 0.92 0.82
+opacity -500  0
+opacity -300  0.30
+opacity -60   0.95
+opacity 0     1

@@ -141,7 +141,7 @@ int run(int argc, char** argv, gicube::MpiExchange* ranks) {
   if (!options) return 0;
   std::vector<FrameStatistics> statistics;
   std::vector<std::string> plan;
-  std::string invisible;
+  std::string invisible, look;
   {
     ProgressLine progress(!options->board.quiet);
     const auto done = [&](const Frame& frame) {
@@ -152,6 +152,8 @@ int run(int argc, char** argv, gicube::MpiExchange* ranks) {
       statistics.push_back(frame.statistics);
       progress.clear();
       if (options->plan.explain) explain_once(*options, frame.statistics, plan);
+      if (!options->board.quiet && frame.statistics.look != look) fmt::print("{}\n", frame.statistics.look);
+      look = frame.statistics.look;
       if (!options->board.quiet) print_summary(file, frame.statistics);
       if (!options->board.quiet) warn_once(frame.statistics.invisible, invisible);
       explain_pixel(*options, frame.statistics);

@@ -139,8 +139,21 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   group.value("--diffuse", options.diffuse, "")->check(CLI::Range(0.0, 1.99));
   group.value("--specular", options.specular, "")->check(CLI::Range(0.0, 1.99));
   group.value("--shininess", options.shininess, "")->check(CLI::Range(1.0, 1000.0));
-  group.value("--transfer-function", options.transfer_function, "a file, or a preset: " + preset_names() + " (ramp)")
+  group
+      .value("--transfer-function", options.transfer_function,
+             "a file, auto (a preset that the values of a volume file suggest), or a preset: " + preset_names() +
+                 " (auto)")
       ->type_name("FILE|NAME");
+  group.parsed(
+      "--range", "LOW,HIGH",
+      "a volume file's values that become the least and the greatest density, where the points 0 and 1 of most presets "
+      "are; Hounsfield units stay (found from the values)",
+      [&](const std::string& name, const std::string& text) {
+        const std::vector<double> ends = parse_numbers(name, text, 2);
+        if (!(ends[0] < ends[1]))
+          throw CLI::ValidationError(name, "expected a lower number before a higher one, got " + in_quotes(text));
+        options.range = ValueRange{ends[0], ends[1]};
+      });
   group
       .parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
               [&](const std::string& name, const std::string& text) {
@@ -293,7 +306,11 @@ Scene input_scene(const RenderOptions& options) {
   Scene scene = read_input(options.input, options.allow_outside);
   set_volume(options, scene);
   if (options.allow_outside) allow_outside(scene);
-  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  if (!options.transfer_function.empty() && options.transfer_function != kAutomatic)
+    scene.transfer_function = find_transfer_function(options.transfer_function);
+  if (options.range && (scene.world || !scene.volume.builtin.empty()))
+    throw UsageError("--range: only for a volume file; " + in_quotes(options.input) + " has values of its own");
+  if (options.range) scene.range = options.range;
   return scene;
 }
 

@@ -74,6 +74,7 @@ struct RenderOptions {
   std::string part;           // as VolumeSource has it
   std::optional<double> nan;  // the same
   std::string transfer_function;
+  std::optional<ValueRange> range;
   std::string camera_name;  // of the scene's; empty: its first
   CameraSettings camera;
   std::optional<std::array<int, 2>> size;

@@ -139,6 +139,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
     frames[i].statistics.time = times[first + i];
     frames[i].statistics.load = i == 0 ? load : 0;
     frames[i].statistics.host = host_usage();
+    frames[i].statistics.look = setup_.look_why;
     frames[i].statistics.invisible = board_.why_invisible(frames[i].image);
     if (ranks_ != nullptr) share_statistics(*ranks_, frames[i].statistics);
     done(frames[i]);
@@ -160,7 +161,7 @@ bool Renderer::holds(const Scene& scene) const {
   const auto asks = [](const Scene& s) { return s.view.shade || s.lighting.on; };  // for gradients
   return loaded_ && same_voxels(loaded_->scene, scene) && loaded_->crop == options_.crop &&
          loaded_->level_of_detail == options_.level_of_detail && (asks(loaded_->scene) || !asks(scene)) &&
-         (loaded_->transfer_function == options_.transfer_function || !part_);
+         (loaded_->transfer_function == options_.transfer_function || (!part_ && keeps_voxels(scene, setup_)));
 }
 
 Picoseconds Renderer::set_voxels(const Scene& scene) {

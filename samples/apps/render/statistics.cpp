@@ -179,6 +179,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["boards"] = boards_json(statistics);
   json["ranks"] = ranks_json(statistics.ranks);
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
+  json["look"] = statistics.look.empty() ? Json(nullptr) : Json(statistics.look);
   json["invisible"] = statistics.invisible.empty() ? Json(nullptr) : Json(statistics.invisible);
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);

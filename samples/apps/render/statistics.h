@@ -60,12 +60,13 @@ struct FrameStatistics {
   std::vector<RankStatistics> ranks;         // and what each did; the frame takes as long as the longest work
   std::optional<RunUsage> host;              // of the whole run until the frame was there
   std::string invisible;                     // why nothing is visible; empty: something is
+  std::string look;                          // which look was chosen, and why; empty: none was
   nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
 // memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume brick_detail lighting plan
-// boards host invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes that were
+// boards host look invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes that were
 // made). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level

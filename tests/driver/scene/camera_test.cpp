@@ -117,7 +117,7 @@ TEST(SceneSetup, PutsTheUsersWishesFirst) {
   EXPECT_EQ(setup.shading.light, (Vec3{0, 0, 1}));
   EXPECT_EQ(setup.shading.phong.shininess, 4);
   EXPECT_EQ(setup.volume.spacing, (Vec3{1, 1, 2}));
-  for (const TransferFunctionFile& material : setup.materials) EXPECT_TRUE(material.normalised);
+  for (const TransferFunctionFile& material : setup.materials) EXPECT_EQ(material.scale, TransferScale::kNormalised);
 }
 
 TEST(SceneSetup, KnowsNoOtherBuiltin) {

@@ -23,7 +23,7 @@ std::string faults_of(std::string_view text) {
 TEST(TransferFunctionFile, KeepsPointsInTheirOrder) {
   const auto file =
       parse_transfer_function("# test\ncolour 1 0 0.5 1 # blue\ncolor 2.5 1 1 1\nopacity -3 0\nopacity 7 1\n", "a.tf");
-  EXPECT_FALSE(file.normalised);
+  EXPECT_EQ(file.scale, TransferScale::kAbsolute);
   ASSERT_EQ(file.function.colours.size(), 2u);
   EXPECT_EQ(file.function.colours[0].value, 1);
   EXPECT_EQ(file.function.colours[0].colour, (Colour{0, 0.5, 1}));
@@ -91,18 +91,29 @@ TEST(TransferFunctionFile, IsNamedInTheErrorIfItIsNotThere) {
   EXPECT_THROW(read_transfer_function("/nowhere/a.tf"), InputError);
 }
 
-TEST(Presets, AllParseAndAreNormalised) {
+TEST(TransferFunctionFile, KnowsWhatItsValuesAre) {
+  const auto scale = [](const char* word) {
+    return parse_transfer_function(std::string("values ") + word + "\nopacity 0 0", "a.tf").scale;
+  };
+  EXPECT_EQ(scale("absolute"), TransferScale::kAbsolute);
+  EXPECT_EQ(scale("hounsfield"), TransferScale::kHounsfield);
+  EXPECT_EQ(scale("robust"), TransferScale::kRobust);
+}
+
+TEST(Presets, AllParseAndSayWhatTheirValuesAre) {
   std::vector<std::string> names;
   for (const Preset& preset : presets()) {
     names.emplace_back(preset.name);
     const TransferFunctionFile file = find_preset(preset.name);
-    EXPECT_TRUE(file.normalised) << preset.name;
+    EXPECT_NE(file.scale, TransferScale::kAbsolute) << preset.name;
+    if (file.scale == TransferScale::kHounsfield) continue;
     EXPECT_GE(file.function.opacities.front().value, 0) << preset.name;
     EXPECT_LE(file.function.opacities.back().value, 1) << preset.name;
+    if (preset.name == "diverging") continue;
     EXPECT_EQ(file.function.opacities.front().opacity, 0) << preset.name;
   }
   EXPECT_THAT(names, testing::UnorderedElementsAre("ct-bone", "ct-skin", "colours", "ct-engine", "mri-brain",
-                                                   "micro-ct-bone", "ramp"));
+                                                   "micro-ct-bone", "ramp", "mri-t2", "diverging", "surface"));
 }
 
 TEST(Presets, AreListedWhenANameIsUnknown) {

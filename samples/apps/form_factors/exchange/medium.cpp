@@ -110,7 +110,7 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
 
   const ValueRange range = value_range_of(volume);
   Materials materials = setup.materials;
-  for (TransferFunctionFile& material : materials) material = {in_values_of(range, material), false};
+  for (TransferFunctionFile& material : materials) material = {in_values_of(range, material)};
   const std::vector<float> values = values_of(volume);
   for (std::size_t i = 0; i < voxels; ++i) {
     const std::size_t tag = medium.tags[i];

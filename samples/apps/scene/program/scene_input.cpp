@@ -25,7 +25,9 @@ void add_scene_input(CLI::App& app, SceneInput& input) {
   group.value("--volume-size", input.volume_size, "voxels along the longest edge of a world or built-in volume")
       ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
   group
-      .value("--transfer-function", input.transfer_function, "of all materials: a file, or a preset: " + preset_names())
+      .value("--transfer-function", input.transfer_function,
+             "of all materials: a file, auto (a preset that the values of a volume file suggest), or a preset: " +
+                 preset_names())
       ->type_name("FILE|NAME");
   group.flag("--allow-outside", input.allow_outside, "let headers and scenes name files outside of their folders");
 }
@@ -39,7 +41,8 @@ Scene scene_of(const SceneInput& input) {
     }
     (scene.world ? scene.world->size : scene.volume.size) = *input.volume_size;
   }
-  if (!input.transfer_function.empty()) scene.transfer_function = find_transfer_function(input.transfer_function);
+  if (!input.transfer_function.empty() && input.transfer_function != kAutomatic)
+    scene.transfer_function = find_transfer_function(input.transfer_function);
   if (input.allow_outside) allow_outside(scene);
   return scene;
 }

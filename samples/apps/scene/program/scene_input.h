@@ -14,6 +14,7 @@ class App;
 namespace gicube::samples {
 
 inline constexpr const char* kBuiltin = "builtin:";
+inline constexpr const char* kAutomatic = "auto";  // a look that the values of a volume file suggest
 
 // Reads a scene file, builtin:NAME or a volume file; engines are left as they are. Throws InputError.
 Scene read_input(const std::string& input, bool allow_outside);
@@ -21,7 +22,7 @@ Scene read_input(const std::string& input, bool allow_outside);
 struct SceneInput {
   std::string input;  // as of read_input()
   std::optional<int> volume_size;
-  std::string transfer_function;  // empty: the scene's
+  std::string transfer_function;  // empty, auto: the scene's
   bool allow_outside = false;
 };
 

@@ -103,7 +103,7 @@ TEST(World, HoldsScansWhoseTransferFunctionIsInTheirOwnValues) {
   VolumeSource source;
   source.file = file;
   source.raw = RawLayout{{16, 16, 16}, SampleType::kUint8, {1, 1, 1}, false, 0};
-  const TransferFunctionFile look{{{{0, {1, 1, 1}}}, {{0, 0}, {255, 1}}}, false};
+  const TransferFunctionFile look{{{{0, {1, 1, 1}}}, {{0, 0}, {255, 1}}}};
   const std::vector<SceneMaterial> materials{{"tissue", 3, look, {}, {1, 1, 1}}};
   World world;
   world.size = 33;

@@ -33,7 +33,7 @@ inline StageMedium medium(const Dims& dims, const Colour& colour, double opacity
       for (int x = 0; x < dims[0]; ++x) out.setup.set_density(index++, density({double(x), double(y), double(z)}));
     }
   }
-  out.setup.materials = {{{{{0, colour}}, {{0, 0}, {kMaxDensity, opacity}}}, false}};
+  out.setup.materials = {{{{{0, colour}}, {{0, 0}, {kMaxDensity, opacity}}}}};
   out.setup.box = whole_box(dims);
   out.setup.view.shade = false;
   return out;

@@ -21,6 +21,7 @@
 #include "gicube/scene/engine.h"
 #include "gicube/scene/light.h"
 #include "gicube/scene/material.h"
+#include "gicube/scene/survey.h"
 #include "gicube/scene/transfer_function_file.h"
 #include "gicube/scene/volume_file.h"
 #include "gicube/scene/world.h"
@@ -58,6 +59,7 @@ struct Scene {
   std::optional<World> world;  // in place of a volume
   std::vector<SceneMaterial> materials;
   std::optional<TransferFunctionFile> transfer_function;  // for every tag, in place of the materials'
+  std::optional<ValueRange> range;  // of a volume file's values, in place of what a survey of them finds
   std::optional<Phong> phong;
   std::optional<Vec3> light;  // towards the light of pictures without illumination; else the first directional of:
   std::vector<SceneLight> lights;
@@ -98,6 +100,13 @@ struct SceneSetup : VoxelWorld {
   View view;
   std::optional<Colour> background;
 
+  std::optional<Survey> survey;  // of a volume file's values
+  std::string look_why;  // of the automatic look: which it is, and why; empty: the look is the user's or the scene's
+  // Of a label map under its automatic look, whose voxels are then 255 where there is a label, tagged by its colour: each voxel's place in
+  // `label_values`, where 0 is the background. free_voxels() keeps them.
+  std::vector<std::uint16_t> labels;
+  std::vector<double> label_values;
+
   std::uint64_t voxel_hash = 0;     // of volume, tags and gradients, as set_up() made them
   std::vector<MaterialLook> looks;  // by tag: of the scene's materials; a world's without a look are white solids
 
@@ -107,13 +116,16 @@ struct SceneSetup : VoxelWorld {
 };
 
 // Reads or makes the volume and completes what the scene leaves open: a volume file has a light
-// above the viewer's left shoulder, the preset "ramp", and a camera that sees all that is visible. `threads` 0 = one a core. Throws
+// above the viewer's left shoulder, the look that automatic_look() finds, and a camera that sees the larger parts of what is visible. `threads` 0 = one a core. Throws
 // InputError and FileError.
 // With lighting and no lights there is one point light in the direction of `light`, outside of the volume.
 GICUBE_API SceneSetup set_up(const Scene& scene, int threads = 0);
 
 // The same for another scene with the same voxels, which may have been freed: materials, lights, camera and view anew.
 GICUBE_API void set_look(const Scene& scene, SceneSetup& setup);
+// Whether that is right for a scene of the same voxels with another transfer function: not for a label map that gets or loses its
+// automatic look, nor if the function has points beyond a range that leaves out extreme values.
+GICUBE_API bool keeps_voxels(const Scene& scene, const SceneSetup& setup);
 
 // For Provenance: of the voxels, the materials and the lights; not of camera and sampling. Holds after free_voxels() too.
 GICUBE_API std::uint64_t scene_hash(const SceneSetup& setup);
@@ -142,8 +154,8 @@ GICUBE_API Vec3 shoulder_light(const View& view, const Vec3& spacing);
 
 GICUBE_API SceneBox whole_box(const Dims& dims);
 
-// The smallest box around all voxels that the function makes visible, one voxel of margin included; the whole volume if
-// none is. `volume` must hold all samples of its dims.
+// The smallest box around what the function makes visible, one voxel of margin included; the whole volume if nothing is. Pieces count that
+// have a tenth of the largest one's voxels, in cells of 4^3 with at least 5 visible voxels each; if there are no such cells, all do.
 GICUBE_API SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file);
 
 // The scene's voxels and how they look. A world's normals get a codebook of their own if `own_codebook` is set, which only a board

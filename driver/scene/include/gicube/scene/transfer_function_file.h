@@ -1,7 +1,10 @@
 // Transfer functions as plain text files, and the presets that come with the library. One statement a line:
 //
 //   # a comment, to the end of the line
-//   values normalised          0 and 1 are the ends of the volume's value range; default: values absolute
+//   values absolute            in the volume's own values; the default
+//   values normalised          0 and 1 are the ends of the volume's value range
+//   values hounsfield          Hounsfield units; of a CT that has others, air is taken for -1000 and soft tissue for 40
+//   values robust              0 is the background, 1 the 99.9th percentile of what is above it (gicube/scene/survey.h)
 //   colour VALUE R G B         0..1, display-referred; also "color"
 //   opacity VALUE ALPHA        0..1, of one voxel length
 //
@@ -20,9 +23,11 @@
 
 namespace gicube::scene {
 
+enum class TransferScale { kAbsolute, kNormalised, kHounsfield, kRobust };
+
 struct TransferFunctionFile {
   TransferFunction function;
-  bool normalised = false;  // its values are 0..1 of the volume's range
+  TransferScale scale = TransferScale::kAbsolute;
 };
 
 // Throws InputError: all faults of `text`, one a line, as "NAME:LINE: field: expected ..., got ...".
@@ -30,7 +35,8 @@ GICUBE_API TransferFunctionFile parse_transfer_function(std::string_view text, c
 // The same for a file. Throws InputError also if it can't be read.
 GICUBE_API TransferFunctionFile read_transfer_function(const std::filesystem::path& path);
 
-// The function in the values of a volume whose range is `range`.
+// The function in the values of a volume whose range is `range`, where nothing else is known of it: `robust` counts as `normalised`, and
+// `hounsfield` as `absolute`.
 GICUBE_API TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file);
 
 // Built into the library; the same are installed as share/gicube/presets/*.tf.

@@ -1,0 +1,179 @@
+// Volumes whose values have a known distribution: what a survey tells of them, and the look that follows.
+#include "gicube/scene/survey.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "gicube/scene/scene.h"
+
+namespace gicube::scene {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kEdge = 48;
+
+template <typename Sample>
+Volume made(SampleType type, const std::function<double(double, double, double)>& value) {
+  Volume volume;
+  volume.type = type;
+  volume.dims = {kEdge, kEdge, kEdge};
+  volume.source = "test";
+  for (int z = 0; z < kEdge; ++z) {
+    for (int y = 0; y < kEdge; ++y) {
+      for (int x = 0; x < kEdge; ++x) {
+        const auto at = [](int i) { return (i - 23.5) / 23.5; };
+        const auto sample = static_cast<Sample>(value(at(x), at(y), at(z)));
+        const auto* bytes = reinterpret_cast<const std::byte*>(&sample);
+        volume.samples.insert(volume.samples.end(), bytes, bytes + sizeof sample);
+      }
+    }
+  }
+  return volume;
+}
+
+// A body of soft tissue with a shell of bone in air, with noise.
+struct Head {
+  double slope = 1, intercept = 0, noise = 15;
+  mutable std::mt19937 random{7};
+
+  double operator()(double x, double y, double z) const {
+    const double r = std::sqrt(x * x + y * y + z * z);
+    const double hu = r > 0.85 ? -1000 : r < 0.75 && r > 0.62 ? 1300 : 40;
+    return slope * (hu + std::normal_distribution<>(0, noise)(random)) + intercept;
+  }
+};
+
+// Where a look begins to show anything.
+double first_visible(const TransferFunctionFile& file) {
+  double last = file.function.opacities.front().value;
+  for (const OpacityPoint& point : file.function.opacities) {
+    if (point.opacity > 0) break;
+    last = point.value;
+  }
+  return last;
+}
+
+TEST(Survey, TellsHounsfieldUnitsByTheirValues) {
+  const Survey survey = survey_of(made<std::int16_t>(SampleType::kInt16, Head{}));
+  EXPECT_EQ(survey.kind, DataKind::kCt);
+  EXPECT_EQ(survey.ct, (ValueRange{-1000, 0}));
+  EXPECT_TRUE(survey.has_bone);
+  const AutomaticLook look = automatic_look(survey);
+  EXPECT_EQ(look.name, "ct-bone");
+  EXPECT_EQ(first_visible(look.function), 180);  // HU, as in the preset
+  EXPECT_THAT(look.why, HasSubstr("transfer function: ct-bone, since the values are Hounsfield units"));
+}
+
+TEST(Survey, FindsAirAndTissueOfACtInOtherUnits) {
+  // Linear attenuation, 0.02 a millimetre for water.
+  const Survey survey = survey_of(made<float>(SampleType::kFloat32, Head{2e-5, 0.02}));
+  EXPECT_EQ(survey.kind, DataKind::kCt);
+  EXPECT_NEAR(survey.ct.low, 0, 0.0006);
+  EXPECT_NEAR(survey.ct.high, 0.02, 0.0006);
+  EXPECT_NEAR(first_visible(automatic_look(survey).function), 0.02 * 1.18, 0.0008);
+}
+
+TEST(Survey, LeavesPaddingAndSingleExtremeVoxelsOut) {
+  const Head head;
+  Volume volume = made<std::int16_t>(
+      SampleType::kInt16, [&](double x, double y, double z) { return x * x + y * y > 1 ? -3024.0 : head(x, y, z); });
+  const std::int16_t metal = 30000;
+  std::memcpy(&volume.samples[volume.samples.size() / 2], &metal, sizeof metal);
+  const Survey survey = survey_of(volume);
+  EXPECT_EQ(survey.kind, DataKind::kCt);
+  EXPECT_EQ(survey.padding, -3024);
+  EXPECT_EQ(survey.whole, (ValueRange{-3024, 30000}));
+  EXPECT_GT(survey.range.low, -1200);
+  EXPECT_LT(survey.range.high, 4000);
+  EXPECT_EQ(automatic_look(survey).name, "ct-bone");
+  EXPECT_THAT(survey.why, HasSubstr("-3024 is padding"));
+}
+
+TEST(Survey, KnowsMasksAndLabels) {
+  const auto shells = [](double x, double y, double z) {
+    return std::floor(4 - 3.9 * std::min(1.0, std::sqrt(x * x + y * y + z * z)));
+  };
+  EXPECT_EQ(survey_of(made<std::uint8_t>(SampleType::kUint8,
+                                         [&](double x, double y, double z) { return shells(x, y, z) > 1; }))
+                .kind,
+            DataKind::kMask);
+  EXPECT_EQ(survey_of(made<std::uint8_t>(SampleType::kUint8, shells)).kind, DataKind::kLabels);
+  // As some programs write label maps.
+  EXPECT_EQ(survey_of(made<float>(SampleType::kFloat32, shells)).kind, DataKind::kLabels);
+  // A scan of few values is none.
+  EXPECT_NE(survey_of(made<std::uint8_t>(SampleType::kUint8, Head{0.02, 24, 30})).kind, DataKind::kLabels);
+}
+
+TEST(Survey, TellsASolidFromAPartWithInserts) {
+  std::mt19937 random{3};
+  std::normal_distribution<> noise(0, 3);
+  const auto part = [&](double insert) {
+    return made<std::uint8_t>(SampleType::kUint8, [&, insert](double x, double y, double z) {
+      const bool inside = std::max({std::abs(x), std::abs(y), std::abs(z)}) < 0.7;
+      const double value = !inside ? 20 : std::hypot(x, y) < 0.15 ? insert : 140;
+      return std::clamp(value + noise(random), 0.0, 255.0);
+    });
+  };
+  EXPECT_EQ(automatic_look(survey_of(part(140))).name, "surface");
+  EXPECT_EQ(automatic_look(survey_of(part(230))).name, "ct-engine");
+}
+
+TEST(Survey, TakesTissuesThatOverlapForAnMri) {
+  std::mt19937 random{5};
+  const auto brain = [&](double fluid) {
+    return made<float>(SampleType::kFloat32, [&, fluid](double x, double y, double z) {
+      const double r = std::sqrt(x * x + y * y + z * z);
+      const double tissue = std::uniform_real_distribution<>(60, 200)(random);
+      return r > 0.85 ? 0 : r < 0.3 ? fluid : 0.5 * (tissue + std::uniform_real_distribution<>(60, 200)(random));
+    });
+  };
+  EXPECT_EQ(automatic_look(survey_of(brain(120))).name, "mri-brain") << automatic_look(survey_of(brain(120))).why;
+  EXPECT_EQ(automatic_look(survey_of(brain(600))).name, "mri-t2");
+}
+
+TEST(Survey, TakesValuesOnBothSidesOfZeroForAField) {
+  const Survey survey = survey_of(made<float>(SampleType::kFloat32, [](double x, double y, double z) {
+    return std::sin(3 * x) * std::exp(-3 * (x * x + y * y + z * z));
+  }));
+  EXPECT_EQ(survey.kind, DataKind::kSigned);
+  EXPECT_EQ(survey.robust.low, -survey.robust.high);
+}
+
+TEST(Survey, IsOfOneValueOrOfNone) {
+  EXPECT_EQ(survey_of(made<std::uint8_t>(SampleType::kUint8, [](double, double, double) { return 7; })).kind,
+            DataKind::kConstant);
+  EXPECT_THROW(survey_of(made<float>(SampleType::kFloat32, [](double, double, double) { return NAN; })), InputError);
+}
+
+TEST(AutomaticLook, TakesTheUsersRangeForItsEnds) {
+  Survey survey;
+  survey.kind = DataKind::kPart;
+  survey.robust = {0, 255};
+  const TransferFunctionFile preset = find_preset("ct-engine");
+  const TransferFunctionFile look = automatic_look(survey, ValueRange{100, 300}).function;
+  EXPECT_EQ(look.function.opacities[0].value, 100 + 200 * preset.function.opacities[0].value);
+  EXPECT_EQ(look.scale, TransferScale::kAbsolute);
+}
+
+TEST(InValuesOf, PutsEachScaleInItsPlace) {
+  Survey survey;
+  survey.robust = {10, 30};
+  survey.ct = {0, 64};
+  const auto at_one = [&](TransferScale scale) {
+    return in_values_of(survey, {-5, 5}, {{{{1, {1, 1, 1}}}, {{1, 1}}}, scale}).function.opacities[0].value;
+  };
+  EXPECT_EQ(at_one(TransferScale::kAbsolute), 1);
+  EXPECT_EQ(at_one(TransferScale::kNormalised), 5);
+  EXPECT_EQ(at_one(TransferScale::kRobust), 30);
+  EXPECT_NEAR(at_one(TransferScale::kHounsfield), 64.064, 1e-9);
+}
+
+}  // namespace
+}  // namespace gicube::scene
