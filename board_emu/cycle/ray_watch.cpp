@@ -19,8 +19,8 @@ RaySample sample_of(const RayState& ray, const Frame& frame, Termination how) {
   RayState jittered = ray;
   jitter_step(jittered, frame);
   const wire::SegmentationEntry& entry = at.entry;
-  out.colour = frame.shade ? shade(entry, out.gradient, frame.reflectance_map)
-                           : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
+  out.colour = is_shaded(jittered, frame) ? shade(entry, out.gradient, frame.reflectance_map)
+                                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   out.opacity =
       gathers_wide(frame)
           ? static_cast<double>(wide_alpha(frame.wide_depths[at.index], jittered.exponent))

@@ -85,6 +85,13 @@ constexpr bool beyond(const Plane& plane, const Point& position, const Point& st
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
+// Whether a sample lies within a voxel of a plane by which its ray came in: at a face that shows the inside, where the gradient
+// is not that of a surface.
+constexpr bool at_cut_face(const Plane& plane, const Point& position, const Point& step) {
+  constexpr std::int64_t kDepth = std::int64_t{1} << kPlaneFractionBits;
+  return dot(plane.normal, step) > 0 && dot(plane.normal, position) - plane.offset < kDepth;
+}
+
 // Height above a cut plane of a position of the wide datapath, which is half a unit too high; 44 fraction bits.
 constexpr std::int64_t fine_height(const Plane& plane, const FinePoint& position) {
   constexpr std::int64_t kFarOff = std::int64_t{1} << 46;  // beyond any volume

@@ -54,6 +54,7 @@ struct Frame {
   bool shade = false;
   bool skip_empty = false;
   std::vector<Plane> cut_planes;
+  bool cut_faces = false;  // samples at faces that they cut are not shaded
 
   // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the host.
   wire::RayType type = wire::RayType::kIntegrate;

@@ -220,11 +220,11 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterva
   return any_left && !scatters;
 }
 
-Colour12 colour_of(const Classified& sample, const SampleSite& site, const Frame& frame) {
+Colour12 colour_of(const RayState& ray, const Classified& sample, const SampleSite& site, const Frame& frame) {
   const wire::SegmentationEntry entry = coloured(*sample.entry, sample.view, sample.at, frame);
   if (!frame.lit_by_irradiance) {
-    return frame.shade ? shade(entry, sample.gradient(), frame.reflectance_map)
-                       : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
+    return is_shaded(ray, frame) ? shade(entry, sample.gradient(), frame.reflectance_map)
+                                 : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
   std::array<std::uint32_t, kColours> light{};
   for (std::size_t word = 0; word < frame.light_words; ++word) {
@@ -266,7 +266,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
       scatter(interaction, ray, interval, share, material, sample, frame, counters);
       return false;
     }
-    const Colour12 colour = colour_of(sample, site, frame);
+    const Colour12 colour = colour_of(ray, sample, site, frame);
     if (gathers_wide(frame)) {
       over(ray, ray.wide, colour, 1.0F);
     } else {
@@ -275,7 +275,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
     interaction.outcome = Outcome::kEnded;
     return false;
   }
-  absorb(ray, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
+  absorb(ray, colour_of(ray, sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
   if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return true;
   scatter(interaction, ray, interval, share, material, sample, frame, counters);
   return false;

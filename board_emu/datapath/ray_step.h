@@ -266,6 +266,13 @@ inline wire::Ray pack_ended(const RayState& ray, const Frame& frame) {
   return out;
 }
 
+// Whether the ray's sample takes light.
+inline bool is_shaded(const RayState& ray, const Frame& frame) {
+  if (!frame.shade || !frame.cut_faces) return frame.shade;
+  return std::none_of(frame.cut_planes.begin(), frame.cut_planes.end(),
+                      [&ray](const Plane& plane) { return at_cut_face(plane, ray.position, ray.step); });
+}
+
 // Composites a sample of the classified opacity behind the ray's accumulated values.
 inline void composite(RayState& ray, const Colour12& colour, std::size_t index, const Frame& frame) {
   if (gathers_wide(frame)) return over(ray, ray.wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
@@ -346,8 +353,8 @@ inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, co
   Colour12 colour{};
   if (!frame.colourless()) {
     const wire::SegmentationEntry entry = coloured(frame.segmentation[index], site.view, at, frame);
-    colour = frame.shade ? shade(entry, point_of(gradient_at(site.view, at)), frame.reflectance_map)
-                         : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
+    colour = is_shaded(ray, frame) ? shade(entry, point_of(gradient_at(site.view, at)), frame.reflectance_map)
+                                   : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
   composite(ray, colour, index, frame);
   return true;

@@ -73,6 +73,7 @@ Frame Card::frame() {
     plane.offset = std::int64_t{offset} * (std::int64_t{1} << (kPlaneFractionBits - wire::kCutOffsetFractionBits));
     frame.cut_planes.push_back(plane);
   }
+  frame.cut_faces = (pipeline & wire::kPipelineCutFaces) != 0 && !frame.cut_planes.empty();
   return frame;
 }
 
@@ -93,6 +94,7 @@ Frame Card::trace_frame(const wire::TraceHeader& header) {
   if (header.type == wire::RayType::kDeposit) {
     set_light(frame, header.rules);
     frame.cut_planes.clear();  // cut planes only affect viewing
+    frame.cut_faces = false;
   } else {
     set_type(frame, header);
   }

@@ -176,6 +176,21 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   return hn::Not(out);
 }
 
+// Other than 0 for the lanes of `which` whose samples lie at a cut face.
+HWY_INLINE V at_cut_faces(const LaneState& ray, Mask which, const PacketField& field) {
+  const D32 d;
+  std::array<Word, 3> position, step;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    position[axis].store(ray.position[axis]), step[axis].store(ray.step[axis]);
+  Word out;
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
+    const Point p{position[0].lane[i], position[1].lane[i], position[2].lane[i]};
+    const Point s{step[0].lane[i], step[1].lane[i], step[2].lane[i]};
+    for (const Plane& plane : field.cut_planes) out.lane[i] |= at_cut_face(plane, p, s) ? -1 : 0;
+  }
+  return hn::IfThenElseZero(which, out.load());
+}
+
 // Composites the samples of `taking` at `at`; `cell`: their positions in the block. Queues their colours in `seen`.
 template <Gathers kGathers, bool kWide>
 HWY_INLINE void composite(LaneState& ray, V rays, const SamplePosition& at, V density, Mask taking, V block, V cell,
@@ -200,7 +215,8 @@ HWY_INLINE void composite(LaneState& ray, V rays, const SamplePosition& at, V de
   }
   if constexpr (kGathers == Gathers::kColour) {
     const V lit = field.irradiance != nullptr ? irradiance_index(block, cell, field) : weight;
-    seen.add<kWide>(at, entry, rays, weight, lit, visible, field);
+    const V at_face = field.cut_faces ? at_cut_faces(ray, visible, field) : weight;
+    seen.add<kWide>(at, entry, rays, weight, lit, at_face, visible, field);
   }
 }
 

@@ -307,7 +307,8 @@ HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, con
     const V block = cube_index(ray, coloured, field.block_shift, field.across, field.slice);
     lit = irradiance_index(block, hn::IfThenElseZero(coloured, sample.cell), field);
   }
-  seen.add<false>(sample.at, sample.entry, lanes.ray.load(), taken.weight, lit, coloured, field);
+  const V at_face = field.cut_faces ? at_cut_faces(ray, coloured, field) : lit;
+  seen.add<false>(sample.at, sample.entry, lanes.ray.load(), taken.weight, lit, at_face, coloured, field);
 }
 
 #endif

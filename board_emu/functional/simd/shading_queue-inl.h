@@ -33,9 +33,10 @@ class ShadingQueue {
 
   ColourSum& sum(std::size_t ray) { return sums_[ray]; }
 
-  // Adds the samples of `seen`. `ray`: indices of their rays; `weight`: of the sample in the ray's colour, floats if wide.
+  // Adds the samples of `seen`. `at_face`: other than 0 where a sample is not shaded. `ray`: indices of their rays; `weight`: of the sample in the ray's colour, floats if wide.
   template <bool kWide>
-  HWY_INLINE void add(const SamplePosition& at, V entry, V ray, V weight, V lit, Mask seen, const PacketField& field) {
+  HWY_INLINE void add(const SamplePosition& at, V entry, V ray, V weight, V lit, V at_face, Mask seen,
+                      const PacketField& field) {
     const auto put = [&](Word word, V v) { hn::StoreU(hn::Compress(v, seen), D32(), columns_[word].data() + count_); };
     const PackedPosition place = small(at);
     put(kIndex, place.index);
@@ -44,6 +45,7 @@ class ShadingQueue {
     put(kEntryAndRay, hn::Or(entry, hn::ShiftLeft<kEntryBits>(ray)));
     put(kWeight, weight);
     if (field.irradiance != nullptr) put(kLit, lit);
+    if (field.cut_faces) put(kAtFace, at_face);
     count_ += hn::CountTrue(D32(), seen);
     if (count_ > kMax - hn::Lanes(D32())) shade_full<kWide>(field);
   }
@@ -60,7 +62,7 @@ class ShadingQueue {
   static constexpr std::size_t kMax = 128;  // chosen: a few KiB, and remainders are seldom moved
   static constexpr int kEntryBits = 14;
   static_assert(wire::kSegmentationEntries == 1 << kEntryBits);
-  enum Word : std::size_t { kIndex, kXAndY, kZ, kEntryAndRay, kWeight, kLit, kWords };
+  enum Word : std::size_t { kIndex, kXAndY, kZ, kEntryAndRay, kWeight, kLit, kAtFace, kWords };
 
   template <bool kWide>
   void shade_full(const PacketField& field) {
@@ -82,9 +84,13 @@ class ShadingQueue {
       const std::array<V, 3> factor = voxel_colour(at, field);
       for (std::size_t c = 0; c < 3; ++c) shading.colour[c] = tinted(shading.colour[c], factor[c]);
     }
-    const auto seen = field.irradiance != nullptr ? illuminated(shading, entry, at, get(kLit), field)
-                      : field.shaded ? shade(shading, resample_gradient(at, field), SquareOf{*field.tables})
-                                     : shading.colour;
+    auto seen = field.irradiance != nullptr ? illuminated(shading, entry, at, get(kLit), field)
+                : field.shaded              ? shade(shading, resample_gradient(at, field), SquareOf{*field.tables})
+                                            : shading.colour;
+    if (field.cut_faces) {
+      const Mask plain = hn::Ne(get(kAtFace), hn::Zero(D32()));
+      for (std::size_t c = 0; c < 3; ++c) seen[c] = hn::IfThenElse(plain, shading.colour[c], seen[c]);
+    }
     std::array<V, 3> part{};
     for (std::size_t c = 0; c < 3; ++c) {
       if constexpr (kWide) {

@@ -259,6 +259,7 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
   field.extent = frame.extent;
   field.cut_planes = frame.cut_planes;
   field.shaded = frame.shade;
+  field.cut_faces = frame.shade && frame.cut_faces && !frame.lit_by_irradiance;
   field.jitter = frame.jitter;
   return field;
 }

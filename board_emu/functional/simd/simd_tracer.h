@@ -77,7 +77,7 @@ struct PacketField {
   std::span<const Plane> cut_planes;
   const LightField* light;  // for lighting and scattered rays
   Gathers gathers;
-  bool shaded, jitter, wide, premultiplied;
+  bool shaded, cut_faces, jitter, wide, premultiplied;
 };
 
 class SimdTracer {

@@ -57,6 +57,20 @@ py::object functions_of(const scene::SceneSetup& setup) {
   return out;
 }
 
+// A volume whose planes are those of the view, without a copy.
+scene::Volume planes_of(const VolumeView& view) {
+  scene::Volume volume;
+  volume.type = view.type;
+  volume.dims = view.dims;
+  volume.spacing = view.spacing;
+  volume.range = view.range;
+  volume.planes = [view](int first, int planes, std::span<std::byte> out) {
+    const std::size_t plane = out.size() / static_cast<std::size_t>(planes);
+    std::ranges::copy(view.samples.subspan(static_cast<std::size_t>(first) * plane, out.size()), out.begin());
+  };
+  return volume;
+}
+
 void add_files(py::module_& module) {
   module.def("nearest_axes", [](const py::object& directions) {
     return write(scene::nearest_axes(read_as<std::array<Vec3, 3>>(directions, "directions")));
@@ -90,6 +104,15 @@ void add_files(py::module_& module) {
   });
   module.def("find_transfer_function", [](const std::string& name, const py::object& range) {
     return write(scene::in_values_of(read_as<ValueRange>(range, "range"), scene::find_transfer_function(name)));
+  });
+  module.def("transfer_function_of", [](const std::string& name, py::handle given) {
+    const scene::Volume volume = planes_of(view_of(given));
+    const scene::Survey survey = scene::survey_of(volume);
+    return write(scene::in_values_of(survey, scene::value_range_of(volume), scene::find_transfer_function(name)).function);
+  });
+  module.def("automatic_look", [](py::handle given) {
+    const scene::AutomaticLook look = scene::automatic_look(scene::survey_of(planes_of(view_of(given))));
+    return py::make_tuple(write(look.function.function), look.why);
   });
   module.def("presets", [] {
     py::list out;
@@ -135,6 +158,10 @@ void add_scenes(py::module_& module) {
   scene.def("at_time", &scene::at_time);
   scene.def("choose_camera", &scene::choose_camera);
   scene.def("allow_outside", &scene::allow_outside);
+  scene.def("set_transfer_function", [](scene::Scene& self, const std::string& name) {
+    self.transfer_function = scene::find_transfer_function(name);
+  });
+  scene.def("set_range", [](scene::Scene& self, double low, double high) { self.range = ValueRange{low, high}; });
   scene.def("get", [](scene::Scene& self, const std::string& target) { return scene::find_parameter(self, target); });
   scene.def("set", [](scene::Scene& self, const std::string& target, double value) {
     scene::find_parameter(self, target) = value;

@@ -22,7 +22,7 @@ from gicube.pending import Pending, readable
 from gicube.records import Array, BackPressure, BoardInfo, BrickDetail, FoundBoard, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
 from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
 from gicube.records import ValueRange, View, VoxelBox
-from gicube.volume import Volume, VolumeStream
+from gicube.volume import Volume, VolumeStream, as_volume
 
 #: progress=...: a callable(done, all), or True: a bar on standard error, by tqdm if it is there.
 ProgressLike = Union[None, bool, Callable[[int, int], object]]
@@ -57,10 +57,6 @@ _open_boards: "weakref.WeakSet[Any]" = weakref.WeakSet()
 def _close_boards() -> None:
     for board in list(_open_boards):
         board._end()
-
-
-def _as_volume(given: Union[Volume, ArrayLike]) -> Volume:
-    return given if isinstance(given, Volume) else Volume(np.asarray(unmasked(given, "samples")))
 
 
 class RayExchange(Protocol):
@@ -208,7 +204,7 @@ class Board:
     # Volume.
 
     def load_volume(self, volume: Union[Volume, VolumeStream, ArrayLike], *, progress: ProgressLike = None) -> None:
-        """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32; a gicube.Volume, which has more to say; or a
+        """Replaces the volume: an array [z, y, x] of numbers (gicube.Volume says which are converted); a gicube.Volume, which has more to say; or a
         gicube.VolumeStream, which is read in planes.
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
@@ -221,13 +217,13 @@ class Board:
             if isinstance(volume, VolumeStream):
                 self._core.load_stream(volume, told)
             else:
-                self._core.load_volume(_as_volume(volume), told)
+                self._core.load_volume(as_volume(volume), told)
 
     def start_load(self, volume: Union[Volume, VolumeStream, ArrayLike]) -> Pending[None]:
         """load_volume(), started: the array must not change until it has ended."""
         if isinstance(volume, VolumeStream):
             return Pending(self._core.start_load_stream(volume))
-        return Pending(self._core.start_load(_as_volume(volume)))
+        return Pending(self._core.start_load(as_volume(volume)))
 
     def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox], words: int = 1) -> Array:
         """The values of a box, or of all; `words` a voxel."""

@@ -14,7 +14,7 @@ from typing import Optional, Sequence, Tuple, Union
 
 from gicube import record_calls
 from gicube.record_calls import *
-from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, Record, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
+from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, Record as Record, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
 
 __all__ = [
     "Albedo", "AnsweredCommand", "BackPressure", "BoardInfo", "BoardTime", "BrickDetail", "Bsdf", "ColourPoint",

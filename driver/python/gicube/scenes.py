@@ -12,18 +12,19 @@ from numpy.typing import ArrayLike
 from gicube import _core
 from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
-from gicube.errors import Rejected
+from gicube.errors import BadArgument, Rejected
 from gicube.records import Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3, View
 from gicube.records import SampleType, VoxelBox, WorldAxes, WorldPlacement
-from gicube.volume import Volume
+from gicube.volume import Volume, as_volume
 
 __all__ = [
     "coarser", "cropped", "fit_view", "left_for_picture", "level_error", "level_for", "load_planned", "load_scene", "make_plan",
     "parse_scene", "placed_look", "placed_view", "plan_light", "presets", "read_scene", "read_volume", "share_of_light",
-    "transfer_function", "value_range", "visible_box", "voxels_a_pixel", "write_volume",
+    "transfer_function", "value_range", "visible_box", "voxels_a_pixel", "why_look", "write_volume",
 ]
 
 Path = Union[str, "os.PathLike[str]"]
+VolumeLike = Union[Volume, ArrayLike]  # a gicube.Volume, or an array [z, y, x] of its samples
 
 
 def read_volume(
@@ -59,8 +60,9 @@ def write_volume(
     _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, placement)
 
 
-def value_range(volume: Volume) -> ValueRange:
+def value_range(volume: VolumeLike) -> ValueRange:
     """The volume's own range, or the driver's default for its type. Not-a-numbers are left out."""
+    volume = as_volume(volume)
     if volume.range is not None:
         return volume.range
     if volume.sample_type in (SampleType.UINT8, SampleType.UINT12):
@@ -68,10 +70,26 @@ def value_range(volume: Volume) -> ValueRange:
     return ValueRange(float(np.nanmin(volume.samples)), float(np.nanmax(volume.samples)))
 
 
-def transfer_function(name: Path, volume: Union[Volume, ValueRange]) -> TransferFunction:
-    """A preset (see presets()) or a file of a transfer function, in the values of a volume. Raises InputError."""
-    span = value_range(volume) if isinstance(volume, Volume) else volume
-    return _core.find_transfer_function(os.fspath(name), span)
+def transfer_function(name: Path, volume: Union[VolumeLike, ValueRange]) -> TransferFunction:
+    """A preset (see presets()) or a file of a transfer function, in the values of a volume. "auto" is the preset that its values suggest,
+    as gicube-render chooses it; why_look() says why.
+
+    With a ValueRange alone, Hounsfield units count as the volume's values, and other presets go from its low to its high end.
+    Raises InputError; BadArgument for "auto" with a range alone.
+    """
+    if isinstance(volume, ValueRange):
+        if name == "auto":
+            raise BadArgument("volume", "a volume, whose values suggest a look", "a ValueRange")
+        return _core.find_transfer_function(os.fspath(name), volume)
+    volume = as_volume(volume)
+    if name == "auto":
+        return _core.automatic_look(volume)[0]
+    return _core.transfer_function_of(os.fspath(name), volume)
+
+
+def why_look(volume: VolumeLike) -> str:
+    """One line: the preset of transfer_function("auto", volume), and why it is that."""
+    return _core.automatic_look(as_volume(volume))[1]
 
 
 def presets() -> list[str]:
@@ -80,8 +98,8 @@ def presets() -> list[str]:
 
 
 def fit_view(
-    volume: Volume,
-    looks: Sequence[TransferFunction] = (),
+    volume: VolumeLike,
+    looks: Union[TransferFunction, Sequence[TransferFunction]] = (),
     *,
     box: Optional[VoxelBox] = None,
     eye: Optional[Vec3] = None,
@@ -93,6 +111,8 @@ def fit_view(
     """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's. `name`: front, back,
     left, right, top, bottom or iso; of a patient (Volume.world) also anterior, posterior, superior, inferior. What is not given is
     chosen: eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
+    volume = as_volume(volume)
+    looks = [looks] if isinstance(looks, TransferFunction) else looks
     if box is None:
         box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
     high = [low + size - 1 for low, size in zip(box.low, box.size)]
@@ -100,24 +120,24 @@ def fit_view(
     return _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up, name, axes)
 
 
-def visible_box(volume: Volume, looks: Sequence[TransferFunction]) -> VoxelBox:
+def visible_box(volume: VolumeLike, looks: Sequence[TransferFunction]) -> VoxelBox:
     """The smallest box of whole 4^3 blocks in which any sample can be visible, and one voxel more."""
-    return _core.visible_box(volume, looks)
+    return _core.visible_box(as_volume(volume), looks)
 
 
-def cropped(volume: Volume, box: VoxelBox) -> Volume:
+def cropped(volume: VolumeLike, box: VoxelBox) -> Volume:
     """The voxels of a box; Volume.placement says where they were. Raises BadArgument."""
-    return _core.cropped(volume, box)
+    return _core.cropped(as_volume(volume), box)
 
 
-def coarser(volume: Volume, level: int) -> Volume:
+def coarser(volume: VolumeLike, level: int) -> Volume:
     """One voxel, the mean, for 2^level of them on each axis. Raises BadArgument."""
-    return _core.coarser(volume, level)
+    return _core.coarser(as_volume(volume), level)
 
 
-def level_error(volume: Volume, coarse: Volume, looks: Sequence[TransferFunction]) -> LevelError:
+def level_error(volume: VolumeLike, coarse: Volume, looks: Sequence[TransferFunction]) -> LevelError:
     """How far what coarser() made is from its original. `looks` by tag, in the volume's values."""
-    return _core.level_error(volume, coarse, looks)
+    return _core.level_error(as_volume(volume), coarse, looks)
 
 
 def voxels_a_pixel(view: View, box: VoxelBox, spacing: Vec3 = (1.0, 1.0, 1.0)) -> float:

@@ -3,22 +3,55 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gicube.arrays import as_array, as_choice, unmasked
+from gicube.arrays import as_array, as_choice
 from gicube.errors import BadArgument
-from gicube.records import Array, Placement, SampleType, ValueRange, Vec3, WorldPlacement
+from gicube.records import Array, Placement, Record, SampleType, ValueRange, Vec3, WorldPlacement
+
+
+def as_volume(given: "Union[Volume, ArrayLike]") -> "Volume":
+    """A gicube.Volume, or one of an array's samples. Raises BadArgument."""
+    return given if isinstance(given, Volume) else Volume(_stacked(given))
+
+
+def _stacked(given: Any) -> Any:
+    """A list of planes, with their masks."""
+    hidden = isinstance(given, (list, tuple)) and any(isinstance(each, np.ma.MaskedArray) for each in given)
+    return np.ma.stack(given) if hidden else np.asanyarray(given)
+
+
+def _of_board(array: Any) -> Any:
+    """Of a type that boards take, with the same values. Integers become the smallest that holds them, or else float32."""
+    kind = array.dtype
+    if kind.name in ("uint8", "uint16", "int16", "float32"):
+        return array
+    if kind.kind == "b":
+        return array.astype("u1")
+    if kind.kind == "f":
+        finite = array[np.isfinite(array)]
+        if finite.size and np.abs(finite).max() > np.finfo("f4").max:
+            raise BadArgument("samples", "values that float32 holds", f"{np.abs(finite).max()}")
+        return array.astype("f4")
+    if kind.kind in "iu":
+        low, high = (int(array.min()), int(array.max())) if array.size else (0, 0)
+        fits = [name for name in ("uint8", "uint16", "int16") if np.iinfo(name).min <= low and high <= np.iinfo(name).max]
+        return array.astype(fits[0] if fits and kind.itemsize > 1 else "int16" if fits else "float32")
+    raise BadArgument("samples", "an array of numbers", str(kind))
 
 
 @dataclass
-class Volume:
+class Volume(Record):
     """A volume in the host's memory (gicube/volume.h).
 
-    samples: array [z, y, x] of uint8, uint16, int16 or float32. It is used where it lies if it is contiguous and in the machine's
-        byte order, and copied once if not. UINT12 is uint16 with `sample_type`.
+    samples: array [z, y, x] of numbers. One of uint8, uint16, int16 or float32 is used where it lies if it is contiguous and in the
+        machine's byte order, and copied once if not. Others become one of these: float16 and float64 float32, bool uint8 with the range
+        0..1, other integers the smallest type that holds their values, or else float32, which rounds beyond 2^24. A masked array's
+        masked voxels get its least value, at which most looks are clear, and the range is that of the others. UINT12 is uint16 with
+        `sample_type`.
     spacing: physical voxel edges x, y, z; the ratios count, and for line integrals and backprojection the lengths too.
     range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
     gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
@@ -44,10 +77,20 @@ class Volume:
     world: Optional[WorldPlacement] = None  # where the file says that it lies
 
     def __post_init__(self) -> None:
-        array = np.asarray(unmasked(self.samples, "samples"))
+        array: Any = np.asanyarray(self.samples)
+        if self.range is None and array.dtype.kind == "b":
+            self.range = ValueRange(0.0, 1.0)
+        if isinstance(array, np.ma.MaskedArray):
+            shown = array.compressed()
+            if np.ma.getmaskarray(array).any():
+                if shown.size == 0:
+                    raise BadArgument("samples", "some voxels without a mask", "none")
+                low, high = np.nanmin(shown), np.nanmax(shown)
+                self.range = self.range or (ValueRange(float(low), float(high)) if low < high else None)
+                array = array.filled(low)
+            array = np.asarray(array)
+        array = _of_board(array)
         native = array.dtype.newbyteorder("=")
-        if native.name not in ("uint8", "uint16", "int16", "float32"):
-            raise BadArgument("samples", "an array of uint8, uint16, int16 or float32", str(array.dtype))
         found = SampleType(native.name)
         given = found if self.sample_type is None else as_choice(SampleType, self.sample_type, "sample_type")
         if given is not found and (given, found) != (SampleType.UINT12, SampleType.UINT16):
@@ -76,7 +119,7 @@ class Volume:
 
 
 @dataclass
-class VolumeStream:
+class VolumeStream(Record):
     """A volume that is read while it is loaded, for one that does not fit into memory (gicube/volume.h).
 
     read: called with the first plane and their number, returns these planes [z, y, x] of `sample_type`. It is asked for all of them in their

@@ -20,10 +20,13 @@ namespace {
 
 namespace reg = wire::reg;
 
-std::uint32_t pipeline_word(const View& view) {
+// A face that a plane cuts shows what the volume holds: gradients there are those of noise.
+std::uint32_t pipeline_word(const View& view, std::uint16_t minor) {
+  const bool faces = view.shade && !view.cut_planes.empty() && minor >= wire::kCutFacesMinor;
   return (view.jitter ? wire::kPipelineJitter : 0u) | (view.shade ? wire::kPipelineShade : 0u) |
          (view.leap ? wire::kPipelineLeap : 0u) | (view.irradiance ? wire::kPipelineIrradiance : 0u) |
-         (view.scatter ? wire::kPipelineScatter : 0u) | (view.high_albedo ? wire::kPipelineHighAlbedo : 0u);
+         (view.scatter ? wire::kPipelineScatter : 0u) | (view.high_albedo ? wire::kPipelineHighAlbedo : 0u) |
+         (faces ? wire::kPipelineCutFaces : 0u);
 }
 
 LitBox lit_box(const LoadedVolume& volume) {
@@ -75,7 +78,7 @@ void BoardState::set_sampling(const View& view) {
   device.set_register(reg::kStep, step_word(view));
   device.set_register(reg::kOpacityThreshold,
                       static_cast<std::uint32_t>(std::lround(view.opacity_threshold * wire::kOpacityOne)));
-  device.set_register(reg::kPipeline, pipeline_word(view));
+  device.set_register(reg::kPipeline, pipeline_word(view, device.agreed().minor));
   device.set_register(reg::kLifetime, static_cast<std::uint32_t>(view.lifetime));
   device.set_register(reg::kSeed, view.seed);
   if (view.irradiance) device.set_register(reg::kExposure, exposure_word(view));

@@ -89,8 +89,10 @@ enum PipelineBit : std::uint32_t {
   kPipelineIrradiance = 1 << 3,
   kPipelineScatter = 1 << 4,
   kPipelineHighAlbedo = 1 << 5,
+  kPipelineCutFaces = 1 << 6,
 };
-inline constexpr std::uint32_t kPipelineBits = (1 << 6) - 1;
+inline constexpr std::uint32_t kPipelineBits = (1 << 7) - 1;
+inline constexpr std::uint16_t kCutFacesMinor = 3;  // kPipelineCutFaces
 enum class Fidelity : std::uint32_t { kFunctional = 1, kApproximate = 2, kCycle = 3 };
 
 enum class Datapath : std::uint32_t { kPaper = 1, kWide = 2 };
@@ -131,7 +133,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "the same along z"},
     RegisterInfo{reg::kStep, "STEP", Access::kReadWrite, kStepOne, "sample distance d, 16.16 voxels, 1/64 to 16"},
     RegisterInfo{reg::kOpacityThreshold, "OPACITY_THRESHOLD", Access::kReadWrite, 0xFFFFFF, "a ray at or above this opacity is done; 2^24-1 = 1"},
-    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks, 3 light samples by their irradiance, 4 scatter rendering rays, 5 rendering rays take colour once, where they are absorbed"},
+    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks, 3 light samples by their irradiance, 4 scatter rendering rays, 5 rendering rays take colour once, where they are absorbed, 6 samples at cut faces are not shaded"},
     RegisterInfo{reg::kLifetime, "LIFETIME", Access::kReadWrite, kLifetimeReset, "scatterings until a ray made by the DSP is given up, 0 to 1023"},
     RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset, "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
     RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0, "of lighting rays and of scatterings: another seed draws other random numbers"},

@@ -84,6 +84,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
   fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", file.string(), frame_ms, share,
              statistics.width, statistics.height);
   if (!statistics.boards.empty()) print_boards(statistics);
+  if (const std::string bound = bound_of(statistics); !bound.empty()) fmt::print("{}\n", bound);
   print_detail(statistics);
   if (statistics.ranks.size() > 1) print_ranks(statistics.ranks);
   const auto json = to_json(statistics);

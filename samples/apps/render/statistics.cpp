@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/planning.h"
+#include "scene/program/bounds.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -156,6 +157,10 @@ double imbalance(const std::vector<RankStatistics>& ranks) {
   return sum > 0 ? most * static_cast<double>(ranks.size()) / sum : 1;
 }
 
+std::string bound_of(const FrameStatistics& statistics) {
+  return what_bounds(statistics.frame, statistics.counters, statistics.board, statistics.boards.size());
+}
+
 Json to_json(const FrameStatistics& statistics) {
   Json json;
   json["frame_ms"] = to_ms(statistics.frame);
@@ -180,6 +185,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["ranks"] = ranks_json(statistics.ranks);
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
   json["look"] = statistics.look.empty() ? Json(nullptr) : Json(statistics.look);
+  json["bound"] = bound_of(statistics);
   json["invisible"] = statistics.invisible.empty() ? Json(nullptr) : Json(statistics.invisible);
   json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);

@@ -66,7 +66,7 @@ struct FrameStatistics {
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
 // memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume brick_detail lighting plan
-// boards host look invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes that were
+// boards host look bound invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes that were
 // made). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
@@ -78,6 +78,8 @@ struct FrameStatistics {
 // bytes_sent, and `imbalance`; the counters are the first one's. host: of program/host_usage.h. invisible: null,
 // or why nothing is visible in the picture.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
+// what_bounds() the frame.
+std::string bound_of(const FrameStatistics& statistics);
 
 // What the board counted for these pictures and their lighting passes.
 Counters counters_of(std::span<const FrameStatistics> frames);

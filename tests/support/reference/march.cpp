@@ -71,7 +71,7 @@ Rgba Renderer::march(const Line& line, Interval interval) const {
   Rgba ray;
   for (long i = 0; i < samples && ray.opacity < scene_.view.opacity_threshold; ++i) {
     const Vec3 position = line.at(interval.begin + static_cast<double>(i) * step_);
-    add_sample(ray, hold(position, scene_.volume.dims), edges);  // within rounding inside already
+    add_sample(ray, hold(position, scene_.volume.dims), line.direction, edges);  // within rounding inside already
   }
   return ray;
 }
@@ -91,18 +91,23 @@ Rgba Renderer::march_in_words(const Line& line, Interval interval) const {
   Rgba ray;
   Vec3 position = hold(to_grid(line.at(interval.begin), kPositionOne), dims);
   while (position == hold(position, dims) && kept(position) && ray.opacity < scene_.view.opacity_threshold) {
-    add_sample(ray, position, edges);
+    add_sample(ray, position, step, edges);
     position = position + step;
   }
   return ray;
 }
 
-void Renderer::add_sample(Rgba& ray, Vec3 position, double edges) const {
+void Renderer::add_sample(Rgba& ray, Vec3 position, Vec3 direction, double edges) const {
   const TransferFunction& function = scene_.functions[static_cast<std::size_t>(field_.tag(position))];
   const Material material = classify(function, field_.sample(position), field_.range(), quantisers_);
   if (material.opacity == 0) return;
   std::array<double, 3> colour = material.colour;
-  if (scene_.view.shade) colour = light_.shade(colour, field_.gradient(position));
+  // A face that a plane cuts, and one voxel behind it, shows colours as they are.
+  const bool at_cut_face =
+      std::any_of(scene_.view.cut_planes.begin(), scene_.view.cut_planes.end(), [&](const CutPlane& plane) {
+        return dot(plane.normal, direction) > 0 && dot(plane.normal, position) - plane.offset < length(plane.normal);
+      });
+  if (scene_.view.shade && !at_cut_face) colour = light_.shade(colour, field_.gradient(position));
   double alpha = 1 - std::pow(1 - material.opacity, edges);
   if (quantisers_.opacity) alpha = to_grid(alpha, kOpacityOne);
   if (quantisers_.colour) {

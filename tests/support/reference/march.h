@@ -30,7 +30,7 @@ class Renderer {
   Rgba march(const Line& line, Interval interval) const;
   Rgba march_in_words(const Line& line, Interval interval) const;
   // Puts the sample at `position` behind what `ray` has gathered; it stands for `edges` smallest voxel edges.
-  void add_sample(Rgba& ray, Vec3 position, double edges) const;
+  void add_sample(Rgba& ray, Vec3 position, Vec3 direction, double edges) const;
   double edges_per_step(Vec3 direction) const;
 
   Scene scene_;

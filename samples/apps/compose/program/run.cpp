@@ -6,6 +6,7 @@
 #include "compose/program/options.h"
 #include "gicube/scene/image_file.h"
 #include "scene/program/board_run.h"
+#include "scene/program/bounds.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
@@ -94,6 +95,9 @@ void run(const ComposeOptions& options, ProgressLine& progress) {
   progress.clear();
   if (!options.board.quiet) {
     print(stage, costs);
+    for (std::size_t i = 0; i < boards.size(); ++i) {
+      fmt::print("board {}: {}\n", i, what_bounds(windows[i].simulated(), windows[i].counters(), boards[i].info()));
+    }
     warn_if_invisible(boards.front(), picture.image());
   }
   const Provenance provenance = provenance_of(boards.front().info(), stage_hash(stage));

@@ -115,7 +115,7 @@ void run_project(const ProjectOptions& options) {
     projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
     stats = cost_json(board.info(), window);
     provenance = provenance_of(board.info(), hash_of(values));
-    cost = fmt::format("{:.1f} ms simulated", stats["board_ms"].get<double>());
+    cost = fmt::format("{:.1f} ms simulated, {}", stats["board_ms"].get<double>(), stats["bound"].get<std::string>());
   }
   std::size_t unseen = 0;
   if (options.photons > 0) unseen = add_poisson_noise(projections, options.photons, options.board.seed);

@@ -200,6 +200,7 @@ void print_summary(const ReconstructOptions& options, const Scan& scan, const Re
   fmt::print("{}: {} x {} x {} voxels from {} views by {}, {:.1f} ms simulated, {:.1f} s\n", options.output.string(),
              dims[0], dims[1], dims[2], scan.geometry.angles.size(), options.method, cost["board_ms"].get<double>(),
              cost["host_seconds"].get<double>());
+  fmt::print("{}\n", cost["bound"].get<std::string>());
   if (options.find_centre) {
     const Detector& detector = scan.geometry.detector;
     fmt::print("the axis is seen {:.2f} pixels from the detector's middle: offset_u {:.6g}\n",

@@ -7,6 +7,7 @@
 #include "form_factors/radiosity/field.h"
 #include "gicube/scene/image_file.h"
 #include "scene/program/board_run.h"
+#include "scene/program/bounds.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
@@ -102,7 +103,10 @@ void run(const SolveOptions& options, ProgressLine& progress) {
   const Counters counters = window.counters();
   progress.clear();
   if (plan && options.plan.explain) print_plan(plan->explain());
-  if (!options.board.quiet) print(result);
+  if (!options.board.quiet) {
+    print(result);
+    fmt::print("{}\n", what_bounds(result.statistics.board_time, counters, board.info()));
+  }
   if (!options.factors.empty()) write_factors(result, options.factors);
   if (!options.elements.empty()) write_elements(result, options.elements);
   const LightField field = field_of(result, setup);

@@ -77,6 +77,7 @@ void run_light(const LightCommand<Settings, Statistics>& command, LightOptions<S
   if (!options.board.quiet) {
     fmt::print("{}; board {:.3f} ms simulated; {:.1f} s\n", text, cost["board_ms"].get<double>(),
                cost["host_seconds"].get<double>());
+    fmt::print("{}\n", cost["bound"].get<std::string>());
     print(noise);
   }
   const Provenance provenance = provenance_of(board.info(), scene_hash(setup));

@@ -13,6 +13,7 @@
 #include "scene/common/whole_file.h"
 #include "scene/program/board_options.h"
 #include "scene/program/board_run.h"
+#include "scene/program/bounds.h"
 
 namespace gicube::samples {
 
@@ -124,6 +125,7 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
           {"bus_up_bytes", counters.value("bus.up.bytes")},
           {"host_seconds", window.host_seconds()},
           {"board", to_json(board)},
+          {"bound", what_bounds(window.simulated(), counters, board)},
           {"counters", to_json(counters)},
           {"energy", energy_json(counters, window.simulated())},
           {"fidelity_report", fidelity_json(counters)}};

@@ -36,7 +36,7 @@ std::string energy_line(const Counters& counters, Picoseconds time);
 // "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
 std::string memory_of(const Counters& counters);
 
-// The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters fidelity_report.
+// The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board bound (what_bounds()) counters fidelity_report.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // this_run() with the board, and the hash of what was computed with.

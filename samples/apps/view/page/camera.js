@@ -66,6 +66,26 @@ export class Camera {
     this.#put(plus(plus(target, right, -across * height), upward, over * height), offset);
   }
 
+  /** Where the axes point in the picture: to the right, upwards, and towards the viewer. Physical unit vectors. */
+  axes() {
+    const { offset, right } = this.#pose();
+    const towards = unit(offset), upward = unit(cross(offset, right)), across = unit(right);
+    return [0, 1, 2].map((i) => ({ x: across[i], y: upward[i], near: towards[i] }));
+  }
+
+  /** A voxel's place in the picture, as shares of its width and height from the upper left; null behind the eye.
+   * @param {Vector} point @param {number} ratio width over height */
+  project(point, ratio) {
+    const { target, offset, right } = this.#pose();
+    const towards = unit(offset), upward = unit(cross(offset, right)), across = unit(right);
+    const away = plus(each((i) => point[i] * this.spacing[i]), target, -1);
+    const depth = Math.hypot(...offset) - dot(away, towards);
+    const parallel = Number(this.view.get("orthographic"));
+    const height = parallel ? parallel * Math.min(...this.spacing) : 2 * depth * Math.tan((Number(this.view.get("fov") || 30) * Math.PI) / 360);
+    if (height <= 0) return null;
+    return { x: 0.5 + dot(away, across) / (height * ratio), y: 0.5 - dot(away, upward) / height };
+  }
+
   /** A factor above 1 goes nearer.
    * @param {number} factor */
   zoom(factor) {

@@ -17,6 +17,8 @@ export class Editor {
   /** @type {[number, number]} */ #range = [0, 1];
   /** @type {Hello["presets"]} */ #presets = [];
   /** @type {{list: "colours" | "opacities", index: number}} */ #selected = { list: "opacities", index: 0 };
+  #look = ""; // of the program's choice
+  #why = "";
   #svg = shape("svg", { viewBox: `0 0 ${kWidth} ${kTotal}`, role: "group", "aria-label": "transfer function: opacity over value" });
   #bars = shape("path", { class: "histogram" });
   #curve = shape("path", { class: "curve" });
@@ -54,7 +56,10 @@ export class Editor {
   open(hello) {
     this.#presets = hello.presets;
     this.#range = hello.volume?.range ?? [0, 1];
-    const own = hello.volume?.own_look ? [new Option("the input's own", "")] : [];
+    const first = hello.volume?.own_look ? "the input's own" : "auto: by the values";
+    const own = [new Option(first, "")];
+    this.#look = hello.volume?.look ?? "";
+    this.#why = hello.volume?.look_why ?? "";
     const names = [...hello.presets.map((p) => p.name), ...hello.transfer_functions];
     by("preset").replaceChildren(...own, new Option("own points", kOwn), ...names.map((name) => new Option(name, name)));
     this.load();
@@ -62,8 +67,9 @@ export class Editor {
 
   /** Takes up what the view says. */
   load() {
-    const value = this.view.get("transfer-function") || (by("preset").options[0]?.value === "" ? "" : "ramp");
-    const text = value.includes("\n") ? value : (this.#presets.find((p) => p.name === value)?.text ?? "");
+    const value = this.view.get("transfer-function");
+    const text = value === "" ? this.#look : value.includes("\n") ? value : (this.#presets.find((p) => p.name === value)?.text ?? "");
+    by("look-why").textContent = value === "" ? this.#why : "";
     by("preset").value = value.includes("\n") ? kOwn : value;
     by("editor").hidden = by("points").hidden = !text; // a file whose points the page does not have
     if (!text || format(parse(text)) === this.#history.now) return this.#draw();

@@ -48,7 +48,7 @@ export class Fields {
     for (const id of ["cut-axis", "cut-at", "cut-side"]) by(id).addEventListener("input", () => this.#cut(true));
     for (const id of ["cut-axis", "cut-at", "cut-side"]) by(id).addEventListener("change", () => this.#cut(false));
     by("input").addEventListener("change", () => {
-      view.own = { input: by("input").value };
+      view.own = { ...view.kept(), input: by("input").value };
       view.set({ input: by("input").value });
     });
   }

@@ -9,6 +9,7 @@ import { Editor } from "./editor.js";
 import { Fields } from "./fields.js";
 import { Files } from "./files.js";
 import { Machine } from "./machine.js";
+import { draw_marks } from "./marks.js";
 import { Picture, steer } from "./picture.js";
 import { address } from "./protocol.js";
 import { Slices } from "./slices.js";
@@ -46,12 +47,19 @@ function notice(key, text, ...ways) {
   by("notices").append(line);
 }
 
+/** @type {import("./protocol.js").Volume | null} */
+let volume = null;
+const mark = () => draw_marks(camera, volume, volume && !volume.world ? slices.point : null);
+slices.addEventListener("point", mark);
+addEventListener("resize", mark);
+
 const is_open = () => view.chosen.input !== undefined;
 
 view.addEventListener("change", (event) => {
   const { what, moving } = /** @type {CustomEvent} */ (event).detail;
   if (!moving) fields.load();
   if (what === "other") editor.load();
+  mark();
   if (is_open()) picture.ask(moving);
 });
 
@@ -60,7 +68,7 @@ connection.on("hello", (/** @type {Hello} */ hello) => {
   const { input } = hello.settings;
   // Another page, or a dropped file, has opened another input: this page follows.
   if (is_first ? view.own.input && !hello.inputs.includes(view.own.input) : input !== view.chosen.input && input !== view.own.input)
-    view.own = {};
+    view.own = view.kept();
   is_first = false;
   view.chosen = hello.volume ? hello.settings : {};
   camera.spacing = hello.volume && !hello.volume.world ? hello.volume.spacing : [1, 1, 1];
@@ -70,6 +78,7 @@ connection.on("hello", (/** @type {Hello} */ hello) => {
   fields.open(hello);
   editor.open(hello);
   compare.open(hello);
+  volume = hello.volume;
   if (!hello.volume) return;
   slices.open(hello.volume);
   connection.send({ do: "histogram" });
@@ -112,6 +121,7 @@ picture.addEventListener("asked", () => {
 picture.addEventListener("shown", (event) => {
   const header = /** @type {PictureHeader} */ (/** @type {CustomEvent} */ (event).detail);
   fields.blame();
+  mark();
   notice("error", header.invisible ?? "");
   by("progress").hidden = true;
   const time = header.frame_ms === null ? ""
