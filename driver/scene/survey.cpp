@@ -255,7 +255,10 @@ TransferFunctionFile mapped(const TransferFunctionFile& file, const Map& map) {
 // So that `from` of the file's values are `to` of the volume's.
 TransferFunctionFile between(const TransferFunctionFile& file, const ValueRange& from, const ValueRange& to) {
   const double slope = (to.high - to.low) / (from.high - from.low);
-  return mapped(file, [&](double value) { return to.low + (value - from.low) * slope; });
+  // To six digits, so that a function that was written to a file is the same.
+  return mapped(file, [&](double value) {
+    return *parse_number<double>(fmt::format("{:.6g}", to.low + (value - from.low) * slope));
+  });
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ def parser_of_options():
     option("--shard", metavar="I/N", type=shard_of,
            help="do only each Nth of the runs that this sweep needs, from the Ith on (1/N to N/N), and write no table and no chart: the same "
            "command without --shard writes them, once all shards are in FOLDER/runs")
-    option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
+    option("--chart", action="store_true", help="draw NAME.svg, and cost by each parameter (needs matplotlib)")
     option("--quiet", action="store_true", help="only errors")
     return parser
 

@@ -1,17 +1,54 @@
-"""The chart of gicube-sweep."""
+"""The charts of gicube-sweep."""
 from studies.runs import RunFailed
+
+MOST_LINES = 6  # of a panel, which has seven colours
+
+
+def numbers_of(values):
+    """The values as numbers; None: they are none."""
+    try:
+        return [float(value) for value in values]
+    except ValueError:
+        return None
+
+
+def lines_of(draw, rows, name, values, others):
+    """Cost over one parameter: a line for each combination of the others, or points where these are too many."""
+    places = numbers_of(values) or range(1, len(values) + 1)
+    place = dict(zip(values, places))
+    lines = {}
+    for row in sorted(rows, key=lambda row: place[row.point[name]]):
+        label = ", ".join(f"{other} {row.point[other]}" for other in others)
+        lines.setdefault(label, []).append((place[row.point[name]], row.cost))
+    if len(lines) > MOST_LINES:
+        return [draw.Series("runs", *zip(*sum(lines.values(), [])), look="points", mark=0)]
+    return [draw.Series(label, *zip(*line)) for label, line in lines.items()]
+
+
+def panels_of(draw, options, rows):
+    """A panel for each parameter that was varied; one of the runs if none was."""
+    varied = [(name, values) for name, values in options.parameters if len(values) > 1]
+    made = []
+    for name, values in varied:
+        series = lines_of(draw, rows, name, values, [other for other, _ in varied if other != name])
+        is_number = numbers_of(values) is not None
+        label = name if is_number else f"{name}: " + ", ".join(f"{i} {value}" for i, value in enumerate(values, 1))
+        wide = is_number and min(numbers_of(values)) > 0 and max(numbers_of(values)) > 20 * min(numbers_of(values))
+        made.append(draw.Panel(label, options.cost, series, log_x=wide, box_outside=len(series) > 1))
+    return made or [draw.Panel(f"row of {options.name}.csv", options.cost,
+                               [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points", mark=0)])]
 
 
 def draw_chart(options, rows, path):
-    """All points, and the Pareto front as a line; cost alone by the rows of the table. Raises FileError."""
+    """NAME.svg: all points of cost and error, and the Pareto front as a line. Cost by each parameter is NAME-cost.svg beside it, or NAME.svg
+    itself where nothing was compared. Raises FileError."""
     try:
         from studies import draw
     except ImportError as error:
         raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
     title = options.title or options.name
+    draw.panels(str(path).removesuffix(".svg") + "-cost.svg" if options.compares else path, title, panels_of(draw, options, rows))
     if not options.compares:
-        draw.chart(path, title, f"row of {options.name}.csv", options.cost,
-                   [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points", mark=0)])
         return
     least = min((row.error for row in rows if row.error > 0), default=0)
     exact = least / 2  # where rows without error are on an axis that has no 0

@@ -108,7 +108,8 @@ void add_files(py::module_& module) {
   module.def("transfer_function_of", [](const std::string& name, py::handle given) {
     const scene::Volume volume = planes_of(view_of(given));
     const scene::Survey survey = scene::survey_of(volume);
-    return write(scene::in_values_of(survey, scene::value_range_of(volume), scene::find_transfer_function(name)).function);
+    return write(
+        scene::in_values_of(survey, scene::value_range_of(volume), scene::find_transfer_function(name)).function);
   });
   module.def("automatic_look", [](py::handle given) {
     const scene::AutomaticLook look = scene::automatic_look(scene::survey_of(planes_of(view_of(given))));

@@ -179,6 +179,10 @@ class Scene:
     def at_time(self, seconds: float) -> "Scene":
         """The scene with all its engines' values of that time."""
     def choose_camera(self, name: str) -> None: ...
+    def set_transfer_function(self, name: str) -> None:
+        """A preset or a file of all materials, in place of the scene's. Raises InputError."""
+    def set_range(self, low: float, high: float) -> None:
+        """The values of a volume file that become the least and the greatest density."""
     def allow_outside(self) -> None:
         """Headers of its volumes may name data files in other folders."""
     def get(self, target: str) -> float:

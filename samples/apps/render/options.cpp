@@ -108,6 +108,9 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
           throw CLI::ValidationError(name, "expected display or linear, got " + in_quotes(text));
         options.composite = text == "linear" ? Composite::kLinear : Composite::kDisplay;
       });
+  group.flag(
+      "--annotate", options.annotate,
+      "mark in a corner which way the axes run: R L A P S I of a patient whose file says how he lies, else x y z");
   group.value("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
       ->type_name("FILE")
       ->capture_default_str();

@@ -75,6 +75,7 @@ struct RenderOptions {
   std::optional<double> nan;  // the same
   std::string transfer_function;
   std::optional<ValueRange> range;
+  bool annotate = false;
   std::string camera_name;  // of the scene's; empty: its first
   CameraSettings camera;
   std::optional<std::array<int, 2>> size;

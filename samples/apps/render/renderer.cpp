@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gicube/scene/error.h"
+#include "gicube/scene/marks.h"
 #include "render/hosts.h"
 #include "render/planning.h"
 #include "scene/program/board_run.h"
@@ -118,6 +119,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
     throw UsageError("--checkpoint, --restore: expected a scene without colour passes, which make three pictures");
   }
   std::vector<Frame> frames(last - first);
+  std::vector<View> views(frames.size());
   for (const LightPass& pass : passes) {
     const bool lit = scene.lighting.on && light(pass, scene, passes.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -125,6 +127,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
       set_look(at(times[first + i]), setup_);
       set_phong(options_, setup_.shading.phong);
       write_checkpoint_if_due(first + i);
+      views[i] = setup_.view;
       for (const LightPass& each : pictures_of(pass)) {
         picture(each, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
       }
@@ -141,6 +144,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
     frames[i].statistics.host = host_usage();
     frames[i].statistics.look = setup_.look_why;
     frames[i].statistics.invisible = board_.why_invisible(frames[i].image);
+    if (options_.annotate) draw_marks(setup_.volume.placement, setup_.volume.spacing, views[i], frames[i].image);
     if (ranks_ != nullptr) share_statistics(*ranks_, frames[i].statistics);
     done(frames[i]);
   }

@@ -23,7 +23,8 @@
 //   {"do":"picture","id":N,"moving":BOOL,"settings":{...}}   id grows. A newer one replaces one that waits, and stops one that works.
 //                                   moving: one coarse picture only, made for the frame budget. Else a coarse one at once where
 //                                   the whole one will take longer than that, then the whole one ("final").
-//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}          voxel K of the axis, of hello's dims
+//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K,"show":"slice"|"max"|"mean"}   voxel K of the axis, of hello's dims; or the greatest or the mean
+//                                   value along the axis
 //   {"do":"histogram"}              of the input
 //   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input.
 //                                   An "error" if it can't be read, or if another "open" comes meanwhile: the input stays
@@ -35,10 +36,14 @@
 //
 // From the program, JSON text:
 //   {"type":"hello","inputs":[NAME...],"transfer_functions":[NAME...],"presets":[{"name","text"}...],"settings":{...},
-//    "volume":{"name","dims":[x,y,z],"spacing":[x,y,z],"range":[low,high],"world":BOOL,"own_look":BOOL},
+//    "volume":{"name","dims":[x,y,z],"spacing":[x,y,z],"range":[low,high],"world":BOOL,"own_look":BOOL,
+//              "look":TEXT,"look_why":TEXT,"window":[low,high],"unit":TEXT,"marks":[6 TEXTS],"patient":BOOL,"labels"?:[{"value","colour":[r,g,b]}...]},
 //    "box":{"low":[x,y,z],"high":[x,y,z]},"limits":{"file_bytes","message_bytes","size":4095},"board":{"uri","level","processors"}}
 //                                   at the start, and again to every page once another input is open; with "volume":null while
-//                                   nothing is open. own_look: without a transfer function the input has its own. The settings
+//                                   nothing is open. own_look: without a transfer function the input has its own;
+//                                   else look is the .tf text of the automatic one, and look_why says why it is that. window: of values, for slices at first;
+//                                   unit: of the values, HU or nothing; marks: of the low and the high ends of x, y and z, of a patient R L A P I S. labels: of a
+//                                   label map, whose slices have their places. presets' texts are in the volume's values where these are known. The settings
 //                                   name eye, look-at, up, fov, size, step and threshold; settings of switches are there where they are on
 //   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range
 //   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...},"look"?:{...}}   all that the board counts, since
@@ -56,7 +61,7 @@
 //                                   nothing is visible, where that is so. A coarse picture has
 //                                   fewer pixels than asked for, and no number, command and python. There is no python where its package
 //                                   has no call for what was set.
-//   {"type":"slice","id","axis","at","width","height"} + grey, 8 bits, over the volume's range; rows from the lowest y (of z: y down, x
+//   {"type":"slice","id","axis","at","show","width","height"} + 16 bits, little endian: 0..4095 over the volume's range, or places of labels; rows from the lowest y (of z: y down, x
 //                                   across; of y: z down, x across; of x: z down, y across)
 #pragma once
 

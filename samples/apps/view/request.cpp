@@ -80,6 +80,15 @@ int axis_in(const json& message) {
   return static_cast<int>(axis);
 }
 
+Request::Show show_in(const json& message) {
+  using enum Request::Show;
+  const std::string name = text_in(message, "show");
+  if (name == "slice") return kSlice;
+  if (name == "max") return kMax;
+  if (name == "mean") return kMean;
+  throw InputError("show", "slice, max or mean", in_quotes(name));
+}
+
 }  // namespace
 
 bool is_file_name(std::string_view name) {
@@ -108,6 +117,7 @@ Request parse_request(std::string_view text) {
   if (request.kind == kSlice) {
     request.axis = axis_in(message);
     request.at = static_cast<int>(number_in(message, "at", std::numeric_limits<int>::max()));
+    if (message.contains("show")) request.show = show_in(message);
   }
   return request;
 }

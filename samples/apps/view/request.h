@@ -20,6 +20,8 @@ struct Request {
   Settings settings, other;
   int axis = 0;  // kSlice: 0..2, and the voxel
   int at = 0;
+  enum class Show { kSlice, kMax, kMean };
+  Show show = Show::kSlice;  // kSlice
   std::vector<std::string> names;
 };
 

@@ -16,19 +16,20 @@
 #include "gicube/scene/transfer_function_file.h"
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples::view {
 namespace {
 
 // What a page may say of a view. Files, other outputs, plans and other volumes than the whole are for command lines.
 constexpr std::array kOptions{
-    "ambient", "background", "big-endian",   "camera",    "colour-passes", "composite",
-    "cut",     "diffuse",    "dims",         "exposure",  "eye",           "fidelity",
-    "filter",  "fov",        "illumination", "input",     "jitter",        "lifetime",
-    "light",   "light-rays", "look-at",      "no-leap",   "no-shade",      "orthographic",
-    "rules",   "samples",    "seed",         "shininess", "size",          "skip",
-    "spacing", "specular",   "step",         "threshold", "time",          "transfer-function",
-    "type",    "up",         "volume-size"};
+    "ambient", "background", "big-endian",   "camera",     "colour-passes", "composite",
+    "cut",     "diffuse",    "dims",         "exposure",   "eye",           "fidelity",
+    "filter",  "fov",        "illumination", "input",      "jitter",        "lifetime",
+    "light",   "light-rays", "look-at",      "no-leap",    "no-shade",      "orthographic",
+    "rules",   "samples",    "seed",         "shininess",  "size",          "skip",
+    "spacing", "specular",   "step",         "threshold",  "time",          "transfer-function",
+    "range",   "type",       "up",           "volume-size"};
 constexpr std::array kFlags{"big-endian", "colour-passes", "jitter", "no-leap", "no-shade"};
 
 bool is_field(const std::string& name) { return name.find('.') != std::string::npos; }
@@ -63,6 +64,7 @@ std::string function_path(const std::string& value, const Shelf& shelf) {
   if (is_written(value)) return file_of(value, shelf).string();
   const auto found = shelf.functions.find(value);
   if (found != shelf.functions.end()) return found->second.string();
+  if (value == kAutomatic) return value;
   find_preset(value);  // says which there are
   return value;
 }
@@ -174,20 +176,20 @@ std::string python_of(const Settings& settings, const Shelf& shelf, const Render
   const auto word = [](bool is) { return is ? "True" : "False"; };
   const View& view = setup.view;
   const Phong& phong = setup.shading.phong;
-  std::string text = "import dataclasses\n\nimport gicube\n\nsetup = " + scene;
+  std::string text = "import dataclasses\n\nimport gicube\n\nscene = " + scene;
   if (options.animation.start) text += fmt::format(".at_time({})", *options.animation.start);
-  text += ".set_up()\nwith gicube.open(" + nlohmann::json(board_uri(options.board)).dump() + ") as board:\n";
+  const auto look = settings.find("transfer-function");
+  if (look != settings.end() && look->second != kAutomatic) {
+    const std::string name = is_written(look->second) ? "view.tf" : look->second;
+    text += "\nscene.set_transfer_function(" + nlohmann::json(name).dump() + ")";
+  }
+  if (options.range) text += fmt::format("\nscene.set_range({}, {})", options.range->low, options.range->high);
+  text +=
+      "\nsetup = scene.set_up()\nwith gicube.open(" + nlohmann::json(board_uri(options.board)).dump() + ") as board:\n";
   text += "    view = gicube.load_scene(board, setup)\n";
   text += fmt::format("    phong = gicube.Phong({}, {}, {}, {})\n", phong.ambient, phong.diffuse, phong.specular,
                       phong.shininess);
   text += "    board.set_shading(gicube.Shading(phong, " + vector(setup.shading.light) + "))\n";
-  const auto look = settings.find("transfer-function");
-  if (look != settings.end()) {
-    const std::string name = is_written(look->second) ? "view.tf" : look->second;
-    text += "    look = gicube.transfer_function(" + nlohmann::json(name).dump() +
-            ", board.value_range)\n    for tag in range(len(setup.looks)):\n        board.set_transfer_function(look, "
-            "tag)\n";
-  }
   std::string planes;
   for (const CutPlane& plane : view.cut_planes) {
     planes += fmt::format("gicube.CutPlane({}, {}), ", vector(plane.normal), plane.offset);

@@ -11,6 +11,7 @@
 #include "scene/common/while_reading.h"
 #include "view/folder.h"
 #include "view/protocol.h"
+#include "view/slices.h"
 
 namespace gicube::samples::view {
 namespace {
@@ -271,6 +272,9 @@ void Viewer::open_input(const std::string& name) {
              {"world", renderer.input().world.has_value()},
              {"own_look", !settings.contains("transfer-function") &&
                               (is_scene_path(options.input) || !renderer.input().volume.builtin.empty())}};
+  describe_values(setup, range, volume_);
+  preset_texts_.clear();
+  for (const Preset& preset : presets()) preset_texts_.push_back(tf_text(preset, &setup));
   box_ = {{"low", numbers(setup.grid.point_of(setup.box.low))}, {"high", numbers(setup.grid.point_of(setup.box.high))}};
   send_(kAllPages, hello());
   if (std::exchange(lost_, false)) {
@@ -285,7 +289,11 @@ Packet Viewer::hello() {
   for (const char* list : {"inputs", "transfer_functions"}) {
     if (!message.contains(list)) message[list] = Json::array();
   }
-  for (const Preset& preset : presets()) message["presets"].push_back({{"name", preset.name}, {"text", preset.text}});
+  for (std::size_t i = 0; i < presets().size(); ++i) {
+    const Preset& preset = presets()[i];
+    message["presets"].push_back(
+        {{"name", preset.name}, {"text", preset_texts_.empty() ? std::string(preset.text) : preset_texts_[i]}});
+  }
   message["settings"] = chosen_;
   message["volume"] = volume_;
   message["box"] = box_;

@@ -102,8 +102,8 @@ class Viewer {
   Desk make_desk(const RenderOptions& options);
   // Has `desk` serve `options`, on a new board where one would make other pictures than gicube-render.
   void serve(Desk& desk, const RenderOptions& options);
-  // A board that holds the open input's voxels.
-  Board& volume_board();
+  // One whose board holds the open input's voxels.
+  Renderer& volume_renderer();
 
   void picture(const Job& job);
   void compare(const Job& job);
@@ -127,7 +127,8 @@ class Viewer {
   Shelf shelf_;
   Settings chosen_;  // of the open input: complete
   nlohmann::ordered_json volume_, box_;
-  std::string input_;  // open; empty: none
+  std::vector<std::string> preset_texts_;  // as of tf_text(); empty before an input is open
+  std::string input_;                      // open; empty: none
   bool lost_ = false;
   std::string fault_;  // why it is lost, or nothing is open
   Desk main_, quick_;

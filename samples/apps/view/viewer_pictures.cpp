@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -9,8 +10,10 @@
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/transfer_function_file.h"
 #include "scene/program/run_json.h"
+#include "scene/program/scene_input.h"
 #include "view/folder.h"
 #include "view/protocol.h"
+#include "view/slices.h"
 #include "view/viewer.h"
 
 namespace gicube::samples::view {
@@ -22,8 +25,10 @@ double rays_of(const View& view) {
   return double(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
 }
 
-// The text of the transfer function that they name; empty if they name none.
-std::string function_of(const RenderOptions& options) {
+// The text of the transfer function that they name, or of the automatic one; empty: there is none.
+std::string function_of(const RenderOptions& options, const SceneSetup& setup) {
+  if (options.transfer_function.empty() || options.transfer_function == kAutomatic)
+    return setup.look_why.empty() || !setup.labels.empty() ? "" : tf_text(setup.materials.front());
   const auto preset = std::ranges::find(presets(), options.transfer_function, &Preset::name);
   return preset != std::ranges::end(presets()) ? std::string(preset->text) : bytes_of(options.transfer_function);
 }
@@ -48,14 +53,14 @@ void Viewer::serve(Desk& desk, const RenderOptions& options) {
   }
 }
 
-Board& Viewer::volume_board() {
+Renderer& Viewer::volume_renderer() {
   for (const Desk* desk : {&quick_, &main_}) {
-    if (desk->renderer && desk->renderer->loaded()) return desk->renderer->board();
+    if (desk->renderer && desk->renderer->loaded()) return *desk->renderer;
   }
   const RenderOptions options = options_of(chosen_, shelf_, options_.board);
   Renderer& renderer = *quick_desk(options).renderer;
   renderer.prepare(options.animation.start.value_or(0));
-  return renderer.board();
+  return renderer;
 }
 
 Viewer::Desk& Viewer::desk(const RenderOptions& options) {
@@ -158,7 +163,8 @@ void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& optio
     provenance.command = command;
     const std::string python = python_of(settings, shelf_, options, desk.renderer->setup(), frame.background);
     if (!python.empty()) header["python"] = python;
-    Made made{frame.image, frame.background, to_json(statistics).dump(2) + '\n', function_of(options), provenance};
+    Made made{frame.image, frame.background, to_json(statistics).dump(2) + '\n',
+              function_of(options, desk.renderer->setup()), provenance};
     const std::lock_guard lock(mutex_);
     header["number"] = ++last_number_;
     made_.emplace(last_number_, std::move(made));
@@ -188,31 +194,23 @@ void Viewer::compare(const Job& job) {
 }
 
 void Viewer::slice(const Job& job) {
-  Board& board = volume_board();
-  const Dims dims = board.dims();
-  const auto axis = static_cast<std::size_t>(job.request->axis);
-  const int at = job.request->at;
-  if (at >= dims[axis]) throw InputError("at", fmt::format("a voxel from 0 to {}", dims[axis] - 1), std::to_string(at));
-  VoxelBox box{{0, 0, 0}, dims};
-  box.low[axis] = at;
-  box.size[axis] = 1;
-  const ValueRange range = board.value_range();
-  const double scale = range.high > range.low ? 255 / (range.high - range.low) : 0;
-  std::vector<std::uint8_t> grey;
-  for (const float value : board.read_volume(box)) {
-    grey.push_back(static_cast<std::uint8_t>(std::clamp(std::lround((double{value} - range.low) * scale), 0L, 255L)));
-  }
+  const Request& request = *job.request;
+  Renderer& renderer = volume_renderer();
+  const Slice slice = slice_of(renderer.board(), renderer.setup(), request, step("projecting"));
+  const auto axis = static_cast<std::size_t>(request.axis);
+  constexpr std::array kShows{"slice", "max", "mean"};
   const Json header{{"type", "slice"},
-                    {"id", job.request->id},
+                    {"id", request.id},
                     {"axis", std::string(1, "xyz"[axis])},
-                    {"at", at},
-                    {"width", axis == 0 ? dims[1] : dims[0]},
-                    {"height", axis == 2 ? dims[1] : dims[2]}};
-  tell(job.page, header, grey, std::string("slice ") + "xyz"[axis]);
+                    {"at", request.at},
+                    {"show", kShows[static_cast<std::size_t>(request.show)]},
+                    {"width", slice.width},
+                    {"height", slice.height}};
+  tell(job.page, header, slice.words, std::string("slice ") + "xyz"[axis]);
 }
 
 void Viewer::histogram(Page page) {
-  Board& board = volume_board();
+  Board& board = volume_renderer().board();
   const Dims dims = board.dims();
   const ValueRange range = board.value_range();
   constexpr std::size_t kBins = 256;

@@ -169,5 +169,36 @@ TEST_F(Render, ThePhongModelShowsInThePicture) {
   EXPECT_GT(light(lit), light(dark));
 }
 
+// Noise that is opaque everywhere has gradients in all directions; the face that a plane cuts through it has one colour.
+TEST(CutFace, ShowsTheColourOfItsSamplesWithoutShade) {
+  for (const char* datapath : {"", "&set=asic.datapath=wide"}) {
+    Board board = open_board(std::string(kSmallBlocks) + datapath);
+    std::vector<std::byte> samples(32 * 32 * 32);
+    std::uint32_t random = 1;
+    for (std::byte& sample : samples) {
+      random = 1664525 * random + 1013904223;
+      sample = static_cast<std::byte>(100 + (random >> 24) % 100);
+    }
+    board.load_volume({.samples = samples, .type = SampleType::kUint8, .dims = {32, 32, 32}});
+    board.set_transfer_function({.colours = {{0, {0.6, 0.4, 0.2}}}, .opacities = {{0, 1}}});
+    board.set_shading({.phong = {0.25, 0.7, 0.35, 24}, .light = {0.4, 0.5, -1}});
+    View view = front_view(32);
+    view.shade = true;
+    const auto count_plain = [&] {
+      const Image image = board.render(view);
+      return std::ranges::count(image.pixels, Pixel{153, 102, 51, 4095});
+    };
+    const std::ptrdiff_t shaded = count_plain();
+    const Vec3 along = view.look_at - view.eye;
+    view.cut_planes = {{along, dot(along, Vec3{15.5, 15.5, 15.5})}};
+    view.jitter = datapath[0] == 0;
+    const std::ptrdiff_t cut = count_plain();
+    view.shade = false;
+    EXPECT_EQ(cut, count_plain());
+    EXPECT_GT(cut, 200);
+    EXPECT_LT(shaded, cut / 4);
+  }
+}
+
 }  // namespace
 }  // namespace gicube

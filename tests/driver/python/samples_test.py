@@ -155,3 +155,11 @@ def test_loads_over_time_come_from_a_boards_trace(tmp_path):
     (tmp_path / "empty.json").write_text("[\n]\n")
     with pytest.raises(gicube.BadArgument, match="fidelity=cycle"):
         gicube.plot.loads(tmp_path / "empty.json")
+
+
+def test_phantoms(tmp_path, capsys):
+    program("phantoms").main(str(tmp_path), 64)
+    looks = dict(line.split(".nrrd: transfer function: ") for line in capsys.readouterr().out.splitlines())
+    looks = {name.rsplit("/", 1)[1]: why.split(",")[0] for name, why in looks.items()}
+    assert looks == {"ct_head": "ct-bone", "mri_head": "mri-t2", "part": "ct-engine", "labels": "colours of labels", "cells": "colours of labels"}
+    assert gicube.read_volume(tmp_path / "part.nrrd").dims == (64, 64, 64)

@@ -319,11 +319,12 @@ def test_cost_alone_needs_no_reference_and_its_chart_has_what_there_is(program):
     assert (slow["front"], fast["front"], slow["error picture"], slow["reference"]) == ("0", "1", "", "0")
     assert program.out.splitlines()[0].split() == "frame_ms of 2 runs, no other is cheaper:".split()
     assert program.out.splitlines()[1].split()[:2] == [fast["frame_ms"], "gicube-render"] and len(program.out.splitlines()) == 2
-    assert len(program.runs()) == 2 and "row of sweep.csv" in program.text("out/sweep.svg")
+    assert len(program.runs()) == 2 and "dsp.clock_khz" in program.text("out/sweep.svg")
     # Runs without error have a place too: beside others below them, or alone at 0.
     for reference, names in (("dsp.clock_khz=200000", ["no error", "Pareto front"]), ("threads=1", ["no error", "Pareto front"])):
         assert program.run(f"{grid} --reference {reference} --error frame_ms") == 0, program.err
         assert all(name in program.text("out/sweep.svg") for name in names)
+        assert "dsp.clock_khz" in program.text("out/sweep-cost.svg")
 
 
 def test_a_failed_run_is_named_with_its_command_and_reason(program):

@@ -4,7 +4,7 @@
 /** @typedef {import("./protocol.js").Volume} Volume */
 /** @typedef {"x" | "y" | "z"} Axis */
 /** @typedef {{axis: Axis, figure: HTMLElement, canvas: HTMLCanvasElement, cross: SVGElement, slider: HTMLInputElement, text: HTMLElement,
- *   flying: boolean, words: Uint16Array, width: number, height: number}} Slice */
+ *   flying: boolean, at: number, words: Uint16Array, width: number, height: number}} Slice */
 import { by, element, shape } from "./dom.js";
 
 const kMost = 4095; // of a slice's words
@@ -26,14 +26,14 @@ export class Slices extends EventTarget {
     this.connection = connection;
     for (const axis of /** @type {const} */ (["z", "y", "x"])) {
       const canvas = element("canvas", { role: "img", tabindex: "0", width: "1", height: "1",
-        "aria-label": `slice along ${axis}. Arrow keys move the point, Page Up and Page Down change the slice.` });
+        "aria-label": `slice along ${axis}`, "aria-description": "Arrow keys move the point, Page Up and Page Down change the slice." });
       const cross = shape("svg", { class: "cross", "aria-hidden": "true", viewBox: "0 0 100 100", preserveAspectRatio: "none" });
       const slider = element("input", { type: "range", min: "0", value: "0", "aria-label": `voxel along ${axis}`, id: `slice-${axis}` });
       const text = element("output", { for: `slice-${axis}` });
       const larger = element("button", { type: "button", "aria-pressed": "false", class: "larger" }, "Larger");
       const figure = element("figure", {}, element("div", { class: "plane" }, element("div", { class: "page" }, canvas, cross)),
         element("figcaption", {}, slider, element("div", { class: "row nowrap" }, text, larger)));
-      const slice = { axis, figure, canvas, cross, slider, text, flying: false, words: new Uint16Array(), width: 1, height: 1 };
+      const slice = { axis, figure, canvas, cross, slider, text, flying: false, at: -1, words: new Uint16Array(), width: 1, height: 1 };
       slider.addEventListener("input", () => this.#move(slice.axis, Number(slider.value)));
       larger.addEventListener("click", () => {
         const is = figure.classList.toggle("large");
@@ -74,6 +74,7 @@ export class Slices extends EventTarget {
       slice.figure.style.setProperty("--ratio", String(width / height));
       slice.canvas.classList.toggle("tall", height > width);
       slice.words = new Uint16Array();
+      slice.at = -1;
       slice.flying = false;
     }
     this.#show_values(this.#low, this.#high);
@@ -95,8 +96,9 @@ export class Slices extends EventTarget {
     this.point = /** @type {any} */ (point.map((at, i) => Math.max(0, Math.min(dims[i] - 1, Math.round(at)))));
     for (const slice of this.#all) {
       const at = this.point["xyz".indexOf(slice.axis)];
-      if (Number(slice.slider.value) !== at || slice.words.length === 0) {
-        slice.slider.value = String(at);
+      slice.slider.value = String(at);
+      if (slice.at !== at) {
+        slice.at = at;
         this.#ask(slice);
       }
       this.#cross(slice);
@@ -123,7 +125,7 @@ export class Slices extends EventTarget {
     slice.flying = false;
     this.#draw(slice);
     this.#tell(slice);
-    if (header.show !== by("projection").value || (!this.#is_projection && header.at !== Number(slice.slider.value))) this.#ask(slice);
+    if (header.show !== by("projection").value || (!this.#is_projection && header.at !== slice.at)) this.#ask(slice);
   }
 
   /** @param {Slice} slice */

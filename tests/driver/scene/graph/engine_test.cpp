@@ -23,7 +23,7 @@ Scene example() {
   scene.camera.name = "front";
   scene.camera.eye = Vec3{0, -5, 0};
   scene.camera.fov_degrees = 30;
-  scene.more_cameras = {{"top", Vec3{0, 0, 9}, {}, {}, {}, 4.0}};
+  scene.more_cameras = {{"top", Vec3{0, 0, 9}, {}, {}, "", {}, 4.0}};
   scene.view.cut_planes = {{{1, 0, 0}, 0.25}};
   return scene;
 }

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Shown, png, run, wait
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 SCENE = """
@@ -22,6 +24,15 @@ def voxels(ball: pathlib.Path) -> np.ndarray[Any, Any]:
     return np.frombuffer(content[content.index(b"\n\n") + 2 :], dtype="u1").reshape(48, 48, 48)
 
 
+def show_values(page: Shown, level: float, window: float) -> None:
+    """Types into the fields of the window of values."""
+    page.browser.execute_script(
+        "for (const [id, value] of Object.entries(arguments[0])) document.getElementById(id).value = value;"
+        "document.getElementById('window').dispatchEvent(new Event('change'))",
+        {"level": level, "window": window},
+    )
+
+
 @pytest.mark.parametrize("axis", "zyx")
 def test_a_slice_shows_its_voxels_and_no_others(page: Shown, ball: pathlib.Path, axis: str) -> None:
     page.picture()
@@ -31,11 +42,51 @@ def test_a_slice_shows_its_voxels_and_no_others(page: Shown, ball: pathlib.Path,
         f"slice-{axis}",
         at,
     )
+    show_values(page, 127.5, 255)
     # Along z it lies as in the file, y down; along the others z is up.
     expected = {"z": voxels(ball)[at], "y": voxels(ball)[::-1, at], "x": voxels(ball)[::-1, :, at]}[axis]
     canvas = f"canvas[aria-label='slice along {axis}']"
     wait("the slice", lambda: np.array_equal(page.pixels(canvas)[..., 0], expected))
     assert (page.pixels(canvas)[..., 3] == 255).all() and f"{axis} {at}" in page.text("#slices")
+
+
+def test_slices_are_linked_by_a_point_whose_value_is_told(page: Shown, ball: pathlib.Path) -> None:
+    page.picture()
+    canvas = page.find("canvas[aria-label='slice along z']")
+    wait("a slice", lambda: canvas.get_attribute("width") == "48")
+    box = canvas.rect
+    at = (10, 30)  # of 48 voxels along x and y
+    offset = [round((voxel + 0.5) / 48 * box[edge] - box[edge] / 2) for voxel, edge in zip(at, ("width", "height"))]
+    ActionChains(page.browser).move_to_element_with_offset(canvas, *offset).click().perform()
+    assert page.find("#slice-x").get_attribute("value") == "10" and page.find("#slice-y").get_attribute("value") == "30"
+    value = voxels(ball)[24, 30, 10]
+    wait("the value", lambda: page.text("#value").strip() == f"x 10, y 30, z 24: {value}")
+    canvas.send_keys(Keys.ARROW_RIGHT, Keys.PAGE_UP)
+    value = voxels(ball)[25, 30, 11]
+    wait("the next one", lambda: page.text("#value").strip() == f"x 11, y 30, z 25: {value}")
+
+
+def test_window_and_level_follow_a_drag(page: Shown, ball: pathlib.Path) -> None:
+    page.picture()
+    canvas = page.find("canvas[aria-label='slice along z']")
+    wait("a slice", lambda: canvas.get_attribute("width") == "48")
+    level, window = (float(str(page.find(name).get_attribute("value"))) for name in ("#level", "#window"))
+    keys = ActionChains(page.browser).key_down(Keys.SHIFT).move_to_element(canvas).click_and_hold()
+    keys.move_by_offset(20, -10).release().key_up(Keys.SHIFT).perform()
+    share = 20 / canvas.rect["width"]
+    wait("the window", lambda: abs(float(str(page.find("#window").get_attribute("value"))) - window * (1 + share)) < 0.02 * window)
+    assert abs(float(str(page.find("#level").get_attribute("value"))) - (level + window * share / 2)) < 0.02 * window
+
+
+@pytest.mark.parametrize("show", ["max", "mean"])
+def test_projections_are_the_maximum_and_the_average(page: Shown, ball: pathlib.Path, show: str) -> None:
+    page.picture()
+    show_values(page, 127.5, 255)
+    Select(page.find("#projection")).select_by_value(show)
+    along_y = voxels(ball).astype(float)
+    expected = (along_y.max(axis=1) if show == "max" else along_y.mean(axis=1))[::-1]
+    canvas = "canvas[aria-label='slice along y']"
+    wait("the projection", lambda: np.abs(page.pixels(canvas)[..., 0] - expected).max() <= 1)
 
 
 def test_a_dropped_scene_is_shown_as_gicube_render_makes_it(page: Shown, tmp_path: pathlib.Path) -> None:

@@ -1,0 +1,33 @@
+// Slices and projections of a board's volume, and what a page needs to show them.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gicube/board.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
+#include "view/request.h"
+
+namespace gicube::samples::view {
+
+// What hello's volume says besides (protocol.h): look, look_why, window, unit, marks, patient, labels.
+void describe_values(const SceneSetup& setup, const ValueRange& range, nlohmann::ordered_json& volume);
+
+// A .tf file of the function.
+std::string tf_text(const TransferFunctionFile& file);
+
+// A preset in the values of that volume, as far as they are known.
+std::string tf_text(const Preset& preset, const SceneSetup* setup);
+
+struct Slice {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> words;  // 16 bits each, little endian: 0..4095 over the volume's range, or a label's place
+};
+
+// Voxel `request.at` of its axis, or the greatest or the mean value along it. Throws InputError, and what Board::read_volume() throws.
+Slice slice_of(Board& board, const SceneSetup& setup, const Request& request, const Progress& progress);
+
+}  // namespace gicube::samples::view
