@@ -16,7 +16,7 @@ import gicube
 
 def phantoms(size: int) -> Dict[str, Any]:
     """Arrays [z, y, x] by name. The face looks along -y."""
-    z, y, x = np.mgrid[-1 : 1 : size * 1j, -1 : 1 : size * 1j, -1 : 1 : size * 1j].astype("f4")
+    z, y, x = np.mgrid[:size, :size, :size].astype("f4") * (2 / (size - 1)) - 1
     random = np.random.default_rng(5)
 
     def ball(place: Any, axes: Any, edge: float = 0.06) -> Any:
@@ -40,9 +40,9 @@ def phantoms(size: int) -> Dict[str, Any]:
 
     folds = 0.07 * np.sin(11 * x + 3 * np.sin(7 * y)) * np.cos(9 * z + 2 * np.sin(8 * x))
     cortex = np.clip(0.5 - (((x / 0.56) ** 2 + ((y - 0.04) / 0.68) ** 2 + ((z - 0.12) / 0.7) ** 2 - 1) / 0.06 + 9 * np.abs(folds)), 0, 1)
-    field = 1 + 0.15 * np.sin(2 * x + 1) * np.cos(1.6 * y) + 0.1 * np.sin(17 * x + 5 * y) * np.sin(13 * z)
+    field = 1 + 0.3 * np.sin(2 * x + 1) * np.cos(1.6 * y) + 0.15 * np.sin(17 * x + 5 * y) * np.sin(13 * z)
     tissue = field * cortex * (110 + 70 * ball((0, 0.04, 0.12), (0.45, 0.57, 0.6)))
-    mri = np.hypot(tissue * (1 - fluid) + 420 * fluid * cortex + noise(5), noise(5))
+    mri = np.hypot(tissue * (1 - fluid) + 560 * fluid * cortex + noise(5), noise(5))
 
     box = np.clip(0.5 - (np.maximum(np.maximum(np.abs(x) / 0.75, np.abs(y) / 0.5), np.abs(z) / 0.55) - 1) * 20, 0, 1)
     bores = [np.clip(0.5 + (np.hypot(x - at, y) - 0.2) * 20, 0, 1) for at in (-0.4, 0.2)]

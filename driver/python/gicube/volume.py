@@ -81,14 +81,15 @@ class Volume(Record):
         if self.range is None and array.dtype.kind == "b":
             self.range = ValueRange(0.0, 1.0)
         if isinstance(array, np.ma.MaskedArray):
-            shown = array.compressed()
-            if np.ma.getmaskarray(array).any():
+            hidden: Any = array  # its methods have no types
+            array = np.asarray(hidden)
+            if np.any(hidden.mask):
+                shown = hidden.compressed()
                 if shown.size == 0:
                     raise BadArgument("samples", "some voxels without a mask", "none")
                 low, high = np.nanmin(shown), np.nanmax(shown)
                 self.range = self.range or (ValueRange(float(low), float(high)) if low < high else None)
-                array = array.filled(low)
-            array = np.asarray(array)
+                array = np.asarray(hidden.filled(low))
         array = _of_board(array)
         native = array.dtype.newbyteorder("=")
         found = SampleType(native.name)

@@ -37,12 +37,12 @@
 // From the program, JSON text:
 //   {"type":"hello","inputs":[NAME...],"transfer_functions":[NAME...],"presets":[{"name","text"}...],"settings":{...},
 //    "volume":{"name","dims":[x,y,z],"spacing":[x,y,z],"range":[low,high],"world":BOOL,"own_look":BOOL,
-//              "look":TEXT,"look_why":TEXT,"window":[low,high],"unit":TEXT,"marks":[6 TEXTS],"patient":BOOL,"labels"?:[{"value","colour":[r,g,b]}...]},
+//              "look":TEXT,"look_why":TEXT,"window":[low,high],"unit":TEXT,"whole":BOOL,"marks":[6 TEXTS],"patient":BOOL,"labels"?:[{"value","colour":[r,g,b]}...]},
 //    "box":{"low":[x,y,z],"high":[x,y,z]},"limits":{"file_bytes","message_bytes","size":4095},"board":{"uri","level","processors"}}
 //                                   at the start, and again to every page once another input is open; with "volume":null while
 //                                   nothing is open. own_look: without a transfer function the input has its own;
 //                                   else look is the .tf text of the automatic one, and look_why says why it is that. window: of values, for slices at first;
-//                                   unit: of the values, HU or nothing; marks: of the low and the high ends of x, y and z, of a patient R L A P I S. labels: of a
+//                                   unit: of the values, HU or nothing; whole: they are whole numbers; marks: of the low and the high ends of x, y and z, of a patient R L A P I S. labels: of a
 //                                   label map, whose slices have their places. presets' texts are in the volume's values where these are known. The settings
 //                                   name eye, look-at, up, fov, size, step and threshold; settings of switches are there where they are on
 //   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range

@@ -74,6 +74,7 @@ void describe_values(const SceneSetup& setup, const ValueRange& range, Json& vol
   const bool hounsfield =
       setup.survey && setup.survey->kind == DataKind::kCt && setup.survey->ct == ValueRange{-1000, 0};
   volume["unit"] = hounsfield ? "HU" : "";
+  volume["whole"] = setup.volume.type != SampleType::kFloat32;
   volume["marks"] = axis_marks(setup.volume.placement);
   volume["patient"] = setup.volume.placement.axes == WorldAxes::kPatient;
   if (labels) volume["labels"] = labels_of(setup);

@@ -158,8 +158,8 @@ def test_loads_over_time_come_from_a_boards_trace(tmp_path):
 
 
 def test_phantoms(tmp_path, capsys):
-    program("phantoms").main(str(tmp_path), 64)
+    program("phantoms").main(str(tmp_path), 96)
     looks = dict(line.split(".nrrd: transfer function: ") for line in capsys.readouterr().out.splitlines())
     looks = {name.rsplit("/", 1)[1]: why.split(",")[0] for name, why in looks.items()}
     assert looks == {"ct_head": "ct-bone", "mri_head": "mri-t2", "part": "ct-engine", "labels": "colours of labels", "cells": "colours of labels"}
-    assert gicube.read_volume(tmp_path / "part.nrrd").dims == (64, 64, 64)
+    assert gicube.read_volume(tmp_path / "part.nrrd").dims == (96, 96, 96)

@@ -3,7 +3,7 @@
 /** @typedef {Record<string, string>} Settings options of gicube-render without their dashes */
 /** @typedef {[number, number, number]} Vector */
 /** @typedef {{name: string, dims: Vector, spacing: Vector, range: [number, number], world: boolean, own_look: boolean,
- *   look: string, look_why: string, window: [number, number], unit: string, marks: string[], patient: boolean,
+ *   look: string, look_why: string, window: [number, number], unit: string, whole: boolean, marks: string[], patient: boolean,
  *   labels?: {value: number, colour: Vector}[]}} Volume */
 /** @typedef {{type: "hello", inputs: string[], transfer_functions: string[], presets: {name: string, text: string}[],
  *   settings: Settings, volume: Volume | null, box: {low: Vector, high: Vector} | null,

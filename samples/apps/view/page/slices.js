@@ -188,10 +188,11 @@ export class Slices extends EventTarget {
    * @param {Slice} slice @param {[number, number, number]} [voxel] */
   #tell(slice, voxel = this.point) {
     if (!this.#volume || slice.words.length === 0) return;
-    const { range: [low, high], unit, labels } = this.#volume;
+    const { range: [low, high], unit, labels, whole } = this.#volume;
     const [across, up] = kPlanes[slice.axis];
     const word = slice.words[voxel[up] * slice.width + voxel[across]];
-    const value = labels ? labels[word]?.value : Number((low + (word * (high - low)) / kMost).toPrecision(4));
+    const read = low + (word * (high - low)) / kMost;
+    const value = labels ? labels[word]?.value : whole && by("projection").value !== "mean" ? Math.round(read) : Number(read.toPrecision(4));
     const place = voxel.map((at, i) => (this.#is_projection && "xyz"[i] === slice.axis ? "" : `${"xyz"[i]} ${at}`)).filter(Boolean).join(", ");
     by("value").textContent = `${place}: ${labels ? "label " : ""}${value ?? ""} ${unit}`;
   }
