@@ -95,7 +95,8 @@ def circular_views(
     angles, heights = np.broadcast_arrays(as_array(np.atleast_1d(angles), "angles", "float64", (None,)), np.asarray(heights, "f8"))
     pitches = np.broadcast_to(np.asarray(pitch, "f8"), (2,))
     zero, one = np.zeros_like(angles), np.ones_like(angles)
-    out, u, v = (np.stack(each, 1) for each in ((np.cos(angles), np.sin(angles), zero), (-np.sin(angles), np.cos(angles), zero), (zero, zero, one)))
+    c, s = np.cos(angles), np.sin(angles)
+    out, u, v = (np.stack(each, 1) for each in ((c, s, zero), (-s, c, zero), (zero, zero, one)))
     height = heights[:, None] * v
     centre = (source_to_axis - source_to_detector) * out + offset[0] * u + offset[1] * v
     return np.hstack([source_to_axis * out + height, centre + height, pitches[0] * u, pitches[1] * v])
