@@ -138,7 +138,7 @@ SidesSeen sides_seen(const Projections& projections) {
   }
   const double most = std::ranges::max(sums);
   if (!(most > 0)) return {};
-  return {sums.front() / most, sums.back() / most};
+  return {sums.front() / most, sums.back() / most, std::ranges::min(sums) / most};
 }
 
 bool is_displaced(const ConeGeometry& geometry, const Projections& projections) {

@@ -18,9 +18,9 @@ bool is_short_scan(const ConeGeometry& geometry);
 // and fall smoothly. Column u of a detector has fan = -atan(u / source_to_detector).
 double short_scan_weight(double angle, double fan, double arc);
 
-// What the detector's first and last column see, over the greatest mean of a column.
+// What the detector's first and last column see, and the one that sees least, over the greatest mean of a column.
 struct SidesSeen {
-  double first = 0, last = 0;
+  double first = 0, last = 0, least = 0;
   static constexpr double kSeen = 0.05;  // chosen: above noise and flat fields' errors
 };
 SidesSeen sides_seen(const Projections& projections);

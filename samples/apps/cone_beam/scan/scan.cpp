@@ -29,15 +29,6 @@ void for_each_pixel(const ScanDescription& description, int of_columns, int of_r
   }
 }
 
-// The least mean of a column, over the greatest.
-double least_column(const Projections& projections) {
-  std::vector<double> sums(static_cast<std::size_t>(projections.columns));
-  for (std::size_t i = 0; i < projections.values.size(); ++i) {
-    sums[i % sums.size()] += static_cast<double>(projections.values[i]);
-  }
-  return std::ranges::min(sums) / std::max(std::ranges::max(sums), 1e-300);
-}
-
 void check_size(const ScanDescription& description, const Stack& stack) {
   const std::filesystem::path& file = description.projections.files.front();
   const auto& [to_axis, to_detector, detector, volume, angles, poses] = description.geometry;
@@ -70,7 +61,7 @@ void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>&
   const Detector& detector = scan.geometry.detector;
   const SidesSeen seen = sides_seen(scan.projections);
   constexpr double kBright = 0.95, kLess = 0.9;  // chosen
-  if (!intensities && std::min(seen.first, seen.last) >= kBright && least_column(scan.projections) < kLess) {
+  if (!intensities && std::min(seen.first, seen.last) >= kBright && seen.least < kLess) {
     out.push_back(
         "projections: the detector's sides have the greatest values, and columns between them less, as intensities "
         "have; line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
