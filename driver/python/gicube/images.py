@@ -67,16 +67,16 @@ def volume_from(image: Any) -> Volume:
         raise BadArgument("image", "directions that span space", str(np.asarray(directions).tolist()))
     order = [abs(axis) - 1 for axis in stored]
     signs = [1 if axis > 0 else -1 for axis in stored]
-    origin = np.asarray(origin, "f8")
+    first: Any = np.asarray(origin, "f8")
     for axis, sign in zip(order, signs):
         if sign < 0:
-            origin = origin + (samples.shape[2 - axis] - 1) * spacing[axis] * np.asarray(directions[axis])
+            first = first + (samples.shape[2 - axis] - 1) * spacing[axis] * np.asarray(directions[axis])
     turned = samples.transpose([2 - axis for axis in order[::-1]])[tuple(slice(None, None, sign) for sign in signs[::-1])]
     world = WorldPlacement(
         axes,
-        [tuple(float(sign * part) for part in directions[axis]) for axis, sign in zip(order, signs)],  # type: ignore[misc]
-        tuple(float(part) for part in origin),  # type: ignore[arg-type]
+        [tuple(float(sign * part) for part in directions[axis]) for axis, sign in zip(order, signs)],
+        tuple(float(part) for part in first),
         list(stored),
     )
     edges = tuple(float(spacing[axis]) for axis in order)
-    return Volume(turned, spacing=edges, world=world)  # type: ignore[arg-type]
+    return Volume(turned, spacing=edges, world=world)
