@@ -18,6 +18,7 @@ const std::vector<Target>& targets() {
       {"meta_image", meta_image},
       {"nifti", nifti},
       {"nrrd", nrrd},
+      {"pci", pci},
       {"pfm", pfm},
       {"orbit", orbit},
       {"projection_matrix", projection_matrix},

@@ -37,6 +37,7 @@ void board(Bytes input);
 void checkpoint(Bytes input);
 void bus(Bytes input);
 void link(Bytes input);
+void pci(Bytes input);
 
 // The driver's C ABI.
 void c_api(Bytes input);

@@ -35,6 +35,7 @@ void uri(Bytes input) {
     const Uri uri = parse_uri(text_of(input));
     expect(uri.scheme != UriScheme::kTcp || (uri.port != 0 && !uri.host.empty()), "tcp: has a host and a port");
     expect(uri.scheme != UriScheme::kUnix || !uri.path.empty(), "unix: has a path");
+    expect(uri.scheme != UriScheme::kPci || uri.path.find('/') == std::string::npos, "pci: names no other file");
     for (const std::string& argument : uri.board_arguments) {
       expect(argument.find('\0') == std::string::npos, "a program's argument holds no zero byte");
     }
