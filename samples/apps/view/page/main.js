@@ -51,7 +51,7 @@ function notice(key, text, ...ways) {
 let volume = null;
 const mark = () => draw_marks(camera, volume, volume && !volume.world ? slices.point : null);
 slices.addEventListener("point", mark);
-addEventListener("resize", mark);
+new ResizeObserver(mark).observe(by("frame"));
 
 const is_open = () => view.chosen.input !== undefined;
 
