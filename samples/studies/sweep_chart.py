@@ -47,8 +47,8 @@ def draw_chart(options, rows, path):
     except ImportError as error:
         raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
     title = options.title or options.name
-    draw.panels(str(path).removesuffix(".svg") + "-cost.svg" if options.compares else path, title, panels_of(draw, options, rows))
     if not options.compares:
+        draw.panels(path, title, panels_of(draw, options, rows))
         return
     least = min((row.error for row in rows if row.error > 0), default=0)
     exact = least / 2  # where rows without error are on an axis that has no 0
@@ -62,3 +62,4 @@ def draw_chart(options, rows, path):
               points("Pareto front", [row for row in rows if row.on_front], boxed=True)]
     draw.chart(path, title, options.cost, f"error: {options.error}", [each for each in series if len(each.x)],
                log_x=all(row.cost > 0 for row in rows), log_y=least > 0, box_outside=True)
+    draw.panels(str(path).removesuffix(".svg") + "-cost.svg", title, panels_of(draw, options, rows))

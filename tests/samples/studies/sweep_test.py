@@ -257,7 +257,8 @@ def test_no_part_of_a_chart_is_left_on_a_full_disk(program):
     chart = program.text("out/sweep.svg")
     assert "Pareto front" in chart and "</svg>" in chart
     assert len(chart) > 2 * len(program.text("out/sweep.json"))
-    (program.folder / "out/sweep.svg").unlink()
+    for name in ("sweep.svg", "sweep-cost.svg"):
+        (program.folder / "out" / name).unlink()
     limit = len(chart) // 2
     assert program.run(f"{SMALL} --chart", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) == 1
     assert "sweep.svg: file: expected a place to write to, got File too large" in program.err
