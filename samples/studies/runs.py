@@ -32,6 +32,11 @@ def quoted(argument):
     return shlex.quote(argument).replace("'\"'\"'", "'\\''")
 
 
+def is_field(name):
+    """Whether a parameter is a field of the board's configuration; others are options of gicube-render."""
+    return "." in name or name == "memory"
+
+
 def run_to_end(program, arguments, log):
     """What it writes goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it ended, and its last line."""
     try:

@@ -4,7 +4,7 @@ import re
 import subprocess
 from types import SimpleNamespace
 
-from studies.runs import InputError, Run, figure
+from studies.runs import InputError, Run, figure, is_field
 
 MEMORIES = ("rdram", "ddr")  # only the one in use is read
 SMALL = 100  # a step is this part of the number, or 1: single clocks of a fast clock would drown in roundings
@@ -45,7 +45,7 @@ def board_arguments(settings):
             raise InputError("board", "none with --sensitivity, whose boards are private", f'"{value}"')
         if name == "config":
             words += ["--config", value]
-        elif name == "fidelity" or "." in name:
+        elif name == "fidelity" or is_field(name):
             words += ["--set", f"{name}={value}"]
     return words
 

@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
 from studies.pictures import read_picture, rmse  # noqa: E402
-from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, progress, quoted  # noqa: E402
+from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, is_field, progress, quoted  # noqa: E402
 from studies.sensitivity import sensitivity, table  # noqa: E402
 from studies.sweep_chart import draw_chart  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
@@ -48,12 +48,23 @@ HARDLY = 0.02  # chosen: nothing that a picture of speed would show
 class Parser(argparse.ArgumentParser):
     """With the help of the SDK's other programs, which driver/cmake/program_pages.py reads, and errors of one line."""
 
+    def __init__(self, program, about, notes):
+        super().__init__(program, add_help=False, allow_abbrev=False)
+        self.about, self.notes = about, notes
+
     def format_help(self):
-        text = ABOUT
+        text = self.about
         for option in self._optionals._group_actions:
             head = " ".join(filter(None, (",".join(option.option_strings), option.metavar)))
             text += f"  {head:27} {option.help}\n" if len(head) < 28 else f"  {head}\n{30 * ' '}{option.help}\n"
-        return text + NOTES
+        return text + self.notes
+
+    def option(self, *names, **fields):
+        self.add_argument(*names, **{"action": Once} | fields)
+
+    def common_options(self):
+        self.option("-h", "--help", action=Said, nargs=0, const=Parser.format_help, help="Print this help message and exit")
+        self.option("--version", action=Said, nargs=0, const=lambda _: f"{self.prog} {version()}\n", help="Display program version information and exit")
 
     def error(self, message):
         words = message.removeprefix("unrecognized arguments: ").split()
@@ -79,16 +90,13 @@ class Once(argparse.Action):
 
 
 def parser_of_options():
-    parser = Parser(PROGRAM, add_help=False, allow_abbrev=False)
+    parser = Parser(PROGRAM, ABOUT, NOTES)
     parser.add_argument("inputs", nargs="*")
-
-    def option(*names, **fields):
-        parser.add_argument(*names, **{"action": Once} | fields)
+    option = parser.option
 
     def repeatable(name, metavar, dest, kind, text):
         option(name, metavar=f"{metavar} ...", action="append", default=[], dest=dest, type=kind, help=text)
-    option("-h", "--help", action=Said, nargs=0, const=Parser.format_help, help="Print this help message and exit")
-    option("--version", action=Said, nargs=0, const=lambda _: f"{PROGRAM} {version()}\n", help="Display program version information and exit")
+    parser.common_options()
     repeatable("--vary", "NAME=V,V...", "parameters", parse_parameter,
                "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or a field of the board's "
                "configuration; repeatable: all combinations are run")
@@ -200,7 +208,7 @@ def arguments_of(point):
     """As gicube-render takes them: the input first."""
     words = [point["input"]] if "input" in point else []
     for name, value in point.items():
-        if "." in name:
+        if is_field(name):
             words += ["--set", f"{name}={value}"]
         elif name != "input" and value == "on":
             words.append(f"--{name}")
@@ -298,8 +306,8 @@ def json_text(options, rows, command):
     return json_file({"cost": options.cost, "error": options.error, "front": [point for point in points if point["front"]], "points": points}, command)
 
 
-def json_file(whole, command):
-    whole["provenance"] = {"program": PROGRAM, "version": version(), "command": command}
+def json_file(whole, command, program_name=PROGRAM):
+    whole["provenance"] = {"program": program_name, "version": version(), "command": command}
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -341,8 +349,8 @@ def print_front(options, rows):
 
 
 def program(name):
-    """A program of the SDK: beside this one, also where a link leads to it; or on the PATH."""
-    place = pathlib.Path(__file__).absolute()
+    """A program of the SDK: beside the one that runs, also where a link leads to it; or on the PATH."""
+    place = pathlib.Path(getattr(sys.modules["__main__"], "__file__", __file__)).absolute()
     while not (place.parent / name).exists() and place.is_symlink():
         place = place.parent / place.readlink()
     return str(place.parent / name) if (place.parent / name).exists() else name
@@ -374,18 +382,19 @@ def sweep(arguments):
         print_front(options, rows)
 
 
-def main():
+def carry_out_program(name, work):
+    """work(arguments of the command line); errors become one line. Returns the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
-        sweep(sys.argv[1:])
+        work(sys.argv[1:])
         sys.stdout.flush()
     except (RunFailed, FileError, InputError, MemoryError, OSError, subprocess.CalledProcessError) as error:
         text = f"standard output: {os.strerror(error.errno)}" if isinstance(error, OSError) and not error.filename else error
-        print(f"{PROGRAM}: {text}", file=sys.stderr)
+        print(f"{name}: {text}", file=sys.stderr)
         sys.stdout = None  # what is left in its buffer has no place
         return 1
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(carry_out_program(PROGRAM, sweep))

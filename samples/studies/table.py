@@ -4,6 +4,7 @@ import csv
 import errno
 import io
 import math
+import operator
 import os
 import pathlib
 import shutil
@@ -54,9 +55,10 @@ def rows_of(file):
 
 
 def on_front(points):
-    """Of (cost, error): whether no other is cheaper and better, one truth value a point. Without an error, not-a-number, it is not."""
-    return [not math.isnan(error) and not any(other[0] <= cost and other[1] <= error and (other[0] < cost or other[1] < error) for other in points)
-            for cost, error in points]
+    """Points are tuples of figures of which less is better. Returns a truth value a point: whether no other is at least as good in all of
+    them and better in one. A point with not-a-number is not on the front."""
+    return [not any(map(math.isnan, point)) and not any(all(map(operator.le, other, point)) and other != point for other in points)
+            for point in points]
 
 
 def pareto(out, tables, *, error, costs, series=("series",), per=None):

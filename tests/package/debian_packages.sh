@@ -53,6 +53,9 @@ unset GICUBE_BOARD
 grep -q 'of 1 runs' "$scratch/sweep.log"
 gzip -t "$scratch/root/usr/share/man/man1/gicube-sweep.1.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-sweep"
+"$scratch/root/usr/bin/gicube-explore" --help | grep -q '^Usage: gicube-explore'
+gzip -t "$scratch/root/usr/share/man/man1/gicube-explore.1.gz"
+test -e "$scratch/root/usr/share/bash-completion/completions/gicube-explore"
 PYTHONPATH=$scratch/root/usr/lib/python3/dist-packages PATH=/usr/bin:/bin python3 -B -c 'import gicube
 assert gicube.__file__.startswith("'"$scratch"'")
 setup = gicube.parse_scene("volume { builtin: \"buckyball\" size: 32 } image { width: 32 height: 32 }").set_up()

@@ -1,0 +1,119 @@
+"""The search of gicube-explore: which configurations it measures, in rounds."""
+import itertools
+import math
+import random
+import warnings
+
+from studies.runs import InputError, RunFailed
+
+ROUND = 10  # chosen: points whose runs can be made at once; more of them learn less from each other
+START = 20  # chosen: by the measurement of docs/guide/explore.md, as the two below
+CANDIDATES = 8
+GOOD = 18  # the share of points that count as good is 0.3, up to this many: their hypervolumes take the sampler's time
+
+
+def import_optuna():
+    try:
+        import optuna
+    except ImportError as error:
+        raise RunFailed(f"gicube-explore: expected optuna (Debian package python3-optuna), got {error}") from error
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    warnings.filterwarnings("ignore", category=optuna.exceptions.ExperimentalWarning)
+    return optuna
+
+
+def size_of(parameters):
+    return math.prod(len(values) for _, values in parameters)
+
+
+def search(parameters, count, seed, measure):
+    """Proposes configurations, at most `count` that are accepted, all of them different. measure(round) gets a list of dictionaries, and returns
+    for each of them (figures to minimise, violations of the constraints, 0 for one that holds), or None for one that was refused; it returns
+    None in place of the list to end the search. The same seed and the same figures make the same search. Returns whether it came to its end."""
+    optuna = import_optuna()
+    space = {name: optuna.distributions.IntDistribution(0, len(values) - 1) for name, values in parameters}
+    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=START, multivariate=True, n_ei_candidates=CANDIDATES,
+                                         gamma=lambda n: max(1, min(math.ceil(0.3 * n), GOOD)),
+                                         constraints_func=lambda trial: trial.user_attrs["violations"])
+    study, chance, found = None, random.Random(seed), {}
+    corners = [{name: 0 for name, _ in parameters}, {name: len(values) - 1 for name, values in parameters}]
+    accepted = 0
+    while accepted < count and len(found) < size_of(parameters):
+        asked, known = {}, 0
+        while len(asked) < min(ROUND, count - accepted) and len(found) + len(asked) < size_of(parameters):
+            if study is None:  # before the first figures
+                place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name, values in parameters}).values())
+                trial = None
+            elif known > ROUND or count == size_of(parameters):  # the sampler repeats itself; or it has nothing to choose
+                place, trial = unseen(parameters, found.keys() | asked.keys(), chance), None
+            else:
+                trial = study.ask(space)
+                place = tuple(trial.params[name] for name, _ in parameters)
+            if place not in found and place not in asked:
+                asked[place] = trial
+                continue
+            known += 1
+            if trial:
+                tell(optuna, study, trial, None)
+        settings = [{name: values[i] for (name, values), i in zip(parameters, place)} for place in asked]
+        results = measure(settings)
+        if results is None:
+            return False
+        for (place, trial), result in zip(asked.items(), results):
+            found[place] = result
+            accepted += result is not None
+            if result is None:
+                if trial:
+                    tell(optuna, study, trial, None)
+                continue
+            if study is None:
+                study = optuna.create_study(directions=["minimize"] * len(result[0]), sampler=sampler)
+            if trial:
+                tell(optuna, study, trial, result)
+            else:
+                values, violations = told(result)
+                study.add_trial(optuna.trial.create_trial(
+                    params={name: i for (name, _), i in zip(parameters, place)}, distributions=space, values=values,
+                    user_attrs={"violations": violations}, system_attrs={"constraints": violations}))
+    return True
+
+
+def told(result):
+    figures, violations = result
+    return [math.log(max(figure, 1e-300)) for figure in figures], list(violations)
+
+
+def tell(optuna, study, trial, result):
+    """One that was refused, or that was proposed before, teaches nothing."""
+    if result is None:
+        study.tell(trial, state=optuna.trial.TrialState.FAIL)
+        return
+    values, violations = told(result)
+    trial.set_user_attr("violations", violations)
+    study.tell(trial, values)
+
+
+def unseen(parameters, seen, chance):
+    """A configuration that was not proposed: tried by chance, then in order."""
+    for _ in range(100):
+        place = tuple(chance.randrange(len(values)) for _, values in parameters)
+        if place not in seen:
+            return place
+    return next(place for place in itertools.product(*(range(len(values)) for _, values in parameters)) if place not in seen)
+
+
+def hypervolume(points, worst):
+    """The volume that points (of which less is better) dominate below the point `worst`, exactly, by slices along the last figure."""
+    inside = sorted((point for point in points if all(a < b for a, b in zip(point, worst))), key=lambda point: point[-1])
+    if not inside:
+        return 0.0
+    if len(worst) == 1:
+        return worst[0] - inside[0][0]
+    heights = [point[-1] for point in inside[1:]] + [worst[-1]]
+    return sum((above - point[-1]) * hypervolume([each[:-1] for each in inside[:i + 1]], worst[:-1])
+               for i, (point, above) in enumerate(zip(inside, heights)) if above > point[-1])
+
+
+def check_count(count, parameters):
+    if not 1 <= count <= size_of(parameters):
+        raise InputError("--points", f"1 to {size_of(parameters)}, the configurations of the space", count)
