@@ -205,16 +205,23 @@ def draw_chart(explorer, rows):
              ("the paper's card", [explorer.paper], {"colour": 1, "mark": 3, "hollow": True})]
 
     def panel(name):
-        series = [draw.Series(label, [row.figures[name] for row in drawn], [row.figures[first] for row in drawn], look="points", **look)
+        series = [draw.Series(label, [row.figures[name] / unit_of(name) for row in drawn], [row.figures[first] / unit_of(first) for row in drawn],
+                              look="points", **look)
                   for label, drawn, look in kinds if drawn]
         positive = {of: all(row.figures[of] > 0 for row in rows) for of in (first, name)}
         return draw.Panel(label_of(name), label_of(first), series, log_x=positive[name], log_y=positive[first])
-    draw.panels(explorer.options.folder / f"{explorer.options.name}.svg", explorer.options.title or explorer.options.name, list(map(panel, others)))
+    title = explorer.options.title or f"{len(rows)} configurations of the board, the paper's card among them"
+    draw.panels(explorer.options.folder / f"{explorer.options.name}.svg", title, list(map(panel, others)))
+
+
+def unit_of(name):
+    """In the chart; Mb are 2^20 bits, as in the paper."""
+    return {"transistors": 1e6, "memory_bits": 2 ** 20}.get(name, 1)
 
 
 def label_of(name):
     return {"frame_ms": "simulated ms of a picture", "energy": "energy of a picture, J", "power": "mean power, W",
-            "transistors": "transistors of the logic", "memory_bits": "bits of on-chip memory"}.get(name, name)
+            "transistors": "transistors of the logic, millions", "memory_bits": "on-chip memory, Mb"}.get(name, name)
 
 
 def print_front(explorer, rows):

@@ -19,8 +19,8 @@ FIGURES = ("frame_ms", "energy", "transistors", "memory_bits")  # those that the
 def read_grid(file):
     """[(field, values)], and {values: figures}."""
     rows = [row for row in rows_of(file) if row["paper"] == "0"]
-    fields = [name for name in rows[0] if "." in name]
-    parameters = [(name, sorted({row[name] for row in rows}, key=int)) for name in fields]
+    fields = [name for name in rows[0] if name not in (*FIGURES, "front", "paper", "breaks", "command")]
+    parameters = [(name, sorted({row[name] for row in rows}, key=lambda text: (len(text), text))) for name in fields]
     return parameters, {tuple(row[name] for name in fields): [float(row[name]) for name in FIGURES if name in row] for row in rows}
 
 

@@ -100,7 +100,7 @@ def test_the_hypervolume_is_that_of_another_program():
     assert search.hypervolume([(0.5, 0.5), (0.25, 0.75)], (1, 1)) == 0.25 + 0.25 * 0.25
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_fifth_of_a_grids_runs_finds_nearly_all_of_its_hypervolume(seed):
     parameters, grid = explore_grid.read_grid(HERE / "explore_grid.csv")
     assert len(grid) == 300
@@ -137,15 +137,15 @@ def runs(folder):
 
 
 def test_a_front_a_chart_and_the_command_for_each_point(tmp_path):
-    done = run(tmp_path, "-o out --points 8 --chart --jobs 2")
+    done = run(tmp_path, "-o out --points 4 --chart --jobs 2")
     assert done.returncode == 0, done.stderr
     whole = json.loads((tmp_path / "out/explore.json").read_text())
-    assert len(whole["points"]) == 9 and whole["points"][0]["paper"] and any(point["front"] for point in whole["points"])
+    assert len(whole["points"]) == 5 and whole["points"][0]["paper"] and any(point["front"] for point in whole["points"])
     # With or without energy: it is an objective, or it is said that it is none.
     assert ("energy" in whole["objectives"]) == ("energy is no objective: the runs have no counter energy.total" not in done.stderr)
     assert "the paper's card" in (tmp_path / "out/explore.svg").read_text() and "the paper's card" in done.stdout
     rows = list(csv.DictReader((tmp_path / "out/explore.csv").read_text().splitlines()))
-    assert len(rows) == 9 and rows[0]["paper"] == "1" and "--set memory=" in rows[1]["command"]
+    assert len(rows) == 5 and rows[0]["paper"] == "1" and "--set memory=" in rows[1]["command"]
     subprocess.run(rows[1]["command"], shell=True, check=True, cwd=tmp_path, stdout=subprocess.DEVNULL,
                    env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
     assert json.loads((tmp_path / "run.json").read_text())["frame_ms"] == pytest.approx(float(rows[1]["frame_ms"]), rel=1e-5)
@@ -154,7 +154,7 @@ def test_a_front_a_chart_and_the_command_for_each_point(tmp_path):
     before, table = runs(tmp_path), (tmp_path / "out/explore.csv").read_bytes()
     lost = next(iter(before))
     (tmp_path / "out/runs" / lost).unlink()
-    assert run(tmp_path, "-o out --points 8 --jobs 2").returncode == 0
+    assert run(tmp_path, "-o out --points 4 --jobs 2").returncode == 0
     after = runs(tmp_path)
     assert {name for name in before if before[name] != after[name]} == {lost} and (tmp_path / "out/explore.csv").read_bytes() == table
 
@@ -175,14 +175,14 @@ def test_energy_is_an_objective_and_power_a_constraint_where_runs_have_the_count
 
 def test_shards_do_each_run_once_and_round_by_round_come_to_the_same_table(tmp_path):
     (tmp_path / "whole").mkdir()
-    assert run(tmp_path / "whole", "-o out --points 8 --quiet").returncode == 0
+    assert run(tmp_path / "whole", "-o out --points 4 --quiet").returncode == 0
     said = []
     for _ in range(2):  # the paper's card with the first round, as shard 1 begins; then what shard 1 left
-        said = [run(tmp_path, f"-o out --points 8 --shard {i}/2 --jobs 1").stdout for i in (1, 2)]
+        said = [run(tmp_path, f"-o out --points 4 --shard {i}/2 --jobs 1").stdout for i in (1, 2)]
         assert not (tmp_path / "out/explore.csv").exists()
     assert all("the search is at its end" in each for each in said)
     before = runs(tmp_path)
-    assert run(tmp_path, "-o out --points 8 --quiet").returncode == 0 and runs(tmp_path) == before
+    assert run(tmp_path, "-o out --points 4 --quiet").returncode == 0 and runs(tmp_path) == before
     assert (tmp_path / "out/explore.csv").read_bytes() == (tmp_path / "whole/out/explore.csv").read_bytes()
 
 
