@@ -105,7 +105,7 @@ class Explorer:
         return point
 
     def carry_out(self, points):
-        """False if runs are left that other shards have."""
+        """Makes the runs that are left, or this shard's part. Returns whether all of them are there."""
         runs = list({run.key(): run for point in points for run in point.runs}.values())
         own = runs[self.options.shard[0] - 1::self.options.shard[1]] if self.options.shard else runs
         carry_out_all(self.folder, own, program("gicube-render"), self.options.jobs,
@@ -143,7 +143,7 @@ class Explorer:
         return True
 
     def measure(self, proposed):
-        """As search() wants it."""
+        """Measures a round; search() calls it. Returns None if other shards still have runs of it."""
         points = [self.describe(settings) for settings in proposed]
         accepted = [point for point in points if not point.reason]
         self.rounds += 1
@@ -163,7 +163,7 @@ def absent(name, what):
 
 
 def command_of(point, space, folder):
-    """Of one scene its run; of several the sweep over them, which finds the search's runs where it is given its folder."""
+    """The run, if there is one scene; else a sweep over the scenes, which uses the runs of the search again in the same folder."""
     if len(point.runs) == 1:
         return point.runs[0].command()
     settings = [word for name, value in (point.settings | dict(space.fixed)).items() for word in ("--fix", f"{name}={value}")]
@@ -232,11 +232,11 @@ def print_front(explorer, rows):
                 "" if row.on_front else ", not on the front") + "".join(f", breaks {each}" for each in row.broken)
             print("  ".join(f"{value:12.6g}" for value in row.figures.values()) + f"  {text}")
     if explorer.refused:
-        print(f"{len(explorer.refused)} without a run: {explorer.refused[0].reason}, and others; see {explorer.options.name}.json")
+        print(f"{len(explorer.refused)} more without a run ({explorer.options.name}.json lists them); the first: {explorer.refused[0].reason}")
 
 
 def warn_of_free_fields(explorer):
-    """A field that changes no cost is used to its end."""
+    """A search drives a field that changes no cost to its fastest value, which says nothing about a good card."""
     if "energy" in explorer.objectives or not set(explorer.objectives) & set(KNOWN):
         return
     for name, values in explorer.space.parameters:

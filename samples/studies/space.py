@@ -53,7 +53,7 @@ def expect(holds, what, expected, got):
 
 
 def text_of(name, value):
-    """As gicube-render takes it: true and false are on and off."""
+    """A value in the form of gicube-sweep: true and false are on and off."""
     expect(isinstance(value, (str, int, float)), name, "a text, a number, true or false", value)
     return ("on" if value else "off") if isinstance(value, bool) else str(value)
 
