@@ -133,7 +133,7 @@ TEST(Doctor, SpeaksJson) {
 TEST(Doctor, SaysWhatIsWrongWithAUri) {
   const Finished run = doctor("usb:3");
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.out, HasSubstr("expected emu:, unix:PATH, tcp:HOST:PORT or tls:HOST:PORT"));
+  EXPECT_THAT(run.out, HasSubstr("expected emu:, unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS"));
 }
 
 }  // namespace

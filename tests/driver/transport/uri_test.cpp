@@ -146,7 +146,8 @@ TEST(Uri, ACaptureIsTheDriversOwnAffair) {
 }
 
 TEST(Uri, ARefusalNamesFieldExpectationAndValueInThisOrder) {
-  EXPECT_EQ(error_of("usb:0"), "URI: expected emu:, unix:PATH, tcp:HOST:PORT or tls:HOST:PORT, got \"usb:0\"");
+  EXPECT_EQ(error_of("usb:0"),
+            "URI: expected emu:, unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS, got \"usb:0\"");
   EXPECT_EQ(error_of("emu:0"), "URI: expected emu: or emu:?option=value, got \"emu:0\"");
   EXPECT_EQ(error_of("emu:?fidelity"), "URI option: expected option=value, got \"fidelity\"");
   EXPECT_EQ(error_of("emu:?bus=pci33&bus=agp1x"), "URI option bus: expected to be given once, got it twice");
