@@ -60,7 +60,7 @@ struct StoredLayout {
   double intercept = 0;
   int channels = 1;              // samples of a voxel, side by side
   int channel = -1;              // which of them, from 0; -1: the channels are red, green, blue and, of four, alpha
-  WorldPlacement placement;      // of the axes as they are stored; directions of any length but 0
+  WorldPlacement placement{};    // of the axes as they are stored; directions of any length but 0
   std::size_t first_sample = 0;  // of a part: the number of its first, as errors name it
 };
 
