@@ -152,11 +152,13 @@ const std::vector<Rule>& rules() {
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
       {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
-      {"driver/scene/pictures", {"driver/scene/formats/picture_library.h"}, {"OpenImageIO"}},
+      {"driver/scene/pictures", {"driver/scene/formats/picture_library.h", "driver/scene/formats/stored_samples.h"}, {"OpenImageIO"}},
+      {"driver/scene/libraries", {"driver/scene/formats/volume_library.h"}, {"dcmtk", "fmt", "hdf5.h", "openvdb"}},
       {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"},
                              {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
-                             {"dlfcn.h", "fmt", "locale.h", "nifti2_io.h", "png.h", "pugixml.hpp", "teem", "zlib.h"}},
+                             {"bzlib.h", "dlfcn.h", "fcntl.h", "fmt", "locale.h", "minizip", "nifti2_io.h", "png.h", "pugixml.hpp", "sys", "teem", "unistd.h",
+                              "zlib.h"}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
       {"driver/scene/geometry", {"driver/scene/geometry", "driver/scene/buckyball.h", "driver/scene/common",
                               "driver/scene/formats/header_lines.h", "driver/scene/formats/stored_samples.h",

@@ -11,7 +11,6 @@
 #include "gicube/scene/orientation.h"
 #include "scene/common/checks.h"
 #include "scene/formats/plane_file.h"
-#include "scene/geometry/signed_distance.h"
 
 namespace gicube::scene {
 namespace {
@@ -23,6 +22,7 @@ constexpr double kLeastDeterminant = 1e-3;  // chosen: of unit vectors that span
 
 std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 std::size_t index_of(int axis) { return static_cast<std::size_t>(std::abs(axis) - 1); }
+Vec3 unit_or_zero(Vec3 v) { return length(v) > 0 ? normalise(v) : Vec3{}; }
 double determinant(const std::array<Vec3, 3>& axes) { return dot(cross(axes[0], axes[1]), axes[2]); }
 
 // The placement with unit vectors. A zero or a direction that is no number stays what it is.

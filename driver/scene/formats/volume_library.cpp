@@ -16,6 +16,7 @@
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/plug_in.h"
+#include "scene/formats/reading_child.h"
 
 namespace gicube::scene {
 namespace {
@@ -58,7 +59,9 @@ bool is_hdf5(const std::filesystem::path& file) { return file_start(file, 8) == 
 bool is_openvdb(const std::filesystem::path& file) { return file_start(file, 4) == " BDV"; }  // a little-endian "VDB "
 
 Volume read_by(const std::string& library, const std::filesystem::path& file, const std::string& part) {
-  LibraryVolume read = library_of(library, file).read(file, part);
+  const VolumeLibrary& reader = library_of(library, file);  // loaded here, once
+  LibraryVolume read =
+      library == "dicom" ? reader.read(file, part) : read_in_child(file, [&] { return reader.read(file, part); });
   for (const FileFault& each : read.warnings) warn(each.file, each.field, each.expected, each.got);
   if (read.fault) throw FileError(read.fault->file, read.fault->field, read.fault->expected, read.fault->got);
   read.layout.file = file;
