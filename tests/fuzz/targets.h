@@ -24,6 +24,8 @@ void ctsimu(Bytes input);
 void mesh(Bytes input);
 void meta_image(Bytes input);
 void nifti(Bytes input);
+void numpy(Bytes input);
+void legacy_vtk(Bytes input);
 void nrrd(Bytes input);
 void pfm(Bytes input);
 void orbit(Bytes input);

@@ -16,7 +16,9 @@ std::size_t sample_bytes(SampleType type) {
   }
 }
 
-void read(Bytes input, samples::StoredFile (*find)(const std::filesystem::path&)) {
+using Find = samples::StoredFile (*)(const std::filesystem::path&);
+
+void read(Bytes input, Find find) {
   const MemoryFile file(input);
   try {
     const samples::StoredFile found = find(file.path());
@@ -44,7 +46,13 @@ void read(Bytes input, samples::StoredFile (*find)(const std::filesystem::path&)
 void nrrd(Bytes input) {
   read(input, [](const std::filesystem::path& file) { return samples::find_nrrd(file); });
 }
-void nifti(Bytes input) { read(input, samples::find_nifti); }
+void nifti(Bytes input) {
+  read(input, [](const std::filesystem::path& file) { return samples::find_nifti(file); });
+}
+void numpy(Bytes input) {
+  read(input, [](const std::filesystem::path& file) { return samples::find_numpy(file); });
+}
+void legacy_vtk(Bytes input) { read(input, samples::find_legacy_vtk); }
 void meta_image(Bytes input) {
   read(input, [](const std::filesystem::path& file) { return samples::find_meta_image(file); });
 }
