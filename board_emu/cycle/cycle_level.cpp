@@ -87,6 +87,7 @@ void CycleLevel::reset() {
   emu::count(*machine_, list);
   add_counters(list, past_);
   past_cycles_ahead_ += machine_->cycles_ahead();
+  if (observer_ != nullptr) observer_->removed(*machine_);
   machine_.reset();
 }
 

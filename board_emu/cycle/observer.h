@@ -45,6 +45,8 @@ class Observer {
   // call, after happened(), and every 4096 cycles.
   virtual Cycle next(Cycle from) { return from; }
   virtual void see(Cycle /*now*/, const Machine& /*machine*/) {}
+  // The machine is about to be removed, because its run was cancelled or failed.
+  virtual void removed(const Machine& /*machine*/) {}
 
   // Whether happened() is to be called for ray number `ray` of the run's source. Queried once, when the DSP makes the ray.
   virtual bool watches(std::uint64_t /*ray*/, const wire::Ray& /*made*/) { return false; }

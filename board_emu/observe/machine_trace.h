@@ -62,11 +62,15 @@ class MachineTrace : public Observer {
     if (next_ >= next_power_) show_power(machine);
     if (next_ >= window_.end) end();
   }
+  void removed(const Machine& machine) override {
+    if (seen_ && next_ > power_since_) show_power(machine);
+    machine_ = nullptr;
+  }
   // Closes all open slices. To be called after the last cycle of a command.
   void end() {
     if (!seen_) return;
     seen_ = false;
-    if (next_ > power_since_) show_power(*machine_);
+    if (machine_ != nullptr && next_ > power_since_) show_power(*machine_);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       lanes_[i].causes.finish(next_, [this, i](const CauseSlice& slice) { write_cause(i, slice); });
       close_active(i, next_);
@@ -242,7 +246,7 @@ class MachineTrace : public Observer {
   std::optional<EnergyModel> energy_;
   std::vector<PartEnergy> spent_;  // at the window's begin
   std::vector<std::uint64_t> shown_power_;
-  const Machine* machine_ = nullptr;  // of the command that is recorded
+  const Machine* machine_ = nullptr;  // whose cycles are recorded; null once it was removed
   Cycle power_since_ = 0, next_power_ = 0;
   std::size_t named_lanes_ = 0;
 };

@@ -33,6 +33,9 @@ class Observers final : public Observer {
       if (seat.sees <= now) seat.observer->see(now, machine);
     }
   }
+  void removed(const Machine& machine) override {
+    for (Seat& seat : seats_) seat.observer->removed(machine);
+  }
   bool watches(std::uint64_t ray, const wire::Ray& made) override {
     std::uint32_t by = 0;
     for (std::size_t i = 0; i < seats_.size(); ++i) by |= std::uint32_t{seats_[i].observer->watches(ray, made)} << i;

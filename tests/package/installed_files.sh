@@ -28,7 +28,7 @@ pictures=$(find "$prefix" -name 'libgicube-pictures.so.0.2')
 mv "$pictures" "$scratch/away"
 render picture.png
 if said=$(render other.exr); then exit 1; fi
-[[ -e /usr/lib/$(gcc -print-multiarch)/libgicube-pictures.so.0.2 ]] || grep -q 'other.exr: image: expected one that can be .* libgicube-pictures.so.0.2' <<<"$said"
+[[ -e /usr/lib/$(gcc -print-multiarch)/libgicube-pictures.so.0.2 ]] || grep -q 'other.exr: format: expected one that can be .* libgicube-pictures.so.0.2' <<<"$said"
 mv "$scratch/away" "$pictures"
 
 cmake -S "$source/samples/installed" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \

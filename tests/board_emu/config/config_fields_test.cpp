@@ -232,6 +232,7 @@ void leaves(const google::protobuf::Descriptor& message, const std::string& pref
 TEST(ConfigFields, AreAllInTheTable) {
   std::set<std::string> in_schema, in_table{"fidelity"};  // whose values are the columns
   leaves(*v1::BoardConfig::descriptor(), "", in_schema);
+  std::erase_if(in_schema, [](const std::string& name) { return name.starts_with("energy."); });  // energy_test.cpp
   for (const Field& field : kFields) EXPECT_TRUE(in_table.insert(field.name).second) << field.name << " stands twice";
   EXPECT_EQ(in_schema, in_table);
 }

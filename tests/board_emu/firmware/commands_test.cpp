@@ -25,7 +25,7 @@ TEST(Registers, TakeTheLimitsOfEachFieldAndKeepTheirValueBeyond) {
                          {reg::kSpacingY, 1024, 64 << 16},
                          {reg::kSpacingZ, 1024, 64 << 16},
                          {reg::kOpacityThreshold, 0, (1 << 24) - 1},
-                         {reg::kPipeline, 0, 63},
+                         {reg::kPipeline, 0, 127},
                          {reg::kLifetime, 0, 1023},
                          {reg::kCutPlanes, 0, 6},
                          {reg::kVolumeX, 2, 1024}}) {

@@ -53,11 +53,13 @@ TEST_P(Scans, EveryPlanTakesTheCheapestSettingWhoseBoundKeepsTheTarget) {
   if (!study.available()) GTEST_SKIP() << "needs " << study.scene.volume.file.string();
   double last = std::numeric_limits<double>::infinity();
   for (const Plan& plan : plans_for(study, 96, {0.005, 0.01, 0.02, 0.03, 0.05}, "emu:?fidelity=functional")) {
-    SCOPED_TRACE(plan.request.max_error);
+    SCOPED_TRACE(testing::Message() << "error " << plan.request.max_error << ", level " << plan.chosen.level
+                                    << ", step " << plan.chosen.step << ", pilot of " << plan.chosen.pilot_width);
     EXPECT_TRUE(plan.kept);
     EXPECT_LE(plan.chosen.error_bound, plan.request.max_error);
     EXPECT_EQ(cheaper_and_kept(plan), 0);
-    EXPECT_LE(plan.chosen.samples, last);
+    // Pilots of 48 and of 96 pixels predict slightly different costs of one setting.
+    EXPECT_LE(plan.chosen.samples, 1.005 * last);
     last = plan.chosen.samples;
   }
 }

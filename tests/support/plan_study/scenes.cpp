@@ -15,6 +15,7 @@ StudyScene buckyball(const std::string& name, int size) {
 StudyScene scan(const std::string& name, const std::filesystem::path& file, const std::string& preset) {
   StudyScene study{name, preset, {}};
   study.scene.volume.file = file;
+  study.scene.volume.as_stored = true;  // cameras of the study are placed in these axes
   study.scene.transfer_function = samples::find_preset(preset);
   return study;
 }

@@ -85,16 +85,16 @@ constexpr int kMinBuckyballSize = 16, kMaxBuckyballSize = 1024;  // voxels an ed
 
 // Where a volume comes from.
 struct VolumeSource {
-  std::string builtin;           // "buckyball", or empty
-  std::filesystem::path file;    // a file or a folder of slices
-  int size = 256;                // voxels an edge, builtin only
-  std::optional<RawLayout> raw;  // headerless files only
-  std::optional<Vec3> spacing;   // in place of the file's
-  bool allow_outside = false;    // a header may name a data file outside of its folder and those below
-  bool as_stored = false;        // axes stay as the file has them, whatever it says of their directions
+  std::string builtin{};           // "buckyball", or empty
+  std::filesystem::path file{};    // a file or a folder of slices
+  int size = 256;                  // voxels an edge, builtin only
+  std::optional<RawLayout> raw{};  // headerless files only
+  std::optional<Vec3> spacing{};   // in place of the file's
+  bool allow_outside = false;      // a header may name a data file outside of its folder and those below
+  bool as_stored = false;          // axes stay as the file has them, whatever it says of their directions
   // Which volume, if the file or folder has several: its name or number, as the error says that lists them.
-  std::string part;
-  std::optional<double> nan;  // replaces samples that are no finite numbers
+  std::string part{};
+  std::optional<double> nan{};  // replaces samples that are no finite numbers
   // For set_up(): a file with more than kMaxWholeBytes of samples is read in planes while load() sends it, and SceneSetup has no samples.
   bool in_planes = false;
 
