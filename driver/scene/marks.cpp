@@ -24,7 +24,8 @@ constexpr std::array<std::pair<char, std::array<std::uint8_t, 7>>, 10> kLetters{
     {'z', {0b00000, 0b00000, 0b11111, 0b00010, 0b00100, 0b01000, 0b11111}},
     {'-', {0b00000, 0b00000, 0b00000, 0b11111, 0b00000, 0b00000, 0b00000}},
 }};
-constexpr Pixel kNear{240, 228, 66, 4095}, kFar{150, 142, 40, 4095}, kOutline{0, 0, 0, 4095};  // yellow of Okabe and Ito
+constexpr Pixel kNear{240, 228, 66, 4095}, kFar{150, 142, 40, 4095},
+    kOutline{0, 0, 0, 4095};  // yellow of Okabe and Ito
 constexpr int kSmallest = 64;
 
 Vec3 unit(Vec3 v) { return length(v) > 0 ? (1 / length(v)) * v : v; }

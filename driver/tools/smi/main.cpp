@@ -142,7 +142,8 @@ int run(int argc, const char* const* argv) {
   app.require_subcommand(0, 1);
   add_json(app, options);
 
-  add_management(*add_command(app, options, list, "list", "the boards of a process; without one, PCI functions"), options, kManagement);
+  add_management(*add_command(app, options, list, "list", "the boards of a process; without one, PCI functions"),
+                 options, kManagement);
   add_board_command(app, options, info, "info", "a board's configuration and routines");
   add_top(app, options);
   add_uri(*add_command(app, options, validate, "validate",

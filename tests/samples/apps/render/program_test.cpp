@@ -254,9 +254,8 @@ TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
 TEST_F(RenderProgram, SaysOnceOfEachReasonWhyNothingIsVisible) {
   std::ofstream(path("mask.raw"), std::ios::binary)
       << std::string(8 * 8 * 8 / 2, '\0') + std::string(8 * 8 * 8 / 2, '\1');
-  const std::string mask =
-      path("mask.raw") + " --dims 8,8,8 --size 8x8 -o " + path("a.png") + " --stats " + path("a.json") +
-                           " --transfer-function " + path("dense.tf");
+  const std::string mask = path("mask.raw") + " --dims 8,8,8 --size 8x8 -o " + path("a.png") + " --stats " +
+                           path("a.json") + " --transfer-function " + path("dense.tf");
   std::ofstream(path("dense.tf")) << "colour 0 1 1 1\nopacity 25.5 0\nopacity 255 1\n";
   const ProgramResult empty = run(mask);
   ASSERT_EQ(empty.code, 0) << empty.err;
