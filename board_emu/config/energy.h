@@ -14,7 +14,7 @@
 
 namespace gicube::emu {
 
-// Of one part of the card. `low` and `high` follow from the uncertainties of the prices, all wrong in one direction.
+// The energy of one part of the card. `low` and `high` are what it took if all its prices are wrong in one direction by their uncertainty.
 struct PartEnergy {
   const char* part = "";
   std::uint64_t pj = 0, low_pj = 0, high_pj = 0;

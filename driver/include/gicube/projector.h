@@ -40,7 +40,7 @@ struct ProjectorSetup {
   double step = 1;  // between samples, at most, 1/64..16 voxels
 };
 
-// What a Projector's rays have done so far.
+// Counts of a Projector's rays since it was made.
 struct ProjectorCounts {
   std::uint64_t rays = 0;        // of both directions
   std::uint64_t deposits = 0;    // of backprojections
@@ -74,8 +74,8 @@ class GICUBE_API Projector {
   // float a voxel, x fastest. `values`: as many as project() returns for these views.
   // Throws BadArgument (another number of values, one that is not finite), what the board throws.
   std::vector<float> backproject(std::span<const float> values, Views views = {});
-  // The same of values(i) for the i-th of `views`, asked for in this order, whose size none exceeds `max`, which fixes the unit of the
-  // board's sums: one half of a sum holds `max` on all rays.
+  // Backprojects views that need not all be in memory: values(i) gives those of the i-th of `views`, and is asked in this order. No value
+  // may be larger in size than `max`, which fixes the unit of the board's sums: half of a sum's range holds `max` on all rays.
   std::vector<float> backproject(Views views, double max, const ViewValues& values);
 
   // Loads an empty volume, as backproject() does where nothing was projected before.

@@ -34,7 +34,7 @@ void add_dtypes(py::module_& module) {
   module.attr("PAIR_FACTOR") = py::dtype::of<PairFactor>();
 }
 
-// What records hold if nothing is said: their dataclasses must hold the same, which a test compares.
+// The defaults of all records. A test compares those of the dataclasses with them.
 template <typename... T>
 struct Defaults {
   static py::list all() {

@@ -85,7 +85,7 @@ void DataStream::inflate_some(std::span<std::byte> out) {
   }
 }
 
-// The same for bzip2, which has several streams one after another where several threads made them.
+// Reads bzip2. Compressors that work in several threads write several streams one after another.
 void DataStream::decompress_some(std::span<std::byte> out) {
   if (decompressor_.avail_in == 0) {
     decompressor_.avail_in = static_cast<unsigned>(read_file(buffer_.data(), buffer_.size()));

@@ -193,7 +193,7 @@ std::filesystem::path partner(const std::filesystem::path& file, const char* ext
   return name.replace_extension(extension);
 }
 
-// Of an Analyze file, which has no magic.
+// An Analyze file has no magic: its name tells it.
 bool has_pair_name(const std::filesystem::path& file) {
   const std::string name = lower_case(file.filename().string());
   return name.ends_with(".hdr") || name.ends_with(".hdr.gz");

@@ -39,14 +39,7 @@ ScanDescription read_astra(const std::filesystem::path& file, const StackFiles& 
     check_view(views.back(), file, where);
   }
   expect(views.size() >= 2, file, "views", "at least 2", fmt::format("{}", views.size()));
-  ScanDescription out;
-  const Pixels pixels = pixels_of(projections, given, file);
-  out.file = file;
-  out.projections = projections;
-  out.geometry.detector.columns = pixels.columns;
-  out.geometry.detector.rows = pixels.rows;
-  set_views(std::move(views), {}, out);
-  return out;
+  return scan_of(std::move(views), pixels_of(projections, given, file), file, projections);
 }
 
 void write_astra(const ConeGeometry& geometry, const std::filesystem::path& file) {

@@ -86,6 +86,9 @@ struct Pixels {
 };
 // Throws FileError: no projections and nothing given, what reading a stack throws.
 Pixels pixels_of(const StackFiles& projections, const PixelsGiven& given, const std::filesystem::path& file);
+// A scan of the views of a geometry file, which says nothing of pixels and projections.
+ScanDescription scan_of(std::vector<ViewPose> views, const Pixels& pixels, const std::filesystem::path& file,
+                        const StackFiles& projections);
 
 // The geometry files of RTK (ThreeDCircularProjectionGeometry, version 3): RTK's axis of rotation, y, becomes z, its z becomes x and its
 // x y, so that a gantry's angle is a circle's. The matrices, which repeat the parameters, are not read. Throws FileError naming the

@@ -84,7 +84,6 @@ ScanDescription read_rtk(const std::filesystem::path& file, const StackFiles& pr
          "projections whose header has a spacing, or the pixels' pitch (--pitch)", "none");
   Parameters shared;
   for (const pugi::xml_node& node : root.children()) shared.take(node, file, "");
-  ScanDescription out;
   std::vector<ViewPose> views;
   for (const pugi::xml_node& projection : root.children("Projection")) {
     const std::string where = fmt::format("Projection {}, ", views.size() + 1);
@@ -98,12 +97,7 @@ ScanDescription read_rtk(const std::filesystem::path& file, const StackFiles& pr
     check_view(views.back(), file, where + "its parameters");
   }
   expect(views.size() >= 2, file, "Projection", "at least 2", fmt::format("{}", views.size()));
-  out.file = file;
-  out.projections = projections;
-  out.geometry.detector.columns = pixels.columns;
-  out.geometry.detector.rows = pixels.rows;
-  set_views(std::move(views), {}, out);
-  return out;
+  return scan_of(std::move(views), pixels, file, projections);
 }
 
 void write_rtk(const ConeGeometry& geometry, const std::filesystem::path& file) {

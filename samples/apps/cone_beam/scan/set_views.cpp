@@ -66,4 +66,15 @@ void set_views(std::vector<ViewPose> views, Vec3 axis, ScanDescription& descript
   }
 }
 
+ScanDescription scan_of(std::vector<ViewPose> views, const Pixels& pixels, const std::filesystem::path& file,
+                        const StackFiles& projections) {
+  ScanDescription out;
+  out.file = file;
+  out.projections = projections;
+  out.geometry.detector.columns = pixels.columns;
+  out.geometry.detector.rows = pixels.rows;
+  set_views(std::move(views), {}, out);
+  return out;
+}
+
 }  // namespace gicube::samples
