@@ -4,6 +4,9 @@
 set -euo pipefail
 library=$1
 scene=$2
+# .so.0.3: before 1.0 each minor version has libraries of its own name.
+header=$(dirname "$0")/../../driver/include/gicube/version.h
+so=so.$(awk '/VERSION_(MAJOR|MINOR) / {printf "%s%s", dot, $3; dot = "."}' "$header")
 
 shown=$(nm -D --defined-only --with-symbol-versions "$library" | awk '{print $3}' | grep -v '^GICUBE_0$')
 if strange=$(grep -vE '^(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0$' <<<"$shown"); then
@@ -15,7 +18,7 @@ if inner=$(c++filt <<<"$shown" | grep -E 'Board::State::|gicube::wire|Link|Devic
   exit 1
 fi
 grep -q '^_ZN6gicube5Board4openE' <<<"$shown"
-[[ $(objdump -p "$library" | awk '/SONAME/ {print $2}') == libgicube.so.0.2 ]]
+[[ $(objdump -p "$library" | awk '/SONAME/ {print $2}') == "libgicube.$so" ]]
 if objdump -p "$library" | grep NEEDED | grep -E 'protobuf|grpc'; then exit 1; fi
 
 shown=$(nm -D --defined-only --with-symbol-versions "$scene" | awk '{print $3}' | grep -v '^GICUBE_SCENE_0$')
@@ -28,11 +31,11 @@ if inner=$(c++filt <<<"$shown" | grep -E 'Faults|MeshDistance|DataStream|read_nr
   exit 1
 fi
 grep -q '^_ZN6gicube5scene11read_volumeE' <<<"$shown"
-[[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == libgicube-scene.so.0.2 ]]
-objdump -p "$scene" | grep 'NEEDED *libgicube.so.0.2' >/dev/null
+[[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == "libgicube-scene.$so" ]]
+objdump -p "$scene" | grep "NEEDED *libgicube.$so" >/dev/null
 
 mpi=${3:-}
 [[ $mpi ]] || exit 0
 nm -D --defined-only "$mpi" | grep ' gicube_mpi_open' >/dev/null
 if nm -D --defined-only --with-symbol-versions "$mpi" | awk '{print $3}' | grep -vE '^(GICUBE_0|(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0)$'; then exit 1; fi
-[[ $(objdump -p "$mpi" | awk '/SONAME/ {print $2}') == libgicube-mpi.so.0.2 ]]
+[[ $(objdump -p "$mpi" | awk '/SONAME/ {print $2}') == "libgicube-mpi.$so" ]]

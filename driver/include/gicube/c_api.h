@@ -26,6 +26,8 @@ extern "C" {
 
 typedef struct gicube_board gicube_board;
 typedef struct gicube_counter_list gicube_counter_list;
+typedef struct gicube_found_list gicube_found_list;
+typedef struct gicube_pending gicube_pending;
 
 /* Parts done and parts in all of a long call, on the calling thread. Nonzero ends the call with GICUBE_STOPPED. */
 typedef int (*gicube_progress)(void* user, uint32_t done, uint32_t all);
@@ -49,6 +51,7 @@ GICUBE_API int32_t gicube_last_loss(void);
 
 /* Set all defaults, and `size` to sizeof of the caller's record: gicube_view_init(&view, sizeof view). */
 GICUBE_API gicube_status gicube_open_options_init(gicube_open_options* options, size_t size);
+GICUBE_API gicube_status gicube_found_board_init(gicube_found_board* found, size_t size);
 GICUBE_API gicube_status gicube_board_info_init(gicube_board_info* info, size_t size);
 GICUBE_API gicube_status gicube_volume_init(gicube_volume* volume, size_t size);
 GICUBE_API gicube_status gicube_shading_init(gicube_shading* shading, size_t size);
@@ -59,6 +62,12 @@ GICUBE_API gicube_status gicube_view_init(gicube_view* view, size_t size);
 GICUBE_API gicube_status gicube_ray_request_init(gicube_ray_request* request, size_t size);
 GICUBE_API gicube_status gicube_pair_request_init(gicube_pair_request* request, size_t size);
 GICUBE_API gicube_status gicube_batch_report_init(gicube_batch_report* report, size_t size);
+
+/* The boards that a program could open, as gicube::enumerate(): a list as of now, which the caller frees. */
+GICUBE_API gicube_status gicube_enumerate(gicube_found_list** list);
+GICUBE_API void gicube_found_free(gicube_found_list* list);
+GICUBE_API size_t gicube_found_count(const gicube_found_list* list);
+GICUBE_API gicube_status gicube_found_at(const gicube_found_list* list, size_t index, gicube_found_board* found);
 
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
 GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board);
@@ -162,6 +171,40 @@ GICUBE_API gicube_status gicube_pair_factors(gicube_board* board, const gicube_e
                                              const gicube_element_pair* pairs, size_t pair_count,
                                              const gicube_pair_request* request, gicube_progress progress, void* user,
                                              gicube_pair_factor* factors, size_t count);
+
+/* Calls that go on while the application does something else (gicube/pending.h): each does what the call of the same name does, with
+ * the same bits and simulated times, on a thread of the driver and in its place in the order of the calls. *pending is NULL unless it
+ * succeeds. What was handed over may be freed on return, but the volume's arrays must stay until the call has ended. Batches of rays
+ * need none of this: gicube_submit() does not wait. */
+GICUBE_API gicube_status gicube_start_load_volume(gicube_board* board, const gicube_volume* volume,
+                                                  gicube_pending** pending);
+GICUBE_API gicube_status gicube_start_render(gicube_board* board, const gicube_view* view, gicube_pending** pending);
+GICUBE_API gicube_status gicube_start_illuminate(gicube_board* board, const gicube_light* lights, size_t count,
+                                                 const gicube_illumination* settings, gicube_pending** pending);
+GICUBE_API gicube_status gicube_start_pair_factors(gicube_board* board, const gicube_element* elements,
+                                                   size_t element_count, const gicube_element_pair* pairs,
+                                                   size_t pair_count, const gicube_pair_request* request,
+                                                   gicube_pending** pending);
+/* Waits until it has ended, but not longer than timeout_ms of wall-clock time. *ready is 1 if it has. No simulated time passes. */
+GICUBE_API gicube_status gicube_pending_wait(const gicube_pending* pending, uint64_t timeout_ms, int32_t* ready);
+/* Asks the call to end. *cancelled is 1 if it does, or will: its gicube_finish_...() is GICUBE_STOPPED then. 0: it had ended. */
+GICUBE_API gicube_status gicube_pending_cancel(gicube_pending* pending, int32_t* cancelled);
+/* Parts done and parts in all; 0 of 0 before the call has said so. */
+GICUBE_API gicube_status gicube_pending_progress(const gicube_pending* pending, uint32_t* done, uint32_t* all);
+/* A file descriptor that becomes readable when the call has ended, for poll() and event loops. The caller closes it. */
+GICUBE_API gicube_status gicube_pending_descriptor(const gicube_pending* pending, int* descriptor);
+/* Wait for the end, and give the result, once: of the start of the same name. They return what the blocking call would, and
+ * GICUBE_DEADLINE_PASSED if the result comes after deadline_ps of simulated time: it can still be asked for. So it can after an array of a
+ * wrong size, which is GICUBE_BAD_ARGUMENT. report may be NULL. gicube_lighting_warning() and gicube_why_invisible() have their words. */
+GICUBE_API gicube_status gicube_finish_load_volume(gicube_pending* pending, uint64_t deadline_ps);
+GICUBE_API gicube_status gicube_finish_render(gicube_pending* pending, uint64_t deadline_ps, gicube_pixel* pixels,
+                                              size_t count);
+GICUBE_API gicube_status gicube_finish_illuminate(gicube_pending* pending, uint64_t deadline_ps,
+                                                  gicube_lighting_report* report);
+GICUBE_API gicube_status gicube_finish_pair_factors(gicube_pending* pending, uint64_t deadline_ps,
+                                                    gicube_pair_factor* factors, size_t count);
+/* Leaves a call that has not ended to go on: nobody gets its result. Before gicube_close() of its board. NULL is no call and no error. */
+GICUBE_API void gicube_pending_free(gicube_pending* pending);
 
 /* Simulated time. */
 GICUBE_API gicube_status gicube_now(gicube_board* board, uint64_t* now_ps);

@@ -33,10 +33,14 @@ enum {
   GICUBE_DEADLINE_PASSED = 10,  /* a simulated time has come first; the board works on */
   GICUBE_WOULD_BLOCK = 11,      /* as many rays are under way as may be; nothing was sent */
   GICUBE_MEMORY_FAULT = 12, /* the board's RDRAM reported an error; nothing has changed: the call may be made again */
-  GICUBE_STOPPED = 13,      /* a callback of the caller's returned nonzero */
+  GICUBE_STOPPED = 13,      /* a callback of the caller's returned nonzero, or gicube_pending_cancel() ended the call */
   GICUBE_NO_MEMORY = 14,    /* of this process */
   GICUBE_INTERNAL = 15      /* a fault of the driver itself */
 };
+
+/* Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. On the thread of the call
+ * that resumed it; it may ask its board for gicube_get_info() only. */
+typedef void (*gicube_log)(void* user, const char* sentence);
 
 /* gicube/board.h: OpenOptions */
 enum { GICUBE_BACK_PRESSURE_WAIT = 0, GICUBE_BACK_PRESSURE_FAIL = 1 };
@@ -57,6 +61,8 @@ typedef struct gicube_open_options {
   int32_t reserved_too; /* 0 */
   uint64_t
       max_waiting_rays; /* for blocks of a volume: on the card, and as many in the host's memory; others in a file */
+  gicube_log log; /* NULL: nobody is told */
+  void* log_user; /* its first argument */
 } gicube_open_options;
 
 /* gicube/board.h: Reopened */
@@ -64,6 +70,18 @@ typedef struct gicube_reopened {
   int32_t resumed; /* the same session goes on: nothing was lost */
   int32_t volume;  /* there is a volume on the board */
 } gicube_reopened;
+
+/* gicube/enumerate.h: FoundBoard. The texts live as long as the list that they are from. */
+typedef struct gicube_found_board {
+  uint32_t size;
+  int32_t in_use;      /* a session owns it */
+  uint32_t process;    /* the id of its gicube-board; 0: a PCI function, which says no version and no owner */
+  uint32_t reserved;   /* 0 */
+  const char* uri;     /* for gicube_open() */
+  const char* product; /* what it calls itself */
+  const char* version; /* of its program */
+  const char* owner;   /* which, and since when; empty: none */
+} gicube_found_board;
 
 /* gicube/error.h: why GICUBE_DEVICE_LOST */
 enum {

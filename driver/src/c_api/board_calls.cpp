@@ -1,8 +1,13 @@
 // Opening, what the board is, simulated time, counters.
 #include "call.h"
+#include "gicube/enumerate.h"
 
 struct GICUBE_HIDDEN gicube_counter_list {
   gicube::Counters counters;
+};
+
+struct GICUBE_HIDDEN gicube_found_list {
+  std::vector<gicube::FoundBoard> boards;
 };
 
 namespace gicube::c_api {
@@ -15,6 +20,9 @@ OpenOptions to_options(const gicube_open_options* given) {
   if (record.capture != nullptr) options.capture = record.capture;
   if (record.token_file != nullptr) options.token_file = record.token_file;
   if (record.ca_file != nullptr) options.ca_file = record.ca_file;
+  if (record.log != nullptr) {
+    options.log = [log = record.log, user = record.log_user](const std::string& sentence) { log(user, sentence.c_str()); };
+  }
   return options;
 }
 
@@ -31,6 +39,34 @@ gicube_status gicube_open_options_init(gicube_open_options* options, size_t size
 
 gicube_status gicube_board_info_init(gicube_board_info* info, size_t size) {
   return call([&] { write_record("info", info, size, {}); });
+}
+
+gicube_status gicube_found_board_init(gicube_found_board* found, size_t size) {
+  return call([&] { write_record("found", found, size, {}); });
+}
+
+gicube_status gicube_enumerate(gicube_found_list** list) {
+  return call([&] {
+    checked("list", list) = nullptr;
+    *list = new gicube_found_list{gicube::enumerate()};
+  });
+}
+
+void gicube_found_free(gicube_found_list* list) { delete list; }
+
+size_t gicube_found_count(const gicube_found_list* list) { return list == nullptr ? 0 : list->boards.size(); }
+
+gicube_status gicube_found_at(const gicube_found_list* list, size_t index, gicube_found_board* found) {
+  return call([&] {
+    const auto& boards = checked("list", list).boards;
+    gicube::expect(index < boards.size(), "index", fmt::format("less than {}", boards.size()), index);
+    auto record = to_record<gicube_found_board>(boards[index]);
+    record.uri = boards[index].uri.c_str();
+    record.product = boards[index].product.c_str();
+    record.version = boards[index].version.c_str();
+    record.owner = boards[index].owner.c_str();
+    write_record("found", found, record);
+  });
 }
 
 gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board) {

@@ -96,6 +96,16 @@ inline Progress to_progress(gicube_progress progress, void* user) {
 
 gicube_lighting_report to_c(const LightingReport& report);
 View to_view(const gicube_view* given, const std::string& name);
+VolumeView to_volume(const gicube_volume* given);
+std::vector<Light> to_lights(const gicube_light* lights, std::size_t count);
+Illumination to_illumination(const gicube_illumination* settings);
+std::vector<Element> to_elements(const gicube_element* elements, std::size_t count);
+std::vector<ElementPair> to_pairs(const gicube_element_pair* pairs, std::size_t count);
+
+// What the handle remembers of a picture's view, a picture that was read, and an illumination.
+void remember_view(gicube_board& handle, const View& view);
+void hand_over(gicube_board& handle, const Image& image, gicube_pixel* pixels, std::size_t count);
+void hand_over(gicube_board& handle, const LightingReport& result, gicube_lighting_report* report);
 
 // Records begin with their size, since a caller may have been compiled with an older or a newer version of them.
 

@@ -7,6 +7,7 @@
 #include "c_api/copy.h"
 #include "gicube/board.h"
 #include "gicube/c_types.h"
+#include "gicube/enumerate.h"
 #include "gicube/image.h"
 #include "gicube/pair.h"
 #include "gicube/ray.h"
@@ -62,6 +63,12 @@ void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& value) {
   copy.truth("go_on", c.go_on, value.go_on);
   copy.reserved("reserved", c.reserved);
   copy.reserved("reserved_too", c.reserved_too);
+}
+
+void copy_fields(const auto& copy, gicube_found_board& c, FoundBoard& value) {
+  copy.number(c.process, value.process);
+  copy.truth("in_use", c.in_use, value.in_use);
+  copy.reserved("reserved", c.reserved);
 }
 
 void copy_fields(const auto& copy, gicube_reopened& c, Reopened& value) {

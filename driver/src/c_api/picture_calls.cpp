@@ -6,18 +6,6 @@
 namespace gicube::c_api {
 namespace {
 
-VolumeView to_volume(const gicube_volume* given) {
-  gicube_volume record;
-  auto volume = read_fields<VolumeView>("volume", given, record);
-  volume.samples = {static_cast<const std::byte*>(record.samples), record.sample_bytes};
-  if (record.samples == nullptr) throw BadArgument("volume.samples", "a pointer", "NULL");
-  if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
-  volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
-  volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
-  volume.colours = {checked("volume.colours", record.colours, record.colour_bytes), record.colour_bytes};
-  return volume;
-}
-
 Material to_material(const gicube_material* given) {
   gicube_material record;
   Material material = read_fields<Material>("material", given, record);
@@ -102,13 +90,18 @@ std::size_t pixels_of(std::pair<int, int> size) {
 
 void render(gicube_board& handle, const View& view, const Progress& progress) {
   handle.board.render_to_framebuffer(view, progress);
+  remember_view(handle, view);
+}
+
+}  // namespace
+
+void remember_view(gicube_board& handle, const View& view) {
   const std::scoped_lock lock(handle.mutex);
   handle.framebuffer = {view.width, view.height};
   handle.sampling = gicube::sampling_of(view);
 }
 
-void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
-  const Image image = handle.board.read_framebuffer();
+void hand_over(gicube_board& handle, const Image& image, gicube_pixel* pixels, std::size_t count) {
   check_count("count", count, image.pixels.size());
   std::string why = handle.board.why_invisible(image);
   const std::scoped_lock lock(handle.mutex);
@@ -116,7 +109,40 @@ void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
   for (const Pixel& pixel : image.pixels) *pixels++ = to_record<gicube_pixel>(pixel);
 }
 
-}  // namespace
+void hand_over(gicube_board& handle, const LightingReport& result, gicube_lighting_report* report) {
+  if (report != nullptr) write_record("report", report, to_c(result));
+  const std::scoped_lock lock(handle.mutex);
+  handle.warnings = result.warnings;
+}
+
+VolumeView to_volume(const gicube_volume* given) {
+  gicube_volume record;
+  auto volume = read_fields<VolumeView>("volume", given, record);
+  volume.samples = {static_cast<const std::byte*>(record.samples), record.sample_bytes};
+  if (record.samples == nullptr) throw BadArgument("volume.samples", "a pointer", "NULL");
+  if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
+  volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
+  volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
+  volume.colours = {checked("volume.colours", record.colours, record.colour_bytes), record.colour_bytes};
+  return volume;
+}
+
+std::vector<Light> to_lights(const gicube_light* lights, std::size_t count) {
+  checked("lights", lights, count);
+  std::vector<Light> all;
+  for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], "lights[" + std::to_string(i) + "]"));
+  return all;
+}
+
+Illumination to_illumination(const gicube_illumination* settings) {
+  gicube_illumination record;
+  auto how = read_fields<Illumination>("settings", settings, record);
+  const double* colour = checked("settings.light_colours", record.light_colours, 3 * record.light_colour_count);
+  for (std::size_t i = 0; i < record.light_colour_count; ++i, colour += 3) {
+    how.light_colours.push_back({colour[0], colour[1], colour[2]});
+  }
+  return how;
+}
 
 View to_view(const gicube_view* given, const std::string& name) {
   gicube_view record;
@@ -278,20 +304,10 @@ gicube_status gicube_illuminate(gicube_board* board, const gicube_light* lights,
                                 const gicube_illumination* settings, gicube_progress progress, void* user,
                                 gicube_lighting_report* report) {
   return on_board(board, [&](gicube_board& handle) {
-    checked("lights", lights, count);
-    gicube_illumination record;
-    auto how = read_fields<gicube::Illumination>("settings", settings, record);
-    const double* colour = checked("settings.light_colours", record.light_colours, 3 * record.light_colour_count);
-    for (std::size_t i = 0; i < record.light_colour_count; ++i, colour += 3) {
-      how.light_colours.push_back({colour[0], colour[1], colour[2]});
-    }
+    const std::vector<gicube::Light> all = to_lights(lights, count);
+    const gicube::Illumination how = to_illumination(settings);
     check_optional("report", report);
-    std::vector<gicube::Light> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], "lights[" + std::to_string(i) + "]"));
-    const gicube::LightingReport result = handle.board.illuminate(all, how, to_progress(progress, user));
-    if (report != nullptr) write_record("report", report, to_c(result));
-    const std::scoped_lock lock(handle.mutex);
-    handle.warnings = result.warnings;
+    hand_over(handle, handle.board.illuminate(all, how, to_progress(progress, user)), report);
   });
 }
 
@@ -355,7 +371,7 @@ gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pixel* pixels,
       there = pixels_of(handle.framebuffer);
     }
     if (there > 0) check_count("count", count, there);  // before anything is transferred; else the board says why not
-    read(handle, pixels, count);
+    hand_over(handle, handle.board.read_framebuffer(), pixels, count);
   });
 }
 
@@ -368,7 +384,7 @@ gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube
       check_count("count", count, pixels_of({picture.width, picture.height}));
     }
     render(handle, picture, to_progress(progress, user));
-    read(handle, pixels, count);
+    hand_over(handle, handle.board.read_framebuffer(), pixels, count);
   });
 }
 }

@@ -80,6 +80,25 @@ RayRequest to_request(gicube_board& handle, const gicube_ray_request* given) {
 }
 
 }  // namespace
+
+std::vector<Element> to_elements(const gicube_element* elements, std::size_t count) {
+  checked("elements", elements, count);
+  std::vector<Element> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    all.push_back(from_record<Element>(fmt::format("elements[{}]", i), elements[i]));
+  }
+  return all;
+}
+
+std::vector<ElementPair> to_pairs(const gicube_element_pair* pairs, std::size_t count) {
+  checked("pairs", pairs, count);
+  std::vector<ElementPair> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    all.push_back(from_record<ElementPair>(fmt::format("pairs[{}]", i), pairs[i]));
+  }
+  return all;
+}
+
 }  // namespace gicube::c_api
 
 using namespace gicube::c_api;
@@ -226,19 +245,11 @@ gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* ele
                                   const gicube_pair_request* request, gicube_progress progress, void* user,
                                   gicube_pair_factor* factors, size_t count) {
   return on_board(board, [&](gicube_board& handle) {
-    checked("elements", elements, element_count);
-    checked("pairs", pairs, pair_count);
+    const std::vector<gicube::Element> all = to_elements(elements, element_count);
+    const std::vector<gicube::ElementPair> between = to_pairs(pairs, pair_count);
     check_count("count", count, pair_count);
     checked("factors", factors, count);
     const auto how = read_optional<gicube::PairRequest>("request", request);
-    std::vector<gicube::Element> all;
-    for (std::size_t i = 0; i < element_count; ++i) {
-      all.push_back(from_record<gicube::Element>(fmt::format("elements[{}]", i), elements[i]));
-    }
-    std::vector<gicube::ElementPair> between;
-    for (std::size_t i = 0; i < pair_count; ++i) {
-      between.push_back(from_record<gicube::ElementPair>(fmt::format("pairs[{}]", i), pairs[i]));
-    }
     for (const gicube::PairFactor& factor : handle.board.pair_factors(all, between, how, to_progress(progress, user))) {
       *factors++ = to_record<gicube_pair_factor>(factor);
     }

@@ -14,6 +14,7 @@
 
 #include "board_process.h"
 #include "gicube/board.h"
+#include "gicube/c_api.h"
 #include "gicube/enumerate.h"
 #include "own_registry.h"
 #include "run_program.h"
@@ -100,6 +101,25 @@ TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
     }
   }
   EXPECT_THAT(uris, testing::UnorderedElementsAre(two.bus, two.bus + ".1", plain.bus));
+
+  gicube_found_list* list = nullptr;
+  ASSERT_EQ(gicube_enumerate(&list), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_found_count(list), found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    gicube_found_board each;
+    ASSERT_EQ(gicube_found_board_init(&each, sizeof each), GICUBE_OK);
+    ASSERT_EQ(gicube_found_at(list, i, &each), GICUBE_OK);
+    EXPECT_EQ(each.uri, found[i].uri);
+    EXPECT_EQ(each.product, found[i].product);
+    EXPECT_EQ(each.version, found[i].version);
+    EXPECT_EQ(each.owner, found[i].owner);
+    EXPECT_EQ(each.in_use, found[i].in_use);
+    EXPECT_EQ(each.process, found[i].process);
+  }
+  gicube_found_board none{};
+  EXPECT_EQ(gicube_found_at(list, found.size(), &none), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "index");
+  gicube_found_free(list);
 }
 
 // A listener that is no board may say anything: it is left out, and nobody waits for ever.

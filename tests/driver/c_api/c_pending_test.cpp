@@ -1,0 +1,161 @@
+// Calls of the C ABI that are started do what the blocking ones do, bit by bit and in the same simulated time.
+#include <poll.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "c_board.h"
+#include "temporary_directory.h"
+
+namespace gicube::c_api_test {
+namespace {
+
+constexpr std::uint64_t kLong = 600'000;  // ms
+
+void expect_ready(const gicube_pending* pending) {
+  std::int32_t ready = 0;
+  ASSERT_EQ(gicube_pending_wait(pending, kLong, &ready), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(ready, 1);
+}
+
+TEST_F(CApi, StartedLoadingAndPictureHaveTheBitsAndTimesOfTheBlockingCalls) {
+  const gicube_volume record = volume();
+  gicube_pending* pending = nullptr;
+  ASSERT_EQ(gicube_start_load_volume(board_, &record, &pending), GICUBE_OK) << gicube_last_error();
+  expect_ready(pending);
+  ASSERT_EQ(gicube_finish_load_volume(pending, GICUBE_NO_DEADLINE), GICUBE_OK) << gicube_last_error();
+  gicube_pending_free(pending);
+  ASSERT_EQ(make_visible(), GICUBE_OK);
+
+  const gicube_view picture = view();
+  ASSERT_EQ(gicube_start_render(board_, &picture, &pending), GICUBE_OK) << gicube_last_error();
+  int descriptor = -1;
+  ASSERT_EQ(gicube_pending_descriptor(pending, &descriptor), GICUBE_OK);
+  pollfd waits{descriptor, POLLIN, 0};
+  EXPECT_EQ(poll(&waits, 1, static_cast<int>(kLong)), 1);
+  close(descriptor);
+  std::uint32_t done = 0, all = 0;
+  ASSERT_EQ(gicube_pending_progress(pending, &done, &all), GICUBE_OK);
+  EXPECT_GT(all, 0u);
+  EXPECT_EQ(done, all);
+  std::vector<gicube_pixel> pixels(40 * 30);
+  EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), 7), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "count");
+  EXPECT_EQ(gicube_finish_render(pending, 1, pixels.data(), pixels.size()), GICUBE_DEADLINE_PASSED);
+  ASSERT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_BAD_ARGUMENT)
+      << "the result can be taken once";
+  gicube_pending_free(pending);
+
+  Board board = twin(voxels_);
+  View same;
+  same.width = 40;
+  same.height = 30;
+  same.eye = {70, 50, -40};
+  same.look_at = {15.5, 15.5, 15.5};
+  const Image image = board.render(same);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    ASSERT_EQ((Pixel{pixels[i].red, pixels[i].green, pixels[i].blue, pixels[i].alpha}), image.pixels[i]) << i;
+  }
+  std::uint64_t now = 0;
+  EXPECT_EQ(gicube_now(board_, &now), GICUBE_OK);
+  EXPECT_EQ(now, board.now());
+  std::int32_t width = 0, height = 0;
+  EXPECT_EQ(gicube_get_framebuffer_size(board_, &width, &height), GICUBE_OK);
+  EXPECT_EQ(width * height, 40 * 30);
+}
+
+TEST_F(CApi, StartedIlluminationHasTheReportOfTheBlockingCall) {
+  load();
+  const gicube_light light{GICUBE_LIGHT_POINT, 0, {-20, 16, 16}, {}, {}, 0, 100};
+  gicube_illumination settings = made(gicube_illumination_init);
+  settings.rays_per_face_voxel = 1;
+  gicube_lighting_report reports[2] = {made(gicube_lighting_report_init), made(gicube_lighting_report_init)};
+  ASSERT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &reports[0]), GICUBE_OK) << gicube_last_error();
+  gicube_pending* pending = nullptr;
+  ASSERT_EQ(gicube_start_illuminate(board_, &light, 1, &settings, &pending), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_finish_load_volume(pending, GICUBE_NO_DEADLINE), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "pending");
+  ASSERT_EQ(gicube_finish_illuminate(pending, GICUBE_NO_DEADLINE, &reports[1]), GICUBE_OK) << gicube_last_error();
+  gicube_pending_free(pending);
+  EXPECT_GT(reports[0].rays, 0u);
+  EXPECT_EQ(reports[0].rays, reports[1].rays);
+  EXPECT_EQ(reports[0].deposited, reports[1].deposited);
+  EXPECT_EQ(reports[0].escaped, reports[1].escaped);
+}
+
+TEST_F(CApi, StartedPairsHaveTheFactorsOfTheBlockingCall) {
+  load();
+  gicube_element elements[2] = {};
+  for (int i = 0; i < 2; ++i) {
+    elements[i].kind = GICUBE_ELEMENT_SURFACE;
+    elements[i].position[0] = 4 + 24 * i;
+    elements[i].position[1] = elements[i].position[2] = 4;
+    elements[i].edge_u[1] = 2;
+    elements[i].edge_v[2] = i == 0 ? 2 : -2;
+  }
+  const gicube_element_pair pair{0, 1};
+  gicube_pair_factor factors[2] = {};
+  ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, nullptr, nullptr, nullptr, &factors[0], 1), GICUBE_OK)
+      << gicube_last_error();
+  gicube_pending* pending = nullptr;
+  ASSERT_EQ(gicube_start_pair_factors(board_, elements, 2, &pair, 1, nullptr, &pending), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_finish_pair_factors(pending, GICUBE_NO_DEADLINE, &factors[1], 1), GICUBE_OK) << gicube_last_error();
+  gicube_pending_free(pending);
+  EXPECT_GT(factors[0].factor, 0);
+  EXPECT_EQ(factors[0].factor, factors[1].factor);
+}
+
+TEST_F(CApi, StartedCallsSayAtTheirEndWhatWasWrongAndCanBeCancelled) {
+  load();
+  gicube_view wrong = view();
+  wrong.width = -3;
+  gicube_pending* pending = nullptr;
+  gicube_pixel pixel;
+  ASSERT_EQ(gicube_start_render(board_, &wrong, &pending), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, &pixel, 1), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "view.width");
+  gicube_pending_free(pending);
+
+  gicube_view large = view();
+  large.width = large.height = 1024;
+  large.step = 0.05;
+  gicube_pending* first = nullptr;
+  ASSERT_EQ(gicube_start_render(board_, &large, &first), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_start_render(board_, &large, &pending), GICUBE_OK) << gicube_last_error();
+  std::int32_t cancelled = 0;
+  ASSERT_EQ(gicube_pending_cancel(pending, &cancelled), GICUBE_OK);
+  EXPECT_EQ(cancelled, 1) << "it waits for the first";
+  std::vector<gicube_pixel> pixels(std::size_t{1024} * 1024);
+  EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_STOPPED);
+  ASSERT_EQ(gicube_pending_cancel(first, &cancelled), GICUBE_OK);
+  gicube_pending_free(pending);
+  gicube_pending_free(first);
+  EXPECT_EQ(gicube_pending_wait(nullptr, 0, &cancelled), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "pending");
+}
+
+TEST(CLog, IsToldOfASessionThatWasLostAndResumed) {
+  setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
+  const reference::TemporaryDirectory folder;
+  const std::string plan = folder.file("plan.textproto");
+  std::ofstream(plan) << "fault { direction: up message: 4 kind: link_loss }\n";
+  std::vector<std::string> told;
+  gicube_open_options options = made(gicube_open_options_init);
+  options.reopen_attempts = 3;
+  options.log = [](void* user, const char* sentence) { static_cast<std::vector<std::string>*>(user)->push_back(sentence); };
+  options.log_user = &told;
+  gicube_board* board = nullptr;
+  ASSERT_EQ(gicube_open(("emu:?faults=" + plan).c_str(), &options, &board), GICUBE_OK) << gicube_last_error();
+  for (int i = 0; i < 10; ++i) {
+    gicube_counter_list* list = nullptr;
+    ASSERT_EQ(gicube_get_counters(board, &list), GICUBE_OK) << gicube_last_error();
+    gicube_counters_free(list);
+  }
+  gicube_close(board);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("the session goes on"), std::string::npos) << told[0];
+}
+
+}  // namespace
+}  // namespace gicube::c_api_test
