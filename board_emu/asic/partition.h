@@ -18,8 +18,8 @@ struct Home {
 
 class Partition {
  public:
-  // `blocks`: how many blocks the volume has along x, y, z. A processor numbers its blocks with x slowest and z fastest:
-  // for simple slabs at the design point that is the paper's q = (x' << 6) + (y' << 3) + z' [P §3.2].
+  // `blocks`: how many blocks the volume has along x, y, z. A processor numbers its blocks with x slowest and z
+  // fastest: for simple slabs at the design point that is the paper's q = (x' << 6) + (y' << 3) + z' [P §3.2].
   Partition(const v1::AsicConfig& asic, const std::array<int, 3>& blocks) : blocks_(asic.processors()) {
     const v1::Partition kind = asic.partition();
     const unsigned processors = asic.processors();

@@ -178,8 +178,8 @@ class Timeline {
  private:
   static constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
 
-  // Executes the next event by `horizon`, if there is one. The bus advances only to the end of the current turn, because
-  // the data that the turn then sends up competes with transfers on the way down.
+  // Executes the next event by `horizon`, if there is one. The bus advances only to the end of the current turn,
+  // because the data that the turn then sends up competes with transfers on the way down.
   bool step(Picoseconds horizon) {
     const Picoseconds turn_ends = in_turn_ ? dsp_free_ps_ : kNever;
     if (const auto delivery = bus_.next_delivery(std::min(horizon, turn_ends))) {

@@ -34,8 +34,8 @@ v1::BoardConfig resolve(const v1::BoardConfig& config);
 // Reports all values out of range and all contradictions. Fields that are not set count with their defaults.
 std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& lines = {});
 
-// 64-bit FNV-1a hash of the resolved configuration's text without `threads`, `pace` and usual prices of energy. Equal hashes mean equal
-// results.
+// 64-bit FNV-1a hash of the resolved configuration's text without `threads`, `pace` and usual prices of energy. Equal
+// hashes mean equal results.
 std::uint64_t config_hash(const v1::BoardConfig& config);
 std::string config_hash_text(const v1::BoardConfig& config);
 

@@ -1,4 +1,5 @@
-// One pass over protobuf's tokens, since TextFormat ends at the first value that it can't read. It reads the single values.
+// One pass over protobuf's tokens, since TextFormat ends at the first value that it can't read. It reads the single
+// values.
 #include "textproto_reader.h"
 
 #include <fmt/format.h>
@@ -104,8 +105,8 @@ class Reader {
     }
   }
 
-  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words. It does not
-  // recurse, so that no text can exhaust the stack: read_fields() goes only as deep as the schema.
+  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words. It does
+  // not recurse, so that no text can exhaust the stack: read_fields() goes only as deep as the schema.
   std::string skip_value() {
     const bool is_message = opens_message();
     std::string text;

@@ -42,8 +42,8 @@ struct TextReading {
   std::size_t left_out = 0;             // faulty values beyond the first hundred
 };
 
-// Reads protobuf text into `message`, which then has what the text sets. A faulty value is reported and skipped, so that
-// one call finds all of them. Text whose structure is broken ends the search at that line.
+// Reads protobuf text into `message`, which then has what the text sets. A faulty value is reported and skipped, so
+// that one call finds all of them. Text whose structure is broken ends the search at that line.
 TextReading read_text(std::string_view text, google::protobuf::Message& message);
 
 // What a schema says, in words for faults: "one of processors, block_voxels, ...".
@@ -51,7 +51,8 @@ std::string expected_names(const google::protobuf::Descriptor& type);
 // A whole number, one of an enumeration's names (0 is its "unspecified"), or a message.
 std::string expected_value(const google::protobuf::FieldDescriptor& field);
 
-// Why the schema refuses a scalar's value: a number beyond its `range` (field_range.proto), or no value of an enumeration.
+// Why the schema refuses a scalar's value: a number beyond its `range` (field_range.proto), or no value of an
+// enumeration.
 std::optional<Diagnostic> fault_of(const google::protobuf::Message& message,
                                    const google::protobuf::FieldDescriptor& field);
 

@@ -12,8 +12,8 @@
 
 namespace gicube::emu {
 
-// A position or step of the wide datapath: 30 fraction bits, which hold a direction times a length exactly. Nothing is rounded,
-// so a ray's position is exactly its start plus a number of steps.
+// A position or step of the wide datapath: 30 fraction bits, which hold a direction times a length exactly. Nothing is
+// rounded, so a ray's position is exactly its start plus a number of steps.
 using FinePoint = std::array<std::int64_t, 3>;
 inline constexpr int kRestBits = 16;  // beyond the fraction bits of a Point
 // The additional fraction bits. A path segment starts at one half of a unit, so that units_of() rounds to nearest.
@@ -63,8 +63,8 @@ constexpr bool inside(const Point& position, const Point& extent) {
   return true;
 }
 
-// The face (wire::kFaces) that a ray crossed first among those whose plane it is beyond; there must be one. `step`: the last
-// step, or several; if it does not lead out along an axis, the ray was beyond that plane before.
+// The face (wire::kFaces) that a ray crossed first among those whose plane it is beyond; there must be one. `step`: the
+// last step, or several; if it does not lead out along an axis, the ray was beyond that plane before.
 constexpr std::size_t face_left_by(const Point& position, const FinePoint& step, const Point& extent) {
   std::size_t face = 0;
   std::int64_t beyond_face = 0, out_of_face = 1;
@@ -79,14 +79,14 @@ constexpr std::size_t face_left_by(const Point& position, const FinePoint& step,
   return face;
 }
 
-// Whether a ray that leaves a kept half space has left it. A ray that enters one was started on the plane by the DSP, and
-// rounding may have put it slightly outside.
+// Whether a ray that leaves a kept half space has left it. A ray that enters one was started on the plane by the DSP,
+// and rounding may have put it slightly outside.
 constexpr bool beyond(const Plane& plane, const Point& position, const Point& step) {
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
-// Whether a sample lies within a voxel of a plane by which its ray came in: at a face that shows the inside, where the gradient
-// is not that of a surface.
+// Whether a sample lies within a voxel of a plane by which its ray came in: at a face that shows the inside, where the
+// gradient is not that of a surface.
 constexpr bool at_cut_face(const Plane& plane, const Point& position, const Point& step) {
   constexpr std::int64_t kDepth = std::int64_t{1} << kPlaneFractionBits;
   return dot(plane.normal, step) > 0 && dot(plane.normal, position) - plane.offset < kDepth;
@@ -106,9 +106,9 @@ constexpr bool fine_beyond(const Plane& plane, const FinePoint& position, const 
   return fine_slope(plane, step) < 0 && fine_height(plane, position) < 0;
 }
 
-// The least number of whole steps that take `position` out of the block [low, low + size) on some axis; at least 1. Whole steps
-// keep the sample positions: without jitter, skipping never changes a bit. (The paper skips to the block's face, "but at least
-// dr"; docs/reference/hardware.md.)
+// The least number of whole steps that take `position` out of the block [low, low + size) on some axis; at least 1.
+// Whole steps keep the sample positions: without jitter, skipping never changes a bit. (The paper skips to the block's
+// face, "but at least dr"; docs/reference/hardware.md.)
 template <typename Word>
 constexpr std::int32_t skip_steps(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
                                   const std::array<Word, 3>& low, std::type_identity_t<Word> size) {

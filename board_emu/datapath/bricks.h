@@ -1,6 +1,7 @@
-// Rays in volumes with non-resident blocks. A ray that reaches such a block waits with its complete state, so that it continues
-// as if it had not waited. Energy for blocks whose irradiance is at the host is sent to the host, which adds it to its words: a
-// deposit is split among its voxels, and those of other blocks get their shares, with all copies, on the card.
+// Rays in volumes with non-resident blocks. A ray that reaches such a block waits with its complete state, so that it
+// continues as if it had not waited. Energy for blocks whose irradiance is at the host is sent to the host, which adds
+// it to its words: a deposit is split among its voxels, and those of other blocks get their shares, with all copies, on
+// the card.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,8 @@ struct WaitingRay {
 class WaitingRayQueue {
  public:
   virtual ~WaitingRayQueue() = default;
-  // Takes ray `index` of the run's source. May be called from several threads. Throws RoutineFault if there are too many.
+  // Takes ray `index` of the run's source. May be called from several threads. Throws RoutineFault if there are too
+  // many.
   virtual void add(const WaitingRay& ray, std::uint64_t index) = 0;
   // Ray `index` of the run's source as it was when it began to wait; null: it starts.
   virtual const WaitingRay* find(std::uint64_t index) const = 0;
@@ -52,7 +54,8 @@ inline RayState begin_or_go_on(const wire::Ray& ray, std::uint64_t index, const 
 class HostDepositList {
  public:
   virtual ~HostDepositList() = default;
-  // `word`: block * n^3 + voxel of the block. May be called from several threads. Throws RoutineFault if there are too many.
+  // `word`: block * n^3 + voxel of the block. May be called from several threads. Throws RoutineFault if there are too
+  // many.
   virtual void add(std::uint64_t word, std::uint32_t units) = 0;
 };
 

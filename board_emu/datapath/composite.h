@@ -12,8 +12,8 @@
 
 namespace gicube::emu {
 
-// Adds a sample of corrected opacity `alpha` (24 bits) behind the ray's accumulated values: its `colour` is premultiplied,
-// 4095 = one, its `opacity` 2^24 - 1 = one.
+// Adds a sample of corrected opacity `alpha` (24 bits) behind the ray's accumulated values: its `colour` is
+// premultiplied, 4095 = one, its `opacity` 2^24 - 1 = one.
 template <typename Ray>
 constexpr void over(Ray& ray, const Colour12& colour, std::uint32_t alpha) {
   const std::uint64_t weight = divide_by_full_scale<24>(std::uint64_t{wire::kOpacityOne - ray.opacity} * alpha);

@@ -1,4 +1,5 @@
-// The input of every fidelity level for one frame: registers, tables and the volume; and the counters of the frame's rays.
+// The input of every fidelity level for one frame: registers, tables and the volume; and the counters of the frame's
+// rays.
 #pragma once
 
 #include <array>
@@ -56,7 +57,8 @@ struct Frame {
   std::vector<Plane> cut_planes;
   bool cut_faces = false;  // samples at faces that they cut are not shaded
 
-  // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the host.
+  // Common to all rays of the frame. Viewing rays are kIntegrate and the rays of a light kDeposit, like rays of the
+  // host.
   wire::RayType type = wire::RayType::kIntegrate;
   AccumulatorMemory* accumulators = nullptr;  // those of backprojecting rays; null: these use irradiance words
   std::uint64_t max_moved = 0;                // the most by which the rays can change one accumulator

@@ -65,7 +65,8 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
-// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its depth.
+// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its
+// depth.
 bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& share) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
@@ -158,7 +159,8 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-// Each of the three interact_ functions handles one medium of the interval. Returns true if the ray continues straight on.
+// Each of the three interact_ functions handles one medium of the interval. Returns true if the ray continues straight
+// on.
 bool interact_photon(Interaction& interaction, RayState& ray, const RayInterval& interval,
                      const wire::Material& material, const Classified& sample, const Frame& frame,
                      RayCounters& counters) {

@@ -59,7 +59,8 @@ void deposit(Interaction& interaction, const RayState& ray, const EnergyUnits& u
 // Contribution of a backprojecting ray's sample at `place` to the accumulators.
 Deposit spread_at(const Point& place, std::int32_t amount);
 
-// The deposit of an irradiance carrier: the energy is split among the voxels around its position as by the ray that sent it.
+// The deposit of an irradiance carrier: the energy is split among the voxels around its position as by the ray that
+// sent it.
 Interaction brought_by(const RayState& carrier, const Frame& frame);
 
 // The deposit of `ray`, or of its carrier, in one of three irradiance words.
@@ -113,8 +114,8 @@ inline Interaction sample(RayState& ray, const SampleSite& site, const Frame& fr
   return interaction;
 }
 
-// Applies the host's answer (trap.h) to a ray that waited for it. Returns true if that ends the ray: the packet is then in the
-// form of pack(), otherwise ready for unpack(). The energy of the answer counts as emitted.
+// Applies the host's answer (trap.h) to a ray that waited for it. Returns true if that ends the ray: the packet is then
+// in the form of pack(), otherwise ready for unpack(). The energy of the answer counts as emitted.
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // A request to a routine of the DSP.
@@ -129,8 +130,8 @@ std::optional<Trap> trap_of(RayState& ray, const Frame& frame);
 // Continues or ends the trapped ray according to the answer. Counts the cycles of the DSP.
 Interaction answer_trap(RayState& ray, const ScatterAnswer& answer, const Frame& frame, RayCounters& counters);
 
-// Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
-// value for the whole path [P §2.2], which correlates its segments.
+// Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep
+// one value for the whole path [P §2.2], which correlates its segments.
 std::uint32_t interaction_value(const RayState& ray, const Frame& frame);
 
 // The value added to an energy before its fraction is cut off: one draw per ray.
@@ -138,8 +139,8 @@ inline std::uint32_t energy_phase(const RayState& ray, const Frame& frame) {
   return static_cast<std::uint32_t>(draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >>
                                     (64 - kEnergyFractionBits));
 }
-// The whole energy units of the ray for an irradiance word. The fraction is rounded by one draw per ray, so that the ray's
-// deposits sum exactly to its energy.
+// The whole energy units of the ray for an irradiance word. The fraction is rounded by one draw per ray, so that the
+// ray's deposits sum exactly to its energy.
 inline std::uint32_t energy_units(const RayState& ray, const Frame& frame, std::size_t word = 0) {
   return static_cast<std::uint32_t>((ray.energy(word) + energy_phase(ray, frame)) >> kEnergyFractionBits);
 }

@@ -1,7 +1,7 @@
 // Where the integration interval of a lighting ray's sample begins and ends, and the depth of its medium
-// (datapath/ray_interval.h). One source: it is included into the namespace of a ray alone, where a number is a `double` and a
-// mask a `bool` (datapath/one_lane.h), and into that of each instruction set (functional/simd), where they are vectors. Doubles
-// take the same operations in the same order everywhere, so that their bits are the same.
+// (datapath/ray_interval.h). One source: it is included into the namespace of a ray alone, where a number is a `double`
+// and a mask a `bool` (datapath/one_lane.h), and into that of each instruction set (functional/simd), where they are
+// vectors. Doubles take the same operations in the same order everywhere, so that their bits are the same.
 
 template <class Number>
 [[gnu::always_inline]] inline Number lerp(Number a, Number b, Number weight) {
@@ -14,8 +14,8 @@ struct Reach {
   Number entry, exit;
 };
 
-// `at`: a position in the cell that the ray reaches `steps` steps after the sample. `per_unit`: steps per position unit; 0: the
-// ray does not move along this axis.
+// `at`: a position in the cell that the ray reaches `steps` steps after the sample. `per_unit`: steps per position
+// unit; 0: the ray does not move along this axis.
 template <class Number>
 [[gnu::always_inline]] inline Reach<Number> reach(const std::array<Number, 3>& at,
                                                   const std::array<Number, 3>& per_unit, double steps) {
@@ -47,7 +47,8 @@ struct Interval {
   Reach<Number> own;  // of the sample's cell
 };
 
-// An interval begins and ends half way between the cells of neighbouring samples, so that the intervals cover the ray once.
+// An interval begins and ends half way between the cells of neighbouring samples, so that the intervals cover the ray
+// once.
 template <class Number, class Mask>
 [[gnu::always_inline]] inline Interval<Number> interval_of(const PathAround<Number, Mask>& path) {
   const Number zero = like(path.here[0], 0), half = like(path.here[0], 0.5);
@@ -70,7 +71,8 @@ template <class Number, class Mask>
   return out;
 }
 
-// The ray's position in the sample's cell, 0..1, `steps` from the sample at `fraction`; `slope`: position units per step.
+// The ray's position in the sample's cell, 0..1, `steps` from the sample at `fraction`; `slope`: position units per
+// step.
 template <class Number>
 [[gnu::always_inline]] inline std::array<Number, 3> in_cell(const std::array<Number, 3>& fraction,
                                                             const std::array<Number, 3>& slope, Number steps) {
@@ -109,7 +111,8 @@ template <class Number>
   return bin_at(first + at, first + Trunc(at), sums);
 }
 
-// On shorter paths, in entries, the mean depth is that of the entry: the quotient of two small differences would lose precision.
+// On shorter paths, in entries, the mean depth is that of the entry: the quotient of two small differences would lose
+// precision.
 constexpr double kNoWay = 1e-6;
 
 // Mean depth between two densities, per voxel length.

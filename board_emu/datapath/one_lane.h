@@ -1,5 +1,5 @@
-// Operations on one number, with the names that Highway has for vectors of them: a stage that is a template of its numbers is
-// then one source for a ray alone and for rays in lanes (datapath/interval-inl.h, datapath/shading-inl.h).
+// Operations on one number, with the names that Highway has for vectors of them: a stage that is a template of its
+// numbers is then one source for a ray alone and for rays in lanes (datapath/interval-inl.h, datapath/shading-inl.h).
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // The integration interval of a lighting ray's sample, and the opacity of the media in it, with the conserving rules
-// (docs/reference/hardware.md). The eight voxels of the sample's cell define densities and tags in the whole interval, so that
-// a medium may begin or end anywhere between two samples.
+// (docs/reference/hardware.md). The eight voxels of the sample's cell define densities and tags in the whole interval,
+// so that a medium may begin or end anywhere between two samples.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ namespace gicube::emu {
 inline constexpr std::size_t kTagEntries =
     wire::kSegmentationEntries / wire::kTags;  // of the segmentation LUT, of each tag
 
-// The segmentation LUT's optical depths, summed over the densities: pre-integrated classification [Engel, Kraus and Ertl,
-// "High-quality pre-integrated volume rendering", Graphics Hardware 2001], without colours.
+// The segmentation LUT's optical depths, summed over the densities: pre-integrated classification [Engel, Kraus and
+// Ertl, "High-quality pre-integrated volume rendering", Graphics Hardware 2001], without colours.
 class DepthTable {
  public:
   explicit DepthTable(std::span<const wire::SegmentationEntry> entries);
@@ -28,7 +28,8 @@ class DepthTable {
     double depth = 0;   // optical depth up to the opaque part, natural units
     double opaque = 2;  // from this fraction of the path on, 0..1, nothing passes; 2: nowhere opaque
   };
-  // Depth of a path of `length` voxel lengths; the density changes linearly from `from` to `to` (12 bits and a fraction).
+  // Depth of a path of `length` voxel lengths; the density changes linearly from `from` to `to` (12 bits and a
+  // fraction).
   Depth between(unsigned tag, double from, double to, double length) const;
   // The fraction of such a path after which the fraction `share` of its depth is behind the ray, both 0..1.
   double way_to(double share, unsigned tag, double from, double to) const;
@@ -36,8 +37,8 @@ class DepthTable {
   bool uniform(unsigned tag, const DensityRange& range) const {
     return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
   }
-  // For lanes of rays (functional/simd). By entry: number of changes of the opacity before it; the next opaque entry at or above
-  // it with its tag, or all ones; sum of the depths before it, with one more entry.
+  // For lanes of rays (functional/simd). By entry: number of changes of the opacity before it; the next opaque entry at
+  // or above it with its tag, or all ones; sum of the depths before it, with one more entry.
   std::span<const std::uint32_t> runs() const { return run_; }
   std::span<const std::uint32_t> opaque_up() const { return opaque_up_; }
   std::span<const double> sums() const { return sum_; }

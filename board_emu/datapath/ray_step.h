@@ -1,5 +1,5 @@
-// The state of a ray between two samples, and the operations of one iteration through the pipeline. Every fidelity level uses
-// these, so that values cannot differ; their cost is computed elsewhere.
+// The state of a ray between two samples, and the operations of one iteration through the pipeline. Every fidelity
+// level uses these, so that values cannot differ; their cost is computed elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -25,8 +25,8 @@ struct RayState {
   std::uint32_t exponent = 0;  // the distance for opacity correction: 16.16 voxel lengths
   std::uint32_t length = 0;    // one voxel length along the direction: 16.16 reference voxel lengths
   std::uint32_t opacity = 0;   // 2^24 - 1 = one; lighting rays use `interacted` instead
-  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows from
-  // the opacity, and `interaction`, which is drawn again on demand. A segment has its steps_left() here.
+  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which
+  // follows from the opacity, and `interaction`, which is drawn again on demand. A segment has its steps_left() here.
   std::uint32_t interacted = 0;
   std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; or another quantity, see below
   std::array<std::int16_t, 3> direction{};
@@ -46,8 +46,8 @@ struct RayState {
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
-  // The 36 bits of `colour` hold the energy of a lighting ray, 24.12 units; the density sum of an integral; or, in their low 24
-  // bits, the contribution per sample of a backprojecting ray.
+  // The 36 bits of `colour` hold the energy of a lighting ray, 24.12 units; the density sum of an integral; or, in
+  // their low 24 bits, the contribution per sample of a backprojecting ray.
   std::uint64_t energy() const { return word_of(colour); }
   void set_energy(std::uint64_t word) { put_word(word, colour); }
   // The energy for an irradiance word; 0 is red or the only one.
@@ -122,7 +122,8 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   const FinePoint whole = fine_step_vector(ray.direction, length), most = fine_extent(frame.extent);
   FinePoint at = ray.fine_position(), step{};
   const std::int64_t count = steps, others = count - 1;
-  // The direction's rounding, half a unit per voxel, could take the last sample of a segment along a face out of the volume.
+  // The direction's rounding, half a unit per voxel, could take the last sample of a segment along a face out of the
+  // volume.
   const std::int64_t rounding = std::int64_t{(length >> 17) + 3} << kRestBits;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     step[axis] = (2 * whole[axis] + (whole[axis] < 0 ? -count : count)) / (2 * count);
@@ -135,7 +136,8 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   ray.set_fine_step(step);
 }
 
-// Divides a segment's `length`, 16.16 voxels, into equal steps of at most the frame's, and moves to the middle of the first.
+// Divides a segment's `length`, 16.16 voxels, into equal steps of at most the frame's, and moves to the middle of the
+// first.
 [[gnu::always_inline]] inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   const std::uint32_t steps = wire::steps_of(length, frame.step);
   ray.set_steps_left(static_cast<std::int32_t>(steps));
@@ -145,8 +147,9 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
   space(ray, below + (rest >= steps - steps / 2 ? 1 : 0), frame);  // length / steps, rounded to nearest
   if (frame.wide) return divide_finely(ray, length, steps, frame);
   const Point half = step_vector(ray.direction, (below + 1) / 2);  // length / 2 / steps, rounded to nearest
-  // Direction and step are rounded (half a unit per voxel and per step, an eighth for the step's length), so a segment along a
-  // face could leave the volume before its last sample. If it does so by no more than that, the step is shortened slightly.
+  // Direction and step are rounded (half a unit per voxel and per step, an eighth for the step's length), so a segment
+  // along a face could leave the volume before its last sample. If it does so by no more than that, the step is
+  // shortened slightly.
   const auto others = static_cast<std::int32_t>(steps) - 1;
   const std::int32_t rounding = static_cast<std::int32_t>((length >> 17) + steps * 5 / 8) + 3;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -231,8 +234,8 @@ inline wire::Ray pack(const RayState& ray, const Frame& frame) {
   return out;
 }
 
-// Whether and how a ray has ended. kLeft: out of the volume, behind a cut plane or at a segment's end. kAbsorbed: or given up.
-// A waiting ray has not ended: kWaits for the host, which has the ray; kNonResident for a block.
+// Whether and how a ray has ended. kLeft: out of the volume, behind a cut plane or at a segment's end. kAbsorbed: or
+// given up. A waiting ray has not ended: kWaits for the host, which has the ray; kNonResident for a block.
 enum class Termination : std::uint8_t { kActive, kLeft, kOpaque, kAbsorbed, kWaits, kNonResident };
 
 inline Termination end(const RayState& ray, const Frame& frame) {
@@ -246,8 +249,9 @@ inline Termination end(const RayState& ray, const Frame& frame) {
   return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kActive;
 }
 
-// The packet of a ray that has ended. With lamps, a ray that left has the last position inside the volume, which is on its
-// line, unlike a position clamped to a face. Other rays have no contribution, because nothing outside can add to them.
+// The packet of a ray that has ended. With lamps, a ray that left has the last position inside the volume, which is on
+// its line, unlike a position clamped to a face. Other rays have no contribution, because nothing outside can add to
+// them.
 inline void pack_ended(const RayState& ray, const Frame& frame, wire::Ray& out) {
   pack(ray, frame, out);
   if (!frame.lamps) return;
@@ -339,8 +343,8 @@ inline wire::SegmentationEntry coloured(const wire::SegmentationEntry& entry, co
   return tinted(entry, colour_of_words(words, frame.volume->format() == wire::VoxelFormat::kRgba));
 }
 
-// Resamples, classifies, shades and composites. Returns false if the sample has no opacity. Inline, because each iteration
-// takes one sample, and a call would put `site` into memory.
+// Resamples, classifies, shades and composites. Returns false if the sample has no opacity. Inline, because each
+// iteration takes one sample, and a call would put `site` into memory.
 [[gnu::always_inline]] inline bool take_sample(RayState& ray, const SampleSite& site, const Frame& frame) {
   const Neighbourhood at = around(site);
   const std::int16_t density = resample_density(site.view.densities, at);
@@ -371,8 +375,8 @@ inline void jitter_step(RayState& ray, const Frame& frame) {
   space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)), frame);
 }
 
-// The sorter's weight of a ray, 12 bits: the fraction that a rendering ray can still add to the image; a lighting ray's energy,
-// the greatest of three.
+// The sorter's weight of a ray, 12 bits: the fraction that a rendering ray can still add to the image; a lighting ray's
+// energy, the greatest of three.
 inline constexpr std::uint16_t kFullContribution = 4095;
 inline std::uint16_t contribution(const RayState& ray) {
   if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);

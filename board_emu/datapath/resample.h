@@ -1,8 +1,9 @@
-// Trilinear resampling of density and gradient, and classification by density: seven linear interpolators per channel [P §3.4].
+// Trilinear resampling of density and gradient, and classification by density: seven linear interpolators per channel
+// [P §3.4].
 //
 // Input: the words of the eight voxels around the sample, and the sample's fractions. Output: one word per channel.
-// Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are separate, because a transparent sample
-// needs no gradient.
+// Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are separate, because a transparent
+// sample needs no gradient.
 #pragma once
 
 #include <algorithm>
@@ -33,8 +34,8 @@ constexpr int weight(std::uint32_t fraction) {
   return static_cast<int>(fraction) << (kWeightBits - wire::kPositionFractionBits);
 }
 
-// Position of a sample: `first` is the voxel of least coordinates around it, `row` and `slice` are the distances of rows and
-// slices of its block in voxels, `weight` is the sample's position between them.
+// Position of a sample: `first` is the voxel of least coordinates around it, `row` and `slice` are the distances of
+// rows and slices of its block in voxels, `weight` is the sample's position between them.
 struct Neighbourhood {
   std::size_t first;
   std::size_t row;
@@ -80,8 +81,8 @@ inline __m128i lerp(__m128i a, __m128i b, __m128i w) {
 }
 #endif
 
-// Interpolates four channels at once: the two voxels of a row are one vector, channels are lanes, so seven interpolators per
-// channel take four vector lerps. `words(i)`: a reference to the words of a voxel.
+// Interpolates four channels at once: the two voxels of a row are one vector, channels are lanes, so seven
+// interpolators per channel take four vector lerps. `words(i)`: a reference to the words of a voxel.
 template <typename Words>
 inline Channels resample_all(const Neighbourhood& at, const Words& words) {
 #if defined(__SSE2__)
@@ -140,7 +141,8 @@ inline DensityRange density_range(const std::int16_t* densities, const Neighbour
 #endif
 }
 
-// Classification: the segmentation LUT's index of an interpolated density (12.3), rounded to 12 bits, of material `tag`.
+// Classification: the segmentation LUT's index of an interpolated density (12.3), rounded to 12 bits, of material
+// `tag`.
 constexpr std::size_t segmentation_index(int density, unsigned tag) {
   const int rounded = (density + (1 << (kDensityFractionBits - 1))) >> kDensityFractionBits;
   return std::size_t{tag} << 12 | static_cast<std::size_t>(rounded);

@@ -22,8 +22,8 @@ constexpr bool reflects(wire::Bsdf bsdf) {
   return bsdf == wire::Bsdf::kSpecular || bsdf == wire::Bsdf::kDullReflection || bsdf == wire::Bsdf::kDiffuse;
 }
 
-// The new direction of a ray with direction `direction`. `gradient`: physical, of any length; zero means a surface that faces
-// the ray. `spacing`: voxel edges, any unit. `chance`: a draw for this scattering only.
+// The new direction of a ray with direction `direction`. `gradient`: physical, of any length; zero means a surface that
+// faces the ray. `spacing`: voxel edges, any unit. `chance`: a draw for this scattering only.
 Direction scattered(const wire::Material& material, const Direction& direction, const Point& gradient,
                     const std::array<std::uint32_t, 3>& spacing, std::uint64_t chance);
 

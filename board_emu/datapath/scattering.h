@@ -1,4 +1,5 @@
-// Interfaces to scattering beyond the pipeline's scattering unit: by routines on the DSP, and by the host [P §2.2, §3.4].
+// Interfaces to scattering beyond the pipeline's scattering unit: by routines on the DSP, and by the host [P §2.2,
+// §3.4].
 #pragma once
 
 #include <array>
@@ -42,8 +43,8 @@ class Routines {
  public:
   virtual ~Routines() = default;
   virtual bool has(std::uint8_t number) const = 0;
-  // Describes an error in these parameters for routine `number`, or in the routine itself, if there is any. Called before a
-  // command's first ray. Requires has(number).
+  // Describes an error in these parameters for routine `number`, or in the routine itself, if there is any. Called
+  // before a command's first ray. Requires has(number).
   virtual std::optional<std::string> fault(std::uint8_t number, std::span<const float> parameters) const = 0;
   // Pure: the same event gives the same answer. May be called from several threads. Throws RoutineFault.
   virtual ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const = 0;

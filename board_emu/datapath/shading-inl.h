@@ -1,7 +1,7 @@
-// Colours of classified samples: shading by the reflectance map, light by irradiance, and voxels' colours [P §2.1, §3.4]. One
-// source: it is included into the namespace of a ray alone, where an `Int` is a std::int32_t (datapath/one_lane.h), and into that
-// of each instruction set (functional/simd), where it is a vector of them. Quotients are IEEE single precision, correctly
-// rounded, hence the same on every machine and in every lane.
+// Colours of classified samples: shading by the reflectance map, light by irradiance, and voxels' colours [P §2.1,
+// §3.4]. One source: it is included into the namespace of a ray alone, where an `Int` is a std::int32_t
+// (datapath/one_lane.h), and into that of each instruction set (functional/simd), where it is a vector of them.
+// Quotients are IEEE single precision, correctly rounded, hence the same on every machine and in every lane.
 
 // An entry of the segmentation LUT.
 template <class Int>
@@ -10,8 +10,8 @@ struct ShadingEntry {
   Int ambient, reflect, knee;
 };
 
-// Bilinear reflectance of the normal opposite to `gradient`, which is not zero; 15 fraction bits. `square(i)`: texels i and
-// i + 1, and those of the next row, in the bytes of a word.
+// Bilinear reflectance of the normal opposite to `gradient`, which is not zero; 15 fraction bits. `square(i)`: texels i
+// and i + 1, and those of the next row, in the bytes of a word.
 template <class Int, class Square>
 [[gnu::always_inline]] inline Int reflectance(const std::array<Int, 3>& gradient, const Square& square) {
   const auto number = [&](std::int32_t x) { return like(gradient[0], x); };
@@ -78,8 +78,8 @@ template <class Int, class Square>
   return out;
 }
 
-// A sample's colour with the diffuse light `lit`, 15 fraction bits: the reflectance map, which may be black, has the highlights of
-// point lights [P §3.4].
+// A sample's colour with the diffuse light `lit`, 15 fraction bits: the reflectance map, which may be black, has the
+// highlights of point lights [P §3.4].
 template <class Int, class Square>
 [[gnu::always_inline]] inline std::array<Int, 3> illuminated(const ShadingEntry<Int>& entry, Int specular,
                                                              const std::array<Int, 3>& lit,
@@ -97,8 +97,8 @@ template <class Int, class Square>
   return out;
 }
 
-// A factor of the segmentation LUT's colours, 4095 = one, from resampled colour words. Premultiplied words are divided by their
-// alpha, the fourth; alpha 0 gives black.
+// A factor of the segmentation LUT's colours, 4095 = one, from resampled colour words. Premultiplied words are divided
+// by their alpha, the fourth; alpha 0 gives black.
 template <class Int>
 [[gnu::always_inline]] inline std::array<Int, 3> factor_of_words(const std::array<Int, 4>& words, bool premultiplied) {
   const Int zero = like(words[0], 0), one = like(words[0], static_cast<std::int32_t>(wire::kColourOne));

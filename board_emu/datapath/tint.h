@@ -1,4 +1,5 @@
-// The colour of a sample whose voxels have their own colours (wire::VoxelFormat): a factor of the segmentation LUT's colour.
+// The colour of a sample whose voxels have their own colours (wire::VoxelFormat): a factor of the segmentation LUT's
+// colour.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,9 @@
 
 namespace gicube::emu {
 
-// Splits whole energy units by systematic rounding: on average each voxel gets the fraction of its trilinear weight, and the
-// shares of one deposit sum to it exactly. `fraction`: 14 bits per axis. `units` < 2^32; `chance` decides the roundings.
+// Splits whole energy units by systematic rounding: on average each voxel gets the fraction of its trilinear weight,
+// and the shares of one deposit sum to it exactly. `fraction`: 14 bits per axis. `units` < 2^32; `chance` decides the
+// roundings.
 constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& fraction, std::uint64_t chance) {
   constexpr int kBits = wire::kPositionFractionBits;
   constexpr std::uint32_t kOne = 1u << kBits;
@@ -34,8 +35,8 @@ constexpr Shares split(std::uint32_t units, const std::array<std::uint32_t, 3>& 
 }
 
 // Splits a signed amount by the trilinear interpolator's tree run backwards: each of its seven nodes gives
-// round(amount x fraction) to the upper half and the rest to the lower half, so the shares sum to the amount exactly, and each
-// is within 2 units of the amount's trilinear part.
+// round(amount x fraction) to the upper half and the rest to the lower half, so the shares sum to the amount exactly,
+// and each is within 2 units of the amount's trilinear part.
 using SignedShares = std::array<std::int32_t, 8>;
 
 // round(amount x fraction / 2^14), halves up.

@@ -1,6 +1,6 @@
-// Opacity and compositing on the wide datapath [C]: a ray accumulates in floats, and a voxel's opacity has the table's 12
-// further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h), without fused multiply-add, so
-// that the bits are the same.
+// Opacity and compositing on the wide datapath [C]: a ray accumulates in floats, and a voxel's opacity has the table's
+// 12 further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h), without fused
+// multiply-add, so that the bits are the same.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,8 @@ WideWords wide_words(const Ray& ray) {
   return out;
 }
 
-// 1 - 2^-x = x (c0 + c1 x + ...) for x in 0..1, with an error below 2.1 units of 2^-24 of its value, also near 0 (thin fog).
+// 1 - 2^-x = x (c0 + c1 x + ...) for x in 0..1, with an error below 2.1 units of 2^-24 of its value, also near 0 (thin
+// fog).
 inline constexpr std::array<float, 7> kFall{0.693147182f,   -0.240226492f,    0.0555039123f,  -0.00961695053f,
                                             0.00132993993f, -0.000148892374f, 1.13038432e-05f};
 inline constexpr float kOpaqueDepth = 64;  // beyond the range of the table's bits

@@ -1,9 +1,9 @@
-// The timing model of the DSP: it executes one task after the other, with code from the program cache or the SDRAM, on data from the
-// data cache or the SDRAM.
+// The timing model of the DSP: it executes one task after the other, with code from the program cache or the SDRAM, on
+// data from the data cache or the SDRAM.
 //
-// A change of loop costs the loop's set-up, and a fetch if its code is not in the program cache. The data cache allocates a line on
-// reads and writes a changed line back on eviction. A write that misses bypasses the cache through a buffer of four writes. A read
-// stalls the DSP until the data arrive, a write only if the buffer is full.
+// A change of loop costs the loop's set-up, and a fetch if its code is not in the program cache. The data cache
+// allocates a line on reads and writes a changed line back on eviction. A write that misses bypasses the cache through
+// a buffer of four writes. A read stalls the DSP until the data arrive, a write only if the buffer is full.
 #pragma once
 
 #include <array>
@@ -36,8 +36,8 @@ struct DspCounters {
 
 class Dsp {
  public:
-  // The caches of the C6211, the first of its family with caches (TI, SPRS073): 4 KB of code; 4 KB of data in two ways, with lines
-  // of 32 bytes, allocated on reads only; a buffer of four writes.
+  // The caches of the C6211, the first of its family with caches (TI, SPRS073): 4 KB of code; 4 KB of data in two ways,
+  // with lines of 32 bytes, allocated on reads only; a buffer of four writes.
   static constexpr std::uint32_t kProgramBytes = 4096, kDataBytes = 4096, kLineBytes = sdram::kBurstBytes, kWays = 2;
   static constexpr std::size_t kWrites = 4;
   // Rays that it sends before it checks for arrivals. chosen: a change of loop costs about as much as a ray.

@@ -1,11 +1,11 @@
-// Keeps rays in the SDRAM until they can be sent again: rays that the ASIC has returned because their queue was full, and trapped
-// rays with a new direction [P §3.2].
+// Keeps rays in the SDRAM until they can be sent again: rays that the ASIC has returned because their queue was full,
+// and trapped rays with a new direction [P §3.2].
 //
-// There is a FIFO list for each queue. A slot that becomes free is reserved for the first ray of the queue's list, which is then
-// ready. A ray therefore overflows only once at a full queue, and finds its slot when it returns.
+// There is a FIFO list for each queue. A slot that becomes free is reserved for the first ray of the queue's list,
+// which is then ready. A ray therefore overflows only once at a full queue, and finds its slot when it returns.
 //
-// Irradiance carriers overflow too. There are at most dsp.overflow_rays rays, but the number of carriers has no bound: a command
-// whose carriers fill the store ends with a fault.
+// Irradiance carriers overflow too. There are at most dsp.overflow_rays rays, but the number of carriers has no bound:
+// a command whose carriers fill the store ends with a fault.
 #pragma once
 
 #include <cassert>
@@ -21,8 +21,8 @@
 
 namespace gicube::emu {
 
-// Stores or loads a ray: 8 words from the merge tree or to the ray bus, 8 of the SDRAM; 4 words of the lists, in the DSP's own
-// memory, and 8 operations on them. Notifications of reserved slots cost no extra cycles.
+// Stores or loads a ray: 8 words from the merge tree or to the ray bus, 8 of the SDRAM; 4 words of the lists, in the
+// DSP's own memory, and 8 operations on them. Notifications of reserved slots cost no extra cycles.
 inline constexpr DspLoop kStoreRay{"overflowed ray", 0, 8, 8 + 8 + 4};
 // Receives a trapped ray and its sample: 16 words from the merge tree. The cycles of its routine are added.
 inline constexpr DspLoop kTakeTrap{"trapped ray", 0, 12, 16};

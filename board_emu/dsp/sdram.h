@@ -17,8 +17,8 @@ inline constexpr std::uint32_t kBurstBytes = 32;
 inline constexpr std::uint32_t kBanks = 4, kRows = 4096, kBurstsOfRow = 512 / kBurst;
 static_assert(std::uint64_t{kBanks} * kRows * kBurstsOfRow * kBurstBytes == sdram_map::kRankBytes);
 
-// A clock is tCK = 10 ns. WR comes with its first beat; tWR counts from the clock of the last one. docs/reference/hardware.md
-// has the source of each time.
+// A clock is tCK = 10 ns. WR comes with its first beat; tWR counts from the clock of the last one.
+// docs/reference/hardware.md has the source of each time.
 struct Rules : dram::RankRules {
   static constexpr const char *kName = "sdram", *kDevice = "SDRAM rank", *kDevices = "ranks";
   static constexpr Tcycle kPacket = kBurst;

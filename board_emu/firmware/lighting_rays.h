@@ -11,7 +11,8 @@
 //   point, conserving       E omega / (4 pi k), omega the cell's exact solid angle
 //   point, as printed       E cos(theta) A / (k pi r^2): four times too much; r at least half a cell's longest edge
 //   rectangle, sphere       E cos(theta) cos(psi) A / (k pi r^2), each ray from another point of the light;
-//                           less than four cell edges away: E cos(psi) omega / (k pi), uniform in solid angle, so bounded
+//                           less than four cell edges away: E cos(psi) omega / (k pi), uniform in solid angle, so
+//                           bounded
 #pragma once
 
 #include <array>

@@ -77,7 +77,8 @@ class Tiles {
   }
 
  private:
-  // chosen: the cells, 32 bytes each, fit into a core's second-level cache, and rays of a view turning about z are seldom cut.
+  // chosen: the cells, 32 bytes each, fit into a core's second-level cache, and rays of a view turning about z are
+  // seldom cut.
   static std::size_t depth(int voxels) {
     const auto n = static_cast<std::size_t>(voxels);
     return std::clamp<std::size_t>((std::size_t{1} << 13) / (n * n), 1, n);
@@ -95,8 +96,8 @@ class Tiles {
   int slab_bits_ = 0;
 };
 
-// Calls part(tile, first, count), tile by tile, for the first `left` samples of a ray, which are in the volume. `below`:
-// fraction bits below a position's unit.
+// Calls part(tile, first, count), tile by tile, for the first `left` samples of a ray, which are in the volume.
+// `below`: fraction bits below a position's unit.
 template <typename Word>
 void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std::int32_t left, const Tiles& tiles,
          int below, const auto& part) {

@@ -1,6 +1,6 @@
-// Backprojection into accumulators at the functional level: each ray is cut at the borders of tiles, which are slabs of blocks,
-// the pieces are sorted by tile, and threads take whole tiles, so that they need no locks and a tile's words stay in a core's
-// cache. The sums are those of the cycle level, which adds sample by sample.
+// Backprojection into accumulators at the functional level: each ray is cut at the borders of tiles, which are slabs of
+// blocks, the pieces are sorted by tile, and threads take whole tiles, so that they need no locks and a tile's words
+// stay in a core's cache. The sums are those of the cycle level, which adds sample by sample.
 #pragma once
 
 #include <span>
@@ -10,7 +10,8 @@
 
 namespace gicube::emu {
 
-// Queues the rays' contributions to frame.accumulators. The energy counters' `deposited.kept` is their signed sum, modulo 2^64.
+// Queues the rays' contributions to frame.accumulators. The energy counters' `deposited.kept` is their signed sum,
+// modulo 2^64.
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads);
 
 }  // namespace gicube::emu

@@ -36,8 +36,8 @@ class FunctionalLevel : public Level {
   RayCounters rays_;
 };
 
-// Traces rays that only gather to their ends, in place, on `threads` threads. `tracer`: prepared for this frame, or null.
-// `steps`: receives each ray's number of steps.
+// Traces rays that only gather to their ends, in place, on `threads` threads. `tracer`: prepared for this frame, or
+// null. `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
 

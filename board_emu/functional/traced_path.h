@@ -1,5 +1,5 @@
-// A ray under way at the functional level, and its iterations through the pipeline. Lanes of rays (functional/simd) do the
-// iterations in which a ray only continues; all others are done here.
+// A ray under way at the functional level, and its iterations through the pipeline. Lanes of rays (functional/simd) do
+// the iterations in which a ray only continues; all others are done here.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct TracedPath {
   Trap trap;                               // if it is trapped
 };
 
-// One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues. `known`: null, or what lanes
-// know of the sample that it takes.
+// One iteration of a ray that has not ended, in a frame that is not plain. kActive: it continues. `known`: null, or
+// what lanes know of the sample that it takes.
 Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters, const KnownInterval* known);
 
 // All iterations until the ray stops.

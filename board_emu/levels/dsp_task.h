@@ -1,9 +1,9 @@
 // The cost of a ray to the DSP: a loop of its firmware, and the loop's accesses to the SDRAM.
 //
-// The DSP is of the C62x class [C]: it issues up to eight instructions per cycle, including at most two multiplications (16 by
-// 16 bits) and two loads or stores; loads and stores share six units with all other operations (TI, TMS320C6000 CPU and
-// Instruction Set, SPRU189). Loops are software-pipelined: the busiest unit bounds the interval. Each loop's DspLoop is defined
-// next to the function that computes its values.
+// The DSP is of the C62x class [C]: it issues up to eight instructions per cycle, including at most two multiplications
+// (16 by 16 bits) and two loads or stores; loads and stores share six units with all other operations (TI, TMS320C6000
+// CPU and Instruction Set, SPRU189). Loops are software-pipelined: the busiest unit bounds the interval. Each loop's
+// DspLoop is defined next to the function that computes its values.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,8 @@ struct DspLoop {
   }
   // Cycles to start the loop: a branch with its five delay slots, arguments, and the prologue, in which units are idle.
   constexpr std::uint32_t setup() const { return interval() == 0 ? 0 : kBranch + interval(); }
-  // Size of the loop's code: instructions have four bytes, and prologue and epilogue together are as long as the kernel.
+  // Size of the loop's code: instructions have four bytes, and prologue and epilogue together are as long as the
+  // kernel.
   constexpr std::uint32_t code_bytes() const { return 2 * 4 * (multiplies + operations + accesses); }
 
   static constexpr std::uint32_t kBranch = 6;

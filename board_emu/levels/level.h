@@ -27,8 +27,8 @@ struct Progress {
   std::atomic<std::uint32_t> all{0};
 
   // Set by the board; called by the cycle level on the command's thread, often during a run, whenever all counters are
-  // consistent. Counts of values (visible samples, how rays end) may then include rays that are still under way, because values
-  // are computed ahead. The other levels are fast and do not call it.
+  // consistent. Counts of values (visible samples, how rays end) may then include rays that are still under way,
+  // because values are computed ahead. The other levels are fast and do not call it.
   std::function<void()> may_count{};
 };
 
@@ -67,8 +67,8 @@ class Level {
  public:
   virtual ~Level() = default;
 
-  // Traces the source's rays to their ends. After a run that was cancelled or that threw (RoutineFault, Stall), the hardware is
-  // in the state after reset().
+  // Traces the source's rays to their ends. After a run that was cancelled or that threw (RoutineFault, Stall), the
+  // hardware is in the state after reset().
   virtual RunResult run(RaySource& rays, const Frame& frame, Progress& progress) = 0;
 
   // Drops what is cached of the volume. To be called when the volume's words have changed or the volume is gone.
@@ -82,17 +82,18 @@ class Level {
   virtual RayCounters rays() const = 0;
   // Adds the counters of the level's hardware, if it has any.
   virtual void count(std::vector<wire::Counter>& list) const = 0;
-  // Processor cycles that were computed by inner loops, many at a time, because nobody observed them. The number depends on
-  // observers and checkpoints, so no checkpoint contains it.
+  // Processor cycles that were computed by inner loops, many at a time, because nobody observed them. The number
+  // depends on observers and checkpoints, so no checkpoint contains it.
   virtual std::uint64_t cycles_ahead() const { return 0; }
   // To be called only while all counters are consistent.
   virtual MachineLook look() const { return {}; }
 
-  // Whether a run is under way: state() then saves it too. A level restored with such a run continues it in the next run(), if
-  // it gets that run's source and frame; it throws CheckpointFault if it finds that they differ. reset() ends the run.
+  // Whether a run is under way: state() then saves it too. A level restored with such a run continues it in the next
+  // run(), if it gets that run's source and frame; it throws CheckpointFault if it finds that they differ. reset() ends
+  // the run.
   virtual bool in_run() const { return false; }
-  // Saves the level's state, or restores it into a new level; the volume has `blocks` along x, y, z. During a run it may be
-  // called from Progress::may_count() and Observer::see().
+  // Saves the level's state, or restores it into a new level; the volume has `blocks` along x, y, z. During a run it
+  // may be called from Progress::may_count() and Observer::see().
   virtual void state(Archive& archive, const std::array<int, 3>& blocks) = 0;
 };
 

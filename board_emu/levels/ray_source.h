@@ -1,6 +1,7 @@
 // The interface between a command and a level: makes rays, and takes traced rays back.
 //
-// A level takes the rays one by one in their order, like the DSP, or in batches on several threads; never both in one run.
+// A level takes the rays one by one in their order, like the DSP, or in batches on several threads; never both in one
+// run.
 #pragma once
 
 #include <cstddef>
@@ -52,8 +53,8 @@ struct RayRange {
   std::uint64_t end = 0;
 };
 
-// Most viewing rays under way. Neighbours traverse the same blocks at the same time: with more rays, queues overflow more often
-// and nothing is gained (docs/reference/hardware.md).
+// Most viewing rays under way. Neighbours traverse the same blocks at the same time: with more rays, queues overflow
+// more often and nothing is gained (docs/reference/hardware.md).
 inline constexpr std::uint64_t kViewingRaysUnderWay = 8192;
 
 class RaySource {
@@ -67,7 +68,8 @@ class RaySource {
   virtual DspTask taking(std::uint64_t i) const = 0;
   // DSP cost, before taking(), of the search for a lamp that a ray hits after it has left the volume.
   virtual DspTask looking(const wire::Ray&) const { return {}; }
-  // DSP cycles to make `made` and take `taken` rays, if their order is unknown: each loop is started once, without waiting.
+  // DSP cycles to make `made` and take `taken` rays, if their order is unknown: each loop is started once, without
+  // waiting.
   virtual std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const;
   // Whether rays that are not made cost nothing, because the DSP skips whole faces that the light does not reach.
   virtual bool misses_are_free() const { return false; }
@@ -78,16 +80,18 @@ class RaySource {
   // Most rays of this source under way, if the overflow store has room for them.
   virtual std::uint64_t max_under_way() const { return count(); }
 
-  // Makes ray `i`; called once for each. Returns nothing for a ray that does not go to the ASIC: the source has completed it
-  // and counted it in `counters`.
+  // Makes ray `i`; called once for each. Returns nothing for a ray that does not go to the ASIC: the source has
+  // completed it and counted it in `counters`.
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
-  // Takes traced ray `i` back, whose flags are undefined. Called once for each ray that was made, unless it waits for the host.
+  // Takes traced ray `i` back, whose flags are undefined. Called once for each ray that was made, unless it waits for
+  // the host.
   virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
 
   // Saves or restores what rays of the run beginning with ray `begin` have left in the source so far.
   virtual void state(Archive::Record& /*record*/, std::uint64_t /*begin*/) {}
 
-  // Divides the rays into batches of about `rays` rays, or of a size that suits the source. Returns the number of batches.
+  // Divides the rays into batches of about `rays` rays, or of a size that suits the source. Returns the number of
+  // batches.
   virtual std::size_t divide(std::size_t rays) = 0;
   // Makes batch `b` < divide(); called once for each. Different batches may be made and taken on several threads.
   virtual std::unique_ptr<RayBatch> make_batch(std::size_t b) = 0;
@@ -95,8 +99,8 @@ class RaySource {
   virtual void take_batch(RayBatch& batch) = 0;
 };
 
-// A source that makes its batches ray by ray, with the requested number of rays in each. Its make() and take() may be called
-// from several threads.
+// A source that makes its batches ray by ray, with the requested number of rays in each. Its make() and take() may be
+// called from several threads.
 class RayByRaySource : public RaySource {
  public:
   std::size_t divide(std::size_t rays) override;

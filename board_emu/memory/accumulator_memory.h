@@ -1,11 +1,13 @@
 // Accumulators of backprojecting rays: one signed word per voxel, of 36 bits on the board (command.h).
 //
-// Each word belongs to one block; nothing samples the accumulators, so shared faces have no copies. The functional level
-// nevertheless gives each block (n+1)^3 words: contributions to voxels beyond a block's far faces stay there as partial sums of
-// the neighbour's words, so that threads can work on blocks side by side without locks. Integer sums do not depend on their
-// order; a word's value is the total of its partial sums. A block that no ray has reached takes no memory.
+// Each word belongs to one block; nothing samples the accumulators, so shared faces have no copies. The functional
+// level nevertheless gives each block (n+1)^3 words: contributions to voxels beyond a block's far faces stay there as
+// partial sums of the neighbour's words, so that threads can work on blocks side by side without locks. Integer sums do
+// not depend on their order; a word's value is the total of its partial sums. A block that no ray has reached takes no
+// memory.
 //
-// Contributions may be queued, because adding those of many commands together costs less. They are added before words are read.
+// Contributions may be queued, because adding those of many commands together costs less. They are added before words
+// are read.
 #pragma once
 
 #include <array>
@@ -69,7 +71,8 @@ class AccumulatorMemory : public Blocked {
   // To be called after a command: clips words beyond +-kMaxSum. Reads the words only if one of them can be.
   Overflow settle();
 
-  // Byte ranges of the accumulators (memory_map.h). `offset` and the length are multiples of nine, two words, within bytes().
+  // Byte ranges of the accumulators (memory_map.h). `offset` and the length are multiples of nine, two words, within
+  // bytes().
   std::uint64_t bytes() const { return blocks_words_.size() * block_bytes(); }
   void read(std::uint64_t offset, std::span<std::uint8_t> out);
 

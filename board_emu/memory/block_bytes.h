@@ -1,6 +1,8 @@
-// The bytes of a volume's blocks as the host wrote them. A block that was never written is uniformly zero and takes no memory.
+// The bytes of a volume's blocks as the host wrote them. A block that was never written is uniformly zero and takes no
+// memory.
 //
-// A stored block may be elsewhere: its owner keeps the content in another form, and `pack(block, out)` restores the bytes.
+// A stored block may be elsewhere: its owner keeps the content in another form, and `pack(block, out)` restores the
+// bytes.
 #pragma once
 
 #include <algorithm>

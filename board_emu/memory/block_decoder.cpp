@@ -21,7 +21,8 @@ namespace {
 constexpr int kCodeBit = 12;                  // position in a voxel's word
 constexpr std::uint32_t kCodeMask = 0x1FFFu;  // code and tag
 
-// `row(first, at)` decodes the n words from `first` on to the voxels from `at` on. Returns the OR of all codes and tags.
+// `row(first, at)` decodes the n words from `first` on to the voxels from `at` on. Returns the OR of all codes and
+// tags.
 template <typename Row>
 std::uint16_t decode_rows(std::size_t n, const Row& row) {
   const std::size_t edge = n + 1;
@@ -60,7 +61,8 @@ HWY_INLINE std::uint16_t decode_row(std::span<const std::uint8_t> packed, std::s
   const hn::Rebind<std::int16_t, decltype(d)> d16;
   const hn::Rebind<std::uint16_t, decltype(d)> du16;
   const std::size_t lanes = hn::Lanes(d);
-  // Two words are nine bytes: the first's low 32 bits begin with the first byte, the second's in the middle of the fifth.
+  // Two words are nine bytes: the first's low 32 bits begin with the first byte, the second's in the middle of the
+  // fifth.
   alignas(64) constexpr std::array<std::int64_t, 8> kPairBytes{0, 9, 18, 27, 36, 45, 54, 63};
   const auto pair_bytes = hn::Load(d64, kPairBytes.data());
   auto any = hn::Zero(du);

@@ -48,7 +48,8 @@ void IrradianceMemory::state(Archive& archive) {
 }
 
 SharingBlocks IrradianceMemory::blocks_of(const Deposit& deposit) const {
-  // Along each axis: from the block before the lower voxel's, if that voxel is on its far face, to the upper voxel's block.
+  // Along each axis: from the block before the lower voxel's, if that voxel is on its far face, to the upper voxel's
+  // block.
   std::array<int, 3> first{}, last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int low = deposit.voxel[axis];

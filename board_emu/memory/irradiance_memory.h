@@ -1,9 +1,10 @@
-// The irradiance words of the volume [P §2.2]: a saturating sum of energy per voxel, with copies on the faces that blocks
-// share.
+// The irradiance words of the volume [P §2.2]: a saturating sum of energy per voxel, with copies on the faces that
+// blocks share.
 //
-// Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one of its
-// voxels: the functional level adds to all of them at once, the cycle level sends irradiance carriers. Saturating sums of
-// non-negative terms do not depend on their order. A block that no energy has reached takes no memory.
+// Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one
+// of its voxels: the functional level adds to all of them at once, the cycle level sends irradiance carriers.
+// Saturating sums of non-negative terms do not depend on their order. A block that no energy has reached takes no
+// memory.
 #pragma once
 
 #include <algorithm>
@@ -72,8 +73,8 @@ class IrradianceMemory : public Blocked {
   const std::uint32_t* view(std::size_t block) const { return words_[block].load(std::memory_order_acquire); }
   std::size_t stored_blocks() const;
 
-  // Host memory of the stored words, and what the words of all other blocks would take; both with the copy of the functional
-  // level (functional/simd).
+  // Host memory of the stored words, and what the words of all other blocks would take; both with the copy of the
+  // functional level (functional/simd).
   std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
   std::uint64_t free_bytes() const { return words_.size() * bytes_of_words() - stored_bytes(); }
   // free_bytes() if energy reaches at most `blocks` blocks: their words have copies in up to seven others.
@@ -85,8 +86,8 @@ class IrradianceMemory : public Blocked {
   // Host memory per block, stored or not.
   static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::uint32_t*);
 
-  // Byte ranges of the irradiance (memory_map.h): n^3 words per block. `offset` and the length are multiples of four, within
-  // bytes(). Writing sets all copies; a word above `most` saturates.
+  // Byte ranges of the irradiance (memory_map.h): n^3 words per block. `offset` and the length are multiples of four,
+  // within bytes(). Writing sets all copies; a word above `most` saturates.
   std::uint64_t bytes() const { return words_.size() * block_bytes(); }
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;

@@ -1,5 +1,6 @@
-// Arrays of megabytes that are filled once and then gathered from, such as the decoded volume. They use huge pages if the host
-// has them: otherwise a first frame waits for thousands of page faults, and gathers wait for address translation.
+// Arrays of megabytes that are filled once and then gathered from, such as the decoded volume. They use huge pages if
+// the host has them: otherwise a first frame waits for thousands of page faults, and gathers wait for address
+// translation.
 #pragma once
 
 #include <sys/mman.h>
@@ -14,8 +15,8 @@ namespace gicube::emu {
 
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;  // bytes, on x86-64 and on AArch64 with 4 KiB pages
 
-// Like operator new and delete. From kHugePage bytes on, memory is aligned to that and requests huge pages, which the host
-// provides if transparent_hugepage is madvise or always.
+// Like operator new and delete. From kHugePage bytes on, memory is aligned to that and requests huge pages, which the
+// host provides if transparent_hugepage is madvise or always.
 inline void* allocate_large(std::size_t bytes) {
   if (bytes < kHugePage) return ::operator new(bytes);
   void* const place = ::operator new (bytes, std::align_val_t{kHugePage});
@@ -57,8 +58,8 @@ struct LargeAllocator {
 template <typename T>
 using LargeArray = std::vector<T, LargeAllocator<T>>;
 
-// Bytes whose memory returns to the host as soon as they are freed: from kMapped bytes on they are mapped pages of their own.
-// Memory of malloc would stay with the process.
+// Bytes whose memory returns to the host as soon as they are freed: from kMapped bytes on they are mapped pages of
+// their own. Memory of malloc would stay with the process.
 template <typename T>
 struct ReturnedAllocator {
   using value_type = T;  // NOLINT(readability-identifier-naming): required by containers

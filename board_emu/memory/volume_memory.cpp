@@ -224,7 +224,8 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   if (which.empty()) return;
   const bool had_codes = !codes_.empty();
   std::atomic<std::uint32_t> any{0};
-  // Codes of blocks in `decoded_next` are left unwritten, so that their pages are allocated when the packed words are freed.
+  // Codes of blocks in `decoded_next` are left unwritten, so that their pages are allocated when the packed words are
+  // freed.
   const auto begin_codes = [&](std::span<const std::size_t> decoded_next) {
     if (any == 0 || !codes_.empty()) return;
     std::vector<bool> is_next(block_count());
@@ -240,7 +241,8 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, unsigned th
   const auto decode_all = [&] {
     parallel_for(which.size(), threads, [&](std::size_t i) { any |= decode_own(which[i]); });
   };
-  // One block mostly shows whether there are codes. Blocks with codes keep their packed words until there is room for codes.
+  // One block mostly shows whether there are codes. Blocks with codes keep their packed words until there is room for
+  // codes.
   any |= decode_own(which[which.size() / 2]);
   begin_codes(which);
   decode_all();

@@ -1,9 +1,10 @@
-// The volume's memory: 36-bit words as the host wrote them, and each block decoded for the pipeline with its +1 faces: a
-// density and a gradient code with a tag per voxel. A sample looks up the gradients of the codes that it needs.
+// The volume's memory: 36-bit words as the host wrote them, and each block decoded for the pipeline with its +1 faces:
+// a density and a gradient code with a tag per voxel. A sample looks up the gradients of the codes that it needs.
 //
-// A block that was never written is uniformly zero and takes no memory. The host sends every voxel once; copies on shared faces
-// are made here (docs/reference/hardware.md). Blocks that all rays skip are not decoded. The words of a decoded block are
-// freed, because they can be restored from its voxels, unless they have irradiance bits, which no driver writes.
+// A block that was never written is uniformly zero and takes no memory. The host sends every voxel once; copies on
+// shared faces are made here (docs/reference/hardware.md). Blocks that all rays skip are not decoded. The words of a
+// decoded block are freed, because they can be restored from its voxels, unless they have irradiance bits, which no
+// driver writes.
 #pragma once
 
 #include <array>
@@ -64,10 +65,12 @@ class VolumeMemory : public Blocked {
   // Host memory per block, stored or not.
   static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::vector<std::uint8_t>) + 1 + sizeof(std::size_t);
 
-  // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading returns what was written, or 0.
+  // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading returns what was written, or
+  // 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const { words_.read(offset, out, packer()); }
-  // Byte ranges of the colours. Returns false and writes nothing if the range is invalid or a block's words are not stored.
+  // Byte ranges of the colours. Returns false and writes nothing if the range is invalid or a block's words are not
+  // stored.
   bool write_colours(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read_colours(std::uint64_t offset, std::span<std::uint8_t> out) const { colours_.read(offset, out, kHere); }
   const BlockBytes& colours() const { return colours_; }
@@ -91,8 +94,8 @@ class VolumeMemory : public Blocked {
   // Inverts the bit, until it is overwritten.
   void flip(const BitPlace& place);
 
-  // Updates the decoded form of what is read, on `threads` threads. Call before view() when anything was written, the gradient
-  // LUT changed, or other things are read.
+  // Updates the decoded form of what is read, on `threads` threads. Call before view() when anything was written, the
+  // gradient LUT changed, or other things are read.
   void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
               const VolumeReads& reads = {});
   BlockView view(std::size_t block) const {
@@ -103,8 +106,8 @@ class VolumeMemory : public Blocked {
   // Whether some voxel has a tag other than 0.
   bool has_tags() const { return has_tags_; }
 
-  // All decoded blocks in one array, for readers of many blocks at once: block b's voxels begin at first()[b]. Blocks that were
-  // never written or never read share the first slot.
+  // All decoded blocks in one array, for readers of many blocks at once: block b's voxels begin at first()[b]. Blocks
+  // that were never written or never read share the first slot.
   std::span<const std::int16_t> decoded_densities() const {
     return densities_;
   }                                                                        // one extra: the last is read as a pair, too
@@ -124,9 +127,11 @@ class VolumeMemory : public Blocked {
   void decode_blocks(std::span<const std::size_t> which, unsigned threads);
   // Decodes the block's own voxels if its words are here, and may free these. Returns the OR of their codes and tags.
   std::uint16_t decode_own(std::size_t block);
-  // Copies the neighbours' voxels to the block's +1 faces. Returns the OR of their codes and tags, even if none are stored.
+  // Copies the neighbours' voxels to the block's +1 faces. Returns the OR of their codes and tags, even if none are
+  // stored.
   std::uint16_t decode_faces(std::size_t block);
-  // Copies `count` voxels from (0, y, z) of the block at `from`, which may be outside the volume, to the voxels from `at` on.
+  // Copies `count` voxels from (0, y, z) of the block at `from`, which may be outside the volume, to the voxels from
+  // `at` on.
   std::uint16_t copy_row(const std::array<int, 3>& from, std::size_t y, std::size_t z, std::size_t count,
                          std::size_t at);
 

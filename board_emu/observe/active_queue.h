@@ -1,5 +1,5 @@
-// Determines which queue of a sorter was active in a cycle. has_active() at the end of the cycle is not enough: a queue with a
-// single ray becomes active, issues its ray and is deactivated in the same cycle.
+// Determines which queue of a sorter was active in a cycle. has_active() at the end of the cycle is not enough: a queue
+// with a single ray becomes active, issues its ray and is deactivated in the same cycle.
 #pragma once
 
 #include <cstdint>

@@ -34,8 +34,9 @@ struct Breakpoint {
   std::optional<Cycle> cycle{};  // first cycle in which on_cycle can be met
 };
 
-// Parses "cycle N", "time 12.5us", "ray N", "ray TICKET:N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q FILL",
-// "overflow", "trap", "conflict", "counter NAME VALUE" or "command". Throws std::invalid_argument, "expected ..., got ...".
+// Parses "cycle N", "time 12.5us", "ray N", "ray TICKET:N", "pixel X Y", "voxel X Y Z", "block X Y Z", "queue P Q
+// FILL", "overflow", "trap", "conflict", "counter NAME VALUE" or "command". Throws std::invalid_argument, "expected
+// ..., got ...".
 Breakpoint parse_breakpoint(const std::vector<std::string>& words, const CommandClock& clock);
 
 // Breakpoint after `count` further units: "cycle", "sample" or "ray" (a finished ray). Throws std::invalid_argument.

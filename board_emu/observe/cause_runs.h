@@ -1,9 +1,9 @@
 // Merges the causes of a processor's cycles into slices that are long enough to read.
 //
-// A run is a sequence of cycles with the same cause. A run of at least kLongRun cycles is a slice. Consecutive shorter runs
-// share a slice, which ends with the run that brings it to kMixed cycles, or before the next long run. A slice that is still
-// shorter than kLongRun is merged into the slice before it, and so is a long run with that slice's cause. Each cycle is in
-// exactly one slice, which counts the causes of its cycles.
+// A run is a sequence of cycles with the same cause. A run of at least kLongRun cycles is a slice. Consecutive shorter
+// runs share a slice, which ends with the run that brings it to kMixed cycles, or before the next long run. A slice
+// that is still shorter than kLongRun is merged into the slice before it, and so is a long run with that slice's cause.
+// Each cycle is in exactly one slice, which counts the causes of its cycles.
 #pragma once
 
 #include <algorithm>

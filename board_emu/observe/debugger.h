@@ -1,9 +1,9 @@
 // Pauses a board's machine at breakpoints, and inspects it while it is paused. It serves one client at a time.
 //
-// While the board is paused, the thread of its command waits in a callback. The client's thread reads the machine only then and
-// under the same lock, so it never reads changing data. Simulated time does not depend on the debugger, unless the client sets a
-// word. A paused board resumes when the client leaves, after `max_pause` without a line from the client, and when its session is
-// to end.
+// While the board is paused, the thread of its command waits in a callback. The client's thread reads the machine only
+// then and under the same lock, so it never reads changing data. Simulated time does not depend on the debugger, unless
+// the client sets a word. A paused board resumes when the client leaves, after `max_pause` without a line from the
+// client, and when its session is to end.
 #pragma once
 
 #include <atomic>
@@ -36,19 +36,20 @@ class Debugger : public Observer {
 
   explicit Debugger(std::chrono::milliseconds max_pause = kMaxPause) : max_pause_(max_pause) {}
 
-  // Attaches a client. Returns false if another one is attached. The machine is observed from the next command on, or within
-  // 4096 cycles.
+  // Attaches a client. Returns false if another one is attached. The machine is observed from the next command on, or
+  // within 4096 cycles.
   bool attach();
   // Detaches the client, removes its breakpoints and resumes the board.
   void detach();
-  // Executes a line of the client. `continue`, `step` and `stop` wait until the board is paused, their time limit has passed or
-  // `cancelled` returns true.
+  // Executes a line of the client. `continue`, `step` and `stop` wait until the board is paused, their time limit has
+  // passed or `cancelled` returns true.
   Answer carry_out(const std::string& line, const Cancelled& cancelled);
-  // Resumes the board, because its session is to end. Cancels steps and stops; nothing pauses the rest of the command. Any
-  // thread.
+  // Resumes the board, because its session is to end. Cancels steps and stops; nothing pauses the rest of the command.
+  // Any thread.
   void let_go();
-  // Calls `job` once on the command's thread, at the end of the cycle in which the board is paused; the board stays paused. `job`
-  // must not throw. It is dropped if the board is resumed before. Returns false if the board is not paused. Any thread.
+  // Calls `job` once on the command's thread, at the end of the cycle in which the board is paused; the board stays
+  // paused. `job` must not throw. It is dropped if the board is resumed before. Returns false if the board is not
+  // paused. Any thread.
   bool offer(std::function<void()> job);
   bool is_paused() const {
     const std::lock_guard lock(mutex_);

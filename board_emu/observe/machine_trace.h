@@ -1,10 +1,11 @@
 // Writes the activity of processors, links and memories in each cycle to a trace.
 //
-// Each processor has a track of its active blocks, a track of its pipeline's causes (cause_runs.h) and a counter of waiting rays.
-// Counters are sampled every simulated microsecond and written when they change. Only open slices are kept in memory.
+// Each processor has a track of its active blocks, a track of its pipeline's causes (cause_runs.h) and a counter of
+// waiting rays. Counters are sampled every simulated microsecond and written when they change. Only open slices are
+// kept in memory.
 //
-// The power of each part is the mean over windows of ten microseconds (config/energy.h), without what the DSP's work and the host's bus
-// add: they are counted when their time is final.
+// The power of each part is the mean over windows of ten microseconds (config/energy.h), without what the DSP's work
+// and the host's bus add: they are counted when their time is final.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// Records a board's activity: a trace for Perfetto, a waveform for GTKWave and a file of events, each only if requested.
+// Records a board's activity: a trace for Perfetto, a waveform for GTKWave and a file of events, each only if
+// requested.
 //
 // The machine is observed through observer(). A power-up sets the board's time to 0; time in the trace continues.
 #pragma once

@@ -1,5 +1,5 @@
-// Runs the code of an observer in its own process (plug_ins/plug_in_process.h). The process receives events through a socket and
-// sends no reply, so it affects only the host time of a command.
+// Runs the code of an observer in its own process (plug_ins/plug_in_process.h). The process receives events through a
+// socket and sends no reply, so it affects only the host time of a command.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
-// A text file that is written in large pieces of whole records. If the process is killed, the file ends with a whole record.
+// A text file that is written in large pieces of whole records. If the process is killed, the file ends with a whole
+// record.
 #pragma once
 
 #include <fmt/format.h>

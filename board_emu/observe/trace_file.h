@@ -1,7 +1,7 @@
 // A trace in the JSON array form of the Trace Event Format, which Perfetto (ui.perfetto.dev) and chrome://tracing read.
 //
-// Times are passed in picoseconds and written in microseconds, rounded down to nanoseconds. Slices of a track must be added in
-// order and must not overlap.
+// Times are passed in picoseconds and written in microseconds, rounded down to nanoseconds. Slices of a track must be
+// added in order and must not overlap.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Writes the signals of the board's clocked parts to a value change dump, for a window of core cycles.
 //
-// The value of a signal in a cycle is the state of its part at the clock edge that ends the cycle, or the part's activity in it
-// (cause, active queue, busy). The window is written once, for the first machine whose clock reaches it.
+// The value of a signal in a cycle is the state of its part at the clock edge that ends the cycle, or the part's
+// activity in it (cause, active queue, busy). The window is written once, for the first machine whose clock reaches it.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,8 @@ class Waveform : public Observer {
   enum class State : std::uint8_t { kWaiting, kWriting, kEnded };
   void record(Cycle now, const Machine& machine);
   void begin(Cycle now, const Machine& machine);
-  // Times are exact if the clock's period is a whole number of picoseconds: the unit is then the coarsest that divides it.
+  // Times are exact if the clock's period is a whole number of picoseconds: the unit is then the coarsest that divides
+  // it.
   std::uint64_t time(Cycle cycle) const { return cycles_to_ps(cycle, core_khz_) / unit_ps_; }
 
   VcdFile vcd_;

@@ -1,7 +1,9 @@
-// The memory that a board's process shares with the process of a plug-in: how its start went, and the calls of a routine, one at a time in each
-// slot, of one event or many, and whose turn it is. Orders to a routine's process and the events of an observer go through a socket.
+// The memory that a board's process shares with the process of a plug-in: how its start went, and the calls of a
+// routine, one at a time in each slot, of one event or many, and whose turn it is. Orders to a routine's process and
+// the events of an observer go through a socket.
 //
-// Whoever reads here what the other one wrote takes a copy first, and believes nothing of it: code of others can write it at any time.
+// Whoever reads here what the other one wrote takes a copy first, and believes nothing of it: code of others can write
+// it at any time.
 #pragma once
 
 #include <linux/futex.h>
@@ -32,8 +34,8 @@ enum class Party : std::uint32_t {
   kPlugIn,
 };
 
-// How a side waits: it looks for the other's word for a while, and then sleeps. After it has looked in vain, as on a machine that is busy with
-// something else, it sleeps at once the next times.
+// How a side waits: it looks for the other's word for a while, and then sleeps. After it has looked in vain, as on a
+// machine that is busy with something else, it sleeps at once the next times.
 class Patience {
  public:
   // How often to look now.

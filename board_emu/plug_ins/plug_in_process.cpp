@@ -51,8 +51,8 @@ std::vector<char*> environment_of_routine() {
   return out;
 }
 
-// Without what the thread blocks and ignores, and in a group of its own: a terminal's signals are for the board. An observer has the
-// board's environment and its standard error.
+// Without what the thread blocks and ignores, and in a group of its own: a terminal's signals are for the board. An
+// observer has the board's environment and its standard error.
 pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket, int memory) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;

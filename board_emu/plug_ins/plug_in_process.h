@@ -1,5 +1,6 @@
-// The process of its own in which the code of a plug-in runs, a scattering routine or an observer: gicube-plug-in-host. It has nothing of
-// the board's process but a socket and the memory of the calls; an observer has its environment and standard error too.
+// The process of its own in which the code of a plug-in runs, a scattering routine or an observer: gicube-plug-in-host.
+// It has nothing of the board's process but a socket and the memory of the calls; an observer has its environment and
+// standard error too.
 #pragma once
 
 #include <sys/types.h>
@@ -31,8 +32,8 @@ class PlugInProcess {
   enum class Kind { kRoutine, kObserver };
   enum class Waited { kAnswered, kEnded, kStuck, kLost };
 
-  // Starts it and has it load `file`; `is_boxed`: the code then runs in a box (box/box.h). The process makes the copies for a routine's
-  // calls, so the board's process starts no other. Throws PlugInFault.
+  // Starts it and has it load `file`; `is_boxed`: the code then runs in a box (box/box.h). The process makes the copies
+  // for a routine's calls, so the board's process starts no other. Throws PlugInFault.
   PlugInProcess(Kind kind, const std::string& file, bool is_boxed);
   // The process has had all that was sent, and has ended, or was ended after kPatience or kRoutinePatience.
   ~PlugInProcess();
@@ -47,8 +48,9 @@ class PlugInProcess {
   // The destructor does not wait for it.
   void give_up() { memory_->loading.turn.give(Party::kNobody); }
 
-  // Until the turn is not the plug-in's. kStuck: `process` (0: none) has used kCpuLimit of processor time, or has taken kTicksLimit ticks (if
-  // it sleeps); for each of the `steps` both begin anew. A call that returns is not touched, so no result depends on the clock.
+  // Until the turn is not the plug-in's. kStuck: `process` (0: none) has used kCpuLimit of processor time, or has taken
+  // kTicksLimit ticks (if it sleeps); for each of the `steps` both begin anew. A call that returns is not touched, so
+  // no result depends on the clock.
   Waited wait(Turn& turn, const std::int32_t& process, unsigned max_spins, Patience& patience,
               std::uint32_t steps = 1) const;
 

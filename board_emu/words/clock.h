@@ -11,8 +11,9 @@ using Picoseconds = std::uint64_t;
 
 using Cycle = std::uint64_t;  // cycles of the ASIC's core clock
 
-// Limits for a checkpoint. Chosen: kMostCycles is half a day at 100 MHz, small enough that its product with any clock's kHz
-// fits into 64 bits. kMostAhead, twice the longest scattering routine, limits how far ahead the end of a part's work may be.
+// Limits for a checkpoint. Chosen: kMostCycles is half a day at 100 MHz, small enough that its product with any clock's
+// kHz fits into 64 bits. kMostAhead, twice the longest scattering routine, limits how far ahead the end of a part's
+// work may be.
 inline constexpr Cycle kMostCycles = Cycle{1} << 42, kMostAhead = Cycle{1} << 33;
 
 inline constexpr Cycle kNoCycle = ~Cycle{0};

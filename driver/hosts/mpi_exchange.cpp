@@ -89,8 +89,8 @@ class Exchange : public MpiExchange {
   int exceptions_;
   int rank_ = 0, ranks_ = 1;
   std::uint64_t bytes_sent_ = 0;
-  // Tags tell a round's messages from the next one's: a rank may be through the barrier, and send on, while another has yet to see that
-  // it is. Nobody is two rounds ahead.
+  // Tags tell a round's messages from the next one's: a rank may be through the barrier, and send on, while another has
+  // yet to see that it is. Nobody is two rounds ahead.
   int round_ = 0;
 };
 

@@ -43,8 +43,8 @@ struct BuckyballShape {
   double turn_degrees = 9;  // about the vertical axis, so that no bond hides another from the default camera
 };
 
-// size^3 voxels, a BuckyballTag each; the same for any number of threads (0 = one a core). Throws InputError if the size is out of
-// range.
+// size^3 voxels, a BuckyballTag each; the same for any number of threads (0 = one a core). Throws InputError if the
+// size is out of range.
 VoxelWorld make_buckyball(int size, bool gradients, int threads = 0, const BuckyballShape& shape = {});
 
 // How the scene likes to be seen: absolute transfer functions by tag, light, camera (in voxels) and background.

@@ -89,7 +89,8 @@ std::vector<std::uint8_t> tags_of(const Contacts& contacts) {
   return tags;
 }
 
-// How a label is shown that hides another, whose box lies inside of its own on all sides: opacity of a voxel; 1 for all others.
+// How a label is shown that hides another, whose box lies inside of its own on all sides: opacity of a voxel; 1 for all
+// others.
 std::vector<double> opacities_of(const SceneSetup& setup) {
   struct Extent {
     std::array<int, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{-1, -1, -1};

@@ -21,7 +21,8 @@ constexpr double kOpaque = 4095;  // alpha
 
 std::size_t irradiance_words(const Board& board) { return static_cast<std::size_t>(board.info().irradiance_words); }
 
-// Writes a channel as the board's irradiance, in place of what was there; with three irradiance words all channels, from `channel` on.
+// Writes a channel as the board's irradiance, in place of what was there; with three irradiance words all channels,
+// from `channel` on.
 void put_on(Board& board, const LightField& field, int channel, double exposure) {
   const auto stride = static_cast<std::size_t>(field.channels), words = irradiance_words(board);
   std::vector<float> values(field.values.size() / stride * words);

@@ -67,8 +67,8 @@ double share_between(std::span<const float> sorted, double low, double high) {
                               static_cast<double>(sorted.size());
 }
 
-// Integers in plateaus: nearly every value that occurs has itself as a neighbour, which edges between two materials of a
-// scan do not have. Returns how many values there are; 0: these are no labels.
+// Integers in plateaus: nearly every value that occurs has itself as a neighbour, which edges between two materials of
+// a scan do not have. Returns how many values there are; 0: these are no labels.
 std::size_t labels_in(const Sampled& all) {
   struct Count {
     std::size_t pairs = 0, equal = 0;

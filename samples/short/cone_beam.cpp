@@ -1,14 +1,14 @@
 // Cone-beam reconstruction [P §5.6] by the method of Feldkamp, Davis and Kress (1984).
 //
-// The host filters the projections of a source that moves round the object, and the board backprojects them: each ray adds
-// a constant amount to the voxels on its way. Rays spread from the source, so that their density falls with the square of
-// the distance, which is the weight that the method asks for. docs/guide/cone_beam.md derives the amounts.
+// The host filters the projections of a source that moves round the object, and the board backprojects them: each ray
+// adds a constant amount to the voxels on its way. Rays spread from the source, so that their density falls with the
+// square of the distance, which is the weight that the method asks for. docs/guide/cone_beam.md derives the amounts.
 //
 //   c++ -std=c++20 -O2 cone_beam.cpp $(pkg-config --cflags --libs gicube) -o cone_beam
 //   ./cone_beam
 //
-// Writes cone_beam.ppm: the middle slice of the object and of the reconstruction. Prints the mean density about the middle
-// of the large ball, and its error. Returns 1 if that is above 2%.
+// Writes cone_beam.ppm: the middle slice of the object and of the reconstruction. Prints the mean density about the
+// middle of the large ball, and its error. Returns 1 if that is above 2%.
 #include <gicube/board.h>
 
 #include <algorithm>

@@ -2,7 +2,8 @@
 // without a ball between them.
 //
 // The board makes rays between random points of two elements and measures the transmittance of each. The picture is the
-// light of a small square lamp on a floor, one form factor for each part of the floor, with the soft shadow of the ball.
+// light of a small square lamp on a floor, one form factor for each part of the floor, with the soft shadow of the
+// ball.
 //
 //   c++ -std=c++20 -O2 form_factors.cpp $(pkg-config --cflags --libs gicube) -o form_factors
 //   ./form_factors

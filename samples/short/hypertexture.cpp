@@ -3,8 +3,8 @@
 //   c++ -std=c++20 -O2 hypertexture.cpp $(pkg-config --cflags --libs gicube) -o hypertexture
 //   ./hypertexture
 //
-// Writes hypertexture.ppm. Prints the mean difference between the board's opacities along 1000 chords and integrals of the
-// formula itself, which needs no voxels: the error of voxels and samples together. Returns 1 if it is above 0.01.
+// Writes hypertexture.ppm. Prints the mean difference between the board's opacities along 1000 chords and integrals of
+// the formula itself, which needs no voxels: the error of voxels and samples together. Returns 1 if it is above 0.01.
 #include <gicube/board.h>
 
 #include <algorithm>

@@ -1,13 +1,14 @@
 // A board that is lost: its process dies between two pictures, and the program goes on with the next one.
 //
-// A board that other programs use too is a process that somebody else starts, such as systemd. Here the program starts it on a socket,
-// kills it, and starts another one. After Board::reopen() the new board has tables and volume again (OpenOptions::keep_volume).
+// A board that other programs use too is a process that somebody else starts, such as systemd. Here the program starts
+// it on a socket, kills it, and starts another one. After Board::reopen() the new board has tables and volume again
+// (OpenOptions::keep_volume).
 //
 //   c++ -std=c++20 -O2 lost_board.cpp $(pkg-config --cflags --libs gicube) -o lost_board
 //   ./lost_board
 //
-// The program gicube-board is the one that the environment variable GICUBE_BOARD names, or the one on the PATH. Prints what happens.
-// Returns 1 unless the board was lost once and all pictures have the bits of a board that lives on.
+// The program gicube-board is the one that the environment variable GICUBE_BOARD names, or the one on the PATH. Prints
+// what happens. Returns 1 unless the board was lost once and all pictures have the bits of a board that lives on.
 #include <gicube/board.h>
 #include <spawn.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
-// A reconstruction method of one's own on gicube::Projector: views on any orbit, here a helix, and gradient descent with momentum
-// (Nesterov 1983) on half the square of what the projections miss, values below 0 cut off.
+// A reconstruction method of one's own on gicube::Projector: views on any orbit, here a helix, and gradient descent
+// with momentum (Nesterov 1983) on half the square of what the projections miss, values below 0 cut off.
 //
 //   c++ -std=c++20 -O2 own_method.cpp $(pkg-config --cflags --libs gicube) -o own_method
 //   ./own_method

@@ -1,13 +1,14 @@
-// Rays of the application, and visibility between points [P §3.5, §5.6]: a panorama, a camera that the board does not have.
+// Rays of the application, and visibility between points [P §3.5, §5.6]: a panorama, a camera that the board does not
+// have.
 //
-// Rays in all directions from the middle of a round room end at the first opaque sample (kFirstHit). From each place that
-// they meet, another ray asks whether a lamp can be seen from there (kOpacity).
+// Rays in all directions from the middle of a round room end at the first opaque sample (kFirstHit). From each place
+// that they meet, another ray asks whether a lamp can be seen from there (kOpacity).
 //
 //   c++ -std=c++20 -O2 own_rays.cpp $(pkg-config --cflags --libs gicube) -o own_rays
 //   ./own_rays
 //
-// Writes own_rays.ppm. Prints the mean error of the distances against exact intersections with spheres, and the share of
-// rays whose visibility differs from the exact one. Returns 1 if they are above 0.2 voxels or 1%.
+// Writes own_rays.ppm. Prints the mean error of the distances against exact intersections with spheres, and the share
+// of rays whose visibility differs from the exact one. Returns 1 if they are above 0.2 voxels or 1%.
 #include <gicube/board.h>
 
 #include <algorithm>

@@ -1,14 +1,14 @@
 // Path tracing [P §2]: a cloud, lit by a lamp, with all orders of scattering.
 //
-// Paths begin at the eye. The board says where a flight ends: a first hit ends where the opacity that a ray has gathered
-// reaches a number, and if that number is random, flights have the lengths of free paths in the medium. From each place
-// of scattering another ray of the board finds what of the lamp's light arrives there (kOpacity).
+// Paths begin at the eye. The board says where a flight ends: a first hit ends where the opacity that a ray has
+// gathered reaches a number, and if that number is random, flights have the lengths of free paths in the medium. From
+// each place of scattering another ray of the board finds what of the lamp's light arrives there (kOpacity).
 //
 //   c++ -std=c++20 -O2 path_tracing.cpp $(pkg-config --cflags --libs gicube) -o path_tracing
 //   ./path_tracing
 //
-// Writes path_tracing.ppm. Prints the power that a box in the cloud absorbs, by paths that begin there and by photons of
-// the board (illuminate()), which share nothing but the volume. Returns 1 if they differ by more than 5%.
+// Writes path_tracing.ppm. Prints the power that a box in the cloud absorbs, by paths that begin there and by photons
+// of the board (illuminate()), which share nothing but the volume. Returns 1 if they differ by more than 5%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -157,7 +157,8 @@ int main() {
   }
   write_light("path_tracing.ppm", kPixels, pixels);
 
-  // The power that a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, by paths that begin in it.
+  // The power that a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, by paths that begin in
+  // it.
   const gicube::VoxelBox box{{14, 16, 14}, {16, 12, 16}};
   const double volume = box.size[0] * box.size[1] * box.size[2];
   constexpr std::size_t kBegins = 30'000;

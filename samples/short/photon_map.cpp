@@ -7,8 +7,8 @@
 //   ./photon_map
 //
 // Writes photon_map.ppm. Prints the RMS error of the light on the floor beside the ring, where it is the lamp's alone,
-// power cos / (4 pi r^2); and of the power inside the ring, which must be what enters through its opening. Returns 1 if one
-// is above 3%.
+// power cos / (4 pi r^2); and of the power inside the ring, which must be what enters through its opening. Returns 1 if
+// one is above 3%.
 #include <gicube/board.h>
 
 #include <algorithm>

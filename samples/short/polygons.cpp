@@ -1,14 +1,15 @@
-// Polygons in a participating medium [P §2]: a room with a lamp, coloured walls and a cube, full of fog that has settled.
+// Polygons in a participating medium [P §2]: a room with a lamp, coloured walls and a cube, full of fog that has
+// settled.
 //
-// The zonal method (Hottel and Sarofim 1967, Rushmeier and Torrance 1987): the polygons are cut into patches and the fog
-// into zones, and each exchanges light with all others. The board holds fog and cube, and finds how much of the light
-// gets from one element to another. The picture's rays go in legs, which say what the fog lets through.
+// The zonal method (Hottel and Sarofim 1967, Rushmeier and Torrance 1987): the polygons are cut into patches and the
+// fog into zones, and each exchanges light with all others. The board holds fog and cube, and finds how much of the
+// light gets from one element to another. The picture's rays go in legs, which say what the fog lets through.
 //
 //   c++ -std=c++20 -O2 polygons.cpp $(pkg-config --cflags --libs gicube) -o polygons
 //   ./polygons
 //
-// Writes polygons.ppm. Prints the RMS error of the sums of the patches' form factors, which are 1 in a closed room, because
-// all light meets a polygon or the fog. Returns 1 if it is above 3%.
+// Writes polygons.ppm. Prints the RMS error of the sums of the patches' form factors, which are 1 in a closed room,
+// because all light meets a polygon or the fog. Returns 1 if it is above 3%.
 #include <gicube/board.h>
 
 #include <algorithm>

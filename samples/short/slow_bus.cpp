@@ -1,13 +1,16 @@
-// A test of an application on a slow bus: does it keep its promise on the oldest machine of its users? (gicube/testing.h)
+// A test of an application on a slow bus: does it keep its promise on the oldest machine of its users?
+// (gicube/testing.h)
 //
-// The application shows a preview in a quarter of the size while the user turns the object, and promises that the picture is on the host
-// within 16 ms. Times are simulated, so the test gives the same answer on every machine, however busy.
+// The application shows a preview in a quarter of the size while the user turns the object, and promises that the
+// picture is on the host within 16 ms. Times are simulated, so the test gives the same answer on every machine, however
+// busy.
 //
 //   c++ -std=c++20 -O2 slow_bus.cpp $(pkg-config --cflags --libs gicube) -o slow_bus
 //   ./slow_bus
 //
 // With CMake, gicube_add_test(NAME slow_bus SOURCES slow_bus.cpp BUS pci33 agp4x) makes a test for each bus.
-// Returns 1 and prints what was expected and what came, if the promise is broken or the picture's way to the host has not the closed form.
+// Returns 1 and prints what was expected and what came, if the promise is broken or the picture's way to the host has
+// not the closed form.
 #include <gicube/testing.h>
 
 #include <cstdio>

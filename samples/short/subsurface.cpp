@@ -1,9 +1,9 @@
 // Light beneath a surface [P §5.6]: how far a material spreads the light that falls on one point of it.
 //
-// Photons enter a thick slab of a medium, go from scattering to scattering, and come out of its top again somewhere else.
-// The board says where each flight ends: a first hit ends where the opacity that a ray has gathered reaches a number, and
-// if that number is random, flights have the lengths of free paths in the medium. The mean profile R(r), light that
-// comes out of a unit of area at the distance r, is then applied to a pattern of light.
+// Photons enter a thick slab of a medium, go from scattering to scattering, and come out of its top again somewhere
+// else. The board says where each flight ends: a first hit ends where the opacity that a ray has gathered reaches a
+// number, and if that number is random, flights have the lengths of free paths in the medium. The mean profile R(r),
+// light that comes out of a unit of area at the distance r, is then applied to a pattern of light.
 //
 //   c++ -std=c++20 -O2 subsurface.cpp $(pkg-config --cflags --libs gicube) -o subsurface
 //   ./subsurface

@@ -1,12 +1,13 @@
 // Two boards that share their work (BoardGroup): each makes half of a picture's rows and traces half of the rays.
 //
-// Both load the volume. What they make together has the bits of one board, so the pictures of one and two boards can be compared exactly.
+// Both load the volume. What they make together has the bits of one board, so the pictures of one and two boards can be
+// compared exactly.
 //
 //   c++ -std=c++20 -O2 two_boards.cpp $(pkg-config --cflags --libs gicube) -o two_boards
 //   ./two_boards
 //
-// Prints the simulated time of one picture on one board and on two, on one bus and with a bus each. Returns 1 unless all have the same bits
-// and two boards with a bus each take less than 0.6 times as long as one.
+// Prints the simulated time of one picture on one board and on two, on one bus and with a bus each. Returns 1 unless
+// all have the same bits and two boards with a bus each take less than 0.6 times as long as one.
 #include <gicube/board_group.h>
 
 #include <cstdio>

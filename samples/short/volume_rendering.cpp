@@ -1,6 +1,7 @@
 // Volume rendering [P §2.1]: a translucent ball around three dense ones.
 //
-// A volume is made from a formula, a transfer function gives its values colours and opacities, and the board renders it.
+// A volume is made from a formula, a transfer function gives its values colours and opacities, and the board renders
+// it.
 //
 //   c++ -std=c++20 -O2 volume_rendering.cpp $(pkg-config --cflags --libs gicube) -o volume_rendering
 //   ./volume_rendering
@@ -30,8 +31,8 @@ double chord(Vec3 place, Vec3 direction, Vec3 centre, double radius) {
 }
 
 int main() {
-  // 0.25 at the surface of the thin ball, 0.75 at those of the dense ones; values rise over some voxels inwards, so that
-  // the transfer function's steps find the surfaces between voxels.
+  // 0.25 at the surface of the thin ball, 0.75 at those of the dense ones; values rise over some voxels inwards, so
+  // that the transfer function's steps find the surfaces between voxels.
   std::vector<float> values;
   for (int z = 0; z < kSize; ++z) {
     for (int y = 0; y < kSize; ++y) {

@@ -1,14 +1,15 @@
 // A volumetric texture [P §5.6]: woven threads, a small volume, cover a torus.
 //
-// The mesh's quads and their copies further out are the ends of hexahedra, each of which holds the volume once. They are
-// cut into six tetrahedra, in which texture coordinates are an affine map (Porumbescu et al. 2005): a straight viewing ray
-// is straight in the volume too. So the board traces one segment of each ray in each tetrahedron, and the host composites.
+// The mesh's quads and their copies further out are the ends of hexahedra, each of which holds the volume once. They
+// are cut into six tetrahedra, in which texture coordinates are an affine map (Porumbescu et al. 2005): a straight
+// viewing ray is straight in the volume too. So the board traces one segment of each ray in each tetrahedron, and the
+// host composites.
 //
 //   c++ -std=c++20 -O2 volumetric_texture.cpp $(pkg-config --cflags --libs gicube) -o volumetric_texture
 //   ./volumetric_texture
 //
-// Writes volumetric_texture.ppm. Prints the mean difference between the segments' opacities and integrals of the formula
-// of the threads itself, for one segment in 50. Returns 1 if it is above 0.02.
+// Writes volumetric_texture.ppm. Prints the mean difference between the segments' opacities and integrals of the
+// formula of the threads itself, for one segment in 50. Returns 1 if it is above 0.02.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -28,8 +29,8 @@ constexpr double kOpacity = 0.5;           // of one voxel length in the middle 
 constexpr int kAround = 30, kAcross = 12;  // quads of the torus
 constexpr double kRing = 1, kTube = 0.36, kThickness = 0.13;
 
-// Two threads run along u and two along v, over and under one another; all coordinates are 0..1. This is how deep a place is
-// in the threads of one direction: 1 in the middle of one, 0 outside.
+// Two threads run along u and two along v, over and under one another; all coordinates are 0..1. This is how deep a
+// place is in the threads of one direction: 1 in the middle of one, 0 outside.
 double thread(double along, double across, double w, double sign) {
   double depth = 0;
   for (const double middle : {0.25, 0.75}) {

@@ -1,5 +1,6 @@
-// Filtered backprojection by the board, functional level over the socket pair, both processes on all cores; next to its time
-// the errors against the phantom, and those of the double-precision voxel-driven reconstruction of the same projections.
+// Filtered backprojection by the board, functional level over the socket pair, both processes on all cores; next to its
+// time the errors against the phantom, and those of the double-precision voxel-driven reconstruction of the same
+// projections.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,8 +20,8 @@
 namespace gicube::samples {
 namespace {
 
-// A head of 80 units half height, whose shadow the detector of `size`^2 catches whole; voxels as large as its pixels are at
-// the axis, up to rounding.
+// A head of 80 units half height, whose shadow the detector of `size`^2 catches whole; voxels as large as its pixels
+// are at the axis, up to rounding.
 ConeGeometry scan(int size, int voxels, int views) {
   ConeGeometry geometry;
   geometry.source_to_axis = 500;
@@ -102,8 +103,8 @@ double ms_of_a_view(const ConeGeometry& geometry, const Projections& projections
   return (time(8) - time(2)) / 6;
 }
 
-// The four scans of tests/support/reference/fdk_phantoms.h, 64 voxels along x, all voxels against the object's means in them; by one
-// ray a pixel and sharpened by 0.1, or by the defaults.
+// The four scans of tests/support/reference/fdk_phantoms.h, 64 voxels along x, all voxels against the object's means in
+// them; by one ray a pixel and sharpened by 0.1, or by the defaults.
 void fdk_of_four_scans(benchmark::State& state) {
   constexpr double kAll = std::numeric_limits<double>::infinity();
   const reference::FdkScan scan = reference::fdk_scans(64)[static_cast<std::size_t>(state.range(0))];

@@ -1,6 +1,6 @@
-// What an error of a reconstruction costs the host: the head of Shepp and Logan (densities of Kak and Slaney), 256^3 from up to 360
-// views of 256^2, by the board's rays at several settings (functional level over the socket pair) and by the double-precision
-// voxel-driven method. script/charts cone_beam draws it.
+// What an error of a reconstruction costs the host: the head of Shepp and Logan (densities of Kak and Slaney), 256^3
+// from up to 360 views of 256^2, by the board's rays at several settings (functional level over the socket pair) and by
+// the double-precision voxel-driven method. script/charts cone_beam draws it.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 

@@ -1,4 +1,5 @@
-// Samples a second that the cycle level simulates: at the design point on one core, and of many processors with threads.
+// Samples a second that the cycle level simulates: at the design point on one core, and of many processors with
+// threads.
 #include <benchmark/benchmark.h>
 
 #include "ball_board.h"

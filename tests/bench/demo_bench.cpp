@@ -8,7 +8,8 @@
 namespace gicube::samples {
 namespace {
 
-// Demo scene at the design point's 256^3, image edge range(0); the first frame, which decodes the volume, is not counted.
+// Demo scene at the design point's 256^3, image edge range(0); the first frame, which decodes the volume, is not
+// counted.
 void demo_frame(benchmark::State& state, const char* uri) {
   Scene scene;
   scene.volume.builtin = "buckyball";

@@ -1,5 +1,6 @@
-// Host rays through driver, socket and board process and back; short rays, so that the transport weighs most. The driver's
-// threads and the board process (threads=1) share the machine: for one core end to end run it under `taskset -c 0`.
+// Host rays through driver, socket and board process and back; short rays, so that the transport weighs most. The
+// driver's threads and the board process (threads=1) share the machine: for one core end to end run it under `taskset
+// -c 0`.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -51,8 +52,8 @@ void host_rays(benchmark::State& state) {
 }
 BENCHMARK(host_rays)->Arg(4096)->Arg(65536)->Arg(262144)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-// Between random points of a volume of 128^3, as visibility asks: 84 voxels a ray on average, in steps of one. `density`: of
-// a fog in which nothing ends and nothing can be leapt over.
+// Between random points of a volume of 128^3, as visibility asks: 84 voxels a ray on average, in steps of one.
+// `density`: of a fog in which nothing ends and nothing can be leapt over.
 struct Visibility {
   static constexpr int kEdge = 128;
 

@@ -1,6 +1,6 @@
-// Pictures of whole scenes at the functional level, through driver, socket and board process: 512 x 512 pixels, shaded, in
-// perspective, half-voxel steps. What a frame takes, and samples a second of wall clock and of the board's processor time
-// (docs/studies/speed.md).
+// Pictures of whole scenes at the functional level, through driver, socket and board process: 512 x 512 pixels, shaded,
+// in perspective, half-voxel steps. What a frame takes, and samples a second of wall clock and of the board's processor
+// time (docs/studies/speed.md).
 #include <benchmark/benchmark.h>
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Scattering routines: a call of one, and the lighting of a fog that traps every ray that it scatters. A plug-in's call crosses to another
-// process and back; a built-in routine is a function.
+// Scattering routines: a call of one, and the lighting of a fog that traps every ray that it scatters. A plug-in's call
+// crosses to another process and back; a built-in routine is a function.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

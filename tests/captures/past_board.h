@@ -1,4 +1,5 @@
-// A board of a released version: its answers are those of a captured session, whatever the driver's order, pieces and numbers are.
+// A board of a released version: its answers are those of a captured session, whatever the driver's order, pieces and
+// numbers are.
 #pragma once
 
 #include <cstdint>

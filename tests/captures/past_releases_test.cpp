@@ -1,5 +1,5 @@
-// Drivers and boards of released versions with today's (docs/reference/protocol.md, Versions): what one side of theirs sent in a
-// captured session is sent to the other side of ours.
+// Drivers and boards of released versions with today's (docs/reference/protocol.md, Versions): what one side of theirs
+// sent in a captured session is sent to the other side of ours.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

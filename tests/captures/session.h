@@ -1,4 +1,5 @@
-// What applications do with a board, call by call: the sessions that are kept of each released version (docs/contributing/release.md).
+// What applications do with a board, call by call: the sessions that are kept of each released version
+// (docs/contributing/release.md).
 #pragma once
 
 #include <gicube/board.h>

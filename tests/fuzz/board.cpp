@@ -1,5 +1,5 @@
-// Transactions into a board without sockets: nothing that a host sends may throw, the board's clock never runs backwards,
-// every command is answered once, and after a reset the board works as on its first day.
+// Transactions into a board without sockets: nothing that a host sends may throw, the board's clock never runs
+// backwards, every command is answered once, and after a reset the board works as on its first day.
 #include "board/board.h"
 
 #include <map>

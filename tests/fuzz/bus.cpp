@@ -1,5 +1,5 @@
-// A client's bytes into a session of a board process: it answers in good frames or ends with a word, and the board works
-// for the next client as on its first day.
+// A client's bytes into a session of a board process: it answers in good frames or ends with a word, and the board
+// works for the next client as on its first day.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>

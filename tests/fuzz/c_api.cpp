@@ -1,5 +1,5 @@
-// Arguments of the C ABI, on one open board: no call crashes, reads or writes beyond what it was given, or answers with a
-// fault of its own; bad arguments are named; the board is never lost.
+// Arguments of the C ABI, on one open board: no call crashes, reads or writes beyond what it was given, or answers with
+// a fault of its own; bad arguments are named; the board is never lost.
 #include "gicube/c_api.h"
 
 #include <unistd.h>
@@ -323,7 +323,8 @@ void other_call(gicube_board* board, Input& input) {
   }
 }
 
-// Inputs share boards, since each makes its gradient codebook anew: one that asks for it, and every hundredth, gets its own.
+// Inputs share boards, since each makes its gradient codebook anew: one that asks for it, and every hundredth, gets its
+// own.
 gicube_board* board_for(Input& input) {
   static const Server server;
   static std::unique_ptr<gicube_board, Close> board;

@@ -20,8 +20,8 @@ inline void check(gicube_status status) {
   if (status == GICUBE_BAD_ARGUMENT) expect(*gicube_last_error_field() != 0, "a bad argument has a name");
 }
 
-// A record in exactly the memory that it says it has, so that the address sanitizer sees who goes beyond. Its fields are
-// the defaults, but for some bytes from the input; pointers are not touched.
+// A record in exactly the memory that it says it has, so that the address sanitizer sees who goes beyond. Its fields
+// are the defaults, but for some bytes from the input; pointers are not touched.
 template <typename Record>
 class Argument {
  public:

@@ -6,8 +6,8 @@
 
 namespace gicube::fuzz {
 
-// The bytes of a frame with its number, checksum and size. Some inputs spoil it, `spoilt` says whether: the peer may then
-// wait for the rest of it, or take it for one that it has.
+// The bytes of a frame with its number, checksum and size. Some inputs spoil it, `spoilt` says whether: the peer may
+// then wait for the rest of it, or take it for one that it has.
 std::vector<std::uint8_t> frame_bytes(wire::FrameHeader header, Bytes payload, Input& spoiler, bool& spoilt);
 std::vector<std::uint8_t> good_frame(wire::FrameHeader header, Bytes payload);
 

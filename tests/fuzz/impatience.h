@@ -1,5 +1,6 @@
 // Cancels work that takes too long: an input may well ask for hours. A board that does not hear it is a finding, by the
-// fuzzer's own time limit. One thread for all inputs: to begin and end one with each would cost more than the board does.
+// fuzzer's own time limit. One thread for all inputs: to begin and end one with each would cost more than the board
+// does.
 #pragma once
 
 #include <chrono>

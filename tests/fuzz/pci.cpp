@@ -1,5 +1,5 @@
-// QEMU's messages, a guest's memory and a board's bytes into the bridge of gicube-pci: it answers what wants an answer, and touches no byte
-// outside of the memory that was shared.
+// QEMU's messages, a guest's memory and a board's bytes into the bridge of gicube-pci: it answers what wants an answer,
+// and touches no byte outside of the memory that was shared.
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/socket.h>

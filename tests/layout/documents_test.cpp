@@ -1,5 +1,6 @@
-// The documents say what is there: the README's host program is the one that is built, links and anchors lead somewhere, and
-// no document names a file or folder that the tree does not have. And the tree is as docs/ARCHITECTURE.md says.
+// The documents say what is there: the README's host program is the one that is built, links and anchors lead
+// somewhere, and no document names a file or folder that the tree does not have. And the tree is as
+// docs/ARCHITECTURE.md says.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -27,8 +27,8 @@ Rule room(std::string_view folder, const std::vector<std::string_view>& below,
   return {folder, ours, outside};
 }
 
-// An application: knows itself, what the programs share, and the SDK's public headers; besides it takes what no application
-// needs of an SDK: threads, and of gicube-scene whole files and checks of numbers.
+// An application: knows itself, what the programs share, and the SDK's public headers; besides it takes what no
+// application needs of an SDK: threads, and of gicube-scene whole files and checks of numbers.
 Rule program(std::string_view folder, const std::vector<std::string_view>& besides,
              const std::vector<std::string_view>& outside) {
   std::vector<std::string_view> ours{folder,

@@ -1,4 +1,5 @@
-// Backprojection: sparse rays, words without a sign, wide cones, truncated views, few views, noise, and too much relaxation.
+// Backprojection: sparse rays, words without a sign, wide cones, truncated views, few views, noise, and too much
+// relaxation.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -134,8 +135,8 @@ TEST_F(StabilityOfBackprojection, ElevenBitsWithoutASignTakeTwoPassesAndReportWh
   record("share_clipped_at_a_tenth_of_the_headroom", full.clipped);
 }
 
-// Discs one above the other (Defrise): beyond 20 degrees from the middle plane the method itself loses them; the board adds
-// nothing to that.
+// Discs one above the other (Defrise): beyond 20 degrees from the middle plane the method itself loses them; the board
+// adds nothing to that.
 TEST_F(StabilityOfBackprojection, AWideConeFailsAsMuchAsInDoublePrecision) {
   ConeGeometry geometry = small_scan(48, 60);
   geometry.source_to_axis = 100;

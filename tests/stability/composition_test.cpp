@@ -50,9 +50,9 @@ TEST(StabilityOfCompositions, ARayThatIsSplitAtClearSurfacesIsOffByRoundingAlone
       for (const std::size_t surfaces : {1u, 3u, 9u}) {
         const double step = surfaces == 3 ? 0.25 : 0.5;
         const Split off = split_of(fog(dims, {1, 0.5, 0}, opacity), surfaces, step, datapath, engine);
-        // Samples of both rays, and segments whose length and place are rounded to 2^-16 and 2^-14 voxel on each end. Of a sample's
-        // opacity the last place (22 units of 2^-24 by correction and ray, 8 on the wide datapath); of a sample's colour, on the
-        // wide one of a segment's, half a unit of 4095.
+        // Samples of both rays, and segments whose length and place are rounded to 2^-16 and 2^-14 voxel on each end.
+        // Of a sample's opacity the last place (22 units of 2^-24 by correction and ray, 8 on the wide datapath); of a
+        // sample's colour, on the wide one of a segment's, half a unit of 4095.
         const double samples = 2 * kLong / step + static_cast<double>(surfaces) + 1;
         const auto segments = static_cast<double>(surfaces + 2);
         const double lengths = segments * -std::log1p(-opacity) * std::ldexp(1, -13);
@@ -100,7 +100,8 @@ TEST(StabilityOfCompositions, TheErrorOfOverlapsFallsWithTheSquareOfThePieces) {
     stage.overlap_step = piece;
     stage.view.step = 0.25;
     const double error = std::abs(picture_of(stage, kWide).pixels[0].colour[0] - exact);
-    // Of a piece of optical depth tau: tau^2 / 4 times how far the share of a medium varies in it; here both grow with the piece.
+    // Of a piece of optical depth tau: tau^2 / 4 times how far the share of a medium varies in it; here both grow with
+    // the piece.
     const double pieces = std::ceil((kLong - 1) / piece), depth = 0.1054 * (kLong - 1) / pieces;
     EXPECT_LE(error, pieces * depth * depth / 4 / pieces + 2e-4) << piece;
     record("overlap_of_" + std::to_string(static_cast<int>(piece)), error);

@@ -64,8 +64,8 @@ TEST_F(StabilityOfGradientCode, NoiseBelowAnEighthOfADensityHasNoNormalAndMoreHa
   EXPECT_GT(change_by_noise(4), 0.1);
 }
 
-// A sheet one voxel thick at z = 16: both its sides' gradients meet in its middle and leave nothing. Steps that put one sample
-// `beside` the middle; in the middle itself, and as near as 1/16 voxel, it keeps its colour.
+// A sheet one voxel thick at z = 16: both its sides' gradients meet in its middle and leave nothing. Steps that put one
+// sample `beside` the middle; in the middle itself, and as near as 1/16 voxel, it keeps its colour.
 TEST_F(StabilityOfGradientCode, TheMiddleOfAThinSheetIsNotShaded) {
   load([](int, int, int z) { return z == 16 ? 4000.0F : 0.0F; });
   board_.set_transfer_function({.colours = {{0, {0.2, 0.8, 0.4}}}, .opacities = {{3000, 0}, {3000, 1}}});

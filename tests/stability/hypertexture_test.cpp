@@ -9,7 +9,8 @@
 namespace gicube::stability {
 namespace {
 
-// Root of the mean square of what voxels miss of noise with so many voxels a cell: halfway between them, relative to the noise itself.
+// Root of the mean square of what voxels miss of noise with so many voxels a cell: halfway between them, relative to
+// the noise itself.
 double missed(double voxels_a_cell) {
   const Dims dims{40, 40, 40};
   // Far within the ramp, so that the density is the noise.

@@ -58,7 +58,8 @@ struct Traced {
   }
 };
 
-// A connection is worth 1 / r^2, and places at r from the lamp are as many as r^2: the variance of 1 / r^2 has no bound.
+// A connection is worth 1 / r^2, and places at r from the lamp are as many as r^2: the variance of 1 / r^2 has no
+// bound.
 TEST(StabilityOfPathTracing, ALampWithinFogNeedsPathsFromTheLamp) {
   Traced fog(
       "world { size: 16 node { material: \"fog\" box { low { x: -3 y: -3 z: -3 } high { x: 3 y: 3 z: 3 } } } }"
@@ -71,8 +72,8 @@ TEST(StabilityOfPathTracing, ALampWithinFogNeedsPathsFromTheLamp) {
   EXPECT_GT(eye_alone.noise, 2 * both.noise);
 }
 
-// Light of a point lamp, through glass, onto a wall, and through glass to the eye: no way to make such a path can be sampled. The
-// same lamp with an area is met by chance.
+// Light of a point lamp, through glass, onto a wall, and through glass to the eye: no way to make such a path can be
+// sampled. The same lamp with an area is met by chance.
 TEST(StabilityOfPathTracing, APointLampThroughGlassIsNotSeenThroughGlass) {
   const auto room = [](const std::string& lamp) {
     return "world { size: 24 node { material: \"glass\" box { low { x: -0.9 y: -0.7 z: -0.9 } high { x: 0.9 y: -0.3 z: "

@@ -1,4 +1,5 @@
-// Ray marching and leaping: rays without or with tiny components, in faces, edges and corners of blocks and of the volume.
+// Ray marching and leaping: rays without or with tiny components, in faces, edges and corners of blocks and of the
+// volume.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -25,8 +26,8 @@ class StabilityOfMarching : public testing::TestWithParam<const char*> {
     load_fog(board_, {kSize[0], kSize[1], kSize[2]}, kAlpha);
   }
 
-  // From faces, edges and corners of the volume and of blocks, one unit beside them and elsewhere; along the axes, along
-  // diagonals, in planes, and off them by one unit of the direction's words or less.
+  // From faces, edges and corners of the volume and of blocks, one unit beside them and elsewhere; along the axes,
+  // along diagonals, in planes, and off them by one unit of the direction's words or less.
   static std::vector<HostRay> rays(std::size_t take_one_in) {
     constexpr double kUnit = 1 / kPositionOne;
     std::vector<HostRay> all;

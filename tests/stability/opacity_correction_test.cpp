@@ -63,8 +63,8 @@ TEST_F(StabilityOfOpacityCorrection, ThinFogKeepsItsTransmittanceWithinTheBound)
   EXPECT_GT(worst_share, 0.3) << "the bound says nothing";
 }
 
-// Steps of one length each, rounded to 2^-16 voxel, and the segment's own length too: n + 1 errors of half a unit, times the extinction
-// and the transmittance, whose product is at most 1 / (e L).
+// Steps of one length each, rounded to 2^-16 voxel, and the segment's own length too: n + 1 errors of half a unit,
+// times the extinction and the transmittance, whose product is at most 1 / (e L).
 TEST_F(StabilityOfOpacityCorrection, SegmentsThatStepsDoNotDivideKeepTheirTransmittanceWithinTheirBound) {
   for (const bool is_wide : {false, true}) {
     if (is_wide) widen();
@@ -101,8 +101,8 @@ TEST_F(StabilityOfOpacityCorrection, FogBelowHalfAUnitIsNotSeenAndFromThereOnIs)
   EXPECT_NEAR(opacity(kLongest, 0.5), 1 - std::pow(1 - 1 / kAlphaOne, kLongest), 6e-5);
 }
 
-// Half a unit of 2^-28 in the table for each voxel, half of 2^-24 in the float for each sample, and what one sample and the
-// returned word are rounded by.
+// Half a unit of 2^-28 in the table for each voxel, half of 2^-24 in the float for each sample, and what one sample and
+// the returned word are rounded by.
 TEST_F(StabilityOfOpacityCorrection, TheWideDatapathKeepsThinFogsTransmittanceWithinItsOwnBound) {
   widen();
   fog(0.5);

@@ -12,8 +12,8 @@ namespace {
 constexpr int kSize = 32;
 constexpr Vec3 kMeeting{12.3, 11.6, 12.9};  // in the middle of one block of 8^3
 
-// Whatever is asked of a board, by all boards alike: the functional level, and cycle levels with short queues, with long
-// ones and with none that overflow.
+// Whatever is asked of a board, by all boards alike: the functional level, and cycle levels with short queues, with
+// long ones and with none that overflow.
 struct Cost {
   std::uint64_t overflows = 0;
   Picoseconds time = 0;

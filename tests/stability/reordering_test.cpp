@@ -40,8 +40,8 @@ double packets_a_sample(const Counters& window) {
   return ratio(window.value("processor.cache.packets"), window.value("processor.samples"));
 }
 
-// A turn of the pipeline takes 35 cycles: a queue of fewer rays can't fill it, and the next block has its turn before the
-// first rays come back.
+// A turn of the pipeline takes 35 cycles: a queue of fewer rays can't fill it, and the next block has its turn before
+// the first rays come back.
 TEST(StabilityOfReordering, QueuesShorterThanThePipelineGoOnAndShowTheirThrashing) {
   Machine shorter("&set=asic.queue_rays=4"), longer("&set=asic.queue_rays=256");
   shorter.window();
@@ -59,8 +59,8 @@ TEST(StabilityOfReordering, QueuesShorterThanThePipelineGoOnAndShowTheirThrashin
   record("time_of_queues_of_4_over_256", ratio(thrash.value("asic.cycles"), calm.value("asic.cycles")));
 }
 
-// The end of a pass: a few rays each in two blocks that take the same places in the cache. Alone, either fetches its tiles
-// once; together they take turns after each sample.
+// The end of a pass: a few rays each in two blocks that take the same places in the cache. Alone, either fetches its
+// tiles once; together they take turns after each sample.
 TEST(StabilityOfReordering, TheTailOfAFewRaysInTwoBlocksTakesTurnsAndEnds) {
   const auto rays_in = [](double x) {
     std::vector<HostRay> rays;
@@ -84,7 +84,8 @@ TEST(StabilityOfReordering, TheTailOfAFewRaysInTwoBlocksTakesTurnsAndEnds) {
   record("packets_of_two_tails_over_those_of_each", ratio(together, one + other));
 }
 
-// 512^3 with 256^2, and the same with 64^3 and 32^2: rays two voxels apart share no tile, so each sample pays for its own.
+// 512^3 with 256^2, and the same with 64^3 and 32^2: rays two voxels apart share no tile, so each sample pays for its
+// own.
 TEST(StabilityOfReordering, AVolumeTooFineForItsImagePaysInPacketsASample) {
   Machine machine("", 64);
   machine.board.render(frame(64, 8));

@@ -1,4 +1,5 @@
-// Several boards on one bus: when they are done by the even spread of each phase's transfers, and by a bus that serves their bursts in turn.
+// Several boards on one bus: when they are done by the even spread of each phase's transfers, and by a bus that serves
+// their bursts in turn.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,8 +90,9 @@ std::vector<Turns> random_boards(std::mt19937& random, int turns, int longest) {
   return boards;
 }
 
-// Whoever is not done works, transfers, or waits while another transfers. So no way of serving takes longer than all transfers and the
-// most work, or less than the longest board or all transfers: the two differ by no more than the most work.
+// Whoever is not done works, transfers, or waits while another transfers. So no way of serving takes longer than all
+// transfers and the most work, or less than the longest board or all transfers: the two differ by no more than the most
+// work.
 TEST(StabilityOfASharedBus, TheEvenSpreadIsOffByNoMoreThanTheMostWorkOfABoard) {
   std::mt19937 random(1);
   double worst = 0;
@@ -127,8 +129,8 @@ TEST(StabilityOfASharedBus, TheEvenSpreadIsWithinAFifthWhereAPhaseHasHundredsOfT
   EXPECT_LT(worst, 0.2);  // most where the boards together ask for just the whole bus: transfers meet by chance
 }
 
-// All boards transfer half of their time, at first: N transfers one after the other and then the last one's work, of which the even spread
-// hides all.
+// All boards transfer half of their time, at first: N transfers one after the other and then the last one's work, of
+// which the even spread hides all.
 TEST(StabilityOfASharedBus, TransfersAtTheBeginningOfAPhaseAreTheWorstForIt) {
   for (const std::size_t count : {2u, 4u, 16u}) {
     const std::vector<Turns> boards(count, Turns{{0, 800}, {800, 0}});

@@ -1,5 +1,5 @@
-// Position stepping: on the paper's datapath a ray adds one rounded step to itself over and over, and drifts from its line. The wide
-// one carries what is below a unit along.
+// Position stepping: on the paper's datapath a ray adds one rounded step to itself over and over, and drifts from its
+// line. The wide one carries what is below a unit along.
 #include <algorithm>
 #include <array>
 #include <cmath>

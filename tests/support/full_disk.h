@@ -76,8 +76,9 @@ inline std::map<std::string, std::string> files_in(const std::string& folder) {
   return files;
 }
 
-// Calls `use` with a folder in which file `name` holds "before" and a new one can get to `room` bytes, a multiple of kDiskBlock, and with
-// the reason that a longer one fails for: on a full tmpfs, where this process may mount one, and under a limit of file sizes, always.
+// Calls `use` with a folder in which file `name` holds "before" and a new one can get to `room` bytes, a multiple of
+// kDiskBlock, and with the reason that a longer one fails for: on a full tmpfs, where this process may mount one, and
+// under a limit of file sizes, always.
 inline void on_full_disks(const std::string& name, std::size_t room,
                           const std::function<void(const std::string& folder, const std::string& reason)>& use) {
   const auto prepare = [&](const std::string& folder) {

@@ -37,7 +37,8 @@ std::string state_of(Channel& channel) {
   return state.text();
 }
 
-// `make()`: a channel of so many devices that are refreshed every `interval` clocks. `draw(random)`: the place of a packet.
+// `make()`: a channel of so many devices that are refreshed every `interval` clocks. `draw(random)`: the place of a
+// packet.
 template <class Make, class Draw>
 void expect_long_times_to_be_short_ones(const Make& make, unsigned devices, std::uint64_t interval, const Draw& draw) {
   SCOPED_TRACE(testing::Message() << devices << " devices, every " << interval);

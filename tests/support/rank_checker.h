@@ -1,5 +1,5 @@
-// Holds a trace of the commands of SDRAM ranks, of single or double data rate, against the data sheets' rules, one by one. Slow and
-// plain; shares no code and no numbers with the memory model that makes the traces.
+// Holds a trace of the commands of SDRAM ranks, of single or double data rate, against the data sheets' rules, one by
+// one. Slow and plain; shares no code and no numbers with the memory model that makes the traces.
 #pragma once
 
 #include <cstdint>

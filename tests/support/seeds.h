@@ -1,5 +1,5 @@
-// Seeds of random tests: all where GICUBE_ALL_SEEDS is set, as script/check and script/mutate do, else a tenth of them, but at least
-// four. A failure names its seed.
+// Seeds of random tests: all where GICUBE_ALL_SEEDS is set, as script/check and script/mutate do, else a tenth of them,
+// but at least four. A failure names its seed.
 #pragma once
 
 #include <gtest/gtest.h>

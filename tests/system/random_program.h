@@ -44,7 +44,8 @@ inline std::uint32_t sum_of(const Image& image) {
   return sum_of(words);
 }
 
-// A program that does anything at random; what it does depends on its seed and its step alone. Copied, it goes on on another board.
+// A program that does anything at random; what it does depends on its seed and its step alone. Copied, it goes on on
+// another board.
 class RandomProgram {
  public:
   // `edge`: voxels of its volume's edges, at least 20.

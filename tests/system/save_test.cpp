@@ -1,4 +1,5 @@
-// Board::save() and restore(): a program that goes on in another process, or on another board, can't tell that it ever stopped.
+// Board::save() and restore(): a program that goes on in another process, or on another board, can't tell that it ever
+// stopped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -10,7 +10,8 @@
 namespace gicube {
 namespace {
 
-// Written out apart from the board's own code (docs/reference/hardware.md, host bus): a burst of n dwords, in picoseconds.
+// Written out apart from the board's own code (docs/reference/hardware.md, host bus): a burst of n dwords, in
+// picoseconds.
 struct Model {
   std::string name;
   double down_burst_ps;       // of the longest burst of an upload

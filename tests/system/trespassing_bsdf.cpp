@@ -1,4 +1,5 @@
-// A scattering routine that tries what a board has no use for when its parameters are checked, and says what each came to.
+// A scattering routine that tries what a board has no use for when its parameters are checked, and says what each came
+// to.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/socket.h>

@@ -1,7 +1,8 @@
 // Packets that a processor has requested from its memory and not yet written into its cache, oldest first [P §3.3].
 //
-// The pipeline requests packets and takes them; the memory port sends the requests in order and records when each packet
-// arrives. A request can be sent from the next cycle on, so the order in which the two sides tick does not matter.
+// The pipeline requests packets and takes them; the memory port sends the requests in order and records when each
+// packet arrives. A request can be sent from the next cycle on, so the order in which the two sides tick does not
+// matter.
 #pragma once
 
 #include <algorithm>

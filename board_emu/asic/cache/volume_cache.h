@@ -1,8 +1,8 @@
 // The tags of a processor's volume cache: the tiles that are present or requested, and their blocks [P §2.1, §3.3].
 //
-// The cache has room for each of a block's (n+1)^3 voxels. Memory delivers 2x2x1 tiles (docs/reference/hardware.md), so the four
-// voxels of a tile always have the same tag, which is kept once unless the configuration asks for tags of single voxels. Fetching is
-// lazy: a tile is requested when a sample needs it.
+// The cache has room for each of a block's (n+1)^3 voxels. Memory delivers 2x2x1 tiles (docs/reference/hardware.md), so
+// the four voxels of a tile always have the same tag, which is kept once unless the configuration asks for tags of
+// single voxels. Fetching is lazy: a tile is requested when a sample needs it.
 #pragma once
 
 #include <array>
@@ -63,7 +63,8 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // Like check(), but calls fetch(tile) for each missing tile. Only for a cache that is_plain() and does not write back.
+  // Like check(), but calls fetch(tile) for each missing tile. Only for a cache that is_plain() and does not write
+  // back.
   template <typename Fetch>
   void for_each_miss(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, const Fetch& fetch);
 
@@ -75,7 +76,8 @@ class VolumeCache {
     return plain_ ? tags_[tile] == block : probe_in_set(block, tile);
   }
 
-  // Returns whether a tile is present, and makes it present. Not for a direct mapped cache of tiles that are one voxel deep.
+  // Returns whether a tile is present, and makes it present. Not for a direct mapped cache of tiles that are one voxel
+  // deep.
   bool access(std::uint32_t block, std::uint32_t tile);
 
   // Write-back caches only. Marks a present tile as changed; false if it was marked already.
@@ -95,7 +97,8 @@ class VolumeCache {
   std::size_t sets() const { return sets_; }
   unsigned ways() const { return shape_.ways; }
   bool has_tags_of_voxels() const { return shape_.tags_of_voxels; }
-  // The tile in a way of a set, present or requested; the most recently used way first. Not for a cache with tags of voxels.
+  // The tile in a way of a set, present or requested; the most recently used way first. Not for a cache with tags of
+  // voxels.
   struct Way {
     TileOfBlock tile;
     bool is_changed = false;

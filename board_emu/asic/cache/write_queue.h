@@ -1,9 +1,9 @@
 // Packets on their way from a processor's volume cache to its memory: tiles whose irradiance has changed [P §3.4].
 //
-// Writes wait here until there are enough of them to amortise a bus turnaround. A tile that changes again while it waits is
-// written once, except with write_through. With write_back a tile enters the queue when the cache evicts it. A tile that is
-// no longer in the cache is fetched first. The memory serves writes and the reads of misses in the order of the requests. A
-// read of a tile that still waits here takes as long as one from memory.
+// Writes wait here until there are enough of them to amortise a bus turnaround. A tile that changes again while it
+// waits is written once, except with write_through. With write_back a tile enters the queue when the cache evicts it. A
+// tile that is no longer in the cache is fetched first. The memory serves writes and the reads of misses in the order
+// of the requests. A read of a tile that still waits here takes as long as one from memory.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +56,8 @@ class WriteQueue {
     }
     add(block, tile, in_cache);
   }
-  // Counts a change of a tile that stays in the cache and is written later. `anew`: its first change since it was written.
+  // Counts a change of a tile that stays in the cache and is written later. `anew`: its first change since it was
+  // written.
   void change(bool anew) {
     ++counters_.tiles;
     counters_.combined += anew ? 0 : 1;
@@ -81,8 +82,8 @@ class WriteQueue {
     maybe_waits_.reset();
   }
 
-  // Frees the entries that were sent before `now`. The processor calls it, so that the order in which the two sides tick does
-  // not matter.
+  // Frees the entries that were sent before `now`. The processor calls it, so that the order in which the two sides
+  // tick does not matter.
   void settle(Cycle now) {
     while (first_ != next_ && at(first_).sent < now) ++first_;
   }
@@ -144,8 +145,8 @@ class WriteQueue {
 
   std::size_t places_;
   std::vector<TileWrite> ring_ = std::vector<TileWrite>(1);  // its size is a power of two
-  // Running numbers of writes: the oldest entry, the first that is not sent, the first that is not requested, and the next to be
-  // added.
+  // Running numbers of writes: the oldest entry, the first that is not sent, the first that is not requested, and the
+  // next to be added.
   std::size_t first_ = 0, next_ = 0, waiting_ = 0, end_ = 0;
   std::bitset<kFilter> maybe_waits_;
   WriteCounters counters_;

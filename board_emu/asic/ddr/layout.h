@@ -1,8 +1,8 @@
 // The placement of the blocks' tiles in one channel of DDR SDRAM.
 //
-// A page is one row of one bank of a rank: 1024 columns of 72 bits, that is 512 packets. With only 4 banks, bricks that share a
-// face are never in the same bank, but some that touch at an edge or a corner are. The bank is x + 2 y + 3 z mod 4 of the
-// brick's position, and blocks follow one another.
+// A page is one row of one bank of a rank: 1024 columns of 72 bits, that is 512 packets. With only 4 banks, bricks that
+// share a face are never in the same bank, but some that touch at an edge or a corner are. The bank is x + 2 y + 3 z
+// mod 4 of the brick's position, and blocks follow one another.
 #pragma once
 
 #include <algorithm>

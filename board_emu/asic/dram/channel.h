@@ -1,10 +1,10 @@
 // The controller of one channel: serves packets in the order of the requests, with open pages.
 //
-// It keeps no queue. A call schedules all commands of its packet at once, each at its earliest legal clock, and returns the time
-// of the data; the look-ahead is therefore the depth of the caller's queue. RD and WR keep the order of the requests, as do ACT
-// together with refreshes, and PRE. A command may take free clocks before a scheduled command of another kind. A bank stays open
-// until another row needs it or its sense amps. Pending requests precede a due refresh, which delays it by the caller's queue at
-// most.
+// It keeps no queue. A call schedules all commands of its packet at once, each at its earliest legal clock, and returns
+// the time of the data; the look-ahead is therefore the depth of the caller's queue. RD and WR keep the order of the
+// requests, as do ACT together with refreshes, and PRE. A command may take free clocks before a scheduled command of
+// another kind. A bank stays open until another row needs it or its sense amps. Pending requests precede a due refresh,
+// which delays it by the caller's queue at most.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +21,9 @@
 
 namespace gicube::emu::dram {
 
-// `Rules`: the standard's rules, those of Device and kName, kDevices, kClock, kCommand (clocks of a command), kPacket (clocks of its
-// data), kOneBus (RD and WR share the wires of the other commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived`
-// implements the standard's refresh: refresh_until() and held_by_refresh().
+// `Rules`: the standard's rules, those of Device and kName, kDevices, kClock, kCommand (clocks of a command), kPacket
+// (clocks of its data), kOneBus (RD and WR share the wires of the other commands), kSwitches (wires.h), kLeavesGaps
+// (activate() below). `Derived` implements the standard's refresh: refresh_until() and held_by_refresh().
 template <typename Derived, typename Rules>
 class Channel {
  public:
@@ -105,9 +105,9 @@ class Channel {
     return begin > floor;
   }
 
-  // With `leave_gap`, an activation within a packet of the next possible precharge is delayed until after it. Otherwise it would
-  // delay that precharge, which the next activation needs, and an RDRAM would open a row every 12 tCYCLE instead of every 8. This
-  // is the only command that is later than it could be.
+  // With `leave_gap`, an activation within a packet of the next possible precharge is delayed until after it. Otherwise
+  // it would delay that precharge, which the next activation needs, and an RDRAM would open a row every 12 tCYCLE
+  // instead of every 8. This is the only command that is later than it could be.
   template <Command kOpens>
   Tcycle activate(const Location& at, Tcycle asked, bool leave_gap) {
     Device<Rules>& device = devices_[at.device];
@@ -166,9 +166,9 @@ class Channel {
     return refresh_interval_ == 0 ? kNever : (refreshes + 1) * refresh_interval_ / devices_.size();
   }
 
-  // Skips most refreshes of a long time without packets, if each refresh ends before the next is due. A round of refreshes covers
-  // every bank of every device at least once and lasts longer than any delay. Once two rounds end with the same lateness, all
-  // further rounds are equal, and the last one alone leads to the same state as all of them.
+  // Skips most refreshes of a long time without packets, if each refresh ends before the next is due. A round of
+  // refreshes covers every bank of every device at least once and lasts longer than any delay. Once two rounds end with
+  // the same lateness, all further rounds are equal, and the last one alone leads to the same state as all of them.
   void leave_out(Tcycle t) {
     constexpr std::uint64_t kBanks = 32, kDelays = 64;  // for every standard: kBanks * kDelays clocks exceed any delay
     if (trace_ != nullptr || refresh_interval_ < kDelays * devices_.size()) return;

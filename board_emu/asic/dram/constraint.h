@@ -24,8 +24,8 @@ inline constexpr Tcycle kNever = ~Tcycle{0};  // illegal at any time, because of
 enum class Command : std::uint8_t { kActivate, kPrecharge, kRead, kWrite, kRefresh, kData };
 inline constexpr std::size_t kCommands = 6;
 
-// A constraint holds between commands to one bank, to banks that share a sense amp, to one device, to any devices of the
-// channel, or to two different devices.
+// A constraint holds between commands to one bank, to banks that share a sense amp, to one device, to any devices of
+// the channel, or to two different devices.
 enum class Scope : std::uint8_t { kBank, kNeighbour, kDevice, kChannel, kOtherDevice };
 inline constexpr std::size_t kScopes = 5;
 

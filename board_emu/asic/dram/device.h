@@ -1,8 +1,8 @@
-// One device of a channel (an RDRAM, or a rank of SDRAM): the state of its banks and the earliest times of commands. It has no
-// clock; callers pass the time.
+// One device of a channel (an RDRAM, or a rank of SDRAM): the state of its banks and the earliest times of commands. It
+// has no clock; callers pass the time.
 //
-// Commands may be issued in another order than that of their times, except those that a constraint relates to each other.
-// Inline, because a packet takes three of these calls.
+// Commands may be issued in another order than that of their times, except those that a constraint relates to each
+// other. Inline, because a packet takes three of these calls.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,9 @@ class Device {
  public:
   explicit Device(const ConstraintTable& timing) : delays_(timing.delays()) {}
 
-  // The earliest time from `t` on at which the command is legal for this device; kNever if a bank is in the wrong state. ACT and
-  // REFA need the banks of requires_precharge() precharged, RD and WR need an open bank, PRE needs one that is not precharged.
-  // Does not consider the channel's wires.
+  // The earliest time from `t` on at which the command is legal for this device; kNever if a bank is in the wrong
+  // state. ACT and REFA need the banks of requires_precharge() precharged, RD and WR need an open bank, PRE needs one
+  // that is not precharged. Does not consider the channel's wires.
   Tcycle probe(Command command, BankAddress at, Tcycle t) const {
     bool legal = false;
     switch (command) {
@@ -81,7 +81,8 @@ class Device {
     return open_ & Rules::requires_precharge(opens, bank);
   }
 
-  // Earliest times by the timing alone, whatever the state: by commands to this bank and its neighbours, and to the device.
+  // Earliest times by the timing alone, whatever the state: by commands to this bank and its neighbours, and to the
+  // device.
   Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
   Tcycle device_ready(Command command) const { return ready_[index(command)]; }
   void state(Archive::Record& record) {
@@ -119,8 +120,8 @@ class Device {
     (one.template operator()<kTo>(), ...);
   }
 
-  // Index in banks_. Each group of banks that share sense amps has a spare entry before and after it, so that every bank has two
-  // neighbours to update.
+  // Index in banks_. Each group of banks that share sense amps has a spare entry before and after it, so that every
+  // bank has two neighbours to update.
   static constexpr std::size_t place(int bank) {
     const auto plain = static_cast<std::size_t>(bank);
     return plain + 1 + plain / Rules::kBankGroup * 2;

@@ -1,5 +1,5 @@
-// The division of a block of n^3 voxels with its +1 faces into pages (rows of a bank). A page holds a brick of neighbouring tiles,
-// so that coherent rays hit open rows whatever their direction.
+// The division of a block of n^3 voxels with its +1 faces into pages (rows of a bank). A page holds a brick of
+// neighbouring tiles, so that coherent rays hit open rows whatever their direction.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +31,8 @@ struct Bricks {
     const std::uint32_t column = x % size[0] + size[0] * (y % size[1] + size[1] * (z % size[2]));
     return {{x / size[0], y / size[1], z / size[2]}, static_cast<std::uint16_t>(column)};
   }
-  // Pages of a block, which measure its memory, times the surface of a brick in voxel faces (a tile is 2 x 2 x 1 voxels), which
-  // measures how many pages coherent rays have open at once.
+  // Pages of a block, which measure its memory, times the surface of a brick in voxel faces (a tile is 2 x 2 x 1
+  // voxels), which measures how many pages coherent rays have open at once.
   std::uint32_t cost() const {
     const std::uint32_t x = 2 * size[0], y = 2 * size[1], z = size[2];
     return pages * (x * y + y * z + z * x);

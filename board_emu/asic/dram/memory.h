@@ -61,9 +61,10 @@ class Memory {
  public:
   virtual ~Memory() = default;
 
-  // Tile `tile` of the channel's block `block`, requested at clock `arrival`, which never decreases from call to call (reads and
-  // writes together). Its packets are adjacent in one row. The first has the 36-bit words of the four voxels; the others have green
-  // and blue irradiance, if there are three words of it, and then colours. Only packets with irradiance are written.
+  // Tile `tile` of the channel's block `block`, requested at clock `arrival`, which never decreases from call to call
+  // (reads and writes together). Its packets are adjacent in one row. The first has the 36-bit words of the four
+  // voxels; the others have green and blue irradiance, if there are three words of it, and then colours. Only packets
+  // with irradiance are written.
   virtual Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
   virtual Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) = 0;
 

@@ -1,5 +1,5 @@
-// Channels of SDRAM ranks, of single or double data rate. All commands share one bus, which takes one command per clock. Each rank
-// has one REF every refresh_interval, for which all its banks are precharged.
+// Channels of SDRAM ranks, of single or double data rate. All commands share one bus, which takes one command per
+// clock. Each rank has one REF every refresh_interval, for which all its banks are precharged.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace gicube::emu::dram {
 
-// The rules that all SDRAM shares (channel.h). A standard adds kName, kDevice, kDevices, kPacket (the clocks of a burst),
-// kWriteLatency (from WR to its data) and kRecoveryStart (from WR to the clock from which tWR counts).
+// The rules that all SDRAM shares (channel.h). A standard adds kName, kDevice, kDevices, kPacket (the clocks of a
+// burst), kWriteLatency (from WR to its data) and kRecoveryStart (from WR to the clock from which tWR counts).
 struct RankRules {
   static constexpr const char* kClock = "clock";
   static constexpr Tcycle kCommand = 1;
@@ -42,8 +42,9 @@ struct RankRules {
   }
 };
 
-// The timing of a standard's ranks, with the data sheets' names; BL is a burst's clocks. Every time is a clock, and a command's
-// time is the clock in which it is on the wires. `config` is the standard's message; without t_wtr, tWTR is 0.
+// The timing of a standard's ranks, with the data sheets' names; BL is a burst's clocks. Every time is a clock, and a
+// command's time is the clock in which it is on the wires. `config` is the standard's message; without t_wtr, tWTR is
+// 0.
 template <typename Rules, typename Config>
 ConstraintTable rank_timing(const Config& config) {
   using enum Command;
@@ -51,8 +52,8 @@ ConstraintTable rank_timing(const Config& config) {
   const std::uint32_t bl = Rules::kPacket, wl = Rules::kWriteLatency, cl = config.t_cl();
   std::uint32_t t_wtr = 0;
   if constexpr (requires { config.t_wtr(); }) t_wtr = config.t_wtr();
-  // Clocks between commands whose data begin `first` and `second` clocks after them, so that `gap` clocks separate the data.
-  // The command bus takes one command per clock.
+  // Clocks between commands whose data begin `first` and `second` clocks after them, so that `gap` clocks separate the
+  // data. The command bus takes one command per clock.
   const auto apart = [bl](std::uint32_t first, std::uint32_t second, std::uint32_t gap) {
     return std::max(first + bl + gap, second + 1) - second;
   };

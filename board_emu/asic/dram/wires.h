@@ -10,9 +10,9 @@
 
 namespace gicube::emu::dram {
 
-// Wires on which a packet may use a gap before one that is already scheduled. A bitmap remembers the last clocks before the
-// latest packet; older clocks count as taken. chosen: one machine word. The code has no branches, because random packets would
-// make them unpredictable.
+// Wires on which a packet may use a gap before one that is already scheduled. A bitmap remembers the last clocks before
+// the latest packet; older clocks count as taken. chosen: one machine word. The code has no branches, because random
+// packets would make them unpredictable.
 template <Tcycle kPacket>
 class GapWires {
  public:

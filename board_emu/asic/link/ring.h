@@ -3,13 +3,13 @@
 //   out_links[i] -> entry queue -> link i, right -> from_left[i + 1], or the entry queue of link i + 1: it goes further
 //                -> entry queue -> link i, left  -> from_right[i - 1], or ...
 //
-// A ray of 256 bits takes ceil(256 / bits) cycles per link and is passed on in the last of them; if the next queue is full, it
-// stays and blocks the link. It takes the shorter path round the ring, to the right if both are equally long (two processors
-// therefore use the right links only).
+// A ray of 256 bits takes ceil(256 / bits) cycles per link and is passed on in the last of them; if the next queue is
+// full, it stays and blocks the link. It takes the shorter path round the ring, to the right if both are equally long
+// (two processors therefore use the right links only).
 //
-// Bubble flow control [C]: a ray in transit needs one free entry in the next queue. A ray that enters the ring needs two and
-// yields to transit. One entry is therefore always free in each direction, and the ring cannot deadlock as long as the
-// processors take the rays that arrive.
+// Bubble flow control [C]: a ray in transit needs one free entry in the next queue. A ray that enters the ring needs
+// two and yields to transit. One entry is therefore always free in each direction, and the ring cannot deadlock as long
+// as the processors take the rays that arrive.
 #pragma once
 
 #include <array>

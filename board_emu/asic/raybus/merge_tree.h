@@ -1,8 +1,8 @@
 // The binary tree of merging nodes that returns rays from the processors to the DSP, many to one [P §3.6].
 //
 // A node passes one ray per cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
-// output. A leaf without a partner joins the next level. A ray takes one cycle per level, at most ceil(log2(leaves)) and at
-// least 1.
+// output. A leaf without a partner joins the next level. A ray takes one cycle per level, at most ceil(log2(leaves))
+// and at least 1.
 #pragma once
 
 #include <array>

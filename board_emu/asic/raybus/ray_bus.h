@@ -4,10 +4,10 @@
 //                 +-- one packet a cycle -+       ...       +->    ...
 //   runs ---------+                       +-- run buffer p -+-> from_bus p-1
 //
-// A ray is one packet. It goes to its owner's FIFO and waits at the head if that is full. A run (RunPool) is two packets, which
-// all processors receive; each processor then extrapolates its own rays of the run into its FIFO, one per cycle. A processor
-// buffers two runs; the bus sends the next run only if every processor has room. Rays and runs take turns when both can be
-// sent, and so do a ray and an extrapolated ray for the same FIFO.
+// A ray is one packet. It goes to its owner's FIFO and waits at the head if that is full. A run (RunPool) is two
+// packets, which all processors receive; each processor then extrapolates its own rays of the run into its FIFO, one
+// per cycle. A processor buffers two runs; the bus sends the next run only if every processor has room. Rays and runs
+// take turns when both can be sent, and so do a ray and an extrapolated ray for the same FIFO.
 #pragma once
 
 #include <array>
@@ -22,9 +22,10 @@
 
 namespace gicube::emu {
 
-// Runs of viewing rays, the ray differentials of [P §3.6], on their way to the processors. On the bus a run is two packets:
-// its first ray, and the differential and count from which each processor extrapolates its own rays. The model keeps the
-// tokens of the run's rays, which the DSP's own arithmetic has made: differentials change times but no bit of an image.
+// Runs of viewing rays, the ray differentials of [P §3.6], on their way to the processors. On the bus a run is two
+// packets: its first ray, and the differential and count from which each processor extrapolates its own rays. The model
+// keeps the tokens of the run's rays, which the DSP's own arithmetic has made: differentials change times but no bit of
+// an image.
 class RunPool {
  public:
   using Run = std::uint32_t;  // handle

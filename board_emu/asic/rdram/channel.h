@@ -1,5 +1,5 @@
-// One channel of Direct RDRAMs, with separate wires for rows and columns. Each device has one REFA every refresh_interval, to its
-// banks in turn.
+// One channel of Direct RDRAMs, with separate wires for rows and columns. Each device has one REFA every
+// refresh_interval, to its banks in turn.
 #pragma once
 
 #include <algorithm>
@@ -58,11 +58,11 @@ using Device = dram::Device<Rules>;
 
 // The RDRAM's timing as a table of constraints with the data book's names.
 //
-// Times are in tCYCLE (2.5 ns at 800 MHz). A command's time is the tCYCLE in which its packet begins on the ROW or COL wires. All
-// packets last tPACK = 4. The data book counts intervals from end to end of packets, this table from begin to begin: both are
-// equal. Where the data book counts from the end of one packet to the begin of another, the row adds tPACK: data begin
-// tPACK + tCAC after the begin of the RD packet, and a read of a device that was just written waits tRTR + tPACK, because the
-// packet that retires the write buffer comes between.
+// Times are in tCYCLE (2.5 ns at 800 MHz). A command's time is the tCYCLE in which its packet begins on the ROW or COL
+// wires. All packets last tPACK = 4. The data book counts intervals from end to end of packets, this table from begin
+// to begin: both are equal. Where the data book counts from the end of one packet to the begin of another, the row adds
+// tPACK: data begin tPACK + tCAC after the begin of the RD packet, and a read of a device that was just written waits
+// tRTR + tPACK, because the packet that retires the write buffer comes between.
 dram::ConstraintTable timing(const v1::RdramConfig& config);
 
 class Channel : public dram::Channel<Channel, Rules> {

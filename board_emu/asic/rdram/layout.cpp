@@ -11,8 +11,8 @@ namespace {
 
 using Stride = std::array<std::uint32_t, 3>;  // pages from a brick to the next along each axis
 
-// Orders of the axes in which bricks are numbered. The first order that separates touching bricks is used. chosen: x z y had the
-// best use of DQ at n = 32 (docs/reference/hardware.md).
+// Orders of the axes in which bricks are numbered. The first order that separates touching bricks is used. chosen: x z
+// y had the best use of DQ at n = 32 (docs/reference/hardware.md).
 constexpr std::array<std::array<std::size_t, 3>, 6> kAxisOrders{
     {{0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}, {0, 1, 2}}};
 
@@ -41,7 +41,8 @@ std::uint32_t page_of(const std::array<std::uint32_t, 3>& brick, const Stride& s
   return brick[0] * stride[0] + brick[1] * stride[1] + brick[2] * stride[2];
 }
 
-// Whether two of four consecutive tiles lie in different pages of one bank, including the ends of rows and slices of tiles.
+// Whether two of four consecutive tiles lie in different pages of one bank, including the ends of rows and slices of
+// tiles.
 bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) {
   std::array<std::uint32_t, 4> last{};  // pages
   for (std::uint32_t tile = 0; tile < bricks.all_tiles(); ++tile) {
@@ -54,7 +55,8 @@ bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) 
   return false;
 }
 
-// Numbers the bricks so that touching bricks, and those of consecutive tiles, are in different banks; nothing if no order does.
+// Numbers the bricks so that touching bricks, and those of consecutive tiles, are in different banks; nothing if no
+// order does.
 std::optional<Stride> number_bricks(const Bricks& bricks) {
   for (const auto& order : kAxisOrders) {
     Stride stride{};

@@ -1,10 +1,10 @@
 // The placement of the blocks' tiles in one channel's RDRAMs.
 //
-// A page is one row of one bank: 128 dualocts (288 Mbit) or 64 (144 Mbit), a brick of 3 x 6 x 7 tiles at n = 32. All pages of
-// a block lie in banks of one parity, 16 of them per row number, so its pages conflict only within a bank. Bricks that touch,
-// even at a corner, are never in the same bank. The packets of a trilinear neighbourhood, and of any four consecutive tiles,
-// that need an activation therefore go to different banks, none next to another: RDRAM's four-access rule. Measurements are in
-// docs/reference/hardware.md.
+// A page is one row of one bank: 128 dualocts (288 Mbit) or 64 (144 Mbit), a brick of 3 x 6 x 7 tiles at n = 32. All
+// pages of a block lie in banks of one parity, 16 of them per row number, so its pages conflict only within a bank.
+// Bricks that touch, even at a corner, are never in the same bank. The packets of a trilinear neighbourhood, and of any
+// four consecutive tiles, that need an activation therefore go to different banks, none next to another: RDRAM's
+// four-access rule. Measurements are in docs/reference/hardware.md.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit, std::uin
 
 class Layout : public dram::LayoutBase {
  public:
-  // `blocks`: those of this channel. n = `block_voxels`: even, 8..64. `device_mbit`: 144 or 288. `packets`: those of a tile.
+  // `blocks`: those of this channel. n = `block_voxels`: even, 8..64. `device_mbit`: 144 or 288. `packets`: those of a
+  // tile.
   Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit, std::uint32_t packets = 1);
 
   // Tile `tile` (x fastest) of the channel's block `block`, each counted from 0.

@@ -1,4 +1,5 @@
-// The activity of a pipeline's resampling unit in a cycle, or the reason for its idleness. Every cycle has exactly one cause.
+// The activity of a pipeline's resampling unit in a cycle, or the reason for its idleness. Every cycle has exactly one
+// cause.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // A registered FIFO between two parts: a push or pop takes effect at the clock edge that ends its cycle.
 //
-// The order in which parts tick within a cycle therefore never matters. It takes one push and one pop per cycle. A capacity of 2
-// keeps the full rate; 1 halves it, because an entry that a pop frees becomes visible one cycle later.
+// The order in which parts tick within a cycle therefore never matters. It takes one push and one pop per cycle. A
+// capacity of 2 keeps the full rate; 1 halves it, because an entry that a pop frees becomes visible one cycle later.
 #pragma once
 
 #include <bit>

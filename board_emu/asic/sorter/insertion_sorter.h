@@ -1,20 +1,21 @@
 // The pipelined insertion sorter that finds the most important queue [P §3.2, Figure 7].
 //
-// There is one rank per queue; rank 0 is the top. A rank has two buffers, selected and comparison, each an item (queue and
-// importance) or a hole. Each cycle every rank compares its two: the larger goes to its selected buffer, the smaller to
-// the comparison buffer of the rank below; a hole takes whatever comes. Equal importance: the lower queue number counts
-// as larger [C], so that the settled order does not depend on history. The active queue is in rank 0 with infinite
-// importance.
+// There is one rank per queue; rank 0 is the top. A rank has two buffers, selected and comparison, each an item (queue
+// and importance) or a hole. Each cycle every rank compares its two: the larger goes to its selected buffer, the
+// smaller to the comparison buffer of the rank below; a hole takes whatever comes. Equal importance: the lower queue
+// number counts as larger [C], so that the settled order does not depend on history. The active queue is in rank 0 with
+// infinite importance.
 //
 //   insert --> [comparison 0] [selected 0]      rank 0
 //                    |  smaller
 //              [comparison 1] [selected 1]      rank 1      shift_up: both buffers of every rank move up by one
 //
-// The model is exactly that machine, but it makes comparisons late and many at a time. Items in comparison buffers move down
-// together, one rank per cycle, so no item catches up with another, and a younger item meets only the results of older ones.
-// Therefore the items can be processed one after the other, oldest first: each goes down all its ranks at once, with its key
-// in a register. Comparisons are made when their result is needed: for rank 0 at once, for a rank before its queue is wiped,
-// and for all ranks from time to time. Ranks keep their positions in memory: shift_up moves only the origin.
+// The model is exactly that machine, but it makes comparisons late and many at a time. Items in comparison buffers move
+// down together, one rank per cycle, so no item catches up with another, and a younger item meets only the results of
+// older ones. Therefore the items can be processed one after the other, oldest first: each goes down all its ranks at
+// once, with its key in a register. Comparisons are made when their result is needed: for rank 0 at once, for a rank
+// before its queue is wiped, and for all ranks from time to time. Ranks keep their positions in memory: shift_up moves
+// only the origin.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +46,8 @@ class InsertionSorter {
     if (++behind_ == kMaxBehind) catch_up();
   }
 
-  // Whether the top's comparison buffer is free. It takes one insert per cycle, and none in a cycle in which shift_up has filled it.
+  // Whether the top's comparison buffer is free. It takes one insert per cycle, and none in a cycle in which shift_up
+  // has filled it.
   bool can_insert() const { return !entering_; }
   // Puts a queue's new importance (1 .. kInfinite - 1) into the top's comparison buffer and removes its old item.
   void insert(std::uint32_t queue, std::uint32_t importance);
@@ -58,7 +60,8 @@ class InsertionSorter {
     selected_[origin_] = key(top(), kInfinite);
   }
 
-  // Moves all ranks up by one and drops the item in the top's selected buffer. The top's comparison buffer must be empty.
+  // Moves all ranks up by one and drops the item in the top's selected buffer. The top's comparison buffer must be
+  // empty.
   void shift_up();
 
   // Whether some buffer holds the queue's item.
@@ -148,8 +151,8 @@ class InsertionSorter {
   std::vector<Moving> moving_;  // oldest first, and so from the lowest rank upwards
 };
 
-// An ideal sorter that always has the most important queue: an upper bound [C]. It is a winner tree over the importances. Of
-// equal ones the lower queue number wins.
+// An ideal sorter that always has the most important queue: an upper bound [C]. It is a winner tree over the
+// importances. Of equal ones the lower queue number wins.
 class ExactMaximum {
  public:
   explicit ExactMaximum(std::uint32_t queues) : leaves_(std::bit_ceil(queues)), importance_(2 * std::size_t{leaves_}) {}

@@ -17,8 +17,8 @@ std::uint32_t most_contribution(const QueueFacts& queue) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(queue.contribution, kMaxImportance));
 }
 
-// Prefers the queue whose first ray has waited longest: queues are served in the order in which they were opened [C]. No
-// queue starves. A small queue is served as soon as all those that were opened earlier.
+// Prefers the queue whose first ray has waited longest: queues are served in the order in which they were opened [C].
+// No queue starves. A small queue is served as soon as all those that were opened earlier.
 std::uint32_t longest_wait(const QueueFacts& queue) {
   return kMaxImportance - std::min(queue.opened, kMaxImportance - 1);
 }

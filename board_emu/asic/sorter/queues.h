@@ -1,8 +1,8 @@
 // The ray queues of one processor: first in first out each, with slots and importance [P §3.2].
 //
-// A queue of capacity C has C slots. A ray takes a slot when it is written and releases it when it has left the queue for
-// good. While it is in the pipeline and may return, its slot stays reserved, so a returning ray always finds room. If a slot
-// is released while overflowed rays of the queue are with the DSP, it is reserved for the first of them.
+// A queue of capacity C has C slots. A ray takes a slot when it is written and releases it when it has left the queue
+// for good. While it is in the pipeline and may return, its slot stays reserved, so a returning ray always finds room.
+// If a slot is released while overflowed rays of the queue are with the DSP, it is reserved for the first of them.
 //
 // The model keeps all rays in one pool of records, which grows with the number of rays and not with the capacity.
 #pragma once
@@ -30,7 +30,8 @@ class Queues {
   bool has_overflowed(std::uint32_t queue) const { return states_[queue].overflowed > 0; }
   // Appends a ray to the queue. It takes a slot unless one is reserved for it. Returns the number of rays in the queue.
   std::uint32_t write(std::uint32_t queue, const RayToken& token);
-  // Removes the ray at the head; the queue must not be empty. The slot stays taken; the ray's flag has_reserved_slot is cleared.
+  // Removes the ray at the head; the queue must not be empty. The slot stays taken; the ray's flag has_reserved_slot is
+  // cleared.
   RayToken read(std::uint32_t queue);
   // Releases the slot of a ray that has left for good. True if the slot is reserved for an overflowed ray.
   bool release_slot(std::uint32_t queue) {

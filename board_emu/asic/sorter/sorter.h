@@ -1,20 +1,21 @@
-// One processor's sorter: rays enter, wait in the queue of their block, and leave from the most important queue [P §3.2].
+// One processor's sorter: rays enter, wait in the queue of their block, and leave from the most important queue [P
+// §3.2].
 //
 //   returned, from_bus, from_left, from_right -> at most two a cycle -> queues -> the active queue's head -> issue
 //                                                         no slot: -> overflow
 //
-// A cycle has these steps, in this order: the insertion sorter compares; a released slot is freed; if no queue is active, the
-// top rank's becomes active; one ray is issued; at most two are written; an empty active queue is deactivated; one modified
-// queue is inserted. A ray that is written into an empty sorter is therefore issued in the next cycle, and one active queue
-// follows another without a lost cycle while the ranks are settled.
+// A cycle has these steps, in this order: the insertion sorter compares; a released slot is freed; if no queue is
+// active, the top rank's becomes active; one ray is issued; at most two are written; an empty active queue is
+// deactivated; one modified queue is inserted. A ray that is written into an empty sorter is therefore issued in the
+// next cycle, and one active queue follows another without a lost cycle while the ranks are settled.
 //
 // Two writes [P]: the bucketing logic runs at twice the clock, and each queue is an eDRAM of its own. Two rays for one
-// queue conflict: the second waits and loses its turn. `returned` has priority, because the pipeline stalls behind it; the
-// other inputs take turns. An input whose ray finds neither a slot nor room in `overflow` is skipped.
+// queue conflict: the second waits and loses its turn. `returned` has priority, because the pipeline stalls behind it;
+// the other inputs take turns. An input whose ray finds neither a slot nor room in `overflow` is skipped.
 //
-// Slots are explained in queues.h. The pipeline sets RayToken::has_reserved_slot on a ray that returns to its last queue;
-// otherwise it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow` reports a reserved
-// slot to the DSP, which sets the flag on the ray that it sends to that slot.
+// Slots are explained in queues.h. The pipeline sets RayToken::has_reserved_slot on a ray that returns to its last
+// queue; otherwise it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow`
+// reports a reserved slot to the DSP, which sets the flag on the ray that it sends to that slot.
 #pragma once
 
 #include <array>
@@ -38,14 +39,14 @@ struct SorterSetup {
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
   v1::QueuePolicy policy = v1::most_rays;
-  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their arrival. RayToken::queue has no effect here.
-  // A ray that stays in the processor keeps its slot.
+  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their arrival. RayToken::queue has no effect
+  // here. A ray that stays in the processor keeps its slot.
   bool single = false;
   bool ideal_queues = false;  // never full
   bool ideal_sorter = false;  // always has the most important queue
-  // A ray from the bus waits for a slot instead of overflowing, and blocks the bus behind it. Rays from links still overflow:
-  // if they waited too, processors could wait for each other. No slot is reserved for them, because they return behind the ray
-  // that blocks the bus.
+  // A ray from the bus waits for a slot instead of overflowing, and blocks the bus behind it. Rays from links still
+  // overflow: if they waited too, processors could wait for each other. No slot is reserved for them, because they
+  // return behind the ray that blocks the bus.
   bool bus_waits = false;
 };
 
@@ -102,9 +103,9 @@ class Sorter {
     return rest != 0 && work(now, false);
   }
 
-  // Equivalent to tick_ahead() if each ray finds a slot, no slot is reserved and no ray is watched (sorter-inl.h). The caller
-  // replaces the FIFOs: `returned` and `released` can be popped in this cycle, or are null; `issued` receives the issued ray, if
-  // `may_issue`.
+  // Equivalent to tick_ahead() if each ray finds a slot, no slot is reserved and no ray is watched (sorter-inl.h). The
+  // caller replaces the FIFOs: `returned` and `released` can be popped in this cycle, or are null; `issued` receives
+  // the issued ray, if `may_issue`.
   struct ActiveQueueTick {
     bool moved = false;
     bool issued = false;

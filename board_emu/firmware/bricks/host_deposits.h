@@ -33,8 +33,8 @@ class HostDeposits : public HostDepositList {
     sums_[word] += units;
     if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of other blocks got energy in one command");
   }
-  // Only add() and state() may be called during a command. settle() lists the added deposits in an order that does not depend on
-  // threads.
+  // Only add() and state() may be called during a command. settle() lists the added deposits in an order that does not
+  // depend on threads.
   void settle() {
     for (const auto& [word, units] : sums_) list_.push_back({word, units});
     sums_.clear();

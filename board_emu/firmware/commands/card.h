@@ -1,4 +1,5 @@
-// The card as its commands share it: the DSP's memory and registers, the fidelity level, and what several commands do with them.
+// The card as its commands share it: the DSP's memory and registers, the fidelity level, and what several commands do
+// with them.
 #pragma once
 
 #include <algorithm>

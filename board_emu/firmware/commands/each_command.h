@@ -1,5 +1,5 @@
-// The DSP's commands: a class for each, with its own state. run() checks the payload, has its rays traced by the card's level, and
-// reports the cost; it throws CommandFault.
+// The DSP's commands: a class for each, with its own state. run() checks the payload, has its rays traced by the card's
+// level, and reports the cost; it throws CommandFault.
 #pragma once
 
 #include <cstdint>

@@ -102,7 +102,8 @@ Frame Card::trace_frame(const wire::TraceHeader& header) {
   return frame;
 }
 
-// Allows the frame's rays to wait if blocks may be non-resident. Deposits in blocks with irradiance at the host go there.
+// Allows the frame's rays to wait if blocks may be non-resident. Deposits in blocks with irradiance at the host go
+// there.
 void Card::set_bricks(Frame& frame) {
   if (in_bricks() && (frame.lights() || frame.lit_by_irradiance)) {
     expect(frame.light_words == 1, "IRRADIANCE_WORDS", "1 for light in a volume with more blocks than the card stores",

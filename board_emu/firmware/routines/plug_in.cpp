@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kLost = "its process was ended; it is not called again before the board process is started anew";
 
-// How often a side looks before it sleeps, while each has a processor of its own. chosen: tens of microseconds, in which most rays come
-// to their next call.
+// How often a side looks before it sleeps, while each has a processor of its own. chosen: tens of microseconds, in
+// which most rays come to their next call.
 constexpr unsigned kSpins = 1000;
 
 void put_event(const ScatterEvent& event, CallSlot::Event& to) {
@@ -39,7 +39,8 @@ ScatterAnswer answer_of(gicube_bsdf_answer answer) {
 
 }  // namespace
 
-// A slot that is this thread's for a call. A thread takes the one that it had, if it can: the processor still has its memory.
+// A slot that is this thread's for a call. A thread takes the one that it had, if it can: the processor still has its
+// memory.
 class PlugIn::Claim {
  public:
   explicit Claim(const PlugIn& of) : of_(of) {

@@ -1,7 +1,7 @@
 // A scattering routine from a shared object (gicube/bsdf.h).
 //
-// Its code runs in a process of its own (plug_ins/plug_in_process.h), with a copy of that for each call at a time, and what it answers is
-// checked. Whatever its code does, the board gets an answer or a fault.
+// Its code runs in a process of its own (plug_ins/plug_in_process.h), with a copy of that for each call at a time, and
+// what it answers is checked. Whatever its code does, the board gets an answer or a fault.
 #pragma once
 
 #include <atomic>
@@ -31,8 +31,8 @@ class PlugIn {
 
   // From several threads. A process that ended or had to be ended is begun anew by the next call.
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // `events` and `answers` have one length; an event has at most kMaxParameters parameters. Of an answer only the cycles are
-  // checked. Throws RoutineFault.
+  // `events` and `answers` have one length; an event has at most kMaxParameters parameters. Of an answer only the
+  // cycles are checked. Throws RoutineFault.
   void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:

@@ -1,5 +1,5 @@
-// The range of densities and the set of tags in cells of 4^3 voxels, including their far faces. If no density of the range is
-// visible, samples add nothing and need not be taken.
+// The range of densities and the set of tags in cells of 4^3 voxels, including their far faces. If no density of the
+// range is visible, samples add nothing and need not be taken.
 //
 // A host structure of the functional level; the board has no such memory.
 #pragma once

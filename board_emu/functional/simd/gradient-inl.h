@@ -14,8 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// resample_all() for the low or, with `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset)`: the words of the
-// voxels at `offset` from the sample's first, and of their neighbours along x.
+// resample_all() for the low or, with `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset)`: the words
+// of the voxels at `offset` from the sample's first, and of their neighbours along x.
 template <bool kOdd, typename Pair>
 HWY_INLINE VU64 resample_channels(const PackedPosition& at, const PacketField& field, const Pair& pair) {
   const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;

@@ -15,8 +15,8 @@ namespace gicube::emu {
 
 class IrradianceCopy {
  public:
-  // Updates the copy if a memory has changed. `memories`: one per irradiance word, of `blocks` blocks with `block_words` words.
-  // `narrow`: as in irradiance_word().
+  // Updates the copy if a memory has changed. `memories`: one per irradiance word, of `blocks` blocks with
+  // `block_words` words. `narrow`: as in irradiance_word().
   void follow(std::span<const IrradianceMemory> memories, std::size_t blocks, std::size_t block_words, bool narrow);
   void clear() { *this = {}; }
 

@@ -54,7 +54,8 @@ inline std::int32_t steps_inside(const RayState& ray, const Frame& frame, std::i
 }
 
 // Puts `count` rays on the lanes, one after the other. `Scheduler`, derived from it, has
-//   bool begin(i)                 prepares ray i for a lane; false if it needs none, because it has ended or was traced alone
+//   bool begin(i)                 prepares ray i for a lane; false if it needs none, because it has ended or was traced
+//                                 alone
 //   void put(lanes, lane, i)      puts it there
 //   bool stopped(lanes, lane)     whether the lane's ray has ended, or scalar code must take its sample
 //   bool resume(lanes, lane)      takes such a ray off its lane; true: it has put it back, since it continues

@@ -43,7 +43,8 @@ HWY_INLINE V jitter_index(const std::array<V, 3>& position, V destination) {
                   half(odds(position[0]), odds(position[1]), odds(position[2]), odds(destination)));
 }
 
-// step_vector() along one axis: direction * distance has more than 32 bits, its products with the distance's halves do not.
+// step_vector() along one axis: direction * distance has more than 32 bits, its products with the distance's halves do
+// not.
 HWY_INLINE V step_of(V direction, V distance) {
   const V low = hn::Mul(direction, hn::And(distance, set(0xFFFF)));
   return hn::Add(hn::Mul(direction, hn::ShiftRight<16>(distance)), hn::ShiftRight<16>(hn::Add(low, set(1 << 15))));

@@ -1,8 +1,8 @@
 // Rays that are traced side by side, one per lane: their words in lanes, and the pipeline's iterations.
 //
 // With equal steps, sample positions depend on the number of steps only, so the next samples are fetched while one is
-// composited; a ray that has become opaque continues, and its further values are dropped. Jittered steps are drawn at the ray's
-// position, so a ray that ends there stays there.
+// composited; a ray that has become opaque continues, and its further values are dropped. Jittered steps are drawn at
+// the ray's position, so a ray that ends there stays there.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
@@ -220,7 +220,8 @@ HWY_INLINE void composite(LaneState& ray, V rays, const SamplePosition& at, V de
   }
 }
 
-// Index of the cubes of 1 << `shift` units that contain the rays of `which`; `across`, `slice`: cubes per row and slice.
+// Index of the cubes of 1 << `shift` units that contain the rays of `which`; `across`, `slice`: cubes per row and
+// slice.
 HWY_INLINE V cube_index(const LaneState& ray, Mask which, int shift, std::int32_t across, std::int32_t slice) {
   const auto along = [&](std::size_t axis) {
     return hn::ShiftRightSame(hn::IfThenElseZero(which, ray.position[axis]), shift);
@@ -238,7 +239,8 @@ HWY_INLINE V steps_out(const LaneState& ray, V mask, const Pace& pace, const Pac
   }
 }
 
-// Positions of samples, and their cells in their blocks; `first`: index of the blocks' first voxels among the decoded ones.
+// Positions of samples, and their cells in their blocks; `first`: index of the blocks' first voxels among the decoded
+// ones.
 struct PositionInBlock {
   SamplePosition at;
   V cell;
@@ -259,7 +261,8 @@ HWY_INLINE PositionInBlock position_in_block(const LaneState& ray, V first, Mask
   return out;
 }
 
-// Takes the samples of `samples`, of which those of `taking` count. `first`: index of their blocks among the decoded ones.
+// Takes the samples of `samples`, of which those of `taking` count. `first`: index of their blocks among the decoded
+// ones.
 template <Gathers kGathers, bool kWide>
 HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samples, Mask taking, ShadingQueue& seen,
                              const PacketField& field, RayCounters& counters) {

@@ -1,6 +1,6 @@
-// Lighting and scattered rays side by side, one per lane. A lane does the iterations in which its ray only continues: over
-// invisible parts and, for lighting rays, through samples that take energy and do nothing else. At any other sample the lane is
-// masked until scalar code has taken the sample (take_iteration()).
+// Lighting and scattered rays side by side, one per lane. A lane does the iterations in which its ray only continues:
+// over invisible parts and, for lighting rays, through samples that take energy and do nothing else. At any other
+// sample the lane is masked until scalar code has taken the sample (take_iteration()).
 
 // Included once for each instruction set.
 #if defined(GICUBE_PATH_MARCH) == defined(HWY_TARGET_TOGGLE)

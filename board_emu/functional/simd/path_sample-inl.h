@@ -17,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-// Words of lighting and scattered rays in lanes, in addition to those of others. `taken` counts the steps since a ray was put
-// on its lane, and `ray` is its index among the paths.
+// Words of lighting and scattered rays in lanes, in addition to those of others. `taken` counts the steps since a ray
+// was put on its lane, and `ray` is its index among the paths.
 struct PathLanes : Lanes {
   std::array<DoubleWord, 3> slope, inverse;  // RayState::slope(), and its inverse; 0: no movement on this axis
   Word interacted, value;                    // RayState::interacted, and interaction_value()
@@ -41,7 +41,8 @@ HWY_INLINE VU64 energy_after(VU64 before, VU64 lost, VU64 chance) {
   const VU64 dither = hn::ShiftRight<24>(product(hn::ShiftRight<40>(chance), set64(wire::kOpacityOne)));
   const VU64 low = product(hn::And(before, set64(kLow)), lost);
   const VU64 high = product(hn::ShiftRight<24>(before), lost);
-  // Division by 2^24 - 1: for x = h 2^24 + l the quotient is h plus that of h + l, and h + l < 2^48 takes one more round.
+  // Division by 2^24 - 1: for x = h 2^24 + l the quotient is h plus that of h + l, and h + l < 2^48 takes one more
+  // round.
   const VU64 x = hn::Add(hn::Add(low, dither), hn::ShiftLeft<24>(high));
   const VU64 rounds = hn::ShiftRight<24>(x), rest = hn::Add(rounds, hn::And(x, set64(kLow)));
   const VU64 more = hn::ShiftRight<24>(hn::Add(hn::Add(rest, hn::ShiftRight<24>(rest)), set64(1)));
@@ -134,8 +135,9 @@ HWY_INLINE SampleLanes sample_at(const LaneState& ray, V first, Mask samples, co
   return out;
 }
 
-// Sets the opacities of the integration intervals of samples in a medium, with the conserving rules, and what determines them.
-// `even`: all eight voxels around the sample have one opacity and one tag. Returns for which samples it could.
+// Sets the opacities of the integration intervals of samples in a medium, with the conserving rules, and what
+// determines them. `even`: all eight voxels around the sample have one opacity and one tag. Returns for which samples
+// it could.
 template <bool kWide>
 HWY_INLINE Mask find_intervals(PathLanes& lanes, const LaneState& ray, V begun, const SampleLanes& sample, Mask one_tag,
                                Mask even, Mask in_medium, V& alpha, const PacketField& field) {
@@ -185,7 +187,8 @@ HWY_INLINE Mask leave(const PathLanes& lanes, const SampleLanes& sample, Mask re
   return hn::And(hn::Lt(along, hn::Zero(D32())), scattered);
 }
 
-// Removes from `in_medium` rays at a surface without interaction. `masked`: rays at a surface that scalar code must handle.
+// Removes from `in_medium` rays at a surface without interaction. `masked`: rays at a surface that scalar code must
+// handle.
 HWY_INLINE void pass_surfaces(SampleResult& out, Mask& in_medium, Mask& masked, const PathLanes& lanes, V trapped,
                               const MaterialLanes& material, const SampleLanes& sample, const PacketField& field) {
   const Mask traps = hn::And(in_medium, material.traps), reflecting = hn::And(in_medium, material.reflects);

@@ -1,6 +1,6 @@
-// The integration interval of a lighting ray's sample, and its medium, for lanes of rays: datapath/interval-inl.h for vectors,
-// and datapath/interaction.h's absorption and scattering. Intervals with an opaque entry or voxels of several tags are left to
-// scalar code.
+// The integration interval of a lighting ray's sample, and its medium, for lanes of rays: datapath/interval-inl.h for
+// vectors, and datapath/interaction.h's absorption and scattering. Intervals with an opaque entry or voxels of several
+// tags are left to scalar code.
 
 // Included once for each instruction set.
 #if defined(GICUBE_RAY_INTERVAL) == defined(HWY_TARGET_TOGGLE)
@@ -213,8 +213,8 @@ HWY_INLINE PathAround<VD, MaskD> path_around(const WayLanes& way, HalfOf half) {
   return out;
 }
 
-// The pieces of an interval whose density varies, as in RayInterval::of(), and its optical depth if no entry from `least` to
-// `most` is opaque.
+// The pieces of an interval whose density varies, as in RayInterval::of(), and its optical depth if no entry from
+// `least` to `most` is opaque.
 struct DepthLanes {
   std::array<VD, 5> ends;
   std::array<VD, 3> density;

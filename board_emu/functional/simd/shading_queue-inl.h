@@ -1,8 +1,9 @@
-// Visible samples are queued here until they fill a vector, because only some of the lanes have a visible sample at the same
-// time, and shading is most of a sample's cost.
+// Visible samples are queued here until they fill a vector, because only some of the lanes have a visible sample at the
+// same time, and shading is most of a sample's cost.
 //
-// A ray's colour may come later, because its opacity, on which all else depends, is composited at once. The samples of a ray
-// keep their order, because sums of floats depend on it. Sums of integers may saturate at each addition or at the end.
+// A ray's colour may come later, because its opacity, on which all else depends, is composited at once. The samples of
+// a ray keep their order, because sums of floats depend on it. Sums of integers may saturate at each addition or at the
+// end.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_SEEN) == defined(HWY_TARGET_TOGGLE)
@@ -33,7 +34,8 @@ class ShadingQueue {
 
   ColourSum& sum(std::size_t ray) { return sums_[ray]; }
 
-  // Adds the samples of `seen`. `at_face`: other than 0 where a sample is not shaded. `ray`: indices of their rays; `weight`: of the sample in the ray's colour, floats if wide.
+  // Adds the samples of `seen`. `at_face`: other than 0 where a sample is not shaded. `ray`: indices of their rays;
+  // `weight`: of the sample in the ray's colour, floats if wide.
   template <bool kWide>
   HWY_INLINE void add(const SamplePosition& at, V entry, V ray, V weight, V lit, V at_face, Mask seen,
                       const PacketField& field) {

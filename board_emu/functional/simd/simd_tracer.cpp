@@ -148,7 +148,8 @@ void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
   seen_lut_ = lut_writes_;
   ranges_.follow(*frame.volume, threads);
   constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
-  // Number of a tag's visible entries below a density. All entries visible on the paper's datapath are visible on the wide one.
+  // Number of a tag's visible entries below a density. All entries visible on the paper's datapath are visible on the
+  // wide one.
   std::array<std::array<std::uint16_t, kDensities + 1>, wire::kTags> below{};
   for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
     const bool seen = frame.segmentation[i].opacity != 0 || (!frame.wide_depths.empty() && frame.wide_depths[i] != 0);

@@ -1,6 +1,6 @@
-// Traces groups of rays, one ray per lane of the host's vectors: gathering rays from start to end, lighting and scattered rays
-// between the samples after which they do more than continue. The bits are those of integrate() and of integrate_all() for each
-// ray (tests/board_emu/functional/simd).
+// Traces groups of rays, one ray per lane of the host's vectors: gathering rays from start to end, lighting and
+// scattered rays between the samples after which they do more than continue. The bits are those of integrate() and of
+// integrate_all() for each ray (tests/board_emu/functional/simd).
 #pragma once
 
 #include <array>
@@ -84,15 +84,15 @@ class SimdTracer {
  public:
   explicit SimdTracer(const OpacityCorrection& correction);
 
-  // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is decoded.
-  // Returns false if scalar code must trace them: they backproject, combine jitter or segments with other features, are too few
-  // to justify the ranges of cells, or the volume is too large for offsets of 31 bits.
+  // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is
+  // decoded. Returns false if scalar code must trace them: they backproject, combine jitter or segments with other
+  // features, are too few to justify the ranges of cells, or the volume is too large for offsets of 31 bits.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
   // Frees the cached data.
   void clear();
 
-  // Traces rays of a frame that gathers, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or
-  // receives each ray's number of steps.
+  // Traces rays of a frame that gathers, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty,
+  // or receives each ray's number of steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
   // Traces paths of other frames until they stop, on the calling thread.

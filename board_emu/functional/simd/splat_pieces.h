@@ -1,8 +1,8 @@
-// Splats pieces of backprojecting rays, each in one tile, with the host's vectors: the shares of trilinear_splat.h for several
-// samples at once.
+// Splats pieces of backprojecting rays, each in one tile, with the host's vectors: the shares of trilinear_splat.h for
+// several samples at once.
 //
-// A tile has eight words of 32 bits per cell, the shares of the voxels around it: a sample's eight shares are one vector
-// addition, and consecutive samples seldom use the same cell. join() adds the cells to the voxels' words.
+// A tile has eight words of 32 bits per cell, the shares of the voxels around it: a sample's eight shares are one
+// vector addition, and consecutive samples seldom use the same cell. join() adds the cells to the voxels' words.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // The pipeline's stages for lanes of rays. Each names the scalar stage that it repeats; the bits are the same.
 //
-// Words of 32 bits are in 16 lanes. Products of more than 32 bits are computed in 64-bit lanes, once for the even and once for
-// the odd ones.
+// Words of 32 bits are in 16 lanes. Products of more than 32 bits are computed in 64-bit lanes, once for the even and
+// once for the odd ones.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_STAGES) == defined(HWY_TARGET_TOGGLE)
@@ -60,7 +60,8 @@ HWY_INLINE V together(VU64 even, VU64 odd) {
 HWY_INLINE VU64 product(VU64 a, VU64 b) { return hn::MulEven(hn::BitCast(DU32(), a), hn::BitCast(DU32(), b)); }
 
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
-// Lane by lane: the gather instruction takes twice as long on AMD's cores, and on Intel's cores with mitigating microcode.
+// Lane by lane: the gather instruction takes twice as long on AMD's cores, and on Intel's cores with mitigating
+// microcode.
 HWY_INLINE __m256i gather_eight(const char* base, const std::uint64_t* offsets) {  // two offsets in each of four words
   const auto word = [base](std::uint64_t offset) {
     std::int32_t at;
@@ -192,7 +193,8 @@ HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) 
                   behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
 }
 
-// A channel's addend in over(): divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32 bits.
+// A channel's addend in over(): divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32
+// bits.
 HWY_INLINE V part_of(V colour, V weight) {
   constexpr int kHalf = 12;
   const V high = hn::Mul(colour, hn::ShiftRight<kHalf>(weight));
@@ -242,9 +244,9 @@ HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
   return out;
 }
 
-// skip_steps() out of cubes of `mask` + 1 units: the whole steps within the cube, plus one. The quotients are exact: with half
-// a unit added they differ from whole numbers by at least half of per_unit, and the two roundings of dividends below 2^22 by
-// less.
+// skip_steps() out of cubes of `mask` + 1 units: the whole steps within the cube, plus one. The quotients are exact:
+// with half a unit added they differ from whole numbers by at least half of per_unit, and the two roundings of
+// dividends below 2^22 by less.
 HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const InverseStep& pace, std::int32_t most) {
   auto least = hn::Set(DF(), static_cast<float>(most - 1));
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,8 +1,9 @@
-// gicube-plug-in-host: the process in which a board has the code of one plug-in run (plug_ins/plug_in_process.h starts it).
+// gicube-plug-in-host: the process in which a board has the code of one plug-in run (plug_ins/plug_in_process.h starts
+// it).
 //
-// It loads the library. For a routine it then makes a copy of itself for each call that goes on at a time: so what crashes or never returns
-// is one call, a new process costs no new loading, and the file may change meanwhile. It and its copies have none of the board's
-// memory but the calls. An observer's events it takes itself.
+// It loads the library. For a routine it then makes a copy of itself for each call that goes on at a time: so what
+// crashes or never returns is one call, a new process costs no new loading, and the file may change meanwhile. It and
+// its copies have none of the board's memory but the calls. An observer's events it takes itself.
 #include <sys/mman.h>
 #include <unistd.h>
 

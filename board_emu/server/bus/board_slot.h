@@ -193,8 +193,8 @@ class BoardSlot {
   // Rebuilds the board so that it writes its trace to a new file; empty: no trace. The previous file is completed.
   Configured set_trace_file(const std::string& file, std::string& reason, const Cancelled& cancelled = {});
 
-  // Writes a checkpoint to a new file, between two transactions of the session or, on the cycle level, within the current
-  // command. `saved`: simulated time and size of the checkpoint.
+  // Writes a checkpoint to a new file, between two transactions of the session or, on the cycle level, within the
+  // current command. `saved`: simulated time and size of the checkpoint.
   struct Saved {
     std::uint64_t simulated_ps = 0, bytes = 0;
   };

@@ -5,8 +5,8 @@
 //   board.set_transfer_function(transfer_function);    // segmentation LUT and empty flags
 //   gicube::Image image = board.render(camera);        // simulated time: board.now()
 //
-// Sources: the coprocessor API of [P §3.5, §5.6]. Times are simulated; only the watchdog uses the wall clock. gicube/testing.h
-// measures what happens between two points of simulated time (gicube::test::Window).
+// Sources: the coprocessor API of [P §3.5, §5.6]. Times are simulated; only the watchdog uses the wall clock.
+// gicube/testing.h measures what happens between two points of simulated time (gicube::test::Window).
 #pragma once
 
 #include <chrono>
@@ -79,40 +79,43 @@ struct OpenOptions {  // how a board is opened
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
-  // Rays that wait for blocks of a volume that the card does not store whole: so many stay on the card, as many more in the host's memory,
-  // 128 bytes each, and others in a file without a name in the folder TMPDIR, or else in /var/tmp. 1024 or more.
+  // Rays that wait for blocks of a volume that the card does not store whole: so many stay on the card, as many more in
+  // the host's memory, 128 bytes each, and others in a file without a name in the folder TMPDIR, or else in /var/tmp.
+  // 1024 or more.
   std::size_t max_waiting_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
-  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel (7.5 with colours), so that reopen() can load them again.
+  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel (7.5 with colours), so that
+  // reopen() can load them again.
   bool keep_volume = false;
-  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A resumed
-  // call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
+  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A
+  // resumed call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
   int reopen_attempts = 0;
   // Takes the board from its owner, whose calls then throw DeviceLost with Loss::kTakenOver.
   bool force = false;
   // How long open() waits in line while the board has an owner, before it throws BoardBusy. First come, first served.
   std::chrono::milliseconds wait_for_board{0};
-  // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen() go
-  // to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable GICUBE_CAPTURE.
-  // Only its user can read it. If it can't be written, the session ends: calls throw DeviceLost.
+  // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen()
+  // go to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable
+  // GICUBE_CAPTURE. Only its user can read it. If it can't be written, the session ends: calls throw DeviceLost.
   std::string capture{};
-  // Over TCP, TLS and PCI, a file of mode 600 with the access token for the board (docs/reference/security.md). Empty: the file that the
-  // environment variable GICUBE_TOKEN_FILE names; without it, on this machine, the token that a board of this user has left.
+  // Over TCP, TLS and PCI, a file of mode 600 with the access token for the board (docs/reference/security.md). Empty:
+  // the file that the environment variable GICUBE_TOKEN_FILE names; without it, on this machine, the token that a board
+  // of this user has left.
   std::string token_file{};
-  // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the environment
-  // variable GICUBE_CA_FILE names; without it, those that this machine trusts.
+  // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the
+  // environment variable GICUBE_CA_FILE names; without it, those that this machine trusts.
   std::string ca_file{};
-  // The board is not reset, but goes on from the checkpoint that its process began with (gicube-board --restore FILE), which a driver
-  // has saved by Board::save(). The option restore of emu: does the same.
+  // The board is not reset, but goes on from the checkpoint that its process began with (gicube-board --restore FILE),
+  // which a driver has saved by Board::save(). The option restore of emu: does the same.
   bool go_on = false;
-  // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open(). What it
-  // throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown then, the irradiance
-  // incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next call. It is not called while frames
-  // wait to be sent, nor for calls that were started (gicube/pending.h). It may ask its Board for now() and info() only, and must outlive
-  // it.
+  // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open().
+  // What it throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown
+  // then, the irradiance incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next
+  // call. It is not called while frames wait to be sent, nor for calls that were started (gicube/pending.h). It may ask
+  // its Board for now() and info() only, and must outlive it.
   std::function<void()> while_waiting{};
-  // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of the call that
-  // resumed it. It must not throw, and may ask its Board for info() only.
+  // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of
+  // the call that resumed it. It must not throw, and may ask its Board for info() only.
   std::function<void(const std::string&)> log{};
 };
 
@@ -122,46 +125,53 @@ struct Reopened {
   bool volume = false;   // there is a volume on the board
 };
 
-// One Board owns one session, which ends with it. It can be moved, not copied; a moved-from Board may only be destroyed or
-// assigned to. Several threads may call it: each call is one transaction, and they take turns in the order in which they were made.
+// One Board owns one session, which ends with it. It can be moved, not copied; a moved-from Board may only be destroyed
+// or assigned to. Several threads may call it: each call is one transaction, and they take turns in the order in which
+// they were made.
 class GICUBE_API Board {
  public:
   // Opens a board and resets it.
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
-  //   tls:HOST:PORT         the same by TLS: gicube-board --tls-cert; OpenOptions::ca_file names who signed its certificate
-  //   pci:0000:00:04.0      a PCI function of this machine, a guest, that gicube-pci serves (docs/guide/pci.md); it has one session, so
-  //                         wait_for_board does not wait for another process to end
+  //   tls:HOST:PORT         the same by TLS: gicube-board --tls-cert; OpenOptions::ca_file names who signed its
+  //                         certificate
+  //   pci:0000:00:04.0      a PCI function of this machine, a guest, that gicube-pci serves (docs/guide/pci.md); it has
+  //                         one session, so wait_for_board does not wait for another process to end
   // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
   // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
   // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,
   // trace_window=BEGIN:END, events=FILE, events_of=ITEM,... (docs/guide/observation.md), capture=FILE
-  // (docs/guide/capture.md), restore=FILE (docs/guide/checkpoints.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH.
-  // Throws BadArgument (URI; a value that the emulated board refuses, in its own words), OpenFailed, BoardBusy, VersionMismatch,
-  // TimedOut.
+  // (docs/guide/capture.md), restore=FILE (docs/guide/checkpoints.md). The program is searched for in this order: by
+  // the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH. Throws
+  // BadArgument (URI; a value that the emulated board refuses, in its own words), OpenFailed, BoardBusy,
+  // VersionMismatch, TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
 
-  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, the session
-  // goes on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new board (of emu: a
-  // new process). The host's clock goes on; registers, tables and materials are written again, with OpenOptions::keep_volume
-  // the volume too; irradiance, sums and framebuffer are lost. Ray batches that were not received are sent again once there
-  // is a volume. On a Board that is not lost it does nothing and reports resumed.
+  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, the
+  // session goes on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new
+  // board (of emu: a new process). The host's clock goes on; registers, tables and materials are written again, with
+  // OpenOptions::keep_volume the volume too; irradiance, sums and framebuffer are lost. Ray batches that were not
+  // received are sent again once there is a volume. On a Board that is not lost it does nothing and reports resumed.
   // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is still lost.
   Reopened reopen();
 
-  // A checkpoint: all that the board is and that this Board knows of it, between two calls, ray batches under way included. A Board that goes
-  // on from it, in this process or another, finds the same bits, times and counters as this one. In it are neither the options of open() nor
-  // the application's scattering routine. It costs no simulated time and changes nothing. docs/guide/checkpoints.md.
-  // Throws Unsupported (a board before protocol 2.3), Rejected (it is larger than the board holds for a client).
+  // A checkpoint: all that the board is and that this Board knows of it, between two calls, ray batches under way
+  // included. A Board that goes on from it, in this process or another, finds the same bits, times and counters as this
+  // one. In it are neither the options of open() nor the application's scattering routine. It costs no simulated time
+  // and changes nothing. docs/guide/checkpoints.md. Throws Unsupported (a board before protocol 2.3), Rejected (it is
+  // larger than the board holds for a client).
   std::vector<std::byte> save();
-  // The same to a file that only its user can read, and that is whole or not there. Throws Error, too, if it can't be written.
+  // The same to a file that only its user can read, and that is whole or not there. Throws Error, too, if it can't be
+  // written.
   void save(const std::string& file);
-  // This board goes on from a checkpoint of save(), and this Board with it: its clock is the one that was saved, its tickets are those. Set
-  // the scattering routine again. The board's configuration may differ in what does not shape its state.
-  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (the board's own words: it is of another
-  // configuration, or larger than the board takes), Unsupported: nothing has changed. If the board is lost meanwhile, and by
-  // what OpenOptions::while_waiting throws while it goes on: reopen(), and restore it again.
+  // This board goes on from a checkpoint of save(), and this Board with it: its clock is the one that was saved, its
+  // tickets are those. Set the scattering routine again. The board's configuration may differ in what does not shape
+  // its state.
+  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (the board's own
+  // words: it is of another configuration, or larger than the board takes), Unsupported: nothing has changed. If the
+  // board is lost meanwhile, and by what OpenOptions::while_waiting throws while it goes on: reopen(), and restore it
+  // again.
   void restore(std::span<const std::byte> checkpoint);
   void restore(const std::string& file);
 
@@ -179,8 +189,8 @@ class GICUBE_API Board {
   Illuminator light() const { return Illuminator(*state_); }
   PairIntegrator pairs() const { return PairIntegrator(*state_); }
 
-  // The simulated host's clock, since open(). While calls that were started are not at their end, it waits for them, so that what it
-  // says does not depend on the wall clock; but not on the thread of a callback.
+  // The simulated host's clock, since open(). While calls that were started are not at their end, it waits for them, so
+  // that what it says does not depend on the wall clock; but not on the thread of a callback.
   Picoseconds now() const;
   // The host works for that long; the board goes on meanwhile.
   void host_compute(Picoseconds duration);
@@ -189,14 +199,16 @@ class GICUBE_API Board {
   // framebuffer's content is unknown, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
 
-  // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume, tables and materials,
-  // and its card is sent only its own blocks of the volume and their faces; rays that come to others' blocks go there (RayExchange), and
-  // come home at their ends. Bits are those of one endless card. From now on these calls are collective: load_volume(), render(),
-  // render_to_framebuffer(), read_framebuffer(), illuminate(), submit(). All ranks give the same view, lights and settings, and get the whole
-  // picture, report and irradiance; host rays are each rank's own, and come back to it, but the report of rays that leave energy is all
-  // ranks'. Blocks are dealt anew when one rank has taken over a tenth more samples than the mean. Calls that need the volume on one card
-  // throw Unsupported, and so do pair_factors() and save(). If a rank throws, the job must end (RayExchange).
-  // Throws BadArgument (exchange), Rejected (a volume is loaded), Unsupported (a board before protocol 2.3, a card of less than 8 blocks).
+  // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume,
+  // tables and materials, and its card is sent only its own blocks of the volume and their faces; rays that come to
+  // others' blocks go there (RayExchange), and come home at their ends. Bits are those of one endless card. From now on
+  // these calls are collective: load_volume(), render(), render_to_framebuffer(), read_framebuffer(), illuminate(),
+  // submit(). All ranks give the same view, lights and settings, and get the whole picture, report and irradiance; host
+  // rays are each rank's own, and come back to it, but the report of rays that leave energy is all ranks'. Blocks are
+  // dealt anew when one rank has taken over a tenth more samples than the mean. Calls that need the volume on one card
+  // throw Unsupported, and so do pair_factors() and save(). If a rank throws, the job must end (RayExchange). Throws
+  // BadArgument (exchange), Rejected (a volume is loaded), Unsupported (a board before protocol 2.3, a card of less
+  // than 8 blocks).
   void share_blocks(std::shared_ptr<RayExchange> exchange);
 
   Counters counters();

@@ -1,10 +1,12 @@
-// Several boards in one host that make pictures and trace rays together, with the bits of one board. docs/guide/boards.md.
+// Several boards in one host that make pictures and trace rays together, with the bits of one board.
+// docs/guide/boards.md.
 //
 //   auto boards = gicube::BoardGroup::open("emu:?boards=4");
 //   boards.on_all([&](gicube::Board& board) { board.load_volume(volume); });   // the same on each
 //   gicube::Image image = boards.render(view);                                  // each makes strips of it
 //
-// Times are simulated, as a Board's; the host begins a call at the same time on all boards, and goes on when the last of them is done.
+// Times are simulated, as a Board's; the host begins a call at the same time on all boards, and goes on when the last
+// of them is done.
 #pragma once
 
 #include <cstddef>
@@ -41,16 +43,16 @@ struct BoardTime {
 
 inline constexpr std::size_t kMaxBoards = 64;
 
-// One caller at a time. What a board throws, its callers get once the others have done their part, with the board's number and
-// address in the message; what the others have is kept, and BoardGroup::board(i).reopen() brings a lost one back. BadArgument is
-// thrown as it is: it would be the same of each.
+// One caller at a time. What a board throws, its callers get once the others have done their part, with the board's
+// number and address in the message; what the others have is kept, and BoardGroup::board(i).reopen() brings a lost one
+// back. BadArgument is thrown as it is: it would be the same of each.
 class GICUBE_API BoardGroup {
  public:
   // Opens a board at each address, as Board::open() does. Throws what that throws, and BadArgument (`addresses`: 1 to
   // kMaxBoards; `buses`: boards for an AGP port, which takes one card, can't share a bus).
   static BoardGroup open(std::span<const std::string> addresses, const GroupOptions& options = {});
-  // One address. That of emulated boards may have the options boards=N and buses=shared or own besides those of a Board:
-  // "emu:?boards=4&buses=own". They are N boards of the same configuration.
+  // One address. That of emulated boards may have the options boards=N and buses=shared or own besides those of a
+  // Board: "emu:?boards=4&buses=own". They are N boards of the same configuration.
   static BoardGroup open(std::string_view address, const GroupOptions& options = {});
 
   BoardGroup(BoardGroup&&) noexcept;
@@ -59,22 +61,23 @@ class GICUBE_API BoardGroup {
 
   std::size_t size() const;
   HostBuses buses() const;
-  // For calls that concern one board. The time that it takes is its own; the others wait for it in the next call of the group.
+  // For calls that concern one board. The time that it takes is its own; the others wait for it in the next call of the
+  // group.
   Board& board(std::size_t index);
 
-  // Has each board do the same: load a volume, take tables and materials, be lit, and so on. In simulated time they do it
-  // at once; in the process one after the other, so that `work` needs no locks.
+  // Has each board do the same: load a volume, take tables and materials, be lit, and so on. In simulated time they do
+  // it at once; in the process one after the other, so that `work` needs no locks.
   void on_all(const std::function<void(Board& board, std::size_t index)>& work);
   void on_all(const std::function<void(Board& board)>& work);
 
-  // The picture that each board would make of the view, if all have the same volume, tables and light: each makes strips
-  // of its rows. Throws as Board::render(), and Unsupported if there is a board before protocol 2.3. `progress` is that of the
-  // first board.
+  // The picture that each board would make of the view, if all have the same volume, tables and light: each makes
+  // strips of its rows. Throws as Board::render(), and Unsupported if there is a board before protocol 2.3. `progress`
+  // is that of the first board.
   Image render(const View& view, const Progress& progress = {});
 
-  // Rays that come back are dealt to the boards; the batch has them in the order in which they were given. Those that leave energy are
-  // traced by each board, so that all have the same irradiance and sums; the reports are the first board's. Throws as
-  // Board::submit() and receive().
+  // Rays that come back are dealt to the boards; the batch has them in the order in which they were given. Those that
+  // leave energy are traced by each board, so that all have the same irradiance and sums; the reports are the first
+  // board's. Throws as Board::submit() and receive().
   RayBatch trace(std::span<const HostRay> rays, const RayRequest& request = {});
 
   // The simulated host's clock.

@@ -25,15 +25,16 @@ class Counters {
 
   const std::vector<Counter>& list() const { return list_; }
 
-  // Null if the board has none of this name: its fidelity level does not keep it, nothing of its kind has happened yet (parts of
-  // the ASIC are counted from the first command that their level carries out), or there is no such counter at all.
+  // Null if the board has none of this name: its fidelity level does not keep it, nothing of its kind has happened yet
+  // (parts of the ASIC are counted from the first command that their level carries out), or there is no such counter at
+  // all.
   const Counter* find(std::string_view name) const {
     const auto found = std::ranges::find(list_, name, &Counter::name);
     return found == list_.end() ? nullptr : &*found;
   }
   bool has(std::string_view name) const { return find(name) != nullptr; }
-  // 0 where find() is null, so that sums and shares hold on every level. A name with a slip of the pen is 0 as well: a test asks
-  // has() too, or gicube::test::counter_is().
+  // 0 where find() is null, so that sums and shares hold on every level. A name with a slip of the pen is 0 as well: a
+  // test asks has() too, or gicube::test::counter_is().
   std::uint64_t value(std::string_view name) const { return has(name) ? find(name)->value : 0; }
 
   friend Counters operator-(const Counters& end, const Counters& begin) {

@@ -22,9 +22,10 @@ struct FoundBoard {           // a board that a program could open
   std::string owner;          // which, and since when; empty: none
 };
 
-// The boards on this machine that listen and are of this user, by process and index, then its PCI functions that are boards (pci:), by address.
-// Private boards (emu:) of other programs are none. It opens no session. A process that does not answer within two seconds of wall-clock time is left out. Throws Error if the folder in which
-// boards make themselves known can't be trusted.
+// The boards on this machine that listen and are of this user, by process and index, then its PCI functions that are
+// boards (pci:), by address. Private boards (emu:) of other programs are none. It opens no session. A process that does
+// not answer within two seconds of wall-clock time is left out. Throws Error if the folder in which boards make
+// themselves known can't be trusted.
 GICUBE_API std::vector<FoundBoard> enumerate();
 
 }  // namespace gicube

@@ -88,8 +88,8 @@ struct GICUBE_API DeadlinePassed : Error {
   using Error::Error;
 };
 
-// The application has cancelled the call (Pending::cancel()). What the call had begun is unfinished: a picture is unknown, the irradiance
-// incomplete, a volume that was loading is lost. The Board takes the next call.
+// The application has cancelled the call (Pending::cancel()). What the call had begun is unfinished: a picture is
+// unknown, the irradiance incomplete, a volume that was loading is lost. The Board takes the next call.
 struct GICUBE_API Cancelled : Error {
   using Error::Error;
 };
@@ -99,8 +99,8 @@ struct GICUBE_API WouldBlock : Error {
   using Error::Error;
 };
 
-// No answer came within the wall-clock watchdog. The board may still be working. As after DeviceLost, the Board takes no
-// calls until Board::reopen() succeeds.
+// No answer came within the wall-clock watchdog. The board may still be working. As after DeviceLost, the Board takes
+// no calls until Board::reopen() succeeds.
 struct GICUBE_API TimedOut : Error {
   using Error::Error;
 };

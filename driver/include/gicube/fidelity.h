@@ -23,8 +23,8 @@ struct LevelReport {  // what a level answered, and what its figures leave out
   std::vector<std::string> not_modelled;  // at that level: docs/reference/hardware.md
 };
 
-// An entry for each level that has answered a command, from functional to cycle. `window`: of the run (Counters). Empty if it has
-// no command with rays.
+// An entry for each level that has answered a command, from functional to cycle. `window`: of the run (Counters). Empty
+// if it has no command with rays.
 GICUBE_API std::vector<LevelReport> fidelity_report(const Counters& window);
 
 }  // namespace gicube

@@ -52,16 +52,17 @@ enum class EnergyRules { kAsPrinted, kConserving };
 struct Illumination {  // how light is spread
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
-  // k, 1..4096: rays through each cell between four voxels of a face of the volume, (N - 1)^2 of them a face. A light inside sends
-  // rays through all six faces, one outside through those that it sees.
+  // k, 1..4096: rays through each cell between four voxels of a face of the volume, (N - 1)^2 of them a face. A light
+  // inside sends rays through all six faces, one outside through those that it sees.
   int rays_per_face_voxel = 1;
   double step = 0.5;    // voxels along the ray, 1/64..16; refused as View::step
   bool jitter = false;  // of rays with the printed rules; the conserving ones don't depend on where samples lie
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
-  // Of each light, on a board of three irradiance words (BoardInfo::irradiance_words): factors of its power for red, green and blue,
-  // not all 0. None: all lights are white. One pass then spreads the three colours, with Material::scattering_colour.
+  // Of each light, on a board of three irradiance words (BoardInfo::irradiance_words): factors of its power for red,
+  // green and blue, not all 0. None: all lights are white. One pass then spreads the three colours, with
+  // Material::scattering_colour.
   std::vector<Colour> light_colours{};
   friend bool operator==(const Illumination&, const Illumination&) = default;
 };
@@ -77,18 +78,21 @@ struct LightEnergy {
 };
 
 // Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
-// emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green and blue.
+// emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green
+// and blue.
 struct LightingReport {
   std::uint64_t rays = 0;
-  // Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point and distant
-  // lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or a sphere begin at random
-  // points of it, so there it is an estimate, which another seed changes and more rays improve.
+  // Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point
+  // and distant lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or
+  // a sphere begin at random points of it, so there it is an estimate, which another seed changes and more rays
+  // improve.
   double emitted = 0;
   double deposited = 0;  // into irradiance words
   double escaped = 0;    // out of the volume
-  // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a slab that is
-  // lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is the face whose plane the
-  // ray crosses first; if it crosses several at once, that of the first axis. Zero from boards of version 0.1.
+  // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a
+  // slab that is lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is
+  // the face whose plane the ray crosses first; if it crosses several at once, that of the first axis. Zero from boards
+  // of version 0.1.
   std::array<double, 6> escaped_by_face{};
   double scattered_away = 0;  // dropped by the printed rules, with rays given up, and by routines
   double given_up = 0;        // of that, with rays at the end of their lifetime
@@ -100,8 +104,8 @@ struct LightingReport {
 };
 
 // Error bar of a kHigh pass: the standard error of `irradiance`, one voxel's or the sum over many, in the lights' unit.
-// Photons are absorbed whole, so it falls with the root of rays_per_face_voxel. For a single voxel it is an upper bound,
-// because a photon's energy is split between eight voxels.
+// Photons are absorbed whole, so it falls with the root of rays_per_face_voxel. For a single voxel it is an upper
+// bound, because a photon's energy is split between eight voxels.
 // With three irradiance words: of the sum of red, green and blue.
 inline double standard_error(const LightingReport& report, double irradiance) {
   return report.rays == 0 ? 0 : std::sqrt(irradiance * report.emitted / static_cast<double>(report.rays));

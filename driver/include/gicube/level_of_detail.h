@@ -1,5 +1,5 @@
-// Parts of a volume and coarser versions of it, for pictures that need no more, and how far these are from the original.
-// Sources: [P §5.3], pixel-to-voxel ratios below one.
+// Parts of a volume and coarser versions of it, for pictures that need no more, and how far these are from the
+// original. Sources: [P §5.3], pixel-to-voxel ratios below one.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ struct GICUBE_API Placement {
 
   // The same camera, cut planes and image for the derived volume. View::step stays a number of its voxels.
   View view(View original) const;
-  // The same look for the derived volume, whose values lie in `range`. Opacities are per voxel length, which is `edge` times
-  // as long there. Between the board's 4096 densities they are interpolated linearly.
+  // The same look for the derived volume, whose values lie in `range`. Opacities are per voxel length, which is `edge`
+  // times as long there. Between the board's 4096 densities they are interpolated linearly.
   TransferFunction look(const TransferFunction& original, ValueRange range) const;
 };
 
@@ -46,12 +46,13 @@ struct GICUBE_API DerivedVolume {
 // The voxels of a box, with the same values, range and type. Throws BadArgument (box).
 GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 
-// One voxel for 2^level of them on each axis, at their centre. Its value is their mean, its tag that of most of them (the first
-// of equals), its colour their mean, its gradient the sum of given ones; without given gradients the driver finds them from the means. Beyond the
-// faces values go on as they are on them. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
-// fewer than two voxels on an axis are left).
+// One voxel for 2^level of them on each axis, at their centre. Its value is their mean, its tag that of most of them
+// (the first of equals), its colour their mean, its gradient the sum of given ones; without given gradients the driver
+// finds them from the means. Beyond the faces values go on as they are on them. Values are float32 in the original's
+// range. Level 1..6; throws BadArgument (level; fewer than two voxels on an axis are left).
 //
-// Wider filters than this mean have less Moiré but more blur, and the blur of a surface is most of the error that rays see.
+// Wider filters than this mean have less Moiré but more blur, and the blur of a surface is most of the error that rays
+// see.
 GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
 
 // How far a coarser volume is from its original.
@@ -67,8 +68,8 @@ struct LevelError {
 GICUBE_API LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
                                   std::span<const TransferFunction> functions);
 
-// How many voxel edges (the smallest) one pixel is wide where the box is nearest to the eye; less than one: each voxel has
-// several pixels. 0 if some of the box is beside or behind the eye.
+// How many voxel edges (the smallest) one pixel is wide where the box is nearest to the eye; less than one: each voxel
+// has several pixels. 0 if some of the box is beside or behind the eye.
 GICUBE_API double voxels_a_pixel(const View& view, const VoxelBox& box, Vec3 spacing);
 // The coarsest level whose voxels are not larger than that: the level of detail that a picture can show [P §5.3].
 GICUBE_API int level_for(double voxels_a_pixel);

@@ -1,14 +1,14 @@
-// The plan step of light: from a scene and a target to albedo, number and step of the lighting rays. It is found by passes of
-// few rays and pilots of the picture that they light (plan.h plans the picture itself).
+// The plan step of light: from a scene and a target to albedo, number and step of the lighting rays. It is found by
+// passes of few rays and pilots of the picture that they light (plan.h plans the picture itself).
 //
 //   gicube::LightPlan light = gicube::plan_light(board, {.lights = lights, .settings = illumination, .view = camera,
 //                                                        .max_error = gicube::share_of_light(0.05)});
 //   board.illuminate(lights, light.settings(illumination));     // what the board holds already
 //
-// A pass of few rays is noisy. Two passes of one setting with different seeds measure it: the noise is half of the mean square
-// difference of their pictures. It falls with the number of rays, so a few predict how many are needed; two passes of so many
-// decide. The effect of another albedo or step, free of noise, is the mean product of the differences of two independent pairs
-// of passes. "Error" is as in plan.h: of the picture, and of what light does to it.
+// A pass of few rays is noisy. Two passes of one setting with different seeds measure it: the noise is half of the mean
+// square difference of their pictures. It falls with the number of rays, so a few predict how many are needed; two
+// passes of so many decide. The effect of another albedo or step, free of noise, is the mean product of the differences
+// of two independent pairs of passes. "Error" is as in plan.h: of the picture, and of what light does to it.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ namespace gicube {
 
 struct LightPlanRequest {  // lights and a target
   std::span<const Light> lights;
-  // Rules, jitter, leaps, lifetime and seed stay; with the printed rules the albedo too, since there the two albedos differ.
-  // The plan's cost is compared with all of these settings.
+  // Rules, jitter, leaps, lifetime and seed stay; with the printed rules the albedo too, since there the two albedos
+  // differ. The plan's cost is compared with all of these settings.
   Illumination settings{};
   View view{};       // of the picture; its step, threshold and size don't count
   int channel = -1;  // 0, 1, 2: only red, green or blue of it is taken (one of three passes)

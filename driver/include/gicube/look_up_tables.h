@@ -19,12 +19,13 @@ class GICUBE_API LookUpTables {
  public:
   explicit LookUpTables(BoardState& of) : state_(&of) {}
 
-  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again. With a volume
-  // the simulated host waits for that; a tag never set is invisible. Throws BadArgument: the board is untouched.
+  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again. With a
+  // volume the simulated host waits for that; a tag never set is invisible. Throws BadArgument: the board is untouched.
   void set_transfer_function(const TransferFunction& function, int tag = 0);
 
-  // Phong coefficients and light of the next renderings. The reflectance map is made for each view's direction, and sent when
-  // it changes. The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
+  // Phong coefficients and light of the next renderings. The reflectance map is made for each view's direction, and
+  // sent when it changes. The simulated host waits for what must be sent at once. Throws BadArgument: the board is
+  // untouched.
   void set_shading(const Shading& shading);
 
   // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
@@ -32,13 +33,15 @@ class GICUBE_API LookUpTables {
 
   // Scatters the rays that meet a material with kTrap and kHostRoutine, in light and in pictures with View::scatter.
   // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
-  // ask its Board for now() and info() only; calls that were started call it on a thread of the driver. What it throws leaves the call
-  // that needed it; an answer that no ray can follow throws ScatteringFailed. In both cases rays that had not ended are lost, the
-  // irradiance is incomplete, there is no picture, and the board is ready for the next call. An empty routine removes the former one.
+  // ask its Board for now() and info() only; calls that were started call it on a thread of the driver. What it throws
+  // leaves the call that needed it; an answer that no ray can follow throws ScatteringFailed. In both cases rays that
+  // had not ended are lost, the irradiance is incomplete, there is no picture, and the board is ready for the next
+  // call. An empty routine removes the former one.
   void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
-  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded: the board is untouched.
+  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded: the board is
+  // untouched.
   void set_gradient_codebook(std::span<const Vec3> codebook);
 
  private:

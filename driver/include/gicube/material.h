@@ -37,8 +37,8 @@ struct Material {         // how a material scatters rays
   int routine = 0;                  // kTrap only
   bool surface = false;             // kTrap only: a ray that was scattered passes until it has left the surface
   std::vector<float> parameters{};  // kTrap only: at most 32, for the routine
-  // Factors of `scattering` for red, green and blue of lighting rays, 0..1; other than white only on a board of three irradiance
-  // words (BoardInfo::irradiance_words). Rendering rays are scattered as the colour that is scattered most.
+  // Factors of `scattering` for red, green and blue of lighting rays, 0..1; other than white only on a board of three
+  // irradiance words (BoardInfo::irradiance_words). Rendering rays are scattered as the colour that is scattered most.
   Colour scattering_colour{1, 1, 1};
 };
 

@@ -4,9 +4,10 @@
 //   while (!picture.wait(std::chrono::milliseconds(16))) draw(picture.progress());
 //   show(picture.get());
 //
-// A call that was started does what the blocking call does, with the same bits and simulated times, on a thread of the driver and in its
-// place in the order of the calls: later calls to the Board, now() included, wait until it has ended. Ray batches alone go on beside other
-// calls, in simulated time too: RayTracer::start() returns once the rays are sent, and get() is RayTracer::receive().
+// A call that was started does what the blocking call does, with the same bits and simulated times, on a thread of the
+// driver and in its place in the order of the calls: later calls to the Board, now() included, wait until it has ended.
+// Ray batches alone go on beside other calls, in simulated time too: RayTracer::start() returns once the rays are sent,
+// and get() is RayTracer::receive().
 #pragma once
 
 #include <chrono>
@@ -34,8 +35,8 @@ struct PendingProgress {
   std::uint32_t all = 0;
 };
 
-// The calls of all handles. They may come from any thread. A handle may outlive its Board: the call ends with DeviceLost (Loss::kClosed) then.
-// A handle that is destroyed leaves its call to go on; nobody gets the result.
+// The calls of all handles. They may come from any thread. A handle may outlive its Board: the call ends with
+// DeviceLost (Loss::kClosed) then. A handle that is destroyed leaves its call to go on; nobody gets the result.
 class GICUBE_API PendingCall {
  public:
   PendingCall(PendingCall&&) noexcept;
@@ -46,13 +47,13 @@ class GICUBE_API PendingCall {
   bool ready() const { return wait(std::chrono::milliseconds(0)); }
   // Waits for that, but not longer than `timeout` of wall-clock time; returns ready(). No simulated time passes by it.
   bool wait(std::chrono::milliseconds timeout) const;
-  // Asks the call to end. True if it does, or will: get() throws Cancelled, a batch of rays comes back with `cancelled`. A call that has
-  // begun ends within some 100 ms of wall-clock time, as by an exception of OpenOptions::while_waiting. False: it had ended, or its rays
-  // are in work.
+  // Asks the call to end. True if it does, or will: get() throws Cancelled, a batch of rays comes back with
+  // `cancelled`. A call that has begun ends within some 100 ms of wall-clock time, as by an exception of
+  // OpenOptions::while_waiting. False: it had ended, or its rays are in work.
   bool cancel();
   PendingProgress progress() const;
-  // A file descriptor for poll(), epoll or an event loop, readable once ready() is true. The caller's to close. Don't read from it.
-  // Throws Error if the process has none left.
+  // A file descriptor for poll(), epoll or an event loop, readable once ready() is true. The caller's to close. Don't
+  // read from it. Throws Error if the process has none left.
   int descriptor() const;
 
  protected:
@@ -63,9 +64,9 @@ class GICUBE_API PendingCall {
 template <class T>
 class GICUBE_API Pending : public PendingCall {
  public:
-  // Waits for the end of the call. Returns its result, once, or throws what the blocking call would. Throws DeadlinePassed if the result
-  // came after the simulated time `deadline`, or has not come by then: it can still be asked for. Throws Cancelled after cancel(),
-  // BadArgument if the result was taken before.
+  // Waits for the end of the call. Returns its result, once, or throws what the blocking call would. Throws
+  // DeadlinePassed if the result came after the simulated time `deadline`, or has not come by then: it can still be
+  // asked for. Throws Cancelled after cancel(), BadArgument if the result was taken before.
   T get(Picoseconds deadline = kNoDeadline);
 
  private:

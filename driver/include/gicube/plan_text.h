@@ -1,5 +1,5 @@
-// What all plans have in common, those of pictures (plan.h), of light (light_plan.h), and those that applications make for work of
-// their own: targets, the rule by which a setting is chosen, and the lines that tell of it.
+// What all plans have in common, those of pictures (plan.h), of light (light_plan.h), and those that applications make
+// for work of their own: targets, the rule by which a setting is chosen, and the lines that tell of it.
 #pragma once
 
 #include <string>

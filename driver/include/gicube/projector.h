@@ -1,5 +1,5 @@
-// Tomography on a board: line integrals of a volume for the pixels of flat detectors that stand anywhere, and the transpose of this
-// map. Every iterative method is a few lines on the pair; samples/short/own_method.cpp writes one.
+// Tomography on a board: line integrals of a volume for the pixels of flat detectors that stand anywhere, and the
+// transpose of this map. Every iterative method is a few lines on the pair; samples/short/own_method.cpp writes one.
 //
 //   gicube::Projector projector(board, {.dims = {64, 64, 64}, .columns = 96, .rows = 80, .views = views});
 //   std::vector<float> projections = projector.project(volume);       // [view][row][column]
@@ -47,7 +47,8 @@ struct ProjectorCounts {
   std::uint64_t overflowed = 0;  // sums that were full: the values are wrong there
 };
 
-// Uses the board's volume and sums, which its calls replace: nothing else may load a volume between them. The board must outlive it.
+// Uses the board's volume and sums, which its calls replace: nothing else may load a volume between them. The board
+// must outlive it.
 class GICUBE_API Projector {
  public:
   // Throws BadArgument that names the field of the setup.
@@ -62,20 +63,22 @@ class GICUBE_API Projector {
   using TakeView = std::function<void(std::size_t i, const std::vector<float>& values)>;
   using ViewValues = std::function<std::vector<double>(std::size_t i)>;
 
-  // Line integrals of `volume` (x fastest) from the source to each pixel, view after view, rows first. Values lie between the voxel
-  // centres by trilinear interpolation, and outside of their box there is nothing. The board holds the volume in 12 bits between
-  // its least value, at most 0, and its greatest.
-  // Throws BadArgument (another number of values than voxels, one that is not finite, a view that is not there), what the board throws.
+  // Line integrals of `volume` (x fastest) from the source to each pixel, view after view, rows first. Values lie
+  // between the voxel centres by trilinear interpolation, and outside of their box there is nothing. The board holds
+  // the volume in 12 bits between its least value, at most 0, and its greatest.
+  // Throws BadArgument (another number of values than voxels, one that is not finite, a view that is not there), what
+  // the board throws.
   std::vector<float> project(std::span<const float> volume, Views views = {});
   // The same, view by view: take(i, values) for the i-th of `views`. The board works at the next view meanwhile.
   void project(std::span<const float> volume, Views views, const TakeView& take);
 
-  // The transpose of project(): each ray leaves its value, times its length in a voxel by the same interpolation, in that voxel. One
-  // float a voxel, x fastest. `values`: as many as project() returns for these views.
+  // The transpose of project(): each ray leaves its value, times its length in a voxel by the same interpolation, in
+  // that voxel. One float a voxel, x fastest. `values`: as many as project() returns for these views.
   // Throws BadArgument (another number of values, one that is not finite), what the board throws.
   std::vector<float> backproject(std::span<const float> values, Views views = {});
-  // Backprojects views that need not all be in memory: values(i) gives those of the i-th of `views`, and is asked in this order. No value
-  // may be larger in size than `max`, which fixes the unit of the board's sums: half of a sum's range holds `max` on all rays.
+  // Backprojects views that need not all be in memory: values(i) gives those of the i-th of `views`, and is asked in
+  // this order. No value may be larger in size than `max`, which fixes the unit of the board's sums: half of a sum's
+  // range holds `max` on all rays.
   std::vector<float> backproject(Views views, double max, const ViewValues& values);
 
   // Loads an empty volume, as backproject() does where nothing was projected before.

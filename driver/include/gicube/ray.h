@@ -24,16 +24,16 @@ namespace gicube {
 
 // The task of a batch's rays.
 enum class RayType {
-  // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has Sampling::opacity_threshold. Scattered if
-  // Sampling::scatter says so. With jitter.
+  // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has
+  // Sampling::opacity_threshold. Scattered if Sampling::scatter says so. With jitter.
   kIntegrate,
   // Until the opacity that it has gathered reaches RayRequest::opacity: its position is then that of the sample which
-  // brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the volume
-  // or met a cut plane. No colour. With jitter.
+  // brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the
+  // volume or met a cut plane. No colour. With jitter.
   kFirstHit,
   // Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest::opacity is
-  // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so both
-  // directions see the same samples. Neither jitter nor cut planes.
+  // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so
+  // both directions see the same samples. Neither jitter nor cut planes.
   kSegment,
   // The same without colour: the transmittance between two points is 1 - opacity.
   kOpacity,
@@ -41,11 +41,12 @@ enum class RayType {
   // RayRequest::albedo and rules. No ray comes back; BatchReport::lighting says where the energy went.
   kDeposit,
   // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of
-  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter. It may end outside of
-  // the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from a source outside.
+  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter. It may end
+  // outside of the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from
+  // a source outside.
   kIntegral,
-  // Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses nothing by
-  // that. RayRequest::words says to which words; no ray comes back.
+  // Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses nothing
+  // by that. RayRequest::words says to which words; no ray comes back.
   kBackproject,
 };
 
@@ -55,7 +56,8 @@ enum class SumWords {
   kSums,        // the whole 36-bit words: signed sums of whole units, by clear_sums() and read_sums()
 };
 
-// What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536 voxel.
+// What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536
+// voxel.
 struct HostRay {
   std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: seeds its random choices
   Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
@@ -67,12 +69,13 @@ struct HostRay {
 
 // The ray from one point to another, both in voxels, for ray types with a length. Equal points: length 0, along z.
 GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
-// The part of a ray with a length (voxels; infinite: a half line) that is inside a volume of `dims` voxels, 0..size - 1 on each
-// axis; the ray may begin outside. Nothing if it misses the volume, or meets it in one point only. What kIntegral finds on the part
-// is what it would find on the whole.
+// The part of a ray with a length (voxels; infinite: a half line) that is inside a volume of `dims` voxels, 0..size - 1
+// on each axis; the ray may begin outside. Nothing if it misses the volume, or meets it in one point only. What
+// kIntegral finds on the part is what it would find on the whole.
 GICUBE_API std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims);
 
-// How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of() takes it from a view.
+// How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of() takes
+// it from a view.
 struct Sampling {
   bool jitter = false;
   std::vector<CutPlane> cut_planes{};  // at most 6

@@ -21,18 +21,20 @@ class GICUBE_API Renderer {
   Image render(const View& view, const Progress& progress = {});
   Pending<Image> start(const View& view);
 
-  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
-  // BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (the application's scattering routine in
-  // a volume that the card does not store whole): the framebuffer is unchanged.
+  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image.
+  // Throws BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (the application's
+  // scattering routine in a volume that the card does not store whole): the framebuffer is unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
-  // Reads into the caller's memory, rows from the top. Throws BadArgument, too, if it has not as many pixels as the picture.
+  // Reads into the caller's memory, rows from the top. Throws BadArgument, too, if it has not as many pixels as the
+  // picture.
   void read_framebuffer(std::span<Pixel> pixels);
 
-  // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a sentence for people, which
-  // ends with the likely reason: no transfer function, values that it does not show, empty flags, a camera that looks elsewhere, cut
-  // planes. The last view rendered is taken into account. It costs no simulated time.
+  // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a
+  // sentence for people, which ends with the likely reason: no transfer function, values that it does not show, empty
+  // flags, a camera that looks elsewhere, cut planes. The last view rendered is taken into account. It costs no
+  // simulated time.
   std::string why_invisible(const Image& image) const;
 
  private:

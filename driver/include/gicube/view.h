@@ -17,10 +17,10 @@ struct CutPlane {
   double offset = 0;
 };
 
-// What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it shines, or a
-// SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power / area x exposure, the
-// view's or the chosen one (without View::irradiance and without an exposure: x 1), times `colour`. It lights nothing:
-// illuminate() does.
+// What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it
+// shines, or a SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power
+// / area x exposure, the view's or the chosen one (without View::irradiance and without an exposure: x 1), times
+// `colour`. It lights nothing: illuminate() does.
 struct Lamp {
   Light light = SphereLight{};
   Colour colour{1, 1, 1};  // not below 0
@@ -32,9 +32,9 @@ enum class PixelFilter { kBox, kTent };
 // All positions in voxels of the volume; voxel (0, 0, 0) has its centre at the origin. Angles and lengths are seen in
 // physical space, so a volume with anisotropic spacing keeps its shape.
 //
-// Irradiance is what voxels absorbed after illuminate() and rays of type kDeposit: a sample's brightness is then its word over
-// (opacity (1 - Ks)). A field that an application wrote, such as a solution of radiosity, is shown as colour x irradiance x
-// exposure with `incident`; nothing chooses its exposure.
+// Irradiance is what voxels absorbed after illuminate() and rays of type kDeposit: a sample's brightness is then its
+// word over (opacity (1 - Ks)). A field that an application wrote, such as a solution of radiosity, is shown as colour
+// x irradiance x exposure with `incident`; nothing chooses its exposure.
 struct View {
   Vec3 eye{};
   Vec3 look_at{};                  // not at the eye
@@ -46,8 +46,8 @@ struct View {
   int samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   PixelFilter filter = PixelFilter::kBox;
 
-  // Voxels along the ray, 1/64..16, kept to 16 fraction bits. Without BoardInfo::wide each step is rounded to 2^-14 voxel on every
-  // axis: steps with which positions could drift by more than a voxel over the volume are refused.
+  // Voxels along the ray, 1/64..16, kept to 16 fraction bits. Without BoardInfo::wide each step is rounded to 2^-14
+  // voxel on every axis: steps with which positions could drift by more than a voxel over the volume are refused.
   double step = 0.5;
   double opacity_threshold = 0.98;  // 0..1: a ray at or above it is done
   bool shade = true;
@@ -61,9 +61,9 @@ struct View {
   int lifetime = 8;          // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;    // of the scatterings' random choices
   std::vector<CutPlane> cut_planes{};  // at most 6
-  // With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest in its way, times
-  // what it still lets through, and the pixel is opaque there. Rays straight from the eye see none, and nothing is seen of a lamp
-  // that is inside of the volume. At most kMaxLamps; needs a board of protocol 2.3.
+  // With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest
+  // in its way, times what it still lets through, and the pixel is opaque there. Rays straight from the eye see none,
+  // and nothing is seen of a lamp that is inside of the volume. At most kMaxLamps; needs a board of protocol 2.3.
   std::vector<Lamp> lamps{};
 };
 

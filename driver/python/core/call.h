@@ -1,5 +1,5 @@
-// A function of Python for each function of the driver: its arguments are read, it works without the interpreter's lock, and what it
-// gives back is written.
+// A function of Python for each function of the driver: its arguments are read, it works without the interpreter's
+// lock, and what it gives back is written.
 #pragma once
 
 #include <functional>

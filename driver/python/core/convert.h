@@ -1,7 +1,7 @@
 // From Python's values to the driver's and back. What has the wrong type raises BadArgument with the field's path.
 //
-// A record of the driver is a dataclass of gicube.records with the same fields (records.h lists them), an enumeration an enum with the
-// same values in the same order.
+// A record of the driver is a dataclass of gicube.records with the same fields (records.h lists them), an enumeration
+// an enum with the same values in the same order.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -1,4 +1,5 @@
-// Python's interpreter and the threads of the driver: who has its lock, and what becomes of a thread when the interpreter ends.
+// Python's interpreter and the threads of the driver: who has its lock, and what becomes of a thread when the
+// interpreter ends.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -10,8 +11,8 @@
 
 namespace gicube::python {
 
-// An interpreter that ends has each other thread that asks for its lock unwound, as by pthread_exit(). Destructors and calls of the driver
-// must not be left so: the thread waits here, and ends with the process.
+// An interpreter that ends has each other thread that asks for its lock unwound, as by pthread_exit(). Destructors and
+// calls of the driver must not be left so: the thread waits here, and ends with the process.
 auto or_wait_for_the_end(const auto& work) {
   try {
     return work();

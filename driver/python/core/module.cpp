@@ -44,7 +44,8 @@ struct Defaults {
   }
 };
 
-// A forked process ends without the destructors of libraries: some wait for threads that only the parent has (log4cplus, by OpenImageIO).
+// A forked process ends without the destructors of libraries: some wait for threads that only the parent has
+// (log4cplus, by OpenImageIO).
 void end_forked_ones() {
   const py::cpp_function in_child([] {
     ::on_exit(

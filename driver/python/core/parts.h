@@ -24,7 +24,8 @@ void add_plans(pybind11::module_& module);
 void add_projector(pybind11::module_& module);
 void add_scenes(pybind11::module_& module);
 
-// What Python holds of a board, or of several. A call keeps it alive, so close() on another thread ends it after that call.
+// What Python holds of a board, or of several. A call keeps it alive, so close() on another thread ends it after that
+// call.
 template <typename T>
 class Owned {
  public:
@@ -68,7 +69,8 @@ class Owned {
 };
 using Handle = Owned<Board>;
 
-// Runs Python's handlers of signals that came, on its main thread. Throws what they raise: KeyboardInterrupt for Ctrl-C.
+// Runs Python's handlers of signals that came, on its main thread. Throws what they raise: KeyboardInterrupt for
+// Ctrl-C.
 void take_signals();
 
 // Python's callable(done, all), or None; signals are looked for in between. The callable must outlive it.

@@ -55,8 +55,8 @@ inline std::string in_quotes(std::string_view text) {
   return result;
 }
 
-// The faults of `place`'s part: their texts begin with PLACE and `between`, and their fields are those of `place` unless a file of
-// its own has them.
+// The faults of `place`'s part: their texts begin with PLACE and `between`, and their fields are those of `place`
+// unless a file of its own has them.
 inline std::vector<Fault> within(const std::string& place, const InputError& error, const char* between = ": ") {
   std::vector<Fault> faults = error.faults();
   for (Fault& fault : faults) {

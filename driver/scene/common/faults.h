@@ -84,8 +84,9 @@ class Faults : public google::protobuf::io::ErrorCollector {
   std::vector<Fault> faults_;
 };
 
-// The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError with all that is
-// wrong with the text: what it means is not looked at then, since a field that was not understood is missing.
+// The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError
+// with all that is wrong with the text: what it means is not looked at then, since a field that was not understood is
+// missing.
 template <typename Message>
 Message parsed_message(const std::string& text, int max_nesting, Faults& faults) {
   google::protobuf::TextFormat::Parser parser;

@@ -1,5 +1,5 @@
-// Small files that are read whole, and files that are written whole (gicube/whole_file.h): who reads one sees the old contents or all of
-// the new.
+// Small files that are read whole, and files that are written whole (gicube/whole_file.h): who reads one sees the old
+// contents or all of the new.
 #pragma once
 
 #include <cstdint>

@@ -81,7 +81,8 @@ struct Texture {
     return soft(d - own.amplitude * noise.turbulence(p, own.time, own.octaves));
   }
 
-  // A hair stands where the noise at its root is larger than the height over the longest: so hairs get thinner towards their tips.
+  // A hair stands where the noise at its root is larger than the height over the longest: so hairs get thinner towards
+  // their tips.
   double furry(Vec3 p) const {
     const Distance d = distance(p);
     if (d.distance <= 0) return 1;

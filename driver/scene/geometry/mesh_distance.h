@@ -1,6 +1,6 @@
-// The signed distance of a closed triangle mesh: the nearest triangle by a tree of boxes, the sign by the angle-weighted
-// pseudonormal of the nearest corner, edge or face (J. A. Baerentzen and H. Aanaes, Signed Distance Computation Using the
-// Angle Weighted Pseudonormal, IEEE TVCG 11(3), 2005).
+// The signed distance of a closed triangle mesh: the nearest triangle by a tree of boxes, the sign by the
+// angle-weighted pseudonormal of the nearest corner, edge or face (J. A. Baerentzen and H. Aanaes, Signed Distance
+// Computation Using the Angle Weighted Pseudonormal, IEEE TVCG 11(3), 2005).
 #pragma once
 
 #include <string>
@@ -24,10 +24,10 @@ std::vector<SurfaceTriangle> closed_surface(const Mesh& mesh, const std::string&
 
 class MeshDistance {
  public:
-  // Points at the same place become one; triangles without area keep the surface closed but have no inside. A mesh whose
-  // triangles all look inwards is turned inside out. Throws InputError that names `name`: no triangles, an index beyond
-  // the points, coordinates over 1e9 or not finite, edges that have not two triangles (the surface is open, or branches), triangles that look to opposite
-  // sides across an edge, no volume.
+  // Points at the same place become one; triangles without area keep the surface closed but have no inside. A mesh
+  // whose triangles all look inwards is turned inside out. Throws InputError that names `name`: no triangles, an index
+  // beyond the points, coordinates over 1e9 or not finite, edges that have not two triangles (the surface is open, or
+  // branches), triangles that look to opposite sides across an edge, no volume.
   MeshDistance(const Mesh& mesh, const std::string& name);
   Distance at(Vec3 p) const;
 

@@ -13,7 +13,8 @@ namespace gicube::scene {
 Mesh parse_obj(std::string_view text, const std::filesystem::path& name);
 Mesh parse_ply(std::string_view bytes, const std::filesystem::path& name);
 
-// Adds a polygon as a fan of triangles around its first corner. False, and adds nothing: the mesh had more than kMaxTriangles then.
+// Adds a polygon as a fan of triangles around its first corner. False, and adds nothing: the mesh had more than
+// kMaxTriangles then.
 bool add_fan(std::span<const std::uint32_t> corners, Mesh& mesh);
 
 }  // namespace gicube::scene

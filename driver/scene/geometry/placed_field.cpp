@@ -29,8 +29,8 @@ Distance PlacedField::first_order(const Distance& local) const {
   return {local.distance / slope, (1 / slope) * gradient};
 }
 
-// A point of the surface by Newton's steps, each along the gradient among the voxels or along that in the field's own space, where an
-// exact distance takes one step.
+// A point of the surface by Newton's steps, each along the gradient among the voxels or along that in the field's own
+// space, where an exact distance takes one step.
 std::optional<Vec3> PlacedField::onto_surface(Vec3 q, Space space) const {
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Vec3 own = to_local_.point(q);
@@ -44,16 +44,17 @@ std::optional<Vec3> PlacedField::onto_surface(Vec3 q, Space space) const {
   return std::nullopt;
 }
 
-// The one of both that is nearer to `p`: around the rim of a flat solid the first way does not arrive, and on its sides the other one
-// leads off.
+// The one of both that is nearer to `p`: around the rim of a flat solid the first way does not arrive, and on its sides
+// the other one leads off.
 std::optional<Vec3> PlacedField::onto_surface_near(Vec3 p, Vec3 q) const {
   const auto one = onto_surface(q, Space::kVoxels), other = onto_surface(q, Space::kOwn);
   if (!one || !other) return one ? one : other;
   return length(*one - p) <= length(*other - p) ? one : other;
 }
 
-// How far the surface is from `p` in a principal direction (sphere tracing: J. C. Hart 1996), but no further than `limit`. A field's
-// distance is free of surface, and the map makes it `factor` times as long in this direction; `at_p`: that at `p`.
+// How far the surface is from `p` in a principal direction (sphere tracing: J. C. Hart 1996), but no further than
+// `limit`. A field's distance is free of surface, and the map makes it `factor` times as long in this direction;
+// `at_p`: that at `p`.
 double PlacedField::along(Vec3 p, Vec3 direction, double factor, double at_p, double limit) const {
   double free = factor * std::abs(at_p), way = 0;
   for (int step = 0; step < kMarchSteps && free > kOnSurface; ++step) {
@@ -64,8 +65,8 @@ double PlacedField::along(Vec3 p, Vec3 direction, double factor, double at_p, do
   return free > kOnSurface ? limit : way;
 }
 
-// Along the surface to where it is nearest: to the foot of `p` on the tangent plane, and back onto the surface (E. Hartmann 1999);
-// half as far if that is not nearer.
+// Along the surface to where it is nearest: to the foot of `p` on the tangent plane, and back onto the surface (E.
+// Hartmann 1999); half as far if that is not nearer.
 void PlacedField::slide_towards(Vec3 p, Vec3& q) const {
   for (int slide = 0; slide < kSlides; ++slide) {
     const Vec3 normal = first_order(solid_->field(to_local_.point(q))).away, rest = p - q;
@@ -86,8 +87,8 @@ Distance PlacedField::distance(Vec3 p, double reach) const {
   const Distance first = first_order(local);
   if (is_similar_ || stretches_.front().factor * std::abs(local.distance) >= reach) return first;
 
-  // Several ways to a first point, since the nearest one may be on another side than the field's own nearest: of a ball that is
-  // pressed flat, across it.
+  // Several ways to a first point, since the nearest one may be on another side than the field's own nearest: of a ball
+  // that is pressed flat, across it.
   const auto arrived = onto_surface_near(p, p);
   const double farthest = stretches_.back().factor * std::abs(local.distance) + kNearVoxels;
   Vec3 nearest = arrived.value_or(p);

@@ -19,9 +19,10 @@ class PlacedField {
 
   // Never further from 0 than the distance.
   double bound(Vec3 p) const { return stretches_.front().factor * solid_->field(to_local_.point(p)).distance; }
-  // The distance. Similar maps keep distances, up to one factor; under others the nearest point is searched for if it may be less
-  // than `reach` away, and else the result is at least as far from 0 as that. Of a ball that is pressed flat to 0.8 voxel it is off
-  // by at most 0.002 voxel within one voxel of the surface, and 0.02 beyond (placed_field_test).
+  // The distance. Similar maps keep distances, up to one factor; under others the nearest point is searched for if it
+  // may be less than `reach` away, and else the result is at least as far from 0 as that. Of a ball that is pressed
+  // flat to 0.8 voxel it is off by at most 0.002 voxel within one voxel of the surface, and 0.02 beyond
+  // (placed_field_test).
   Distance distance(Vec3 p, double reach = kNearVoxels) const;
 
  private:

@@ -1,5 +1,6 @@
 // Signed distances of simple solids (negative inside) and their gradients: unit vectors that point away from the solid.
-// Closed forms as in I. Quilez, "Distance functions". Only the ellipsoid's is not the distance itself, but a bound of it.
+// Closed forms as in I. Quilez, "Distance functions". Only the ellipsoid's is not the distance itself, but a bound of
+// it.
 #pragma once
 
 #include <algorithm>
@@ -83,8 +84,8 @@ inline Distance ellipsoid_bound(Vec3 p, Vec3 centre, Vec3 radii) {
   return {least * (norm - 1), (least / norm) * Vec3{scaled.x / radii.x, scaled.y / radii.y, scaled.z / radii.z}};
 }
 
-// A stylised human head with neck: ellipsoids, spheres and a capsule that flow into each other. The face looks along -y, the crown
-// along +z; within |x| < 0.65, -0.9 < y < 0.85, -1.1 < z < 0.9.
+// A stylised human head with neck: ellipsoids, spheres and a capsule that flow into each other. The face looks along
+// -y, the crown along +z; within |x| < 0.65, -0.9 < y < 0.85, -1.1 < z < 0.9.
 Distance head_bound(Vec3 p);
 
 }  // namespace gicube::scene

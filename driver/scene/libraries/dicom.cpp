@@ -1,4 +1,5 @@
-// libgicube-dicom.so: series of DICOM by DCMTK, which Debian 12 gets security updates of, as it gets none of GDCM 3.0.21.
+// libgicube-dicom.so: series of DICOM by DCMTK, which Debian 12 gets security updates of, as it gets none of GDCM
+// 3.0.21.
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcrledrg.h>
 #include <dcmtk/dcmdata/dctk.h>

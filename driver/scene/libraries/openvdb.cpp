@@ -1,5 +1,6 @@
 // libgicube-openvdb.so: grids of floats of OpenVDB, in and out.
-// The library's templates share variables with those that are instantiated here, as the names of grids, if they are visible.
+// The library's templates share variables with those that are instantiated here, as the names of grids, if they are
+// visible.
 #pragma GCC visibility push(default)
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -96,7 +97,8 @@ void write_grid(const FloatVolume& volume, const std::filesystem::path& file) {
   // The dense grid only lends the values, though it takes them by a pointer that could change them.
   auto* const values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast)
   const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, values);
-  // The background is the first corner's value, as that of most volumes is empty. It must not shrink the box, so the far corners are active.
+  // The background is the first corner's value, as that of most volumes is empty. It must not shrink the box, so the
+  // far corners are active.
   const float background = volume.values.front();
   const auto grid = openvdb::FloatGrid::create(background);
   openvdb::tools::copyFromDense(dense, *grid, 0.0F);

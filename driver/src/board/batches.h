@@ -18,8 +18,8 @@
 
 namespace gicube {
 
-// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`. `word`: of three
-// irradiance words.
+// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`. `word`:
+// of three irradiance words.
 inline void add(const wire::LightingLedger& ledger, LightingReport& report, std::size_t word = 0) {
   if (word == 0) report.rays += ledger.rays;
   if (!report.colours.empty()) {
@@ -63,10 +63,12 @@ class Batches {
 
   // For rays that passed their checks. Throws WouldBlock.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup);
-  // The same of a batch that is complete when it returns: `trace` has the commands carried out, and returns what each would return.
+  // The same of a batch that is complete when it returns: `trace` has the commands carried out, and returns what each
+  // would return.
   using TraceAll = std::function<std::vector<CommandResult>(std::span<const EncodedRays>)>;
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, const TraceAll& trace);
-  // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone then.
+  // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone
+  // then.
   RayBatch receive(Ticket ticket, Picoseconds deadline);
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
   // Throws Rejected or Unsupported for one batch that the board refused, which is gone then; the others stay.

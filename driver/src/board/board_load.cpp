@@ -1,4 +1,5 @@
-// Loading a volume: samples to densities and gradient codes, to blocks, to the board. Comparing what the board holds with it.
+// Loading a volume: samples to densities and gradient codes, to blocks, to the board. Comparing what the board holds
+// with it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -156,8 +157,8 @@ void BoardState::forget_volume() {
   tables.forget_flags();
 }
 
-// Calls take(block, words) for the blocks that are not zero, in their order; finds the statistics of all. A layer of blocks at a time, so
-// that few planes are held in other forms than the caller's.
+// Calls take(block, words) for the blocks that are not zero, in their order; finds the statistics of all. A layer of
+// blocks at a time, so that few planes are held in other forms than the caller's.
 void BoardState::for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take) {
   const std::size_t all = voxel_count(of.blocks);
   std::vector<std::uint8_t> bytes;

@@ -49,8 +49,8 @@ Sorted without_clear(std::span<const Element> elements, std::span<const ElementP
   return sorted;
 }
 
-// Has send(piece) begin the pairs piece by piece, which follow each other to the board while it works, and puts together the
-// factors that take(sent) has of each. What was begun when something is thrown is given to forget(sent).
+// Has send(piece) begin the pairs piece by piece, which follow each other to the board while it works, and puts
+// together the factors that take(sent) has of each. What was begun when something is thrown is given to forget(sent).
 template <typename Send, typename Take, typename Forget>
 std::vector<PairFactor> in_pieces(std::span<const ElementPair> pairs, std::size_t max_pairs, const Progress& progress,
                                   const Send& send, const Take& take, const Forget& forget) {

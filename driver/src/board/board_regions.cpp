@@ -65,7 +65,8 @@ void for_each_index(const VoxelBox& box, const VoxelBox& a, const VoxelBox& b, c
   }
 }
 
-// The part of a box that lies in one block, and the block's whole planes that hold it, which lie together in its memory.
+// The part of a box that lies in one block, and the block's whole planes that hold it, which lie together in its
+// memory.
 struct BlockPart {
   std::size_t block = 0;
   Dims low{};  // the block's least voxel
@@ -215,7 +216,8 @@ void VolumeStore::write(const VoxelBox& box, std::span<const float> values) {
   check(box, volume.dims);
   check_values(box, values, -std::numeric_limits<double>::infinity());
   const int n = state_->info.block_voxels;
-  // The filter changes gradients one voxel around the box, and reads two around it. A block counts the next one's faces too.
+  // The filter changes gradients one voxel around the box, and reads two around it. A block counts the next one's faces
+  // too.
   const VoxelBox changed = grown(box, 1, volume.dims);
   const VoxelBox written = whole_blocks(changed, 0, n, volume.dims);
   VoxelBox needed = whole_blocks(grown(box, 2, volume.dims), 0, n, volume.dims);

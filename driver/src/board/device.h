@@ -1,7 +1,8 @@
 // The board as a host sees it through its bus connector: configuration space, registers, memory, DSP commands; and the
 // simulated host's clock, which stamps each transaction and moves with each answer.
 //
-// One caller at a time, but clock().now(). All calls throw DeviceLost, TimedOut; Rejected, Unsupported if the board refuses.
+// One caller at a time, but clock().now(). All calls throw DeviceLost, TimedOut; Rejected, Unsupported if the board
+// refuses.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +25,9 @@
 
 namespace gicube {
 
-// The clock of the simulated host (docs/reference/protocol.md, simulated time). It moves when the host works and when it waits
-// for the board, never with the wall clock. now() may be read from any thread; the two others by one caller at a time.
+// The clock of the simulated host (docs/reference/protocol.md, simulated time). It moves when the host works and when
+// it waits for the board, never with the wall clock. now() may be read from any thread; the two others by one caller at
+// a time.
 class HostClock {
  public:
   Picoseconds now() const { return now_.load(std::memory_order_relaxed); }
@@ -48,11 +50,12 @@ class HostClock {
 
 class Device {
  public:
-  // Connects, or starts a private board. What `while_waiting` throws leaves the call that waits. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
+  // Connects, or starts a private board. What `while_waiting` throws leaves the call that waits. Throws OpenFailed,
+  // BoardBusy, VersionMismatch, TimedOut, BadArgument.
   Device(const Uri& uri, const OpenOptions& options, std::function<void()> while_waiting);
 
-  // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a board
-  // that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.
+  // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a
+  // board that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.
   bool reopen();
 
   const wire::VersionInfo& agreed() const { return link_->agreed(); }
@@ -89,7 +92,8 @@ class Device {
 
   std::uint32_t command(wire::Payload payload);
   // Blocks the simulated host until the command has completed, but no longer than to the simulated time `deadline`:
-  // throws DeadlinePassed then. Its error is in the result, and not thrown. Whatever is thrown, the result can still come.
+  // throws DeadlinePassed then. Its error is in the result, and not thrown. Whatever is thrown, the result can still
+  // come.
   CommandResult finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline = kNoDeadline);
   // Both, and throws what the result's error stands for. If it throws, nobody asks for the result any more.
   CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
@@ -115,7 +119,8 @@ class Device {
   // The board's checkpoint with the driver's part, piece by piece.
   void take_checkpoint(std::span<const std::uint8_t> driver,
                        const std::function<void(std::span<const std::uint8_t>)>& sink);
-  // The board becomes what the checkpoint says; without one, what its process began with. Throws Rejected: it is as before.
+  // The board becomes what the checkpoint says; without one, what its process began with. Throws Rejected: it is as
+  // before.
   wire::WentOn go_on(std::span<const std::uint8_t> checkpoint);
   // After go_on(): the driver's part.
   std::vector<std::uint8_t> read_driver_part(std::uint64_t bytes);

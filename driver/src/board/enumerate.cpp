@@ -25,8 +25,8 @@ constexpr std::chrono::seconds kPatience{2};  // chosen: a running board answers
 constexpr std::size_t kLongestAnswer = std::size_t{16}
                                        << 20;  // chosen: with all counters of 64 boards it is a hundredth
 
-// The answer is a gicube.v1.BoardProcess (proto/gicube/v1/management.proto). The driver reads six of its fields, and does without Protobuf
-// for them: calls take(field, number, bytes) for each field of a message. False if that is none.
+// The answer is a gicube.v1.BoardProcess (proto/gicube/v1/management.proto). The driver reads six of its fields, and
+// does without Protobuf for them: calls take(field, number, bytes) for each field of a message. False if that is none.
 bool read_fields(std::string_view message,
                  const std::function<void(std::uint64_t, std::uint64_t, std::string_view)>& take) {
   const auto number = [&message]() -> std::optional<std::uint64_t> {

@@ -23,9 +23,9 @@ inline void take_pixel(const wire::Pixel& pixel, Pixel& out) {
   out.alpha = pixel.alpha;
 }
 
-// Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in it, and are made for
-// both strips: higher ones have fewer of them. Boards that send themselves the blocks that their rays need get one strip each, which
-// needs fewest. Measured: docs/guide/boards.md.
+// Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in
+// it, and are made for both strips: higher ones have fewer of them. Boards that send themselves the blocks that their
+// rays need get one strip each, which needs fewest. Measured: docs/guide/boards.md.
 inline std::uint16_t strip_rows(const View& view, std::size_t boards, bool one_each) {
   const int of_each = (view.height + static_cast<int>(boards) - 1) / static_cast<int>(boards);
   if (one_each) return static_cast<std::uint16_t>(of_each);

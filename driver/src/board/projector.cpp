@@ -198,8 +198,8 @@ std::vector<float> Projector::backproject(Views views, double max, const ViewVal
   expect(std::isfinite(max) && max >= 0, "max", "a finite number from 0 on", max);
   const std::vector<std::size_t> order = checked(views);
   if (!loaded_) load_nothing();
-  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^15 - 1
-  // units, so that thousands of rays fit one command [chosen].
+  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is
+  // 2^15 - 1 units, so that thousands of rays fit one command [chosen].
   constexpr double kMaxUnits = (1 << 15) - 1, kMaxSum = 8.0 * (1 << 30);
   const Vec3 edge = setup_.spacing;
   const double of_a_step = std::max({edge.x, edge.y, edge.z}) * setup_.step / kMaxUnits;

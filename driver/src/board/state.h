@@ -143,8 +143,9 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels / info.block_voxels);
     return edge * edge * edge;
   }
-  // Throws Unsupported if the card does not store the volume whole and a material that rays meet is the application's to scatter.
-  // For light on a board of three irradiance words: all of the volume on the card, and none of the application's routines.
+  // Throws Unsupported if the card does not store the volume whole and a material that rays meet is the application's
+  // to scatter. For light on a board of three irradiance words: all of the volume on the card, and none of the
+  // application's routines.
   void need_colours_on_card(const char* what);
   void need_no_routine_in_bricks(const char* what, bool lighting);
 
@@ -177,8 +178,8 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   // Of this rank, or of all.
   bool any_left(std::size_t parts) { return shared ? shared->exchange().sum(parts) > 0 : parts > 0; }
   void trace_group(std::span<const EncodedRays> parts, const BrickRun& run, std::vector<CommandResult>& results);
-  // Of a job of several ranks (forward_rays.cpp), collective. forward(): sends the rays away that wait for `others`, and lists those
-  // that wait then; false: no rank has sent one.
+  // Of a job of several ranks (forward_rays.cpp), collective. forward(): sends the rays away that wait for `others`,
+  // and lists those that wait then; false: no rank has sent one.
   bool forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
                const BrickRun& run);
   std::vector<wire::WaitingBlock> give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
@@ -194,7 +195,8 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   // Bytes of a region, in pieces of whole records.
   std::vector<std::uint8_t> read_pieces(const wire::MemoryRegion& region, std::uint64_t from, std::uint64_t bytes,
                                         std::size_t record);
-  // Board::render_to_framebuffer() of a part of the picture (wire::RenderCommand). Of a part without rows the view is remembered.
+  // Board::render_to_framebuffer() of a part of the picture (wire::RenderCommand). Of a part without rows the view is
+  // remembered.
   struct PicturePart {
     std::uint16_t strip_rows = 0;
     std::uint8_t part = 0, parts = 0;
@@ -259,7 +261,8 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   }
   // The likely reason if a picture shows nothing.
   std::string why_invisible() const;
-  // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step` voxels.
+  // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step`
+  // voxels.
   void check_drift(const char* field, double step) const;
   void set_sampling(const View& view);
   // `numbers`: by which errors name each span's first ray; empty: those of one list of all rays.

@@ -19,7 +19,8 @@
 
 namespace gicube {
 
-// What makes a sample bright: the reflectance map, or irradiance words of what a sample absorbed or of what falls on it.
+// What makes a sample bright: the reflectance map, or irradiance words of what a sample absorbed or of what falls on
+// it.
 enum class SampleLight { kMap, kAbsorbed, kIncident };
 
 // For arguments that passed their checks. Only what has changed is sent.

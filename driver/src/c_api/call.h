@@ -1,4 +1,5 @@
-// What every function of the C ABI is made of: the board's handle, checks of arguments, and call(), which catches and remembers.
+// What every function of the C ABI is made of: the board's handle, checks of arguments, and call(), which catches and
+// remembers.
 #pragma once
 
 #include <fmt/format.h>
@@ -157,7 +158,8 @@ gicube_status init(const char* name, Record* out, std::size_t size) {
   return call([&] { write_record(name, out, size, to_record<Record>(T{})); });
 }
 
-// What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain values.
+// What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain
+// values.
 template <typename T, typename Record>
 T read_fields(const char* name, const Record* given, Record& record) {
   T value;

@@ -27,11 +27,12 @@ constexpr Rule kFour{4,
 
 Vec3 normal_of(const Element& flat) { return normalise(cross(flat.u, flat.v)); }
 
-// A flat element, or what a plane leaves of it. Where there is a hole in it, or two parts, edges that run to and fro on one line join
-// them: what they add to an integral along the outline cancels.
+// A flat element, or what a plane leaves of it. Where there is a hole in it, or two parts, edges that run to and fro on
+// one line join them: what they add to an integral along the outline cancels.
 using Polygon = std::vector<Vec3>;
 
-// Of a whole turn and of any arc, at least; of the other rule half as many. Chosen: a disc's factor is then known to some 0.002%.
+// Of a whole turn and of any arc, at least; of the other rule half as many. Chosen: a disc's factor is then known to
+// some 0.002%.
 constexpr int kChordsOfTurn = 32, kChordsOfArc = 4;
 
 // Arcs are chords whose ends lie a little outside, so that areas are those of the arcs.
@@ -147,8 +148,8 @@ Faces faces_of(const Element& box) {
   return faces;
 }
 
-// Integral of 1 / r^2 over the triangle of an edge and the foot of a point that is `height` above its plane; negative if the
-// foot is beyond the edge. By the angle at the foot, so that one dimension is left.
+// Integral of 1 / r^2 over the triangle of an edge and the foot of a point that is `height` above its plane; negative
+// if the foot is beyond the edge. By the angle at the foot, so that one dimension is left.
 double under_edge(Vec3 a, Vec3 b, Vec3 edge, Vec3 normal, double height) {
   const double distance = dot(cross(a, edge), normal);  // of the edge's line from the foot
   if (distance == 0) return 0;

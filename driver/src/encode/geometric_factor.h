@@ -1,5 +1,5 @@
-// Light between two elements that see each other, without rays: PairFactor::geometric by closed forms, which stay finite where the
-// elements touch. Samples of f f / (pi r^2) have no bound there.
+// Light between two elements that see each other, without rays: PairFactor::geometric by closed forms, which stay
+// finite where the elements touch. Samples of f f / (pi r^2) have no bound there.
 #pragma once
 
 #include "gicube/pair.h"
@@ -11,7 +11,8 @@ struct GeometricFactor {
   double error = 0;  // what one Gauss point less, and of discs half the chords, would change
 };
 
-// Of elements with physical sides, in smallest voxel edges; w of a disc as it is. Of boxes that are not near a few points of both tell enough.
+// Of elements with physical sides, in smallest voxel edges; w of a disc as it is. Of boxes that are not near a few
+// points of both tell enough.
 GeometricFactor geometric_factor(const Element& a, const Element& b, bool near);
 
 double measure_of(const Element& element);  // its area or volume

@@ -28,7 +28,8 @@ Element physical(const Element& element, Vec3 spacing) {
                  : Vec3{}};
 }
 
-// Which way an element is halved: across u, v, w or the edge between the ends of u and v; of a disc, at a radius or at an angle.
+// Which way an element is halved: across u, v, w or the edge between the ends of u and v; of a disc, at a radius or at
+// an angle.
 enum class Way { kU, kV, kW, kEdge, kRadius, kAngle };
 struct Length {
   Way way;
@@ -208,8 +209,9 @@ Division NearPairs::divide(const Element& a, const Element& b) {
   return division;
 }
 
-// What arrives is taken as of yes and no: no transmittance varies more. Within a part that is still near few of its rays are near
-// where most of its light is; so they count as an eighth, and their error as one that all such parts have in common.
+// What arrives is taken as of yes and no: no transmittance varies more. Within a part that is still near few of its
+// rays are near where most of its light is; so they count as an eighth, and their error as one that all such parts have
+// in common.
 PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFactor> found) const {
   PairFactor sum{.clear = true};
   double squares = 0, common = 0;
@@ -240,8 +242,9 @@ double error_with_unseen(const PairFactor& found, std::uint32_t rays) {
   const double unseen = std::numbers::sqrt2 / (rays + kUnseen);  // deviation of the share, if all rays found the same
   const double scatter =
       std::hypot(found.standard_error, unseen * (found.transported > 0 ? found.transported : found.geometric));
-  // Where most rays meet a screen, few runs have light, and their scatter is too small when it is little. So as far as it is that of
-  // rays that arrive or don't, half of the way to the likely share is added (chosen: 99% are then within three, from 8 rays on).
+  // Where most rays meet a screen, few runs have light, and their scatter is too small when it is little. So as far as
+  // it is that of rays that arrive or don't, half of the way to the likely share is added (chosen: 99% are then within
+  // three, from 8 rays on).
   const double share = share_of(found), yes_or_no = found.geometric * found.geometric * share * (1 - share) / rays;
   const double variance = std::pow(found.standard_error / wire::kStudent, 2);
   const double so_far = variance < yes_or_no ? variance / yes_or_no : 1;

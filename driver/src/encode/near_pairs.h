@@ -1,6 +1,6 @@
-// Pairs of elements that are near for their size. f f / (pi r^2) varies so much between them that neither the mean of some samples nor
-// their scatter tells the truth; where they touch it has no bound. So they are divided into parts of about equal light: of
-// each part the geometric factor is known without rays, and rays tell which share of it arrives.
+// Pairs of elements that are near for their size. f f / (pi r^2) varies so much between them that neither the mean of
+// some samples nor their scatter tells the truth; where they touch it has no bound. So they are divided into parts of
+// about equal light: of each part the geometric factor is known without rays, and rays tell which share of it arrives.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ struct Division {
 // Keeps what it divided: in a grid the same pairs come again and again, and parts of them even more often.
 class NearPairs {
  public:
-  // Of boxes along the axes, what decides their factor: along each axis the way between their middles, and both lengths. Sorted, since
-  // boxes that are mirrored or turned have the same.
+  // Of boxes along the axes, what decides their factor: along each axis the way between their middles, and both
+  // lengths. Sorted, since boxes that are mirrored or turned have the same.
   using Placement = std::array<std::array<double, 3>, 3>;
 
   // For so many rays a pair, which the parts of a near pair share.
@@ -39,7 +39,8 @@ class NearPairs {
 
   std::uint32_t rays_per_part() const { return rays_per_part_; }
 
-  // Null if they are not near, or without extent. Bounds decide, so that oblique pairs that are a little further apart are taken too.
+  // Null if they are not near, or without extent. Bounds decide, so that oblique pairs that are a little further apart
+  // are taken too.
   const Division* division_of(const Element& a, const Element& b);
 
   // `found`: of each part, by rays_per_part() rays.
@@ -57,8 +58,8 @@ class NearPairs {
   std::map<std::pair<Placement, bool>, GeometricFactor> factors_;
 };
 
-// The standard error of a pair's rays, and with it what none of them has found but another two of four might (Agresti and Coull
-// 1998). A clear pair has nothing to be found.
+// The standard error of a pair's rays, and with it what none of them has found but another two of four might (Agresti
+// and Coull 1998). A clear pair has nothing to be found.
 double error_with_unseen(const PairFactor& found, std::uint32_t rays);
 
 }  // namespace gicube

@@ -35,9 +35,9 @@ Bounds bounds_of(const wire::Element& element) {
   return bounds;
 }
 
-// How far on one axis, in voxels, a sample may lie from the straight way between the two points: the position, each part
-// of the direction and each step are rounded to 1/16384 voxel, a step's length to 1/65536, and half of the first step is
-// rounded on its own. Generously.
+// How far on one axis, in voxels, a sample may lie from the straight way between the two points: the position, each
+// part of the direction and each step are rounded to 1/16384 voxel, a step's length to 1/65536, and half of the first
+// step is rounded on its own. Generously.
 double stray(const Bounds& a, const Bounds& b, double step) {
   double square = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,5 @@
-// Pairs of elements as the board's words, and pairs with nothing between them: what the empty flags prove, so that no ray need be
-// sent.
+// Pairs of elements as the board's words, and pairs with nothing between them: what the empty flags prove, so that no
+// ray need be sent.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace gicube {
 
-// Throw BadArgument naming the field: "elements[3]: expected an element in the volume, got one from (1, 2, 30) to (1, 2, 40)".
+// Throw BadArgument naming the field: "elements[3]: expected an element in the volume, got one from (1, 2, 30) to (1,
+// 2, 40)".
 void check(const PairRequest& request);
 void check(const Element& element, std::size_t index, Dims dims);
 void check(const ElementPair& pair, std::size_t index, std::size_t elements);
@@ -44,9 +45,9 @@ struct BlockFlags {
   std::span<const std::uint8_t> empty;  // one a block, x fastest; nonzero = every sample in it is invisible
 };
 
-// Whether every sample of every ray between the two elements lies in blocks flagged empty. The rays' hull is taken as that of
-// the elements' axis-parallel bounds, widened by what the board's fixed-point steps of `step` voxels can stray, so that
-// false may come back for a clear path, and true never for another.
+// Whether every sample of every ray between the two elements lies in blocks flagged empty. The rays' hull is taken as
+// that of the elements' axis-parallel bounds, widened by what the board's fixed-point steps of `step` voxels can stray,
+// so that false may come back for a clear path, and true never for another.
 bool is_clear(const wire::Element& a, const wire::Element& b, const BlockFlags& flags, double step);
 
 // The sum that the DSP would make of such a pair, to the bit: every ray comes back with opacity 0.

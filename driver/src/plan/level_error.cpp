@@ -29,8 +29,8 @@ struct Place {
   Between fine, coarse;
 };
 
-// On one axis all coordinates at which either volume's interpolation can turn. In a box between neighbouring ones both are
-// trilinear, so that their difference has its extremes at the box's corners.
+// On one axis all coordinates at which either volume's interpolation can turn. In a box between neighbouring ones both
+// are trilinear, so that their difference has its extremes at the box's corners.
 std::vector<Place> turning_places(int fine, int coarse, double low, double edge) {
   std::vector<double> places;
   for (int i = 0; i < fine; ++i) places.push_back(i);

@@ -14,11 +14,12 @@ namespace gicube {
 
 class Levels {
  public:
-  // Beside the levels of detail, 0 and up: all of the caller's volume. It is level 0 too unless much of it is invisible.
+  // Beside the levels of detail, 0 and up: all of the caller's volume. It is level 0 too unless much of it is
+  // invisible.
   static constexpr int kWhole = -1;
 
-  // Without samples `volume` is what the board holds, and there is that one only. What `volume` and `looks` point to must
-  // outlive this object.
+  // Without samples `volume` is what the board holds, and there is that one only. What `volume` and `looks` point to
+  // must outlive this object.
   Levels(Board& board, const VolumeView& volume, std::span<const TransferFunction> looks, bool gradients);
 
   bool own() const { return own_; }

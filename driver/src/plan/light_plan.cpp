@@ -153,8 +153,8 @@ class LightPlanner {
     }
   }
 
-  // The passes that tell most about the request's own settings: of their albedo, then of the nearest step, then of the nearest
-  // number of rays.
+  // The passes that tell most about the request's own settings: of their albedo, then of the nearest step, then of the
+  // nearest number of rays.
   const LightPoint& nearest_to_asked() const {
     const Illumination& asked = request_.settings;
     const auto distance = [&](const LightPoint& point) {

@@ -21,14 +21,14 @@ struct PilotError {
   double estimate = 0;
   double bound = 0;  // infinite if the best pilot shows nothing, and so nothing is known
 };
-// Of the same size. `channel` 0, 1, 2: of red, green or blue alone and a third of alpha: the sums of the three are those of the
-// picture that is put together of them.
+// Of the same size. `channel` 0, 1, 2: of red, green or blue alone and a third of alpha: the sums of the three are
+// those of the picture that is put together of them.
 PilotError pilot_error(const Image& pilot, const Image& best, int channel = -1);
 
 // What two pilots of independent random choices tell of either's distance from what both would be with endless rays.
 PilotError noise_of(const Image& a, const Image& b, int channel);
-// What such pairs of two settings tell of how far apart these are without the noise: the noises of a product's factors don't know
-// each other. The bound has two standard errors, the limit of what the pairs can tell.
+// What such pairs of two settings tell of how far apart these are without the noise: the noises of a product's factors
+// don't know each other. The bound has two standard errors, the limit of what the pairs can tell.
 PilotError bias_of(const Image& a, const Image& b, const Image& best_a, const Image& best_b, int channel);
 
 struct TimePoint {
@@ -36,9 +36,9 @@ struct TimePoint {
   double time = 0;
 };
 
-// A picture of r rays takes A + B sqrt(r) + C r: its command, what lies on the borders of what neighbouring rays share, and the
-// rays. From a tiny picture, a small and a large one; without a large one (no rays) from the small one alone, B = 0. Rays that
-// lie closer together than the pilots' share still more.
+// A picture of r rays takes A + B sqrt(r) + C r: its command, what lies on the borders of what neighbouring rays share,
+// and the rays. From a tiny picture, a small and a large one; without a large one (no rays) from the small one alone, B
+// = 0. Rays that lie closer together than the pilots' share still more.
 double extrapolated_time(const TimePoint& tiny, const TimePoint& small, const TimePoint& large, double rays);
 
 }  // namespace gicube

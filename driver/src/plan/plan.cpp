@@ -18,8 +18,8 @@ namespace {
 // Voxels, chosen: each costs half of the one before. What is saved is told against the finest.
 constexpr double kSteps[] = {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1, 2};
 constexpr double kFinestStep = kSteps[0];
-// chosen: on the paper's datapath shorter steps lose more by the drift of 14-bit positions, which grows with their number, than they
-// gain; the wide one does not drift (docs/guide/plan.md has the measurements).
+// chosen: on the paper's datapath shorter steps lose more by the drift of 14-bit positions, which grows with their
+// number, than they gain; the wide one does not drift (docs/guide/plan.md has the measurements).
 constexpr std::size_t kBestOnPaper = 2;
 constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
 // chosen: pictures are made whole that are predicted to take up to so many budgets, since predictions may be too long.
@@ -191,8 +191,9 @@ class Planner {
 
   double cost(const PlanPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
 
-  // The cheapest of all points whose bound keeps the target. A small pilot's bound is wider than a larger one's, so a point that
-  // is within the target only by its estimate is looked at more closely, as long as it would be cheaper than what was found.
+  // The cheapest of all points whose bound keeps the target. A small pilot's bound is wider than a larger one's, so a
+  // point that is within the target only by its estimate is looked at more closely, as long as it would be cheaper than
+  // what was found.
   void choose_cheapest() {
     const auto keeps = [this](const PlanPoint& point) { return point.error_bound <= request_.max_error; };
     std::vector<PlanPoint> candidates;

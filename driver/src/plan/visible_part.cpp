@@ -27,8 +27,8 @@ std::vector<wire::SegmentationEntry> table_of(std::span<const TransferFunction> 
   return table;
 }
 
-// Least and greatest value and the tags that occur in a row of voxels along x, over several rows of the volume. The values stay
-// what they are: densities rise with them, so that only those of blocks need to be found.
+// Least and greatest value and the tags that occur in a row of voxels along x, over several rows of the volume. The
+// values stay what they are: densities rise with them, so that only those of blocks need to be found.
 template <typename Source>
 class Row {
  public:

@@ -44,15 +44,16 @@ class FrameSink {
   ~FrameSink() = default;
 };
 
-// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block. What it throws ends the
-// stream.
+// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block. What it
+// throws ends the stream.
 using FrameTap = std::function<void(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
                                     std::span<const std::uint8_t> payload)>;
 
-// A tap that writes every frame to a file (docs/guide/capture.md). For session `number` of a board, from 0: to `file`, session
-// i > 0 to FILE.i. If `file` is empty, to what the environment variable GICUBE_CAPTURE names: the first session of this process to
-// that file, the next ones to FILE.1, FILE.2; without it, to none: an empty tap. The file is whole, and has its name, when the last copy
-// of the tap is gone (proto/gicube/whole_file.h). On a full disk the tap throws, and no file is left. Throws OpenFailed that names the file.
+// A tap that writes every frame to a file (docs/guide/capture.md). For session `number` of a board, from 0: to `file`,
+// session i > 0 to FILE.i. If `file` is empty, to what the environment variable GICUBE_CAPTURE names: the first session
+// of this process to that file, the next ones to FILE.1, FILE.2; without it, to none: an empty tap. The file is whole,
+// and has its name, when the last copy of the tap is gone (proto/gicube/whole_file.h). On a full disk the tap throws,
+// and no file is left. Throws OpenFailed that names the file.
 FrameTap capture_session(const std::string& file, unsigned number);
 
 class FrameStream {
@@ -71,8 +72,8 @@ class FrameStream {
     thread_ = std::thread([this] { run(); });
   }
 
-  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks: the caller's credits bound what is queued. The tap does not
-  // see the last `secret_bytes` of the payload.
+  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks: the caller's credits bound what is queued.
+  // The tap does not see the last `secret_bytes` of the payload.
   void send(wire::FrameHeader header, wire::Payload payload, std::size_t secret_bytes = 0);
 
   // Any thread.

@@ -126,7 +126,8 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
   posix_spawn_file_actions_adddup2(&files, stderr_.get(), 2);
   posix_spawn_file_actions_adddup2(&files, child_end.get(), 3);
   posix_spawn_file_actions_addclosefrom_np(&files, 4);
-  // Its own process group: Ctrl-C is the application's to handle. What that ignores or blocks is not the board's affair.
+  // Its own process group: Ctrl-C is the application's to handle. What that ignores or blocks is not the board's
+  // affair.
   sigset_t all, none;
   sigfillset(&all);
   sigemptyset(&none);

@@ -15,16 +15,19 @@ namespace gicube {
 
 // What the environment variable GICUBE_BOARD says, or null.
 const char* named_board_program();
-// Where gicube-board may be: that place alone; else beside the running program, where the SDK was installed, on the PATH.
+// Where gicube-board may be: that place alone; else beside the running program, where the SDK was installed, on the
+// PATH.
 std::vector<std::filesystem::path> board_program_places();
 // The first of them that can be run. Throws OpenFailed that names every place looked at.
 std::string find_board_program();
 
 // One child process that serves one socket, inherits no other file of this process, and is gone when this object is:
-// destroy what uses the socket first, the child ends by itself then. One that does not is terminated after some seconds.
+// destroy what uses the socket first, the child ends by itself then. One that does not is terminated after some
+// seconds.
 class ChildProcess {
  public:
-  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws OpenFailed.
+  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws
+  // OpenFailed.
   ChildProcess(const std::string& program, const std::vector<std::string>& arguments);
   ~ChildProcess();
 

@@ -1,8 +1,9 @@
-// The driver's end of the data plane: handshake, credits, requests with their responses, commands with their completions.
+// The driver's end of the data plane: handshake, credits, requests with their responses, commands with their
+// completions.
 //
 // A Link may be used from several threads. Each call stands in the stream in the order in which it got its credit.
-// If the connection breaks, the session can be resumed over another one (reliable_window.h). Until then, if the link may not
-// resume by itself, every waiting and every later call throws DeviceLost with the reason.
+// If the connection breaks, the session can be resumed over another one (reliable_window.h). Until then, if the link
+// may not resume by itself, every waiting and every later call throws DeviceLost with the reason.
 #pragma once
 
 #include <chrono>
@@ -41,7 +42,8 @@ struct LinkOptions {
   int reopen_attempts = 0;
   // What it throws, on the thread that waits, leaves the call as what a progress callback throws.
   std::function<void()> while_waiting{};
-  // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called as often.
+  // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called
+  // as often.
   std::chrono::milliseconds probe{100};  // chosen: ten frames a second
   // Told of what no call reports, on the thread of a call. Must not throw.
   std::function<void(const std::string&)> log{};
@@ -96,7 +98,8 @@ class Link final : private FrameSink {
   // Ends the session: the board said something that it can't have meant. Throws DeviceLost with the reason.
   [[noreturn]] void give_up(const std::string& reason);
 
-  // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, BadArgument (a payload too large).
+  // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, BadArgument (a payload too
+  // large).
   void post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
   // Ends the session: the application wants no more of it. All that waits throws DeviceLost.
@@ -115,8 +118,8 @@ class Link final : private FrameSink {
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
 
-  // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
-  // response's error says which. What `on_progress` throws, on this thread, leaves this call; the command goes on.
+  // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none):
+  // the response's error says which. What `on_progress` throws, on this thread, leaves this call; the command goes on.
   Response wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress);
 
   // The result of a command, once; nothing while it has not come.
@@ -140,7 +143,8 @@ class Link final : private FrameSink {
     const std::lock_guard lock(mutex_);
     commands_ = std::move(commands);
   }
-  // The number of the last request or command. Set back, the ones after it are given again: they must have been answered.
+  // The number of the last request or command. Set back, the ones after it are given again: they must have been
+  // answered.
   std::uint32_t last_id() const {
     const std::lock_guard lock(mutex_);
     return last_id_;

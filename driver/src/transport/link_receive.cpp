@@ -1,4 +1,5 @@
-// The receiving half of Link, which runs on the stream's thread, and the board's error replies as the driver's typed errors.
+// The receiving half of Link, which runs on the stream's thread, and the board's error replies as the driver's typed
+// errors.
 #include <fmt/format.h>
 
 #include <algorithm>

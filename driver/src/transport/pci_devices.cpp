@@ -31,7 +31,8 @@ bool is_board(const fs::path& folder) {
   return number_in(folder / "vendor") == wire::kVendorId && number_in(folder / "device") == wire::kDeviceId;
 }
 
-// A process that has opened a function holds a lock on its registers. Who may not look at them sees whether it masters the bus.
+// A process that has opened a function holds a lock on its registers. Who may not look at them sees whether it masters
+// the bus.
 bool is_in_use(const fs::path& folder) {
   const Fd registers(::open((folder / "resource0").c_str(), O_RDWR | O_CLOEXEC));
   if (registers.get() >= 0) return ::flock(registers.get(), LOCK_EX | LOCK_NB) != 0;

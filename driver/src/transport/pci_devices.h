@@ -1,4 +1,5 @@
-// The PCI functions of this machine that are GI-Cube boards (gicube-pci, docs/guide/pci.md), as the kernel lists them in sysfs.
+// The PCI functions of this machine that are GI-Cube boards (gicube-pci, docs/guide/pci.md), as the kernel lists them
+// in sysfs.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
-// A session with a board over a PCI function (gicube/wire/pci_function.h): this process is the function's driver, with its registers mapped
-// and its rings in a huge page. A thread moves bytes between the rings and a socket, of which the link has the other end.
+// A session with a board over a PCI function (gicube/wire/pci_function.h): this process is the function's driver, with
+// its registers mapped and its rings in a huge page. A thread moves bytes between the rings and a socket, of which the
+// link has the other end.
 #pragma once
 
 #include <atomic>
@@ -18,7 +19,8 @@ namespace gicube {
 
 class PciFunction {
  public:
-  // `address` as 0000:00:04.0. Throws OpenFailed that says what is missing, and BoardBusy if another process has opened it.
+  // `address` as 0000:00:04.0. Throws OpenFailed that says what is missing, and BoardBusy if another process has opened
+  // it.
   explicit PciFunction(const std::string& address);
   // Ends the session. Waits some time for what the link has sent last, if the link has closed its socket.
   ~PciFunction();

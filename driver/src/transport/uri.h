@@ -1,7 +1,7 @@
 // Board URIs: which board Board::open() opens, and how an emulated one is started.
 //
-//   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, trace_window,
-//                               events, events_of, capture, restore; set and bsdf may come several times
+//   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace,
+//                               trace_window, events, events_of, capture, restore; set and bsdf may come several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
 //   tls:HOST:PORT               the same, encrypted

@@ -33,8 +33,8 @@ class CaptureReader {
   // Throws CaptureError.
   explicit CaptureReader(const std::filesystem::path& file);
 
-  // The next numbered frame of one direction; what was sent again after a resume comes once. False at the end. Memory is taken
-  // only as far as the file goes. Throws CaptureError: a record or frame that can't be, a wrong checksum.
+  // The next numbered frame of one direction; what was sent again after a resume comes once. False at the end. Memory
+  // is taken only as far as the file goes. Throws CaptureError: a record or frame that can't be, a wrong checksum.
   bool next(wire::CaptureKind direction, CapturedFrame& frame);
   // After the end: whether the capture was completed, or its process died before.
   bool complete() const { return complete_; }

@@ -130,8 +130,8 @@ wire::VersionInfo version_for(std::uint32_t largest_payload, std::uint16_t minor
 // The plainest client of the bus: sends frames in a captured order, with the numbers that they had. Throws BusError.
 class BusClient : private FrameSink {
  public:
-  // Takes a connected socket, shakes hands as `mine`. `comparison` is given everything that the board says but credit and
-  // progress, within send() and await_answer().
+  // Takes a connected socket, shakes hands as `mine`. `comparison` is given everything that the board says but credit
+  // and progress, within send() and await_answer().
   BusClient(Fd socket, const wire::VersionInfo& mine, std::chrono::milliseconds watchdog, const Access& access,
             Comparison& comparison)
       : watchdog_(watchdog),

@@ -54,7 +54,8 @@ std::vector<std::string> command_first(const CLI::App& app, const std::vector<st
   return ordered;
 }
 
-// CLI::AsNumberWithUnit takes "ms" for 1ms, and refuses "20" with "Missing mandatory unit": neither what was expected nor what came.
+// CLI::AsNumberWithUnit takes "ms" for 1ms, and refuses "20" with "Missing mandatory unit": neither what was expected
+// nor what came.
 std::chrono::milliseconds time_with_unit(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

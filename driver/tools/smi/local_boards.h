@@ -18,7 +18,8 @@ struct LocalProcess {
 // By process id. Removes what killed processes have left. Throws CallFailed if the registry can't be trusted.
 std::vector<LocalProcess> local_processes();
 
-// The management plane of the only one that has one. Throws UsageError that names those that there are, and as local_processes().
+// The management plane of the only one that has one. Throws UsageError that names those that there are, and as
+// local_processes().
 std::string only_management_endpoint();
 
 }  // namespace gicube::smi

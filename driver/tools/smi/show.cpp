@@ -17,7 +17,8 @@
 
 #include "options.h"
 
-// Reads the few bytes that say where a file came from (gicube/scene/provenance.h) by itself: it needs nothing else of gicube-scene.
+// Reads the few bytes that say where a file came from (gicube/scene/provenance.h) by itself: it needs nothing else of
+// gicube-scene.
 namespace gicube::smi {
 namespace {
 

@@ -1,4 +1,5 @@
-// The checksum of frames: CRC-32C (Castagnoli, reflected, as in iSCSI and SCTP). Not header-only: target gicube_checksum.
+// The checksum of frames: CRC-32C (Castagnoli, reflected, as in iSCSI and SCTP). Not header-only: target
+// gicube_checksum.
 #pragma once
 
 #include <cstdint>

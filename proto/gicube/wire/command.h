@@ -84,12 +84,14 @@ constexpr int rows_of(const RenderCommand& command) {
 // The 36 colour bits of a ray packet sent to the board:
 //   integrate         colour that the ray has already gathered, 3 x 12 bits
 //   first hit         the same; it does not change
-//   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits are 0. These rays start with no opacity.
+//   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits are 0. These rays start with no
+//                     opacity.
 //   deposit           energy, 24.12 units of the energy words, not 0; at most 255 units of low albedo, 15 of high,
 //                     2^24 - 1 on the wide datapath
 //   integral          length, as for a segment
-//   backproject       length, as for a segment; the opacity's 24 bits are the amount that each sample adds: to irradiance
-//                     words in 11.12 units, not negative; to accumulators in signed whole units, at least -(2^23 - 1)
+//   backproject       length, as for a segment; the opacity's 24 bits are the amount that each sample adds: to
+//                     irradiance words in 11.12 units, not negative; to accumulators in signed whole units, at least
+//                     -(2^23 - 1)
 // A segment's step divides its length evenly and is at most STEP. Segments do not use contribution, lifetime,
 // generation and interaction: on the ASIC these 38 bits hold the number of remaining steps and their length. First-hit
 // and opacity rays return no colour. For integral rays, the colour's 36 bits are the sum of the samples' densities,

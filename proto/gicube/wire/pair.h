@@ -42,9 +42,9 @@ enum class ElementKind : std::uint32_t { kPatch = 0, kBox = 1, kTriangle = 2, kD
 //   patch     origin + s u + t v, 0..1 each; w = 0
 //   box       origin + s u + t v + r w: a part of the volume
 //   triangle  the half of a patch with s + t <= 1; w = 0
-//   disc      origin + s u + t v, s^2 + t^2 <= 1: u and v are half-axes of a circle or an ellipse. w[0] is the share of the
-//             area that a central hole removes, w[1] the share of the turn from u to v that is cut off at its end; both
-//             0..1, but not 1
+//   disc      origin + s u + t v, s^2 + t^2 <= 1: u and v are half-axes of a circle or an ellipse. w[0] is the share of
+//             the area that a central hole removes, w[1] the share of the turn from u to v that is cut off at its end;
+//             both 0..1, but not 1
 struct Element {
   ElementKind kind = ElementKind::kPatch;
   std::array<float, 3> origin{}, u{}, v{}, w{};

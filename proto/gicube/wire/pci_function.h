@@ -1,7 +1,8 @@
-// The PCI function that gicube-pci gives a guest (docs/guide/pci.md): registers in BAR 0, two rings in the guest's memory.
+// The PCI function that gicube-pci gives a guest (docs/guide/pci.md): registers in BAR 0, two rings in the guest's
+// memory.
 //
-// They carry the bytes of a data plane's stream (frame.h) and take no simulated time: the modelled bus of the board is simulated by the
-// board process, whoever carries its frames.
+// They carry the bytes of a data plane's stream (frame.h) and take no simulated time: the modelled bus of the board is
+// simulated by the board process, whoever carries its frames.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,8 @@
 
 namespace gicube::wire::function {
 
-// BAR 0: dwords, to be read and written by aligned accesses of four bytes. Others set Error::kBadAccess, and read as all ones.
+// BAR 0: dwords, to be read and written by aligned accesses of four bytes. Others set Error::kBadAccess, and read as
+// all ones.
 inline constexpr std::uint32_t kIdentity = 0x00;  // r: kIdentityValue
 inline constexpr std::uint32_t kVersion = 0x04;   // r: kVersionValue
 inline constexpr std::uint32_t kState = 0x08;     // r: State
@@ -64,8 +66,8 @@ inline constexpr const char* text_of(Error error) {
                                                                : "an unknown error";
 }
 
-// The memory at kRingLow: a page of indices, the ring of bytes to the board ("down"), the ring of bytes from it ("up"). An index counts
-// bytes modulo 2^32; each has one writer. A writer stores its index after the bytes.
+// The memory at kRingLow: a page of indices, the ring of bytes to the board ("down"), the ring of bytes from it ("up").
+// An index counts bytes modulo 2^32; each has one writer. A writer stores its index after the bytes.
 inline constexpr std::uint32_t kRingAlignment = 4096;
 inline constexpr std::uint32_t kIndexBytes = 4096;
 inline constexpr std::uint32_t kMinRingBytes = 4096;      // powers of two from here

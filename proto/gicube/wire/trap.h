@@ -4,8 +4,8 @@
 //
 // To the host, 64 bytes: a TrappedRay. To the board, 32 bytes: the same packet, except for
 //   direction                    direction in which it continues
-//   contribution, interaction    together 24 bits, contribution the high ones: the share of its energy, or of what it can
-//                                still gather, that ends here; 2^24 - 1 = all
+//   contribution, interaction    together 24 bits, contribution the high ones: the share of its energy, or of what it
+//                                can still gather, that ends here; 2^24 - 1 = all
 #pragma once
 
 #include <array>

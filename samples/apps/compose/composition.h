@@ -46,8 +46,8 @@ struct Composition {
   std::optional<Colour> background;
 };
 
-// Strict, as read_scene(): throws InputError with all faults, each with its line or field. Reads the scenes, transfer functions and meshes
-// that it names, but no volumes; `allow_outside` as parse_scene().
+// Strict, as read_scene(): throws InputError with all faults, each with its line or field. Reads the scenes, transfer
+// functions and meshes that it names, but no volumes; `allow_outside` as parse_scene().
 Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder,
                               bool allow_outside = false);
 Composition read_composition(const std::filesystem::path& path, bool allow_outside = false);

@@ -1,5 +1,5 @@
-// Pictures of several volumes and surfaces: the host makes a segment of each viewing ray for each piece between surfaces, boards trace
-// the segments, and the host puts their colours over one another.
+// Pictures of several volumes and surfaces: the host makes a segment of each viewing ray for each piece between
+// surfaces, boards trace the segments, and the host puts their colours over one another.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ Stage set_up(const Composition& composition, int threads = 0);
 struct EyeRay {
   Vec3 origin, direction;  // unit length
 };
-// Through a point of the image, pixels from its top left corner. As the driver's own viewing rays, in a space whose edges are 1.
+// Through a point of the image, pixels from its top left corner. As the driver's own viewing rays, in a space whose
+// edges are 1.
 EyeRay eye_ray(const View& view, double x, double y);
 
 // What a viewing ray meets.
@@ -62,9 +63,9 @@ struct Picture {
   Image image() const;  // rounded to the framebuffer's bits
 };
 
-// Each volume is loaded by one of the boards in turn, traced, and makes room for the next. Their simulated hosts make rays and put
-// colours together in no time. Shading, step and opacity threshold are those of the stage. `told`: volumes traced.
-// Throws what Board throws, and InputError where more than kMaxSegments would be kept.
+// Each volume is loaded by one of the boards in turn, traced, and makes room for the next. Their simulated hosts make
+// rays and put colours together in no time. Shading, step and opacity threshold are those of the stage. `told`: volumes
+// traced. Throws what Board throws, and InputError where more than kMaxSegments would be kept.
 Picture compose(const Stage& stage, std::vector<Board>& boards, std::vector<MediumCost>& costs,
                 const Progress& told = {});
 

@@ -18,7 +18,8 @@ struct Premultiplied {
   friend bool operator==(const Premultiplied&, const Premultiplied&) = default;
 };
 
-// A straight part of a ray in a volume: at a distance from the eye, near..far, it is at origin + distance * direction, in voxels.
+// A straight part of a ray in a volume: at a distance from the eye, near..far, it is at origin + distance * direction,
+// in voxels.
 struct Span {
   std::size_t volume = 0;
   double near = 0, far = 0;
@@ -51,12 +52,13 @@ struct RayPlan {
   std::vector<Layer> layers;             // front to back
 };
 
-// Cuts the spans at each other's ends and at the surfaces (by distance). Where several volumes overlap, the ray is cut into pieces of at
-// most `overlap_step` voxels, by the finest. What is behind an opaque surface is left out.
+// Cuts the spans at each other's ends and at the surfaces (by distance). Where several volumes overlap, the ray is cut
+// into pieces of at most `overlap_step` voxels, by the finest. What is behind an opaque surface is left out.
 void plan_ray(std::span<const Span> spans, std::span<const SurfacePoint> surfaces, double overlap_step, RayPlan& plan);
 
-// Media that fill the same piece, each uniform in it: the transmittance is the product of theirs, and each has the share in the light
-// that it has in the optical depth. Exact for uniform media. Opaque ones hide all others, and share equally.
+// Media that fill the same piece, each uniform in it: the transmittance is the product of theirs, and each has the
+// share in the light that it has in the optical depth. Exact for uniform media. Opaque ones hide all others, and share
+// equally.
 Premultiplied mixed(std::span<const Premultiplied> media);
 
 // `behind` seen through `front`.

@@ -121,7 +121,8 @@ void Shell::add_spans(Vec3 from, Vec3 direction, std::size_t volume, Vec3 toward
     }
     if (far > near) parts.push_back({near, far, &tetrahedra_[which]});
   }
-  // A ray in a face of two tetrahedra is in both, as where the shell overlaps itself: the one that it enters first counts.
+  // A ray in a face of two tetrahedra is in both, as where the shell overlaps itself: the one that it enters first
+  // counts.
   std::ranges::stable_sort(parts, {}, &Part::near);
   double done = 0;
   for (const auto& [entry, far, own] : parts) {

@@ -1,5 +1,6 @@
-// A volumetric texture: a mesh that is covered by a thick layer of a volume. The layer is cut into tetrahedra, in each of which texture
-// coordinates are an affine map of space (shell maps: S. Porumbescu et al., SIGGRAPH 2005), so that rays stay straight in the volume.
+// A volumetric texture: a mesh that is covered by a thick layer of a volume. The layer is cut into tetrahedra, in each
+// of which texture coordinates are an affine map of space (shell maps: S. Porumbescu et al., SIGGRAPH 2005), so that
+// rays stay straight in the volume.
 #pragma once
 
 #include <array>
@@ -26,9 +27,9 @@ class Shell {
   // Throws InputError: a mesh without texture coordinates, more than 1000 copies of the volume on one of its triangles.
   Shell(const Mesh& mesh, const ShellSettings& settings, const Dims& dims);
 
-  // Adds the spans of a ray, of unit direction, through the shell: one for each tetrahedron and copy of the volume. They do not overlap: where
-  // the shell does, as one that is thicker than a hollow, the tetrahedron that the ray enters first counts. Their shade is that of
-  // the light, of the mesh's smooth normals: ambient + diffuse max(N.L, 0).
+  // Adds the spans of a ray, of unit direction, through the shell: one for each tetrahedron and copy of the volume.
+  // They do not overlap: where the shell does, as one that is thicker than a hollow, the tetrahedron that the ray
+  // enters first counts. Their shade is that of the light, of the mesh's smooth normals: ambient + diffuse max(N.L, 0).
   void add_spans(Vec3 from, Vec3 direction, std::size_t volume, Vec3 towards_light, const Phong& phong,
                  std::vector<Span>& spans) const;
   const Mesh& faces() const { return caster_->meshes().front(); }

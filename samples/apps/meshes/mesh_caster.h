@@ -1,4 +1,5 @@
-// Where a ray crosses triangle meshes. Embree finds the triangles; the places are computed from their corners in double precision.
+// Where a ray crosses triangle meshes. Embree finds the triangles; the places are computed from their corners in double
+// precision.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +20,15 @@ struct Crossing {
   bool from_outside = false;  // against the triangle's normal
 };
 
-// Meshes are in one space. A triangle that a ray misses by less than 2^-23 of its coordinates may count as met, and the reverse.
+// Meshes are in one space. A triangle that a ray misses by less than 2^-23 of its coordinates may count as met, and the
+// reverse.
 class MeshCaster {
  public:
   explicit MeshCaster(std::vector<Mesh> meshes);
   ~MeshCaster();
 
-  // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner of triangles of
-  // one mesh crosses the surface once there.
+  // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner
+  // of triangles of one mesh crosses the surface once there.
   void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
   // Those further away than 1e-6: a ray that begins on a triangle does not meet it.
   void ahead(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;

@@ -21,13 +21,13 @@ struct LightPass {
 
 const char* name_of(const LightPass& pass);
 
-// One pass, or three whose lights and Ks are those of the channel; a channel without any light has no lights. `irradiance_words`: of
-// the board; three have all colours in one pass. Throws InputError: coloured lights with an exposure that the driver would choose anew
-// for each pass.
+// One pass, or three whose lights and Ks are those of the channel; a channel without any light has no lights.
+// `irradiance_words`: of the board; three have all colours in one pass. Throws InputError: coloured lights with an
+// exposure that the driver would choose anew for each pass.
 std::vector<LightPass> passes_of(const SceneSetup& setup, int irradiance_words);
 
-// What pictures are made with the pass's light: one, or one for each channel if light of three irradiance words is seen in coloured
-// mirrors, since rays of a picture are scattered as one colour.
+// What pictures are made with the pass's light: one, or one for each channel if light of three irradiance words is seen
+// in coloured mirrors, since rays of a picture are scattered as one colour.
 std::vector<LightPass> pictures_of(const LightPass& pass);
 
 // Takes the pass's channel from `from` (take_channel()), or the whole picture.

@@ -105,8 +105,8 @@ struct RenderOptions {
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out);
 
-// The input's scene, with the options of its volume. Throws UsageError (options that contradict the input), InputError (a
-// scene or transfer function file).
+// The input's scene, with the options of its volume. Throws UsageError (options that contradict the input), InputError
+// (a scene or transfer function file).
 Scene input_scene(const RenderOptions& options);
 // That scene at a time, with the other options in place of what it says. Throws UsageError and InputError too.
 Scene scene_at(const Scene& input, const RenderOptions& options, double time);

@@ -313,7 +313,8 @@ Illumination Renderer::planned(const LightPass& pass, const Illumination& settin
   return light_plans_.back().settings(settings);
 }
 
-// The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
+// The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the
+// board.
 void Renderer::plan_view(const LightPass& pass, View& view) {
   if (part_) view = part_->view(view);
   if (!options_.plan.wanted()) return;

@@ -26,17 +26,18 @@ using Steps = std::function<Progress(const std::string& what)>;
 
 class Renderer {
  public:
-  // Opens the board that `options` ask for. `while_waiting`: as OpenOptions; after what it throws the next picture may be asked for.
-  // `ranks`: who share the pictures, each with such an object; null if there is one host.
+  // Opens the board that `options` ask for. `while_waiting`: as OpenOptions; after what it throws the next picture may
+  // be asked for. `ranks`: who share the pictures, each with such an object; null if there is one host.
   // Throws UsageError, InputError, FileError, and as Board::open().
   Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {},
            MpiExchange* ranks = nullptr);
 
-  // What the next pictures are of. Board and field of light stay those of the constructor; the transfer function's file is taken to be
-  // another one when it has another name. Throws UsageError and InputError: nothing has changed.
+  // What the next pictures are of. Board and field of light stay those of the constructor; the transfer function's file
+  // is taken to be another one when it has another name. Throws UsageError and InputError: nothing has changed.
   void change(const RenderOptions& options);
 
-  // Pictures `first` to before `last`: of one volume and one light. What is on the board is used again as far as it is the same.
+  // Pictures `first` to before `last`: of one volume and one light. What is on the board is used again as far as it is
+  // the same.
   void run(const std::vector<double>& times, std::size_t first, std::size_t last,
            const std::function<void(const Frame&)>& done);
   // The picture at a time.
@@ -74,7 +75,8 @@ class Renderer {
   // The scene's lighting rays, or as many as a plan found enough for the first light that these voxels had.
   Illumination planned(const LightPass& pass, const Illumination& settings, std::size_t passes,
                        const std::string& channel);
-  // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
+  // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the
+  // board.
   void plan_view(const LightPass& pass, View& view);
   void picture(const LightPass& pass, const std::string& what, Frame& frame);
 

@@ -75,8 +75,8 @@ std::string Door::address() const {
   return fmt::format("{}://{}{}/?token={}", scheme(), is_v6 ? '[' + host + ']' : host, port_suffix(), token);
 }
 
-// Names that only this machine has, or that its certificate is for: a foreign page whose name was made to mean this address says
-// another Host.
+// Names that only this machine has, or that its certificate is for: a foreign page whose name was made to mean this
+// address says another Host.
 bool Door::is_own(std::string_view named) const {
   if (!named.ends_with(port_suffix())) return false;
   named.remove_suffix(port_suffix().size());

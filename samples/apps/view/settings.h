@@ -24,8 +24,8 @@ struct Shelf {
 // written.
 std::filesystem::path file_of(const std::string& function, const Shelf& shelf);
 
-// `board`: of the program's command line; a page may change its level and fields. Throws UsageError ("--NAME: expected ..., got ...")
-// and InputError, FileError.
+// `board`: of the program's command line; a page may change its level and fields. Throws UsageError ("--NAME: expected
+// ..., got ...") and InputError, FileError.
 RenderOptions options_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board);
 
 // The gicube-render that makes the same picture; a transfer function that a page wrote is "view.tf".

@@ -27,7 +27,8 @@ struct Slice {
   std::vector<std::uint8_t> words;  // 16 bits each, little endian: 0..4095 over the volume's range, or a label's place
 };
 
-// Voxel `request.at` of its axis, or the greatest or the mean value along it. Throws InputError, and what Board::read_volume() throws.
+// Voxel `request.at` of its axis, or the greatest or the mean value along it. Throws InputError, and what
+// Board::read_volume() throws.
 Slice slice_of(Board& board, const SceneSetup& setup, const Request& request, const Progress& progress);
 
 }  // namespace gicube::samples::view

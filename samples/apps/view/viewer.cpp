@@ -112,7 +112,8 @@ void Viewer::ask(Page page, Request request) {
                (request.kind == Kind::kSlice && job.request->axis == request.axis))) ||
              (job.request->kind == Kind::kCompare && is_picture(request));
     });
-    // A page's own comparison takes long, and gives way to the page; a moving one does not wait for another page's whole picture.
+    // A page's own comparison takes long, and gives way to the page; a moving one does not wait for another page's
+    // whole picture.
     if (is_picture(request) && now_ && is_picture(now_->request) &&
         (now_->page == page || (request.kind == Kind::kPicture && request.on && !now_->request->on))) {
       stop_ = true;

@@ -45,8 +45,8 @@ struct ViewOptions {
 
 class Viewer {
  public:
-  // `send` is called from the viewer's thread and from that of ask(). The input is read by the viewer's; what goes wrong is told to the
-  // pages.
+  // `send` is called from the viewer's thread and from that of ask(). The input is read by the viewer's; what goes
+  // wrong is told to the pages.
   Viewer(const ViewOptions& options, std::function<void(Page, const Packet&)> send);
   ~Viewer();
   Viewer(const Viewer&) = delete;
@@ -87,7 +87,8 @@ class Viewer {
 
   void work();
   void carry_out(const Job& job);
-  // After a stop: whether the page has asked for something newer. If not, another page's picture came between, and it is done again.
+  // After a stop: whether the page has asked for something newer. If not, another page's picture came between, and it
+  // is done again.
   bool make_way(const Job& job);
   void failed(const Job& job, const std::string& text, const std::string& field);
   void lose(const std::string& text);

@@ -20,7 +20,8 @@ std::vector<std::byte> ball(int edge, double radius);
 void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge);
 
 // One ray along z for each pixel, a row a batch, to the first sample on the surface or behind it. Up to `in_flight`
-// batches are on their way at once; with each that has come back the host works for `host_time` while the board goes on.
+// batches are on their way at once; with each that has come back the host works for `host_time` while the board goes
+// on.
 DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,
                    gicube::Picoseconds host_time = 0);
 

@@ -51,7 +51,8 @@ int main() {
   const Measured flowing = streamed.end();
 
   // A row: 4096 dwords each way. One by one it comes down in bursts of 256 dwords (PCI: 259 clocks of 30 ns) or 64
-  // (AGP 2x: 34 of 15 ns), passes the DSP in 80 ns per ray and 70 ns to begin, and goes up in bursts of 256 (259 clocks).
+  // (AGP 2x: 34 of 15 ns), passes the DSP in 80 ns per ray and 70 ns to begin, and goes up in bursts of 256 (259
+  // clocks).
   const double dsp = 70e3 + 80e3 * kWidth;
   const double row = setup.bus == "agp2x" ? 64 * 34 * 15e3 + dsp + 16 * 259 * 15e3 : 2 * 16 * 259 * 30e3 + dsp;
   require(time_is(waiting, row * kHeight, 0.01));

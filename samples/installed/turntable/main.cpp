@@ -1,4 +1,5 @@
-// turntable SCAN FILE.png [SECONDS [BOARD]]: a picture of a scan on a turntable, by an emulated board unless another one is named.
+// turntable SCAN FILE.png [SECONDS [BOARD]]: a picture of a scan on a turntable, by an emulated board unless another
+// one is named.
 #include <gicube/scene/image_file.h>
 
 #include <cstdio>

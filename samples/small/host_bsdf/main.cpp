@@ -1,5 +1,5 @@
-// A material whose scattering is the application's own: a ball of cat's eyes, each of which sends light back to where it
-// came from, but for a little spread. The rays that meet it cross the bus to this program and back, and pay for it.
+// A material whose scattering is the application's own: a ball of cat's eyes, each of which sends light back to where
+// it came from, but for a little spread. The rays that meet it cross the bus to this program and back, and pay for it.
 #include <gicube/board.h>
 
 #include <algorithm>

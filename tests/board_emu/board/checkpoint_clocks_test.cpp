@@ -1,4 +1,5 @@
-// Checkpoints whose clocks were made up: what no command comes to is refused, and any other board goes on within a short time.
+// Checkpoints whose clocks were made up: what no command comes to is refused, and any other board goes on within a
+// short time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

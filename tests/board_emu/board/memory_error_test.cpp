@@ -174,7 +174,8 @@ TEST(Verify, TakesTheTimeThatTheFullestChannelNeedsForItsPackets) {
       }();
       const std::uint64_t begin = board.now_ps;
       verify(board);
-      // Slabs one block thick: of the four processors the first three have 9 blocks each, of 512 / 4 packets, 10 ns each.
+      // Slabs one block thick: of the four processors the first three have 9 blocks each, of 512 / 4 packets, 10 ns
+      // each.
       const std::uint64_t reading = 9 * sharing * 128 * 10'000;
       EXPECT_GE(board.now_ps - begin, reading) << sharing;
       // The transfers beside it: 27 words up instead of one.

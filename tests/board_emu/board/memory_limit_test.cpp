@@ -147,8 +147,8 @@ TEST(MemoryLimit, RaysThatWaitForBlocksCount) {
               AllOf(HasSubstr("rays wait for blocks"), HasSubstr("--max-memory")));
 }
 
-// Of 3 x 1 x 2 blocks of eight: what irradiance (two pointers) and sums (a pointer, a bound) have for each, and 12 bytes
-// for each of 2^3 cells.
+// Of 3 x 1 x 2 blocks of eight: what irradiance (two pointers) and sums (a pointer, a bound) have for each, and 12
+// bytes for each of 2^3 cells.
 TEST(MemoryLimit, BlocksCountBeforeAnythingIsStored) {
   EXPECT_EQ(Aperture::bytes_of_blocks({17, 8, 9}, 8, 1),
             6 * (VolumeMemory::kBytesOfBlock + 2 * sizeof(void*) + sizeof(void*) + 8 + 8 * 12));

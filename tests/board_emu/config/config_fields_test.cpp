@@ -1,5 +1,5 @@
-// Nothing is ignored: for every field of the board's configuration a table says what each level makes of it, and each claim
-// is tried on a board. A field that is not in the table fails the test.
+// Nothing is ignored: for every field of the board's configuration a table says what each level makes of it, and each
+// claim is tried on a board. A field that is not in the table fails the test.
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
@@ -243,7 +243,8 @@ TEST(ConfigFields, OfFidelityGiveEachLevelItsOwnTimeAndTheSameValues) {
   EXPECT_EQ(functional.image, cycle.image);
 }
 
-// The list by which programs warn is what this table was tried for. Left out: fields of the host, and one that matters to coloured volumes.
+// The list by which programs warn is what this table was tried for. Left out: fields of the host, and one that matters
+// to coloured volumes.
 TEST(ConfigFields, AreNotModelledWhereTheyChangeNothing) {
   const std::set<std::string> others{"pace", "threads", "asic.voxel_format"};
   for (const Field& field : kFields) {

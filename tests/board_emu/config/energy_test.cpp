@@ -36,8 +36,8 @@ double watts(const v1::BoardConfig& config, const std::string& part,
   return 0;
 }
 
-// Samsung K4R271669F: a device reads 1.20 W with a row for each two packets, a packet every four clocks; writes 1.25 W; standby
-// 0.19 W, which its refresh current is too.
+// Samsung K4R271669F: a device reads 1.20 W with a row for each two packets, a packet every four clocks; writes 1.25 W;
+// standby 0.19 W, which its refresh current is too.
 TEST(Energy, OfAnRdramIsThatOfItsDataSheet) {
   static constexpr std::uint64_t kClocks = 400'000;  // of 2.5 ns in a millisecond
   const auto busy = [](const char* what) {
@@ -53,8 +53,8 @@ TEST(Energy, OfAnRdramIsThatOfItsDataSheet) {
               0.0003);
 }
 
-// Infineon HYS72D64000GU-7 at its 133 MHz, 2.5 V: IDD4R 1800 mA, IDD4W 1755 mA, IDD3N 630 mA, and IDD0 1530 mA with a row each 65 ns,
-// which is in precharge standby for a part of that.
+// Infineon HYS72D64000GU-7 at its 133 MHz, 2.5 V: IDD4R 1800 mA, IDD4W 1755 mA, IDD3N 630 mA, and IDD0 1530 mA with a
+// row each 65 ns, which is in precharge standby for a part of that.
 TEST(Energy, OfADdrRankIsThatOfItsDataSheet) {
   const auto config = small({"memory=ddr", "ddr.clock_khz=133333", "ddr.refresh_interval=0"});
   constexpr std::uint64_t kClocks = 133'333;
@@ -64,7 +64,8 @@ TEST(Energy, OfADdrRankIsThatOfItsDataSheet) {
   EXPECT_NEAR(watts(config, "memory", {{"ddr.activates", 1'000'000 / 65}}), 2.5 * 1.530, 0.05 * 3.8);
 }
 
-// Eight Samsung K4S560832D-1H, 3.3 V: ICC4 100 mA, ICC2N 20 mA, ICC1 90 mA with a row and a read each 70 ns. Their I/O is outside.
+// Eight Samsung K4S560832D-1H, 3.3 V: ICC4 100 mA, ICC2N 20 mA, ICC1 90 mA with a row and a read each 70 ns. Their I/O
+// is outside.
 TEST(Energy, OfAnSdramRankIsThatOfItsDataSheet) {
   const auto config =
       small({"sdram.ranks=3", "dsp.framebuffer_mb=1", "energy.sdram_io_fj=0", "sdram.refresh_interval=0"});

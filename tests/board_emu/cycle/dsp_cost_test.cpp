@@ -146,7 +146,8 @@ std::uint64_t lone_ray_cycles(const std::vector<std::string>& assignments, int s
   return trace_cycle(rays, scene.frame, machine).cycles;
 }
 
-// As machine_test counts them: 5 to the tag check, turns of both parts' stages and three cycles, and 3 back to the DSP's end.
+// As machine_test counts them: 5 to the tag check, turns of both parts' stages and three cycles, and 3 back to the
+// DSP's end.
 TEST(PipelineCost, IsBothPartsStagesAndThreeCyclesAPass) {
   for (const auto& [prefetch, compute] : {std::pair(16, 16), std::pair(3, 5), std::pair(7, 1), std::pair(1, 9)}) {
     for (const int samples : {1, 2, 6}) {
@@ -158,8 +159,8 @@ TEST(PipelineCost, IsBothPartsStagesAndThreeCyclesAPass) {
   }
 }
 
-// A lone ray's cold packets with nothing else on the wires: what each step takes longer, the ray takes longer, to the cycle. One
-// prefetch stage hides nothing.
+// A lone ray's cold packets with nothing else on the wires: what each step takes longer, the ray takes longer, to the
+// cycle. One prefetch stage hides nothing.
 TEST(MemoryCost, OfEachStepOfAColdReadIsPaidToTheCycle) {
   const std::vector<std::string> base{"rdram.refresh_interval=0", "pipeline.prefetch_stages=1"};
   const auto with = [&base](const std::string& more) {

@@ -33,8 +33,9 @@ RunResult run(Machine& machine, const Scene& scene, std::vector<wire::Ray> rays)
   return trace_cycle(rays, scene.frame, machine);
 }
 
-// 0: the DSP makes the ray; push 1; bus 2; sorter writes 3, issues 4; tag check 5. 16 + 16 stages; back at the sorter 38,
-// issued 39, next tag check 40: 35 cycles a turn. After the last turn's 32 stages: tree 33, DSP 34, and a cycle more.
+// 0: the DSP makes the ray; push 1; bus 2; sorter writes 3, issues 4; tag check 5. 16 + 16 stages; back at the sorter
+// 38, issued 39, next tag check 40: 35 cycles a turn. After the last turn's 32 stages: tree 33, DSP 34, and a cycle
+// more.
 TEST(Machine, ALoneRayTakesThirtyFiveCyclesASampleWithPerfectMemory) {
   const v1::BoardConfig config =
       config_with({"asic.processors=1", "ideal.memory=1", "ideal.dsp=1", "asic.block_voxels=32"});
@@ -145,8 +146,8 @@ TEST(Machine, CausesOfALoneRayInColdMemoryAreMissesAndFills) {
   EXPECT_EQ(std::accumulate(causes.begin(), causes.end(), std::uint64_t{0}), machine.now());
 }
 
-// At odd x and y the first sample needs eight packets, and each further one the four of a slice. All have come before it leaves the
-// prefetch line, so with one port it stands still for all but the last, and with two not at all.
+// At odd x and y the first sample needs eight packets, and each further one the four of a slice. All have come before
+// it leaves the prefetch line, so with one port it stands still for all but the last, and with two not at all.
 TEST(Machine, WithTwoPortsPacketsThatHaveComeHoldNoSampleUp) {
   for (const int samples : {1, 2, 5}) {
     Scene scene({33, 33, 33}, 32);

@@ -1,4 +1,5 @@
-// Which samples of a lighting ray write their eight voxels, and when those go to memory: traffic and time alone depend on it.
+// Which samples of a lighting ray write their eight voxels, and when those go to memory: traffic and time alone depend
+// on it.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,5 @@
-// Each BSDF of the hardware against its closed form: direction, width, evenness. All 4,096 random directions are tried once, so
-// that nothing here is left to chance; what remains are the lattice's steps and the rounding of the words.
+// Each BSDF of the hardware against its closed form: direction, width, evenness. All 4,096 random directions are tried
+// once, so that nothing here is left to chance; what remains are the lattice's steps and the rounding of the words.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -64,8 +64,8 @@ Vector mean_of(const std::vector<Vector>& all) {
 
 double mean_cosine(const std::vector<Vector>& all, const Vector& to) { return inner(mean_of(all), to); }
 
-// Chi-square over eight even classes of `share`, a number that is even over 0..1, and eight of the angle about `axis`: per
-// degree of freedom. Independent draws give 1 ± 0.18; a lattice less.
+// Chi-square over eight even classes of `share`, a number that is even over 0..1, and eight of the angle about `axis`:
+// per degree of freedom. Independent draws give 1 ± 0.18; a lattice less.
 double chi_square(const std::vector<Vector>& all, const Vector& axis,
                   const std::function<double(const Vector&)>& share) {
   const Vector b = unit(cross(axis, std::abs(axis[0]) < 0.5 ? Vector{1, 0, 0} : Vector{0, 1, 0})), c = cross(axis, b);

@@ -1,5 +1,5 @@
-// Opacity, depth, compositing and energy, on both datapaths, against tests/support/reference/words.h, over their whole range or a
-// million random words.
+// Opacity, depth, compositing and energy, on both datapaths, against tests/support/reference/words.h, over their whole
+// range or a million random words.
 #include <gtest/gtest.h>
 
 #include <algorithm>

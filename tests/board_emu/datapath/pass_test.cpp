@@ -179,7 +179,8 @@ TEST(Packets, GiveARayItsWords) {
   EXPECT_EQ(ray.flags, wire::kLightingRay);
 }
 
-// A hit is the sample before the ray's place; a segment's end half a step before it; what lies outside is put on the face.
+// A hit is the sample before the ray's place; a segment's end half a step before it; what lies outside is put on the
+// face.
 TEST(Packets, HoldWhatARayGatheredAndWhereItEnded) {
   Fog fog;
   Frame& frame = fog.lit.scene.frame;

@@ -12,8 +12,8 @@
 namespace gicube::emu {
 namespace {
 
-// The depth at which photons are absorbed is exponential: a quarter of those of a part lie before where a quarter of its
-// absorption is passed.
+// The depth at which photons are absorbed is exponential: a quarter of those of a part lie before where a quarter of
+// its absorption is passed.
 TEST(Shares, PlacesOfAbsorptionFollowTheExponentialWithinTheSample) {
   Fog fog;
   fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;

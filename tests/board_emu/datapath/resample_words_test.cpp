@@ -1,5 +1,5 @@
-// Products, interpolators and their reverse, splats, against tests/support/reference/words.h, over their whole range or a million
-// random words.
+// Products, interpolators and their reverse, splats, against tests/support/reference/words.h, over their whole range or
+// a million random words.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,8 +91,8 @@ TEST(PipelineWords, ADensityIsRoundedToTheLutsIndexHalvesUp) {
   }
 }
 
-// Systematic rounding: the sum of the shares up to voxel i is the whole part of units times the weights up to it, plus one
-// fraction for all. The weights' product has 42 bits, of which 28 count.
+// Systematic rounding: the sum of the shares up to voxel i is the whole part of units times the weights up to it, plus
+// one fraction for all. The weights' product has 42 bits, of which 28 count.
 TEST(PipelineWords, ASplatsSharesAreTheStepsOfOneRoundedRunningSum) {
   Words words(20);
   std::mt19937_64 random(20);

@@ -1,5 +1,5 @@
-// Shades by the reflectance map and by irradiance against tests/support/reference/words.h, over their whole range or a million
-// random words.
+// Shades by the reflectance map and by irradiance against tests/support/reference/words.h, over their whole range or a
+// million random words.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,7 +115,8 @@ TEST(PipelineWords, IrradianceIsInterpolatedWithFourFractionBitsAndSaturates) {
   }
 }
 
-// Irradiance 11.4, gain 8.8 and exposure 16.16 make a shade of 15 fraction bits, rounded; so does the highlight, in 1/128.
+// Irradiance 11.4, gain 8.8 and exposure 16.16 make a shade of 15 fraction bits, rounded; so does the highlight, in
+// 1/128.
 TEST(PipelineWords, ALitSampleHasItsColourTimesIrradianceGainAndExposure) {
   const std::vector<std::uint8_t> map = random_map(3);
   Words words(16);

@@ -1,5 +1,5 @@
-// How a sample's opacity is shared between absorption and scattering, word by word: what a ray holds after one sample of a
-// uniform volume against tests/support/reference/words.h.
+// How a sample's opacity is shared between absorption and scattering, word by word: what a ray holds after one sample
+// of a uniform volume against tests/support/reference/words.h.
 #include <gtest/gtest.h>
 
 #include <cmath>

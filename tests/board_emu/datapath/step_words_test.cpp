@@ -1,5 +1,5 @@
-// Steps, places and the hashes that are drawn from them against tests/support/reference/words.h, over their whole range or a
-// million random words.
+// Steps, places and the hashes that are drawn from them against tests/support/reference/words.h, over their whole range
+// or a million random words.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -100,8 +100,8 @@ TEST(Dsp, WaitsForALineThatItReadsOrChangesAndNotForOneThatItWrites) {
 
 TEST(Dsp, WaitsForAWriteOnlyIfFourOthersWaitBeforeIt) {
   Warm warm;
-  // Each to another row of one bank, 8 clocks from WR to WR: 4 beats with tWR, PRE and ACT. The DSP asks for one in 10 cycles, which
-  // are 5 clocks.
+  // Each to another row of one bank, 8 clocks from WR to WR: 4 beats with tWR, PRE and ACT. The DSP asks for one in 10
+  // cycles, which are 5 clocks.
   const auto write = [&warm](std::uint64_t row, DspCycle at) {
     return warm.dsp.work(DspTask{.loop = &kLoop}.with({kData + row * 4 * 4096, 32, Kind::kWrite}), at) - at -
            kLoop.interval();

@@ -1,4 +1,5 @@
-// What a command takes from registers, tables and memory, whether it is what stands there now, and what it counts of its rays.
+// What a command takes from registers, tables and memory, whether it is what stands there now, and what it counts of
+// its rays.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -92,8 +93,8 @@ TEST(IlluminateCommand, SaysThroughWhichFaceItsRaysEscape) {
   EXPECT_EQ(lit(board, sunlight(100, {-1, 0, 0})).escaped_by_face, (Faces{0, 25'600, 0, 0, 0, 0}));
 }
 
-// The upper half is dense: opaque at first, and then as clear as the lower one. Where the two meet, a sample's part of its ray
-// takes its opacity from the table's depths.
+// The upper half is dense: opaque at first, and then as clear as the lower one. Where the two meet, a sample's part of
+// its ray takes its opacity from the table's depths.
 TEST(IlluminateCommand, GoesByTheTableThatWasWrittenLast) {
   for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
     BareBoard board(blocks_of_eight(level));

@@ -1,4 +1,5 @@
-// The DSP's commands through the board's connector: what each field may hold, what counts and what comes back, worked by hand.
+// The DSP's commands through the board's connector: what each field may hold, what counts and what comes back, worked
+// by hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -236,8 +236,8 @@ TEST(LightingRays, RoundEnergyWithoutBias) {
   EXPECT_GT(variance, 1000);
 }
 
-// The numbers that round are hashes of the seed and the light's geometry, of a stream of their own (1), and of the ray's number:
-// images stay the same from release to release.
+// The numbers that round are hashes of the seed and the light's geometry, of a stream of their own (1), and of the
+// ray's number: images stay the same from release to release.
 TEST(LightingRays, RoundEnergyByTheHashOfTheirNumber) {
   const IlluminateCommand command = light(LightKind::kPoint, 10'000, {6, 4, 5}, 4);
   const LightingRays rays(command, kBox, kEven, 8, 3);

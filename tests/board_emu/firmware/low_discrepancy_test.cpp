@@ -81,8 +81,8 @@ TEST(ScrambledSobol, IsUncorrelatedBetweenSeedsAndDimensions) {
   }
 }
 
-// Nested uniform scrambling: whether a bit is flipped is a coin of its own for each value of the bits before it. Tried for the high six
-// bits, and for the low six between 1/64 and 2/64.
+// Nested uniform scrambling: whether a bit is flipped is a coin of its own for each value of the bits before it. Tried
+// for the high six bits, and for the low six between 1/64 and 2/64.
 TEST(ScrambledSobol, FlipsEachBitByACoinOfItsOwn) {
   constexpr std::size_t kSeeds = 256, kNodes = 63;
   std::vector<std::bitset<kSeeds>> coins(2 * kNodes);

@@ -99,7 +99,8 @@ TEST(PairsCommand, GivesEachOfManyPairsItsOwnResult) {
   }
 }
 
-// The DSP holds 65,536 rays, 2,048 pairs of 32. All but the last of 2,050 pairs look away from each other and send none.
+// The DSP holds 65,536 rays, 2,048 pairs of 32. All but the last of 2,050 pairs look away from each other and send
+// none.
 TEST(PairsCommand, OfMoreRaysThanTheDspHoldsGiveEachPairItsOwnResult) {
   BareBoard board(blocks_of_eight(v1::cycle));
   load_fog(board, 0);

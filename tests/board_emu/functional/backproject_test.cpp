@@ -1,5 +1,5 @@
-// The sums that the functional level's tiles and vectors leave are those of samples taken one by one, in any number of commands
-// and on any number of threads.
+// The sums that the functional level's tiles and vectors leave are those of samples taken one by one, in any number of
+// commands and on any number of threads.
 #include "functional/backproject.h"
 
 #include <gtest/gtest.h>

@@ -63,8 +63,8 @@ void expect_slab_table(bool wide, Albedo albedo, std::uint32_t k, double allowed
   }
 }
 
-// 262,144 photons a row, and 1,048,576: standard errors up to 0.0005. With 4,194,304 every share of the wide datapath is
-// within 0.35% of the table's, or within half a unit of its last digit.
+// 262,144 photons a row, and 1,048,576: standard errors up to 0.0005. With 4,194,304 every share of the wide datapath
+// is within 0.35% of the table's, or within half a unit of its last digit.
 TEST(LightingPass, OfPhotonsReflectsAndPassesASlabsShares) { expect_slab_table(false, Albedo::kHigh, 4, 0); }
 TEST(LightingPass, OfTheWideDatapathReflectsAndPassesASlabsShares) {
   expect_slab_table(true, Albedo::kHigh, 16, 0.005);
@@ -103,9 +103,10 @@ struct Absorber {
   double worst_voxel = 0;
 };
 
-// A ray leaves one deposit in each of its parts, which are up to 1.5 steps long, in the middle of the part's depth. In a model of these
-// deposits with exact weights their RMS error over the voxels is 0.86%; at the centroid of the energy 0.95%, at one of two Gauss points in
-// turns 1.3%, at a place drawn evenly 1.4%, with a worst voxel of 11% to 14% each. So no other single place does better.
+// A ray leaves one deposit in each of its parts, which are up to 1.5 steps long, in the middle of the part's depth. In
+// a model of these deposits with exact weights their RMS error over the voxels is 0.86%; at the centroid of the energy
+// 0.95%, at one of two Gauss points in turns 1.3%, at a place drawn evenly 1.4%, with a worst voxel of 11% to 14% each.
+// So no other single place does better.
 TEST(LightingPass, OfBundlesLeavesAPointSourcesEnergyInAnAbsorber) {
   const Absorber absorber(true, Albedo::kLow, 64, 4e9);
   for (std::size_t r = 2; r < Absorber::kShells; ++r)
@@ -198,8 +199,8 @@ TEST(LightingPass, ScattersPhotonsAsOftenAsTheirAlbedoSays) {
   }
 }
 
-// All but nothing is absorbed, and uniform radiance comes in through every face: then it is the same everywhere, and the
-// little that is absorbed is the same in every voxel.
+// All but nothing is absorbed, and uniform radiance comes in through every face: then it is the same everywhere, and
+// the little that is absorbed is the same in every voxel.
 TEST(LightingPass, MakesAFurnaceOfConstantRadiance) {
   constexpr int kSize = 17;
   constexpr double kEdge = kSize - 1, kExtinction = 0.2, kPower = 5e8;

@@ -1,5 +1,5 @@
-// Shares of a sun's light that come through layers and back from them, wherever their faces lie, against closed forms and a Monte
-// Carlo method without voxels.
+// Shares of a sun's light that come through layers and back from them, wherever their faces lie, against closed forms
+// and a Monte Carlo method without voxels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 using wire::Albedo;
 using wire::Bsdf;
 
-// A layer of one medium between two places along z; its densities go through the medium's least one over `blur` voxels, as a
-// scan's do, or from one voxel to the next.
+// A layer of one medium between two places along z; its densities go through the medium's least one over `blur` voxels,
+// as a scan's do, or from one voxel to the next.
 struct Layer {
   double begin, end, blur;
 
@@ -34,7 +34,8 @@ struct Layer {
 struct LayerLight {
   static constexpr int kThick = 17;
 
-  // The volume has faces of `wide` x `wide` voxels, `edge` apart. `depth`: of the whole layer, in or outside of the volume.
+  // The volume has faces of `wide` x `wide` voxels, `edge` apart. `depth`: of the whole layer, in or outside of the
+  // volume.
   LayerLight(const Layer& layer, double depth, double albedo, double step, Albedo rays, int wide, double edge)
       : lit({wide, wide, kThick}, 16, true, {edge, edge, 1}) {
     lit.scene.fill([&](int, int, int z) { return wire::Voxel{.density = layer.density(z)}; });

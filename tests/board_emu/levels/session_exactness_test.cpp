@@ -1,4 +1,5 @@
-// A host that does anything with a board gets the same bits from every level, on every machine and bus, by any number of threads.
+// A host that does anything with a board gets the same bits from every level, on every machine and bus, by any number
+// of threads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +14,8 @@ namespace {
 
 constexpr int kEdge = 8, kSteps = 40;  // voxels of a block, things that the host does
 
-// What a host hears of values, without the times. It waits for each thing that it does, since what it does next depends on what has come.
+// What a host hears of values, without the times. It waits for each thing that it does, since what it does next depends
+// on what has come.
 std::vector<std::string> heard(const v1::BoardConfig& config, unsigned seed) {
   RandomHost host(seed, kEdge);
   Board board(config, 1);

@@ -183,7 +183,8 @@ TEST(VolumeMemory, KeepsTheWordsOfBlocksWithIrradianceBits) {
   EXPECT_EQ(memory.view(0).densities[9], 8 << 3);
 }
 
-// Whatever the order in which blocks are written, decoded and left out, what is seen is what a memory has that decodes all at once.
+// Whatever the order in which blocks are written, decoded and left out, what is seen is what a memory has that decodes
+// all at once.
 TEST(VolumeMemory, ShowsTheSameHoweverItsBlocksCame) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 60; ++trial) {

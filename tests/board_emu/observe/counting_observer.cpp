@@ -1,4 +1,5 @@
-// An observer for tests. It opens the file that GICUBE_TEST_OBSERVED names as it is loaded, and writes to it in its box what it has seen.
+// An observer for tests. It opens the file that GICUBE_TEST_OBSERVED names as it is loaded, and writes to it in its box
+// what it has seen.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -76,7 +76,8 @@ TEST(Events, OfAllRaysAreTheCountersOfTheParts) {
     for (const char* cause : {"cache_fill", "cache_miss", "memory_bank", "refresh"}) {
       stood += counter(machine, std::string("processor.cycles.") + cause);
     }
-    // The cause of a cycle in which nothing came to the line's end goes back to when nothing entered, which may be a miss too.
+    // The cause of a cycle in which nothing came to the line's end goes back to when nothing entered, which may be a
+    // miss too.
     EXPECT_LE(waited, stood);
     EXPECT_GT(waited, stood / 2);
   }
@@ -111,7 +112,8 @@ TEST(Events, TellOneRaysLifeInItsOrder) {
   }
 }
 
-// What was accumulated is what the image has; and a sample's colour and opacity, composited once more, is what was accumulated.
+// What was accumulated is what the image has; and a sample's colour and opacity, composited once more, is what was
+// accumulated.
 TEST(Events, EndWithTheWordsOfThePicture) {
   for (const auto& more : std::vector<std::vector<std::string>>{{}, {"asic.datapath=wide"}}) {
     const reference::TemporaryDirectory folder;

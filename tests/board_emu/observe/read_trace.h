@@ -29,8 +29,8 @@ struct ReadTrace {
 
 std::string read_text(const std::string& path);
 
-// Throws std::runtime_error if `text` is no JSON array of events, an event lies on a track without a name, or slices of a
-// track overlap or are out of order.
+// Throws std::runtime_error if `text` is no JSON array of events, an event lies on a track without a name, or slices of
+// a track overlap or are out of order.
 ReadTrace read_trace(const std::string& text);
 
 }  // namespace gicube::emu

@@ -24,8 +24,8 @@ struct ReadVcd {
   std::string at(const std::string& signal, std::uint64_t time) const;
 };
 
-// Throws std::runtime_error for what the grammar forbids: an id that was not declared, a time that goes back, a value with
-// more digits than its signal, a "change" to the same value, a scope that stays open.
+// Throws std::runtime_error for what the grammar forbids: an id that was not declared, a time that goes back, a value
+// with more digits than its signal, a "change" to the same value, a scope that stays open.
 ReadVcd read_vcd(const std::string& text);
 
 }  // namespace gicube::emu

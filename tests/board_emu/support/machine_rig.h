@@ -103,7 +103,8 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machi
                       const Lamps& lamps = {});
 RunRules runs_of(const v1::BoardConfig& config);
 
-// The same by a machine that has the values computed ahead, if the frame's can be; in mid run a checkpoint is taken if `saves`.
+// The same by a machine that has the values computed ahead, if the frame's can be; in mid run a checkpoint is taken if
+// `saves`.
 Picture ahead_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs,
                       bool saves);
 

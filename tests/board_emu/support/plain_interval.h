@@ -1,5 +1,5 @@
-// The integration interval of a lighting ray's sample by plain scalar code, which shares nothing with datapath/interval-inl.h: the
-// oracle of that source, which serves both a ray alone and rays in lanes.
+// The integration interval of a lighting ray's sample by plain scalar code, which shares nothing with
+// datapath/interval-inl.h: the oracle of that source, which serves both a ray alone and rays in lanes.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,8 @@ class PlainPath {
   }
 
   const PlainReach& own() const { return own_; }
-  // An interval begins and ends half way between the cells of neighbouring samples, so that the intervals cover the ray once.
+  // An interval begins and ends half way between the cells of neighbouring samples, so that the intervals cover the ray
+  // once.
   double begin() const {
     const Point previous = moved(-1);
     if (same_cell(previous)) return -0.5;

@@ -28,7 +28,8 @@ class RandomHost {
   // Reads all that the volume's memories hold, and the picture's first pixels.
   void read_memories(Board& board);
 
-  // All that has come back so far, with its times: a line each. It begins with what it is: completion, counters, or another reply.
+  // All that has come back so far, with its times: a line each. It begins with what it is: completion, counters, or
+  // another reply.
   const std::vector<std::string>& heard() const { return heard_; }
 
  private:

@@ -1,4 +1,5 @@
-// Batches that an event loop waits for, and their handles: what happens with several, without a board, and after the end.
+// Batches that an event loop waits for, and their handles: what happens with several, without a board, and after the
+// end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>

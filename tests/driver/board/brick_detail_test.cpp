@@ -1,4 +1,5 @@
-// Blocks that are sent in cells of several voxels: a picture has the bits of a volume whose voxels have their cells' means.
+// Blocks that are sent in cells of several voxels: a picture has the bits of a volume whose voxels have their cells'
+// means.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

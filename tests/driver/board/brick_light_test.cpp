@@ -1,5 +1,5 @@
-// Light in volumes that the card does not store whole: its irradiance, its accounts and the pictures that it lights have the same bits
-// as on a card that stores them whole.
+// Light in volumes that the card does not store whole: its irradiance, its accounts and the pictures that it lights
+// have the same bits as on a card that stores them whole.
 #include <gtest/gtest.h>
 
 #include <random>

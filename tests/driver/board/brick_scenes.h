@@ -1,5 +1,5 @@
-// Random volumes and views for the tests of volumes that the card does not store whole, and a pair of boards: one that stores
-// them in bricks, and one that stores them whole.
+// Random volumes and views for the tests of volumes that the card does not store whole, and a pair of boards: one that
+// stores them in bricks, and one that stores them whole.
 #pragma once
 
 #include <array>

@@ -114,8 +114,8 @@ TEST(Colours, OfOneKindAreTheTransferFunctionsColour) {
   }
 }
 
-// A volume classified by the host and one by the card: the same where the table is a straight line and the colour is one,
-// up to the eight bits of alpha that the host has rounded to.
+// A volume classified by the host and one by the card: the same where the table is a straight line and the colour is
+// one, up to the eight bits of alpha that the host has rounded to.
 TEST(Colours, APreClassifiedVolumeLooksAsTheOneThatItWasMadeOf) {
   const auto samples = ball(255);
   constexpr double kTop = 0.6;
@@ -125,8 +125,8 @@ TEST(Colours, APreClassifiedVolumeLooksAsTheOneThatItWasMadeOf) {
   }
   const Image expected = picture(kSmallBlocks, view_of(samples), ramp(kTop, {1, 0.4, 0.2}), flat_view());
   const Image classified = picture(uri("rgba"), view_of(alpha, painted(255, 102, 51)), ramp(1), flat_view());
-  // Each of some 16 samples of a ray is off by half of 1/255 of its opacity at most, mostly by chance: 4 of 255, and of 4095 the same
-  // part.
+  // Each of some 16 samples of a ray is off by half of 1/255 of its opacity at most, mostly by chance: 4 of 255, and of
+  // 4095 the same part.
   for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
     ASSERT_NEAR(classified.pixels[i].red, expected.pixels[i].red, 4) << i;
     ASSERT_NEAR(classified.pixels[i].green, expected.pixels[i].green, 4) << i;

@@ -90,7 +90,8 @@ class Lamps : public testing::TestWithParam<const char*> {
     return view;
   }
 
-  // Every pixel has the lamp's colour or nothing, as geometry says, but for those whose ray passes close to the outline.
+  // Every pixel has the lamp's colour or nothing, as geometry says, but for those whose ray passes close to the
+  // outline.
   template <typename Shape>
   void expect_where_geometry_says(const Image& image, const View& view, const Lamp& lamp) {
     constexpr double kNear =

@@ -53,8 +53,8 @@ double sum(const LightingReport& report) {
   return report.deposited + report.escaped + report.scattered_away + report.clipped;
 }
 
-// A slab that fills the volume, 15 long along `axis` and 127 x 64 across, lit from its low face. What left by each face of the
-// volume, as shares of what was emitted.
+// A slab that fills the volume, 15 long along `axis` and 127 x 64 across, lit from its low face. What left by each face
+// of the volume, as shares of what was emitted.
 std::array<double, 6> slab_shares(Board& board, int axis, double depth, double albedo, const Illumination& settings) {
   constexpr int kThick = 16, kWide = 128;
   constexpr double kEdge = 64;

@@ -59,7 +59,8 @@ TEST(Load, ProgressTellsOfEachBlockThatIsSent) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
   board.load_volume(BoxVolume(32, 9, 14).view(),
                     [&](std::uint32_t done, std::uint32_t all) { heard.emplace_back(done, all); });
-  // Box and gradients fill block (1, 1, 1); its lower neighbours share its first faces: 2^3 blocks of 4^3 hold something.
+  // Box and gradients fill block (1, 1, 1); its lower neighbours share its first faces: 2^3 blocks of 4^3 hold
+  // something.
   ASSERT_EQ(heard.size(), 9u);
   EXPECT_EQ(heard.front(), std::pair(0u, 64u));
   EXPECT_EQ(heard[7], std::pair(1u + 4 + 16, 64u));

@@ -1,5 +1,5 @@
-// Whether PairFactor::standard_error is one, over many geometries: independent experiments against references that find the light by
-// directions, where nothing is unbounded.
+// Whether PairFactor::standard_error is one, over many geometries: independent experiments against references that find
+// the light by directions, where nothing is unbounded.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,8 @@ void fill(Board& board, Medium medium) {
   board.set_empty_flags(std::vector<std::uint8_t>(board.empty_flags().size(), 0));  // nothing is proved clear
 }
 
-// Through the screen sampled as the board does it, every half voxel: interpolated values are opaque from half of the screen's on.
+// Through the screen sampled as the board does it, every half voxel: interpolated values are opaque from half of the
+// screen's on.
 double transmittance(Medium medium, Vec3 from, Vec3 to) {
   if (medium != Medium::kScreen) return std::exp(-kappa_of(medium) * length(to - from));
   const int steps = static_cast<int>(std::ceil(length(to - from) / 0.5));
@@ -163,8 +164,8 @@ double measure(const Element& e) {
   }
 }
 
-// PairFactor::transported by points of `a` and directions from a patch by Lambert's law, or from a box all alike: the points lie in
-// five dimensions as the powers of the golden ratio's generalisation (phi^6 = phi + 1).
+// PairFactor::transported by points of `a` and directions from a patch by Lambert's law, or from a box all alike: the
+// points lie in five dimensions as the powers of the golden ratio's generalisation (phi^6 = phi + 1).
 double reference_of(const Geometry& geometry) {
   constexpr int kPoints = 1 << 22;
   // The smaller one looks: more of its directions meet the other.

@@ -42,8 +42,8 @@ struct Medium {
 
 class FormFactors : public testing::TestWithParam<Medium> {};
 
-// Clear: the closed forms of parallel unit squares a side apart, and of perpendicular ones with a common edge. In a medium:
-// converged sums in double precision (shared design's table).
+// Clear: the closed forms of parallel unit squares a side apart, and of perpendicular ones with a common edge. In a
+// medium: converged sums in double precision (shared design's table).
 TEST_P(FormFactors, AreThoseOfTwoSquares) {
   Board board = open_board(kUri);
   fill(board, GetParam().kappa);
@@ -62,7 +62,8 @@ Element disc(Vec3 centre, double radius, bool up, Vec3 shares = {}) {
 }
 Element triangle(Vec3 a, Vec3 b, Vec3 c) { return {ElementKind::kTriangle, a, b - a, c - a, {}}; }
 
-// Of the first disc's light, what arrives at the second (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-41).
+// Of the first disc's light, what arrives at the second (Howell, A Catalog of Radiation Heat Transfer Configuration
+// Factors, C-41).
 double coaxial_discs(double radius_1, double radius_2, double height) {
   const double r1 = radius_1 / height, r2 = radius_2 / height, s = 1 + (1 + r2 * r2) / (r1 * r1);
   return 0.5 * (s - std::sqrt(s * s - 4 * (r2 / r1) * (r2 / r1)));

@@ -1,4 +1,5 @@
-// Calls that were started: they do what the blocking calls do, in the order in which they were asked for, and can be cancelled.
+// Calls that were started: they do what the blocking calls do, in the order in which they were asked for, and can be
+// cancelled.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

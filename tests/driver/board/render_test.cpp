@@ -169,7 +169,8 @@ TEST_F(Render, ThePhongModelShowsInThePicture) {
   EXPECT_GT(light(lit), light(dark));
 }
 
-// Noise that is opaque everywhere has gradients in all directions; the face that a plane cuts through it has one colour.
+// Noise that is opaque everywhere has gradients in all directions; the face that a plane cuts through it has one
+// colour.
 TEST(CutFace, ShowsTheColourOfItsSamplesWithoutShade) {
   for (const char* datapath : {"", "&set=asic.datapath=wide"}) {
     Board board = open_board(std::string(kSmallBlocks) + datapath);

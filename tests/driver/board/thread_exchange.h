@@ -26,7 +26,8 @@ class ThreadRanks {
   // A rank's, for calls within run(). This must outlive it.
   std::shared_ptr<RayExchange> exchange(std::size_t rank) { return std::make_shared<Exchange>(*this, rank); }
 
-  // Calls body(exchange) on a thread for each rank. Returns what each threw, or null; if one threw, there is no other run.
+  // Calls body(exchange) on a thread for each rank. Returns what each threw, or null; if one threw, there is no other
+  // run.
   std::vector<std::exception_ptr> run(const std::function<void(RayExchange&)>& body) {
     std::vector<std::exception_ptr> errors(ranks());
     std::vector<std::jthread> threads;

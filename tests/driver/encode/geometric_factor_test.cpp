@@ -25,7 +25,8 @@ double parallel(double a, double b, double c) {
           y * std::sqrt(x2) * std::atan(y / std::sqrt(x2)) - x * std::atan(x) - y * std::atan(y));
 }
 
-// Of two perpendicular rectangles with a common edge of length l, h high and w wide, from the one that is w wide (C-14).
+// Of two perpendicular rectangles with a common edge of length l, h high and w wide, from the one that is w wide
+// (C-14).
 double perpendicular(double h, double w, double l) {
   const double a = h / l, b = w / l, a2 = a * a, b2 = b * b, s = a2 + b2;
   return 1 / (pi * b) *

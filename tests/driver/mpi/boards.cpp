@@ -1,5 +1,5 @@
-// A program for mpirun: boards of the ranks that share a volume's blocks give pictures, host rays and light the bits of one board that
-// stores it whole. Ends with exit code 1, and says what differs, if they do not.
+// A program for mpirun: boards of the ranks that share a volume's blocks give pictures, host rays and light the bits of
+// one board that stores it whole. Ends with exit code 1, and says what differs, if they do not.
 // Usage: mpi_boards SCENES
 #include <fmt/format.h>
 

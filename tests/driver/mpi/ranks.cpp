@@ -1,5 +1,5 @@
-// A program for mpirun: what the exchange between ranks must keep. Prints what went wrong, and ends with exit code 1 then.
-// Usage: mpi_ranks exchange BYTES | large BYTES | abort
+// A program for mpirun: what the exchange between ranks must keep. Prints what went wrong, and ends with exit code 1
+// then. Usage: mpi_ranks exchange BYTES | large BYTES | abort
 #include <fmt/format.h>
 
 #include <chrono>
@@ -52,8 +52,8 @@ void random_rounds(gicube::RayExchange& ranks, int rounds) {
   }
 }
 
-// All wait for one until they look seldom; the first that sees the round's end sends at once what another must not take for a message of
-// the round before.
+// All wait for one until they look seldom; the first that sees the round's end sends at once what another must not take
+// for a message of the round before.
 void close_rounds(gicube::RayExchange& ranks, int rounds) {
   const int me = ranks.rank();
   for (int round = 0; round < rounds; ++round) {

@@ -8,7 +8,8 @@
 
 namespace gicube::scene {
 
-// One to four bytes changed, removed or doubled; new ones are often one of `likely`, those that matter most in such a file.
+// One to four bytes changed, removed or doubled; new ones are often one of `likely`, those that matter most in such a
+// file.
 inline std::string damaged(std::string bytes, std::string_view likely, std::mt19937& random) {
   for (std::uint32_t changes = 1 + random() % 4; changes > 0 && !bytes.empty(); --changes) {
     const std::size_t at = random() % bytes.size();

@@ -1,4 +1,5 @@
-// gicube-smi export, read as Prometheus reads it: the text format's grammar, and the rules that its `promtool check metrics` holds.
+// gicube-smi export, read as Prometheus reads it: the text format's grammar, and the rules that its `promtool check
+// metrics` holds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

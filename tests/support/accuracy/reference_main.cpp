@@ -1,5 +1,6 @@
-// gicube-reference: a scene's picture by the double-precision march of tests/support/reference, as an EXR of 32-bit floats in linear
-// light, which gicube-sweep --reference-picture takes. The options are those of gicube-render; jitter and leaps are left out.
+// gicube-reference: a scene's picture by the double-precision march of tests/support/reference, as an EXR of 32-bit
+// floats in linear light, which gicube-sweep --reference-picture takes. The options are those of gicube-render; jitter
+// and leaps are left out.
 #include <OpenImageIO/imageio.h>
 
 #include <exception>

@@ -1,5 +1,5 @@
-// gicube-light-reference: a scene's light by the path tracer of tests/support/reference/paths, as gicube-light writes it: a picture, and
-// with --pixels the radiance of each pixel and its standard error.
+// gicube-light-reference: a scene's light by the path tracer of tests/support/reference/paths, as gicube-light writes
+// it: a picture, and with --pixels the radiance of each pixel and its standard error.
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>

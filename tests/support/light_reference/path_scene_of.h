@@ -6,8 +6,8 @@
 
 namespace gicube::samples {
 
-// With the surfaces that the samples give to solids: where the opacity reaches half of its greatest. `setup` must outlive it. Throws
-// InputError for a solid that is opaque nowhere.
+// With the surfaces that the samples give to solids: where the opacity reaches half of its greatest. `setup` must
+// outlive it. Throws InputError for a solid that is opaque nowhere.
 reference::paths::PathScene to_paths(const scene::SceneSetup& setup);
 
 }  // namespace gicube::samples

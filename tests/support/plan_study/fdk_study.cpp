@@ -7,7 +7,8 @@
 namespace gicube::plan_study {
 namespace {
 
-// As samples/studies/cone_beam.py: the skull takes away 0.05 a millimetre; a whole turn around a volume of 90 mm a side.
+// As samples/studies/cone_beam.py: the skull takes away 0.05 a millimetre; a whole turn around a volume of 90 mm a
+// side.
 samples::Phantom times(double value, samples::Phantom phantom) {
   for (samples::Ellipsoid& part : phantom) part.value *= value;
   return phantom;

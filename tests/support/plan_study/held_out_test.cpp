@@ -1,5 +1,6 @@
-// --max-error 1% on scenes that make_plan() was not written with: the measured error stays under the bound, and the cost
-// falls at least three times. And plans for several errors over real scans take the cheapest setting that they found.
+// --max-error 1% on scenes that make_plan() was not written with: the measured error stays under the bound, and the
+// cost falls at least three times. And plans for several errors over real scans take the cheapest setting that they
+// found.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -60,8 +61,8 @@ TEST_P(Scans, EveryPlanTakesTheCheapestSettingWhoseBoundKeepsTheTarget) {
     EXPECT_TRUE(plan.kept);
     EXPECT_LE(plan.chosen.error_bound, plan.request.max_error);
     EXPECT_EQ(cheaper_and_kept(plan), 0);
-    // Costs are predicted, by pilots whose sizes differ. A setting that is no finer in any respect takes no more samples of any ray,
-    // whatever its pilot predicts.
+    // Costs are predicted, by pilots whose sizes differ. A setting that is no finer in any respect takes no more
+    // samples of any ray, whatever its pilot predicts.
     const bool is_no_finer = before && plan.chosen.level >= before->level && plan.chosen.step >= before->step &&
                              plan.chosen.opacity_threshold <= before->opacity_threshold;
     if (before && !is_no_finer) {

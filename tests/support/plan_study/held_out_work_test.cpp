@@ -1,5 +1,5 @@
-// Plans of radiosity and of filtered backprojection on what they were not written with: the measured error stays under the bound.
-// gicube-plan-study --radiosity and --fdk have more of them, which take minutes.
+// Plans of radiosity and of filtered backprojection on what they were not written with: the measured error stays under
+// the bound. gicube-plan-study --radiosity and --fdk have more of them, which take minutes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

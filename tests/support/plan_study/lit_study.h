@@ -19,8 +19,8 @@ struct LitOutcome {
   double asked_samples = 0;    // of a pass as the scene asks for
 };
 
-// Plans light and picture of the scene, on a board of its own, as gicube-render does, and holds them against the mean of eight pictures by
-// lights of 256 rays a face voxel with other seeds, low albedo, half a voxel.
+// Plans light and picture of the scene, on a board of its own, as gicube-render does, and holds them against the mean
+// of eight pictures by lights of 256 rays a face voxel with other seeds, low albedo, half a voxel.
 LitOutcome carry_out_lit(const LitScene& scene, int size, const std::string& uri);
 
 }  // namespace gicube::plan_study

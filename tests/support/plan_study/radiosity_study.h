@@ -10,7 +10,8 @@
 
 namespace gicube::plan_study {
 
-// One was there while plan_radiosity() was written (batch 0); the others were named in this file before it was run on them.
+// One was there while plan_radiosity() was written (batch 0); the others were named in this file before it was run on
+// them.
 struct RadiosityScene {
   std::string name;
   samples::Scene scene;

@@ -1,6 +1,7 @@
-// The scenes that plans are checked with. Two were there while make_plan() was written. The first eight held-out ones were
-// named in this file before it was run on them; in two of them the error was above its bound, and what was changed for that
-// is told in docs/guide/plan.md. So the next seven were named, before it was run on them, and nothing was changed afterwards.
+// The scenes that plans are checked with. Two were there while make_plan() was written. The first eight held-out ones
+// were named in this file before it was run on them; in two of them the error was above its bound, and what was changed
+// for that is told in docs/guide/plan.md. So the next seven were named, before it was run on them, and nothing was
+// changed afterwards.
 #pragma once
 
 #include <filesystem>
@@ -25,8 +26,8 @@ struct StudyScene {
 // `data`: the folder of the real scans; `sources`: of this tree.
 std::vector<StudyScene> study_scenes(const std::filesystem::path& data, const std::filesystem::path& sources);
 
-// Those that plans of light are checked with, each with its target. Three were there while plan_light() was written (batch 0); the
-// others were named in this file before it was run on them.
+// Those that plans of light are checked with, each with its target. Three were there while plan_light() was written
+// (batch 0); the others were named in this file before it was run on them.
 struct LitScene {
   StudyScene study;
   double max_error = 0;  // of light and picture together

@@ -38,16 +38,17 @@ std::string uri_for(const StudyScene& study, const std::string& uri);
 std::vector<Plan> plans_for(const StudyScene& study, int size, const std::vector<double>& max_errors,
                             const std::string& uri);
 
-// How many of the settings that a plan for an error tried are cheaper than the chosen one, and their bounds keep the target.
+// How many of the settings that a plan for an error tried are cheaper than the chosen one, and their bounds keep the
+// target.
 int cheaper_and_kept(const Plan& plan);
 
-// Plans the scene's picture of `size` x `size` pixels on a board of its own, renders it by the plan, by the best and by the
-// finest setting with the whole volume, and exactly, if asked for (not of lit scenes).
+// Plans the scene's picture of `size` x `size` pixels on a board of its own, renders it by the plan, by the best and by
+// the finest setting with the whole volume, and exactly, if asked for (not of lit scenes).
 PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
                       bool exact = false);
 
-// Relative errors of pictures of `size` x `size` pixels by these steps, rays to their end, the whole volume, each against the
-// double-precision march at a sixteenth of a voxel. Not of lit scenes.
+// Relative errors of pictures of `size` x `size` pixels by these steps, rays to their end, the whole volume, each
+// against the double-precision march at a sixteenth of a voxel. Not of lit scenes.
 std::vector<double> errors_of_steps(const StudyScene& study, int size, const std::string& uri,
                                     const std::vector<double>& steps);
 

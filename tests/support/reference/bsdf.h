@@ -1,6 +1,6 @@
-// What the hardware's five ways to scatter do to a direction, in closed form [P §2.2]. A dull one adds to a unit vector m a
-// vector of length beta whose direction is even over the sphere; with z the cosine between the two, the sum's angle to m has
-// the cosine (1 + beta z) / sqrt(1 + 2 beta z + beta^2).
+// What the hardware's five ways to scatter do to a direction, in closed form [P §2.2]. A dull one adds to a unit vector
+// m a vector of length beta whose direction is even over the sphere; with z the cosine between the two, the sum's angle
+// to m has the cosine (1 + beta z) / sqrt(1 + 2 beta z + beta^2).
 #pragma once
 
 #include <algorithm>

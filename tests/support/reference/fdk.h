@@ -1,6 +1,6 @@
-// Filtered backprojection of cone-beam projections in double precision, voxel by voxel: for each voxel and view the filtered
-// projection where the ray through the voxel meets the detector, between four pixels. Plain and slow; it shares no code
-// with what it judges but the records of geometry and projections.
+// Filtered backprojection of cone-beam projections in double precision, voxel by voxel: for each voxel and view the
+// filtered projection where the ray through the voxel meets the detector, between four pixels. Plain and slow; it
+// shares no code with what it judges but the records of geometry and projections.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@ std::vector<double> filter_rows(const samples::ConeGeometry& geometry, const sam
 std::vector<double> reconstruct(const samples::ConeGeometry& geometry, const samples::Projections& projections,
                                 Kernel kernel = Kernel::kRamLak);
 
-// Root mean square and mean of the differences over voxels whose centre is within `radius` of the axis and `half_height` of
-// the middle plane.
+// Root mean square and mean of the differences over voxels whose centre is within `radius` of the axis and
+// `half_height` of the middle plane.
 struct Difference {
   double rmse = 0;
   double bias = 0;  // values less truth

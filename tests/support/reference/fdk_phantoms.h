@@ -1,5 +1,6 @@
-// Four scans whose objects and line integrals are known in closed form, for judging reconstructions: ellipsoids and boxes
-// anywhere, detectors off centre with pixels that are not square, and the mean of the object in each voxel as the truth.
+// Four scans whose objects and line integrals are known in closed form, for judging reconstructions: ellipsoids and
+// boxes anywhere, detectors off centre with pixels that are not square, and the mean of the object in each voxel as the
+// truth.
 #pragma once
 
 #include <array>

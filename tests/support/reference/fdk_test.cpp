@@ -24,7 +24,8 @@ ConeGeometry small(int size, int views, double arc) {
 }
 
 TEST(FdkReference, FilteredDiscsAreFlatAsParallelBeamsWouldHaveThem) {
-  // Far away the beam is parallel: of a disc's projection 2 sqrt(r^2 - u^2) the ramp leaves 1 / pi inside, here times one half.
+  // Far away the beam is parallel: of a disc's projection 2 sqrt(r^2 - u^2) the ramp leaves 1 / pi inside, here times
+  // one half.
   ConeGeometry geometry = small(400, 2, 2 * pi);
   geometry.detector.rows = 1;
   geometry.source_to_axis = geometry.source_to_detector = 1e9;

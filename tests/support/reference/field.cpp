@@ -62,7 +62,8 @@ Cell cell_at(Vec3 position, Dims dims) {
   return cell;
 }
 
-// Along x, then y, then z, as the board's seven interpolators do it. `at(x, y, z)` gives a voxel's number, `mix` mixes two.
+// Along x, then y, then z, as the board's seven interpolators do it. `at(x, y, z)` gives a voxel's number, `mix` mixes
+// two.
 template <typename At, typename Mix>
 auto trilinear(const Cell& cell, const At& at, const Mix& mix) {
   const int x = cell.first[0], y = cell.first[1], z = cell.first[2];

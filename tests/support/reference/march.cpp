@@ -22,7 +22,8 @@ constexpr double kStepTolerance = 1e-9;
 
 double to_grid(double v, double one) { return std::round(v * one) / one; }
 Vec3 to_grid(Vec3 v, double one) { return {to_grid(v.x, one), to_grid(v.y, one), to_grid(v.z, one)}; }
-// As the board's adders round: half a unit goes up, also below zero. With a step of 1/2 every odd direction word is such.
+// As the board's adders round: half a unit goes up, also below zero. With a step of 1/2 every odd direction word is
+// such.
 double to_grid_half_up(double v, double one) { return std::floor(v * one + 0.5) / one; }
 Vec3 to_grid_half_up(Vec3 v, double one) {
   return {to_grid_half_up(v.x, one), to_grid_half_up(v.y, one), to_grid_half_up(v.z, one)};

@@ -1,6 +1,6 @@
 // Light in a homogeneous medium by plain Monte Carlo in double precision: what lighting rays are held against. Free
-// paths are drawn from the exponential law, there are no steps and no voxels; scattering is isotropic, the boundary does
-// not reflect.
+// paths are drawn from the exponential law, there are no steps and no voxels; scattering is isotropic, the boundary
+// does not reflect.
 #pragma once
 
 #include <cstdint>

@@ -47,8 +47,8 @@ TEST_P(OneQuantiser, CostsSomethingButNoMoreThanItsWordExplains) {
   EXPECT_LT(cost.max_error, GetParam().largest_error);
 }
 
-// Bounds: density and opacity far below a step of an 8-bit display; colour half a 12-bit unit a sample; gradient the sine
-// of the codebook's largest error of 3.4 degrees; reflectance 1/128; the framebuffer half a unit.
+// Bounds: density and opacity far below a step of an 8-bit display; colour half a 12-bit unit a sample; gradient the
+// sine of the codebook's largest error of 3.4 degrees; reflectance 1/128; the framebuffer half a unit.
 INSTANTIATE_TEST_SUITE_P(Each, OneQuantiser,
                          testing::Values(Case{"density", &Quantisers::density, 1.0 / 1024},
                                          Case{"gradient", &Quantisers::gradient, 0.06},

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kRadius = 20;  // smallest voxel edges
 
-// An opaque ball in the middle, its surface where the value is 1/2. `spacing` relative: the ball is round in physical space.
+// An opaque ball in the middle, its surface where the value is 1/2. `spacing` relative: the ball is round in physical
+// space.
 class BallScene : public TestScene {
  public:
   explicit BallScene(Dims dims = {49, 49, 49}, Vec3 spacing = {1, 1, 1})

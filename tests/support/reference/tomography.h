@@ -1,6 +1,6 @@
-// Line integrals of a volume, their transpose and conjugate gradients on both in double precision, for judging gicube::Projector and
-// what is built on it. Plain and slow: a ray is sampled a hundred times a voxel between where it enters and leaves the box of voxel
-// centres. Of the driver it takes the records alone.
+// Line integrals of a volume, their transpose and conjugate gradients on both in double precision, for judging
+// gicube::Projector and what is built on it. Plain and slow: a ray is sampled a hundred times a voxel between where it
+// enters and leaves the box of voxel centres. Of the driver it takes the records alone.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,6 @@
-// The words of the board's pipeline, computed exactly from the tables of docs/reference/hardware.md: whole numbers where a
-// table says how a word is rounded, doubles where it gives an error bound. Nothing here is shared with the board.
+// The words of the board's pipeline, computed exactly from the tables of docs/reference/hardware.md: whole numbers
+// where a table says how a word is rounded, doubles where it gives an error bound. Nothing here is shared with the
+// board.
 #pragma once
 
 #include <array>
@@ -39,8 +40,8 @@ inline double corrected(double alpha, double lengths) {
   return alpha >= 1 ? 1 : -std::expm1(lengths * std::log1p(-alpha));
 }
 
-// "Reflectance map": corner-aligned bilinear intensity of the normal (x, y, z), 1 = diffuse plus specular of 128. Texels are
-// at the 1/256 that the map's unit takes.
+// "Reflectance map": corner-aligned bilinear intensity of the normal (x, y, z), 1 = diffuse plus specular of 128.
+// Texels are at the 1/256 that the map's unit takes.
 template <typename Texels>
 double reflected(const Texels& texels, const std::array<double, 3>& normal) {
   std::size_t axis = 0;

@@ -1,4 +1,5 @@
-// Many small batches against few big ones: what each ray costs, waited for one by one and in a stream. Functional level.
+// Many small batches against few big ones: what each ray costs, waited for one by one and in a stream. Functional
+// level.
 #include <gtest/gtest.h>
 
 #include "bus_form.h"
@@ -11,7 +12,8 @@ namespace {
 constexpr int kEdge = 2;
 constexpr double kHeaderDwords = wire::kTraceHeaderBytes / 4.0;  // of each command, before its rays
 
-// One by one: a batch of n rays comes down with its header, passes the DSP, goes up, and nothing else happens meanwhile.
+// One by one: a batch of n rays comes down with its header, passes the DSP, goes up, and nothing else happens
+// meanwhile.
 double one_by_one_ps(const BusForm& bus, double n) {
   const double dwords = kDwordsPerRay * n;
   return bus.down_ps(dwords + kHeaderDwords, bus.down) + kDspPsPerBatch + kDspPsPerRay * n + bus.up_ps(dwords, bus.up);

@@ -1,4 +1,5 @@
-// The host bus as its closed forms see it (docs/reference/hardware.md, host bus), written out apart from the board's own code.
+// The host bus as its closed forms see it (docs/reference/hardware.md, host bus), written out apart from the board's
+// own code.
 #pragma once
 
 #include <algorithm>

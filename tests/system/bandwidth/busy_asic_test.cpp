@@ -1,5 +1,5 @@
-// With an ASIC that has work to do, host rays flood PCI and not AGP [P §3.6]: on PCI they come at the rate of the bus, on
-// AGP at the rate at which the processor takes samples. Cycle level, where each sample costs a core cycle.
+// With an ASIC that has work to do, host rays flood PCI and not AGP [P §3.6]: on PCI they come at the rate of the bus,
+// on AGP at the rate at which the processor takes samples. Cycle level, where each sample costs a core cycle.
 #include <gtest/gtest.h>
 
 #include "bus_form.h"

@@ -1,5 +1,5 @@
-// Rays that the host makes and takes back flood PCI [P §3.6]: the bus is busy all the time, and a frame of 512^2 rays of
-// 32 bytes each way comes at most 7.9 times a second. AGP 2x carries more than twice as many. Functional level.
+// Rays that the host makes and takes back flood PCI [P §3.6]: the bus is busy all the time, and a frame of 512^2 rays
+// of 32 bytes each way comes at most 7.9 times a second. AGP 2x carries more than twice as many. Functional level.
 #include <gtest/gtest.h>
 
 #include "bus_form.h"

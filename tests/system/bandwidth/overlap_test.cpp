@@ -61,7 +61,8 @@ TEST_F(Overlap, WorkOfTheHostThatTakesNoLongerIsFree) {
   EXPECT_TRUE(time_is(window.end(), overlapped_ps(bus_, stage_), 0.01));
 }
 
-// Two batches in flight, and the host makes the next one while the board has the other: the host is the narrowest stage.
+// Two batches in flight, and the host makes the next one while the board has the other: the host is the narrowest
+// stage.
 TEST_F(Overlap, AHostThatIsSlowerThanTheBoardHidesTheBoard) {
   const double making = 1.5 * (stage_.down + stage_.asic + stage_.up);
   const test::Window window(board_);

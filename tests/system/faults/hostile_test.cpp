@@ -24,8 +24,8 @@ namespace {
 
 using reference::RawClient;
 
-// Threads, each of which misbehaves again and again in every way. They leave the processor to others: what a siege costs a good client
-// is what it costs its board, not that both share one machine here.
+// Threads, each of which misbehaves again and again in every way. They leave the processor to others: what a siege
+// costs a good client is what it costs its board, not that both share one machine here.
 class Siege {
  public:
   using Misbehave = std::function<bool(int way, std::uint64_t seed)>;  // false: it does not count
@@ -98,7 +98,8 @@ std::uint16_t port_of(const std::string& line) {
   return static_cast<std::uint16_t>(std::stoi(line.substr(line.rfind(':') + 1)));
 }
 
-// Of 500 single rays, there and back: what a half and what all but one in a hundred take at most, in microseconds of this machine.
+// Of 500 single rays, there and back: what a half and what all but one in a hundred take at most, in microseconds of
+// this machine.
 struct Latency {
   double half = 0, most = 0;
 };

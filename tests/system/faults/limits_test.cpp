@@ -64,7 +64,8 @@ RawFrame read_bytes(RawClient& client, std::uint64_t block) {
   return client.call(FrameType::kMemoryRead, 1, payload).value();
 }
 
-// A byte in each block of the largest volume takes 4.5 GiB. Returns the board's last word, or nothing if it took them all.
+// A byte in each block of the largest volume takes 4.5 GiB. Returns the board's last word, or nothing if it took them
+// all.
 std::optional<RawFrame> fill(RawClient& client) {
   std::array<std::uint8_t, 4> id{};
   wire::store(std::span<std::uint8_t>(id), 0, reg::kId);

@@ -78,7 +78,8 @@ class Soak {
     start_process();
     OpenOptions options;
     options.watchdog = std::chrono::milliseconds(plan_.watchdog_ms);
-    // chosen: enough on a busy machine too. A call that is given up and made again is another message, and faults go by their number.
+    // chosen: enough on a busy machine too. A call that is given up and made again is another message, and faults go by
+    // their number.
     options.reopen_attempts = 12;
     options.keep_volume = true;
     board_.emplace(Board::open(uri(), options));
@@ -196,8 +197,8 @@ class Soak {
     }
   }
 
-  // The rays of a group are taken once the volume that they went through has been found sound. A board that took the place
-  // of another on the way can't vouch for that one's volume.
+  // The rays of a group are taken once the volume that they went through has been found sound. A board that took the
+  // place of another on the way can't vouch for that one's volume.
   void trace_group(std::size_t first, std::size_t count) {
     for (;;) {
       const std::uint64_t process = report_.processes;

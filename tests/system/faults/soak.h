@@ -1,4 +1,5 @@
-// An application that keeps tracing rays while everything that a fault plan can name goes wrong, and counts what came back.
+// An application that keeps tracing rays while everything that a fault plan can name goes wrong, and counts what came
+// back.
 #pragma once
 
 #include <cstdint>

@@ -220,8 +220,8 @@ TEST(Hierarchy, HasAFractionOfTheLinks) {
   EXPECT_LT(6 * fine.statistics.links, full.statistics.links);
 }
 
-// Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links. Without a hierarchy there
-// are as many as pairs, but for some 3% that are proved to have no light between them.
+// Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links. Without a
+// hierarchy there are as many as pairs, but for some 3% that are proved to have no light between them.
 TEST(Hierarchy, HasATenthOfTheLinksAtOnePercent) {
   const Room room = furnished(11, 0.05);
   const auto reference = solve(room, kCeilingLamp, {.rays = 32, .seed = 1, .hierarchy = false});

@@ -56,7 +56,8 @@ Exchange between(Board& board, const Element& a, const Element& b) {
   return between(board, std::vector{a}, std::vector{b}, 65'536);
 }
 
-// Within 0.5%, and within three of its own standard errors, which are at most the share `bar`; `digit`: half of the closed form's last one.
+// Within 0.5%, and within three of its own standard errors, which are at most the share `bar`; `digit`: half of the
+// closed form's last one.
 void expect_factor(const Exchange& exchange, double area, double expected, double digit, double bar = 0.003) {
   const double factor = exchange.value / area, error = exchange.standard_error / area;
   EXPECT_NEAR(factor, expected, 0.005 * expected + digit);
@@ -76,7 +77,8 @@ TEST_P(ExchangeOfSquares, IsTheClosedForm) {
   const auto [kappa, parallel, perpendicular, digit] = GetParam();
   Board board = even_medium(kappa);
   expect_factor(between(board, kFloor, kCeiling), kSide * kSide, parallel, digit);
-  // Of a near pair in a medium the bar is for rays that arrive or not, and each of its parts has 64 of them: it is wide.
+  // Of a near pair in a medium the bar is for rays that arrive or not, and each of its parts has 64 of them: it is
+  // wide.
   const double bar = kappa >= 1 ? 0.025 : 0.003;
   expect_factor(between(board, kFloor, kWall), kSide * kSide, perpendicular, 1.5 * digit, bar);
 }

@@ -1,7 +1,8 @@
-// Boards as PCI functions of a guest (script/guest): what an application there sees is what it sees over a socket, and whatever happens to a
-// function, its bridge or its board, the guest goes on.
+// Boards as PCI functions of a guest (script/guest): what an application there sees is what it sees over a socket, and
+// whatever happens to a function, its bridge or its board, the guest goes on.
 //
-// The tests share one guest with two functions. They run in this order, each also alone; the last two end what they share.
+// The tests share one guest with two functions. They run in this order, each also alone; the last two end what they
+// share.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,7 +71,8 @@ class Guest {
   Guest(const Guest&) = delete;
   Guest& operator=(const Guest&) = delete;
 
-  // All output up to a line that is `end`, without it; nothing if the output ends before it, or nothing comes for a long time.
+  // All output up to a line that is `end`, without it; nothing if the output ends before it, or nothing comes for a
+  // long time.
   std::optional<std::string> read_until(const std::string& end) {
     for (const auto limit = std::chrono::steady_clock::now() + kPatience; std::chrono::steady_clock::now() < limit;) {
       if (const std::size_t at = ("\n" + read_).find("\n" + end + "\n"); at != std::string::npos) {

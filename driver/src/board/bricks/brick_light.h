@@ -1,5 +1,5 @@
-// The irradiance of a volume with more blocks than the card stores. The words of a block are on the card or with the host: the card
-// has those of blocks for which they were sent, and the host all others.
+// The irradiance of a volume with more blocks than the card stores. The words of a block are on the card or with the
+// host: the card has those of blocks for which they were sent, and the host all others.
 #pragma once
 
 #include <cstddef>

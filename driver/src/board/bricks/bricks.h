@@ -1,5 +1,5 @@
-// A volume with more blocks than the card stores. The host keeps them; while rays are traced, the blocks that they wait for are sent
-// to the card, as many as it stores at a time, and replace those that were not needed for longest.
+// A volume with more blocks than the card stores. The host keeps them; while rays are traced, the blocks that they wait
+// for are sent to the card, as many as it stores at a time, and replace those that were not needed for longest.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@
 
 namespace gicube {
 
-// A block of n^3 voxels as VoxelBlocks::pack() makes it: its words, and their colours behind them if the volume has some.
+// A block of n^3 voxels as VoxelBlocks::pack() makes it: its words, and their colours behind them if the volume has
+// some.
 constexpr std::size_t bytes_of_words(std::size_t n) { return wire::packed36_bytes(n * n * n); }
 constexpr std::size_t bytes_of_block(std::size_t n, bool coloured) {
   return bytes_of_words(n) + (coloured ? wire::kColourBytes * n * n * n : 0);
@@ -41,8 +42,8 @@ struct BrickNeeds {
 
 class Bricks {
  public:
-  // Of so many blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces. `capacity`: blocks that the
-  // card stores, at least 8.
+  // Of so many blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces. `capacity`:
+  // blocks that the card stores, at least 8.
   Bricks(Dims blocks, int n, BlockStore store, BrickLight light, std::size_t capacity)
       : blocks_(blocks), n_(n), capacity_(capacity), store_(std::move(store)), light_(std::move(light)) {}
 
@@ -59,15 +60,17 @@ class Bricks {
   bool is_absent(std::size_t block) const { return (absent_[block / 8] >> block % 8 & 1) != 0; }
   // To be called before each command: says which blocks the card has for rays of such needs.
   void prepare(Device& device, const BrickNeeds& needs);
-  // Sends blocks in which rays want to take samples, most important first: the first of them, and as many others as there is room for.
-  // Other blocks stay as long as there is room. Whatever it throws, it may be called again.
+  // Sends blocks in which rays want to take samples, most important first: the first of them, and as many others as
+  // there is room for. Other blocks stay as long as there is room. Whatever it throws, it may be called again.
   void load(Device& device, std::span<const std::size_t> wanted, const BrickNeeds& needs);
 
-  // The blocks that rays wait for, in the order in which load() should have them, as many as the card has room for: by the sum of what
-  // their rays can still bring, the sorter's own measure of a queue one level higher [P §5.3], for each block that has to be sent.
+  // The blocks that rays wait for, in the order in which load() should have them, as many as the card has room for: by
+  // the sum of what their rays can still bring, the sorter's own measure of a queue one level higher [P §5.3], for each
+  // block that has to be sent.
   std::vector<std::size_t> by_importance(std::span<const wire::WaitingBlock> waiting, LightUse light) const;
 
-  // Of the blocks that the card has in cells: by level, and the largest error of a voxel's density since clear_detail().
+  // Of the blocks that the card has in cells: by level, and the largest error of a voxel's density since
+  // clear_detail().
   struct Detail {
     std::array<std::size_t, wire::kMaxCoarseLevel + 1> blocks{};
     int largest_error = 0;

@@ -1,8 +1,10 @@
-// A job of several ranks, each with a board: rays that wait for blocks of other ranks go there, and come home at their ends.
+// A job of several ranks, each with a board: rays that wait for blocks of other ranks go there, and come home at their
+// ends.
 //
-// In rounds: each rank traces until its board has no ray that waits for one of its own blocks; then all exchange what they have for
-// each other, and their simulated hosts go on at the time of the last. The job is done after a round in which nobody sent a ray. So
-// simulated time depends on no order in which messages come. Messages take no simulated time.
+// In rounds: each rank traces until its board has no ray that waits for one of its own blocks; then all exchange what
+// they have for each other, and their simulated hosts go on at the time of the last. The job is done after a round in
+// which nobody sent a ray. So simulated time depends on no order in which messages come. Messages take no simulated
+// time.
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -147,7 +149,8 @@ std::vector<std::vector<std::uint8_t>> BoardState::gather(std::vector<std::uint8
   return all;
 }
 
-// Before rays leave energy: words of other ranks' blocks are 0 here, so that the sum of all ranks' words is what they are.
+// Before rays leave energy: words of other ranks' blocks are 0 here, so that the sum of all ranks' words is what they
+// are.
 void BoardState::begin_shared_light() {
   BrickLight& light = bricks->light();
   for (std::size_t block = 0; block < bricks->count(); ++block) {
@@ -156,7 +159,8 @@ void BoardState::begin_shared_light() {
   }
 }
 
-// After that: the owner of a block adds what the others have for it, and all get the sum. What saturates there was not deposited.
+// After that: the owner of a block adds what the others have for it, and all get the sum. What saturates there was not
+// deposited.
 void BoardState::end_shared_light(wire::LightingLedger& ledger) {
   BrickLight& light = bricks->light();
   std::vector<std::vector<std::uint8_t>> out(shared->ranks());

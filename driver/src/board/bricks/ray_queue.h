@@ -1,5 +1,5 @@
-// Rays that wait with the host for blocks of a volume in bricks, since the card has enough of them: a queue a block, in memory, and
-// beyond a limit in a file.
+// Rays that wait with the host for blocks of a volume in bricks, since the card has enough of them: a queue a block, in
+// memory, and beyond a limit in a file.
 #pragma once
 
 #include <cstddef>

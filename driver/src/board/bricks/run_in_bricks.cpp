@@ -1,4 +1,5 @@
-// Rays that wait for blocks of a volume that the card does not store whole: sends blocks, and has the rays go on, until none waits.
+// Rays that wait for blocks of a volume that the card does not store whole: sends blocks, and has the rays go on, until
+// none waits.
 #include <algorithm>
 #include <stdexcept>
 #include <utility>

@@ -25,7 +25,8 @@ class SharedBlocks {
 
   // Deals the blocks of a new volume, whose rays cost as much in each stored block.
   void begin(Dims blocks, std::span<const std::uint8_t> stored);
-  // A call has taken this rank so many samples since the last one. Deals the blocks anew if one rank had much more than the others.
+  // A call has taken this rank so many samples since the last one. Deals the blocks anew if one rank had much more than
+  // the others.
   void measured(std::uint64_t samples);
 
   int owner(std::size_t block) const { return owner_[block]; }

@@ -15,7 +15,8 @@ VolumeParts::VolumeParts(const Dims& blocks, std::span<const double> costs, int 
   divide(whole, costs, 0, ranks);
 }
 
-// The box for ranks `first` to before first + ranks: by the plane across its longest edge that is nearest to equal costs for each.
+// The box for ranks `first` to before first + ranks: by the plane across its longest edge that is nearest to equal
+// costs for each.
 void VolumeParts::divide(const Box& box, std::span<const double> costs, int first, int ranks) {
   if (ranks == 1) {
     boxes_[static_cast<std::size_t>(first)] = box;

@@ -1,4 +1,5 @@
-// A volume's blocks, dealt to ranks as boxes that cost the same: the volume is halved again and again by planes between blocks.
+// A volume's blocks, dealt to ranks as boxes that cost the same: the volume is halved again and again by planes between
+// blocks.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ namespace gicube {
 
 class StartedCalls {
  public:
-  // `work(progress)` in its turn, on a thread of its own; `now()` is the simulated host's clock. Throws std::system_error if there is no
-  // thread to be had.
+  // `work(progress)` in its turn, on a thread of its own; `now()` is the simulated host's clock. Throws
+  // std::system_error if there is no thread to be had.
   template <class T>
   std::shared_ptr<OperationOf<T>> start(Turns& turns, std::function<T(const Progress&)> work,
                                         std::function<Picoseconds()> now) {

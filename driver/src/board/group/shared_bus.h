@@ -8,16 +8,16 @@
 
 namespace gicube {
 
-// A part of a board's work, as it would go if the board were alone: in so much time its transfers take the bus for so much of it, spread
-// evenly.
+// A part of a board's work, as it would go if the board were alone: in so much time its transfers take the bus for so
+// much of it, spread evenly.
 struct BusPhase {
   Picoseconds elapsed = 0;
   Picoseconds busy = 0;  // at most `elapsed`
 };
 
-// Of boards that begin at time 0, and do their phases in their order. As long as the boards together ask for more than the whole bus, it
-// serves in turn those that wait, so that none gets more than another that wants more [PCI 2.2, 3.4: fair arbitration]; a board
-// that gets half of what it asks for goes on at half its speed.
+// Of boards that begin at time 0, and do their phases in their order. As long as the boards together ask for more than
+// the whole bus, it serves in turn those that wait, so that none gets more than another that wants more [PCI 2.2, 3.4:
+// fair arbitration]; a board that gets half of what it asks for goes on at half its speed.
 std::vector<Picoseconds> done_on_shared_bus(std::span<const std::vector<BusPhase>> boards);
 
 }  // namespace gicube

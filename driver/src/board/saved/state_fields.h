@@ -1,5 +1,5 @@
-// A checkpoint's fields as bytes (proto/gicube/v1/checkpoint.proto), by protobuf's wire format: the driver needs no protobuf library for
-// these few.
+// A checkpoint's fields as bytes (proto/gicube/v1/checkpoint.proto), by protobuf's wire format: the driver needs no
+// protobuf library for these few.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,8 @@ class FieldReader : public Archive {
   std::span<const std::uint8_t> rest_;
 };
 
-// The driver's part in a checkpoint, which is a part of its bytes. Throws CheckpointFault: they are damaged, or have none.
+// The driver's part in a checkpoint, which is a part of its bytes. Throws CheckpointFault: they are damaged, or have
+// none.
 std::span<const std::uint8_t> driver_part(std::span<const std::uint8_t> checkpoint);
 
 }  // namespace gicube

@@ -13,15 +13,16 @@
 
 namespace gicube {
 
-// Blocks are numbered as in memory_map.h. A straight ray never comes back to a block column, row or layer that it has left, so on each
-// axis it only goes away from the eye's block: the sum of the three distances, in blocks, is an order from front to back.
+// Blocks are numbered as in memory_map.h. A straight ray never comes back to a block column, row or layer that it has
+// left, so on each axis it only goes away from the eye's block: the sum of the three distances, in blocks, is an order
+// from front to back.
 class BlockOrder {
  public:
   // `n`: the board's block edge, voxels. `blocks`: how many on each axis.
   BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, std::span<const CutPlane> cut_planes);
 
-  // The blocks that rays may come to which wait for `waiting`, front to back, those themselves included. A ray whose steps are longer
-  // than a block may come to others too.
+  // The blocks that rays may come to which wait for `waiting`, front to back, those themselves included. A ray whose
+  // steps are longer than a block may come to others too.
   std::vector<std::size_t> reached_from(std::span<const wire::WaitingBlock> waiting) const;
   // Whether straight rays may come to it.
   bool sees(std::size_t block) const { return is_seen(place(block)); }
@@ -47,8 +48,8 @@ class BlockOrder {
   std::vector<std::uint32_t> order_;  // all blocks
 };
 
-// Calls use(each) for the block and those above it on the axes, inside the volume, whose voxels are on its +1 faces: what the board must
-// have so that samples in the block can be taken.
+// Calls use(each) for the block and those above it on the axes, inside the volume, whose voxels are on its +1 faces:
+// what the board must have so that samples in the block can be taken.
 template <typename Use>
 void for_each_sampled_in(std::size_t block, Dims blocks, const Use& use) {
   const auto nx = static_cast<std::size_t>(blocks[0]), ny = static_cast<std::size_t>(blocks[1]);

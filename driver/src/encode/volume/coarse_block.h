@@ -17,8 +17,9 @@ struct CoarseBlock {
   int largest_error = 0;  // of a voxel's density, 4095 = the value range
 };
 
-// `packed`: n^3 words, and their colours if `coloured`, of which `inside` are in the volume along each axis. A cell of 2^level voxels an edge has the mean of their densities, and of their
-// colours; the tag that most of them have, the lowest of equals; and the gradient of the sum of theirs.
+// `packed`: n^3 words, and their colours if `coloured`, of which `inside` are in the volume along each axis. A cell of
+// 2^level voxels an edge has the mean of their densities, and of their colours; the tag that most of them have, the
+// lowest of equals; and the gradient of the sum of theirs.
 CoarseBlock coarse_block(std::span<const std::uint8_t> packed, std::size_t n, const Dims& inside, bool coloured,
                          int level, const GradientCodebook& codebook);
 

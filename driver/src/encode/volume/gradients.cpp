@@ -95,7 +95,8 @@ std::size_t to_cell(double coordinate) {
 constexpr double kMinMagnitude = 1.0 / 8;
 constexpr double kSobelWeight = 32;  // (1 + 2 + 1)^2 differences over two voxels each
 
-// The filter of one row after another: along z while a row is read, then y, then x. 64 times a 16-bit sample fits in 32 bits.
+// The filter of one row after another: along z while a row is read, then y, then x. 64 times a 16-bit sample fits in 32
+// bits.
 template <typename T>
 class SobelRows {
  public:

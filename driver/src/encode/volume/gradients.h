@@ -1,5 +1,5 @@
-// Gradients of a volume as codes: the codebook of unit directions [P §3.3], and each voxel's code by a 3x3x3 Sobel filter or from
-// the caller's own vectors.
+// Gradients of a volume as codes: the codebook of unit directions [P §3.3], and each voxel's code by a 3x3x3 Sobel
+// filter or from the caller's own vectors.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,19 @@
 
 namespace gicube {
 
-// Code 0 is "no gradient"; the others decode to what the board's LUT holds: 3 x 10 bits. Any number of threads may use it.
+// Code 0 is "no gradient"; the others decode to what the board's LUT holds: 3 x 10 bits. Any number of threads may use
+// it.
 class GradientCodebook {
  public:
   // 40 latitude rings with 2,038 codes (docs/reference/hardware.md).
   GradientCodebook();
-  // 1..2048 directions; [0] is the zero vector, the others are unit vectors to 1e-3. Throws BadArgument naming the entry.
+  // 1..2048 directions; [0] is the zero vector, the others are unit vectors to 1e-3. Throws BadArgument naming the
+  // entry.
   explicit GradientCodebook(std::span<const Vec3> directions);
 
-  // The code whose decoded direction (10 bits a component, brought back to unit length) is at the smallest angle to `direction`,
-  // of any length; of equal ones the lowest. 0 for the zero vector, one that is not finite, and without directions.
+  // The code whose decoded direction (10 bits a component, brought back to unit length) is at the smallest angle to
+  // `direction`, of any length; of equal ones the lowest. 0 for the zero vector, one that is not finite, and without
+  // directions.
   std::uint16_t nearest(Vec3 direction) const;
 
   // What it was made of; none: the default rings.

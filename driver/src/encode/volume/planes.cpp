@@ -28,7 +28,8 @@ std::size_t Planes::colour_bytes_of(int planes) const {
 
 namespace {
 
-// Moves the last `kept` bytes of the `of` that are held to the front, and makes room for `all`. Returns the room behind them.
+// Moves the last `kept` bytes of the `of` that are held to the front, and makes room for `all`. Returns the room behind
+// them.
 std::span<std::byte> make_room(std::vector<std::byte>& held, std::size_t of, std::size_t kept, std::size_t all) {
   const auto old = std::span(held).first(of).last(kept);
   std::copy(old.begin(), old.end(), held.begin());

@@ -71,7 +71,8 @@ std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, Va
   std::vector<std::uint16_t> densities(count);
   const double halves = 2 * wire::kDensityMax / (range.high - range.low);
   for (std::size_t i = 0; i < count; ++i) {
-    // Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded otherwise.
+    // Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded
+    // otherwise.
     constexpr double kNear = 1e-6;
     const double value = samples[i], twice = (value - range.low) * halves;
     if (twice == 0) continue;

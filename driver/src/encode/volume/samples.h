@@ -1,4 +1,5 @@
-// A volume's samples: whether they can go to the board, their values in the caller's memory, and the board's 12-bit densities.
+// A volume's samples: whether they can go to the board, their values in the caller's memory, and the board's 12-bit
+// densities.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +12,14 @@
 
 namespace gicube {
 
-// Throws BadArgument naming the field, and the first wrong voxel. `max_volume_voxels`: the board's largest volume edge N.
+// Throws BadArgument naming the field, and the first wrong voxel. `max_volume_voxels`: the board's largest volume edge
+// N.
 void check_volume(const VolumeView& view, int max_volume_voxels);
 
 // The same of a volume whose samples are read later: but for them.
 void check_shape(const VolumeView& view, int max_volume_voxels);
-// What check_volume() asks of the samples alone. `first_plane`: of a larger volume whose planes these are, as errors name it.
+// What check_volume() asks of the samples alone. `first_plane`: of a larger volume whose planes these are, as errors
+// name it.
 void check_samples(const VolumeView& view, int first_plane = 0);
 
 // The least and the greatest sample, which may be equal.

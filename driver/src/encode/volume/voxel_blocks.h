@@ -1,4 +1,5 @@
-// A volume cut into the board's blocks: what each holds, whether it need be sent, its packed words, and whether rays may leap it.
+// A volume cut into the board's blocks: what each holds, whether it need be sent, its packed words, and whether rays
+// may leap it.
 #pragma once
 
 #include <array>
@@ -24,8 +25,8 @@ struct BlockStatistics {
 // Blocks are numbered b = bx + nx (by + ny bz), as in memory_map.h.
 class VoxelBlocks {
  public:
-  // One density (0..4095), gradient code and tag and three bytes of colour a voxel, x fastest; no tags at all mean tag 0, no codes no
-  // gradient.
+  // One density (0..4095), gradient code and tag and three bytes of colour a voxel, x fastest; no tags at all mean tag
+  // 0, no codes no gradient.
   struct Voxels {
     std::span<const std::uint16_t> densities, codes;
     std::span<const std::uint8_t> tags, colours;
@@ -37,11 +38,12 @@ class VoxelBlocks {
   Dims blocks() const { return blocks_; }
   std::size_t count() const { return statistics_.size(); }
 
-  // False if the block and its +1 faces have density 0, no gradient, tag 0 and are black throughout: the board's memory begins so.
+  // False if the block and its +1 faces have density 0, no gradient, tag 0 and are black throughout: the board's memory
+  // begins so.
   bool stored(std::size_t block) const { return stored_[block]; }
 
-  // The block's n^3 36-bit words, x fastest, as voxel.h packs them, and behind them their colours if there are some; voxels beyond the
-  // volume are zero. Resizes `out`.
+  // The block's n^3 36-bit words, x fastest, as voxel.h packs them, and behind them their colours if there are some;
+  // voxels beyond the volume are zero. Resizes `out`.
   void pack(std::size_t block, std::vector<std::uint8_t>& out) const;
 
   const BlockStatistics& statistics(std::size_t block) const { return statistics_[block]; }
@@ -74,9 +76,9 @@ class VoxelBlocks {
 // Whether a sample of such a density has any opacity.
 constexpr bool is_visible(const wire::SegmentationEntry& entry) { return entry.opacity > 0 || entry.opacity_fine > 0; }
 
-// One value a block, 1 = no sample in it can be visible, whatever the interpolation: for every tag that it holds, all entries
-// between its least and its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 | density. A block that
-// is not stored has density 0 and tag 0. Throws BadArgument if the LUT has another size.
+// One value a block, 1 = no sample in it can be visible, whatever the interpolation: for every tag that it holds, all
+// entries between its least and its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 |
+// density. A block that is not stored has density 0 and tag 0. Throws BadArgument if the LUT has another size.
 std::vector<std::uint8_t> find_empty_blocks(std::span<const BlockStatistics> blocks,
                                             std::span<const wire::SegmentationEntry> lut);
 

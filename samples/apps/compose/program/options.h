@@ -30,8 +30,8 @@ std::optional<ComposeOptions> parse_compose_options(int argc, const char* const*
 // Throws UsageError, InputError, FileError, and what Board throws.
 void run(const ComposeOptions& options, ProgressLine& progress);
 
-// Simulated time of one picture: boards work at the same time, each at its volumes one after the other. `again`: of a further picture, for
-// which a board with a single volume need not load it.
+// Simulated time of one picture: boards work at the same time, each at its volumes one after the other. `again`: of a
+// further picture, for which a board with a single volume need not load it.
 Picoseconds time_of(const std::vector<MediumCost>& costs, bool again);
 
 }  // namespace gicube::samples

@@ -44,8 +44,8 @@ void print(const Stage& stage, const std::vector<MediumCost>& costs) {
              to_ms(time_of(costs, true)));
 }
 
-// Keys: volumes (name, board, rays, segments, load_ms, trace_ms), surfaces, frame_ms, further_frame_ms, step, overlap_step, boards (each as
-// cost_json()).
+// Keys: volumes (name, board, rays, segments, load_ms, trace_ms), surfaces, frame_ms, further_frame_ms, step,
+// overlap_step, boards (each as cost_json()).
 Json statistics_of(const Stage& stage, const std::vector<MediumCost>& costs) {
   Json volumes = Json::array();
   for (std::size_t i = 0; i < costs.size(); ++i) {

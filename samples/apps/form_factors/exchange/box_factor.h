@@ -1,5 +1,5 @@
-// The factor of two elements along the axes without a ray, if nothing but an even medium is between them. Where elements
-// touch, 1/r^2 has no bound, and the mean of few rays is too low.
+// The factor of two elements along the axes without a ray, if nothing but an even medium is between them. Where
+// elements touch, 1/r^2 has no bound, and the mean of few rays is too low.
 #pragma once
 
 #include <algorithm>
@@ -21,15 +21,15 @@ struct AxisBox {
 // The light between two boxes by the length of its way: of any even medium between them at once.
 class WayFactor {
  public:
-  // The integrand depends on the difference of two points alone, whose distribution is a product of trapezoids: so it is an
-  // integral over three dimensions, not six, and is graded towards a difference of zero. Boxes may touch, overlap or be one
-  // and the same.
+  // The integrand depends on the difference of two points alone, whose distribution is a product of trapezoids: so it
+  // is an integral over three dimensions, not six, and is graded towards a difference of zero. Boxes may touch, overlap
+  // or be one and the same.
   WayFactor(const AxisBox& a, const AxisBox& b);
   WayFactor() = default;
 
   // Mean over both of f f e^(-kappa r) / (pi r^2), f the cosine at a face (0 behind it) and 1 in a box:
-  // PairFactor::transported without sampling, and with kappa 0 PairFactor::geometric. Within 5e-5 of it, and in a medium
-  // within (kappa d / 16)^2 / 24 besides, d the longest way.
+  // PairFactor::transported without sampling, and with kappa 0 PairFactor::geometric. Within 5e-5 of it, and in a
+  // medium within (kappa d / 16)^2 / 24 besides, d the longest way.
   double at(double kappa) const;
 
   void add(double r, double factor) {

@@ -1,8 +1,8 @@
 // The volume that the board measures form factors in: solids that are opaque to their very sides, and a medium.
 //
-// In a volume made for pictures a solid's opacity rises over a voxel or two, which rays graze through. Here a tag, which a sample
-// takes from its nearest voxel, makes the voxel's whole box opaque, and density is extinction alone. Within a solid it goes on as in
-// the open voxels around, so that interpolation brings no wall's density into the open.
+// In a volume made for pictures a solid's opacity rises over a voxel or two, which rays graze through. Here a tag,
+// which a sample takes from its nearest voxel, makes the voxel's whole box opaque, and density is extinction alone.
+// Within a solid it goes on as in the open voxels around, so that interpolation brings no wall's density into the open.
 //
 // Over its elements and those of the solids there are seven trees.
 #pragma once

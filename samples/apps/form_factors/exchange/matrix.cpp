@@ -42,9 +42,9 @@ double furthest_off(const std::vector<double>& closures) {
   return off;
 }
 
-// Multiplies all by factors of the clusters, as symmetric scaling of a full matrix would by those of its rows (Sinkhorn 1964):
-// each goes by what its leaves' sums lack. Some can't close altogether: elements without links of their own, beside others that have
-// some.
+// Multiplies all by factors of the clusters, as symmetric scaling of a full matrix would by those of its rows (Sinkhorn
+// 1964): each goes by what its leaves' sums lack. Some can't close altogether: elements without links of their own,
+// beside others that have some.
 void balance(RadiosityResult& result) {
   constexpr int kMaxPasses = 500;   // chosen
   constexpr double kClosed = 1e-4;  // chosen

@@ -18,10 +18,11 @@ struct SampledLink {
   bool measured = false;                     // apart from the guess that decided whether to divide it
 };
 
-// A full cluster is one element for the board: k rays between two of them are k points that fill both evenly. What is known
-// without rays, their geometric factor, is taken from BoxFactors; the rays say which share of it arrives. Near ones with an
-// open and about even medium around them are done without rays. Of other clusters members are drawn, evenly in the running
-// sum of their measures: the mean over members is an unbiased estimate of the sum over all of them.
+// A full cluster is one element for the board: k rays between two of them are k points that fill both evenly. What is
+// known without rays, their geometric factor, is taken from BoxFactors; the rays say which share of it arrives. Near
+// ones with an open and about even medium around them are done without rays. Of other clusters members are drawn,
+// evenly in the running sum of their measures: the mean over members is an unbiased estimate of the sum over all of
+// them.
 class LinkSampler {
  public:
   LinkSampler(Board& board, const Forest& forest, const Contents& contents, const RadiositySettings& settings,

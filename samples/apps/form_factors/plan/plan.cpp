@@ -18,9 +18,9 @@ constexpr double kStep = 3.1622776601683795;   // chosen: from one to the next; 
 constexpr double kGain = 0.85;                 // chosen: of error^2 x rays, what makes a variant worth taking
 constexpr double kTimeMargin = 1.25;           // as of pictures
 
-// chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other it would be
-// 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3 (docs/guide/plan.md has what was measured).
-// Either way the earlier one errs by a third more.
+// chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other
+// it would be 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3
+// (docs/guide/plan.md has what was measured). Either way the earlier one errs by a third more.
 constexpr double kEstimate = 1, kBound = 2, kOfEarlier = 4.0 / 3;
 
 struct Solution {

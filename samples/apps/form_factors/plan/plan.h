@@ -1,10 +1,10 @@
 // The plan step of radiosity: from a target to the threshold of the links, their rays and how far elements are divided.
 //
-// Solutions of one scene are made with thresholds that fall by the root of ten, each with other random choices. What one differs
-// from the next (difference()) is what both err; so each tells how good both were, and how much better the next will be. Where rays
-// become as many as a full matrix would take, that is the last one. Before the third, other numbers of rays and larger elements are
-// tried at the second threshold, and the one that needs the fewest rays for its error is kept. Once any is good enough, the one of
-// those with the fewest rays is the solution.
+// Solutions of one scene are made with thresholds that fall by the root of ten, each with other random choices. What
+// one differs from the next (difference()) is what both err; so each tells how good both were, and how much better the
+// next will be. Where rays become as many as a full matrix would take, that is the last one. Before the third, other
+// numbers of rays and larger elements are tried at the second threshold, and the one that needs the fewest rays for its
+// error is kept. Once any is good enough, the one of those with the fewest rays is the solution.
 #pragma once
 
 #include <string>
@@ -42,13 +42,14 @@ struct RadiosityPlan {
   std::vector<std::string> explain() const;  // lines for people
 };
 
-// `settings`: what is not chosen; its seed is the first solution's. Throws InputError (one of both targets), and as solve_radiosity().
+// `settings`: what is not chosen; its seed is the first solution's. Throws InputError (one of both targets), and as
+// solve_radiosity().
 RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                              const RadiositySettings& settings, const PlanTarget& target,
                              const RadiosityProgress& progress = {});
 
-// Sum of w |H - reference| over the sum of w reference, over elements and channels; not of the volume's ends. Both must be of
-// one scene with the same leaves: throws InputError.
+// Sum of w |H - reference| over the sum of w reference, over elements and channels; not of the volume's ends. Both must
+// be of one scene with the same leaves: throws InputError.
 double difference(const RadiosityResult& result, const RadiosityResult& reference);
 
 }  // namespace gicube::samples

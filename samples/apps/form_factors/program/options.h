@@ -57,7 +57,8 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
 void run(const SolveOptions& options, ProgressLine& progress);
 void run(const VisibilityOptions& options, ProgressLine& progress);
 
-// The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have none.
+// The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have
+// none.
 void set_materials(const SolveOptions& options, Scene& scene);
 
 // Light that the scene's materials send out, as the solver counts it: of solids a unit of surface, of fogs a unit of
@@ -77,8 +78,8 @@ struct Utilisation {
 Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const BoardInfo& board);
 nlohmann::ordered_json to_json(const Utilisation& utilisation);
 
-// Pairs of whole voxels (boxes from half a voxel below to half a voxel above their centres, cut off at the volume's ends) that
-// are drawn from all alike, no voxel with itself. The same for a seed everywhere.
+// Pairs of whole voxels (boxes from half a voxel below to half a voxel above their centres, cut off at the volume's
+// ends) that are drawn from all alike, no voxel with itself. The same for a seed everywhere.
 struct RandomPairs {
   std::vector<Element> elements;
   std::vector<ElementPair> pairs;
@@ -101,11 +102,12 @@ Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& reque
 
 const char* name_of(PairRays made);  // as on the command line
 
-// Keys: elements clusters links all_pairs pairs rays refinements iterations (links, residual) energy (powers of red, green
-// and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean, greatest, relative)
-// bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters plan: null, or max_error time_budget_ms
-// kept chosen (a point) full_matrix_rays all_rays host_seconds points, each with hierarchy threshold rays_a_link leaf_voxels
-// difference error error_bound rays board_ms; fidelity_report: as of program/run_json.h.
+// Keys: elements clusters links all_pairs pairs rays refinements iterations (links, residual) energy (powers of red,
+// green and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean,
+// greatest, relative) bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters
+// plan: null, or max_error time_budget_ms kept chosen (a point) full_matrix_rays all_rays host_seconds points, each
+// with hierarchy threshold rays_a_link leaf_voxels difference error error_bound rays board_ms; fidelity_report: as of
+// program/run_json.h.
 nlohmann::ordered_json statistics_of(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
                                      const Counters& counters, const BoardInfo& board,
                                      const std::optional<RadiosityPlan>& plan);

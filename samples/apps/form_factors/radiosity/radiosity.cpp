@@ -92,8 +92,8 @@ class LinkSet {
     guess(links_);
   }
 
-  // Divides the links that may misplace more than `error` of the emitted power with the solver's radiosities, and measures
-  // those that are left: more exactly where nothing is left to be divided. False if there was nothing to do.
+  // Divides the links that may misplace more than `error` of the emitted power with the solver's radiosities, and
+  // measures those that are left: more exactly where nothing is left to be divided. False if there was nothing to do.
   bool refine(const RadiositySolver& solver, double error) {
     std::vector<SampledLink> kept, fresh, next;
     const auto sort_out = [&](const std::vector<SampledLink>& links) {
@@ -176,8 +176,8 @@ class LinkSet {
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(2 * rays, double(settings_.rays), high)));
   }
 
-  // With fresh rays: if the guess that decided to keep a link were its measure too, those that found too little would be kept,
-  // those that found too much divided, and the sum would be too low.
+  // With fresh rays: if the guess that decided to keep a link were its measure too, those that found too little would
+  // be kept, those that found too much divided, and the sum would be too low.
   bool measure(const RadiositySolver& solver, double error) {
     std::map<std::uint32_t, std::vector<SampledLink*>> wanted;
     for (SampledLink& sampled : links_) {

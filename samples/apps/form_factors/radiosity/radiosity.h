@@ -5,17 +5,17 @@
 //   result.leaves[i].cell, .facing      // which voxel, which of its faces
 //   result.outgoing[i]                  // its radiosity, red green blue
 //
-// Elements. A voxel is the box of half a voxel around its centre, cut off at the volume's ends. It is solid if its opacity
-// is at least RadiositySettings::solid_opacity, else open. Elements are
+// Elements. A voxel is the box of half a voxel around its centre, cut off at the volume's ends. It is solid if its
+// opacity is at least RadiositySettings::solid_opacity, else open. Elements are
 //   - faces: where an open voxel meets a solid one, seen from the open one; Lambert's law, the solid's material;
 //   - medium: open voxels of some opacity; they absorb, and scatter alike in all directions;
 //   - the volume's ends, where an open voxel lies at one: black, they take what leaves the volume.
 //
-// Units. Lengths, areas and volumes are physical, in smallest voxel edges. kappa is extinction a length. The weight w of an
-// element is its area, or 4 kappa V of medium. Radiosity B is power leaving a unit of weight: of faces a unit of area; a
-// medium element radiates 4 kappa V B. Incident H is power arriving at a unit of weight, so that
+// Units. Lengths, areas and volumes are physical, in smallest voxel edges. kappa is extinction a length. The weight w
+// of an element is its area, or 4 kappa V of medium. Radiosity B is power leaving a unit of weight: of faces a unit of
+// area; a medium element radiates 4 kappa V B. Incident H is power arriving at a unit of weight, so that
 //
-//   B = E + albedo H,   w_i H_i = sum over j of X_ij B_j,   sum over j of X_ij = w_i (closure),   X_ij = X_ji (reciprocity)
+//   B = E + albedo H,   w_i H_i = sum over j of X_ij B_j, sum over j of X_ij = w_i (closure), X_ij = X_ji (reciprocity)
 //
 // with X the exchange areas of the zonal method: double integrals of (cos or kappa) (cos or kappa) T / (pi r^2).
 #pragma once
@@ -62,8 +62,8 @@ struct RadiositySettings {
   double error = 1e-5;         // > 0: a link that may misplace more than this share of the emitted power is refined
   int rays = 16;               // first guess of a link; 8..65536
   int max_rays = 1024;         // of a link between elements that can't be divided; rays..2^24
-  // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of two
-  // voxels closes within 0.6% at 0.25, 0.16% at 1/16.
+  // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of
+  // two voxels closes within 0.6% at 0.25, 0.16% at 1/16.
   double step = 0.125;
   std::uint32_t seed = 0;  // another seed is an independent experiment
   Solver solver = Solver::kGathering;
@@ -128,8 +128,8 @@ struct Iteration {
   double residual = 0;      // power still under way after it, a share of the emitted power
 };
 
-// Where the emitted power went, a channel each. emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way +
-// closure, the last being what the links' sums miss (positive) or have too much; about 0 if they were balanced.
+// Where the emitted power went, a channel each. emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way
+// + closure, the last being what the links' sums miss (positive) or have too much; about 0 if they were balanced.
 struct EnergyBalance {
   Power emitted{}, absorbed_by_faces{}, absorbed_by_medium{}, escaped{}, under_way{}, closure{};
   Power measured_closure{};  // what `closure` would be with the links as they were measured, not balanced
@@ -148,8 +148,8 @@ struct RadiosityStatistics {
   double host_seconds = 0;     // wall clock, of the whole solution
 };
 
-// `standard_error`: one sigma from the spread of the links' samples, in the units of `incident`, of its sum over channels;
-// of a leaf's own and its ancestors' links, which are taken as independent.
+// `standard_error`: one sigma from the spread of the links' samples, in the units of `incident`, of its sum over
+// channels; of a leaf's own and its ancestors' links, which are taken as independent.
 struct RadiosityResult {
   std::vector<Leaf> leaves;
   std::vector<Power> incident;  // H by leaf
@@ -165,21 +165,22 @@ using RadiosityProgress = std::function<void(std::string_view what, double share
 
 // Loads a volume of its own onto the board (solids as opaque tags, the medium's extinction as density) and sets its
 // transfer functions: load yours again for pictures. `setup` must still hold its voxels.
-// Throws InputError that names the field (settings, an emission below 0, a volume too large for the board, a scene without
-// elements or emission), and what Board throws.
+// Throws InputError that names the field (settings, an emission below 0, a volume too large for the board, a scene
+// without elements or emission), and what Board throws.
 RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                                 const RadiositySettings& settings, const RadiosityProgress& progress = {});
 
-// FILE: Matrix Market, coordinate real symmetric: X between clusters, one entry a link, in smallest voxel edges squared; a form
-// factor is X_ij / w_i. They are scaled by a factor of each cluster, which keeps them symmetric, until the sums of all elements
-// close (an element's row, and those of the clusters that it is a part of) within 1e-4, or as far as they can; a comment in FILE says how
-// far they are off. FILE.clusters.csv beside it says of each row, counted from 1: facing, tag, box in voxels, area or
-// volume, weight, first and last leaf, and the row of the cluster that it is a part of. Throws FileError.
+// FILE: Matrix Market, coordinate real symmetric: X between clusters, one entry a link, in smallest voxel edges
+// squared; a form factor is X_ij / w_i. They are scaled by a factor of each cluster, which keeps them symmetric, until
+// the sums of all elements close (an element's row, and those of the clusters that it is a part of) within 1e-4, or as
+// far as they can; a comment in FILE says how far they are off. FILE.clusters.csv beside it says of each row, counted
+// from 1: facing, tag, box in voxels, area or volume, weight, first and last leaf, and the row of the cluster that it
+// is a part of. Throws FileError.
 void write_factors(const RadiosityResult& result, const std::filesystem::path& file);
 std::filesystem::path clusters_file(const std::filesystem::path& file);  // of the clusters' rows
 
-// A line of CSV for each leaf: its open voxel, facing, tag, weight, the light that falls on a unit of weight, and the standard
-// error of its sum over channels. Throws FileError.
+// A line of CSV for each leaf: its open voxel, facing, tag, weight, the light that falls on a unit of weight, and the
+// standard error of its sum over channels. Throws FileError.
 void write_elements(const RadiosityResult& result, const std::filesystem::path& file);
 
 }  // namespace gicube::samples

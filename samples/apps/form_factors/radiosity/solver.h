@@ -15,8 +15,9 @@ class RadiositySolver {
 
   // Goes on from what it has, with these links, until the share of the emitted power that is under way is at most
   // `convergence`. Adds to `iterations`.
-  // With `balance` what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes, by a factor
-  // of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was measured.
+  // With `balance` what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes,
+  // by a factor of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was
+  // measured.
   void solve(std::span<const Link> links, const RadiositySettings& settings, bool balance,
              std::vector<Iteration>& iterations);
 
@@ -60,8 +61,8 @@ class RadiositySolver {
   std::vector<std::uint32_t> own_;
 };
 
-// Share, 0..1, of a link's exchange area that is not certain between any two of its leaves: of leaves the noise of its rays,
-// of larger clusters what its rays differ by.
+// Share, 0..1, of a link's exchange area that is not certain between any two of its leaves: of leaves the noise of its
+// rays, of larger clusters what its rays differ by.
 double uncertain_part(const Link& link, const Forest& forest);
 
 }  // namespace gicube::samples

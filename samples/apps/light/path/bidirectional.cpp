@@ -49,8 +49,8 @@ Path Bidirectional::from_eye(std::size_t pixel, PathRandom random) const {
   return path;
 }
 
-// 1 over the sum, over all ways in which the path could be made, of their densities over that of this one, whose first `s` vertices
-// come from the light.
+// 1 over the sum, over all ways in which the path could be made, of their densities over that of this one, whose first
+// `s` vertices come from the light.
 double Bidirectional::balance(const std::vector<Node>& nodes, std::size_t s, bool area_light) const {
   const auto allowed = [&](std::size_t from_light) {
     const std::size_t from_eye = nodes.size() - from_light;

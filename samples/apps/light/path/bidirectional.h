@@ -1,6 +1,6 @@
-// Bidirectional path tracing in a volume (Veach 1997; in media Lafortune and Willems 1996): each path from the eye is connected with a
-// path from a light, every vertex with every vertex, and each way to make a path counts by the balance heuristic. The board flies the
-// paths and tests the connections.
+// Bidirectional path tracing in a volume (Veach 1997; in media Lafortune and Willems 1996): each path from the eye is
+// connected with a path from a light, every vertex with every vertex, and each way to make a path counts by the balance
+// heuristic. The board flies the paths and tests the connections.
 #pragma once
 
 #include <cstdint>

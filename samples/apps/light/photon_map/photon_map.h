@@ -1,9 +1,9 @@
-// Photon mapping (Jensen 1996; media Jensen and Christensen 1998): light's paths leave photons where they interact, and the light
-// scattered to the eye is found from the density of those round a place.
+// Photon mapping (Jensen 1996; media Jensen and Christensen 1998): light's paths leave photons where they interact, and
+// the light scattered to the eye is found from the density of those round a place.
 //
-// Each pass has photons of its own. Light that comes straight from a light is found by shadow rays; photons are what was reflected,
-// refracted or scattered before. Their density is even over the ball that holds the neighbours: light is blurred by so much, which more
-// photons make less, and more passes do not.
+// Each pass has photons of its own. Light that comes straight from a light is found by shadow rays; photons are what
+// was reflected, refracted or scattered before. Their density is even over the ball that holds the neighbours: light is
+// blurred by so much, which more photons make less, and more passes do not.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ class PhotonTree {
   PhotonTree& operator=(PhotonTree&&) noexcept;
 
   std::size_t size() const;
-  // The photons nearest to a place, at most `count`, none beyond `radius`; and the radius of the ball that their density is of: that
-  // of the farthest, which is left out then, or `radius` if there are fewer.
+  // The photons nearest to a place, at most `count`, none beyond `radius`; and the radius of the ball that their
+  // density is of: that of the farthest, which is left out then, or `radius` if there are fewer.
   struct Near {
     std::vector<const Photon*> photons;
     double radius = 0;

@@ -32,7 +32,8 @@ void add_light_input(CLI::App& app, LightInput& input);
 Scene light_scene(const LightInput& input);
 SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads);
 
-// A pixel shows pi times its radiance times the exposure, 1 is white; 0: one by which nine of ten lit pixels are below 0.8.
+// A pixel shows pi times its radiance times the exposure, 1 is white; 0: one by which nine of ten lit pixels are below
+// 0.8.
 Image image_of(int width, int height, const std::vector<Rgb>& radiance, double exposure);
 
 }  // namespace gicube::samples

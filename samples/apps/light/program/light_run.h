@@ -1,4 +1,5 @@
-// The common part of the methods: their options, passes of light on a board, and what is printed and written about them.
+// The common part of the methods: their options, passes of light on a board, and what is printed and written about
+// them.
 #pragma once
 
 #include <fmt/format.h>

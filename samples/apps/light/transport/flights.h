@@ -1,8 +1,9 @@
 // Free flights and visibility by the board.
 //
-// A flight ends where the opacity gathered from its start on reaches its random number, which is even in 0..1. A batch's numbers lie
-// one in each of as many strata, dealt at random. A command of the board has one opacity: the least of its flights, sorted by their
-// numbers. Its first hits are samples; from there the host walks on to each flight's end, and finds that of a surface by halving.
+// A flight ends where the opacity gathered from its start on reaches its random number, which is even in 0..1. A
+// batch's numbers lie one in each of as many strata, dealt at random. A command of the board has one opacity: the least
+// of its flights, sorted by their numbers. Its first hits are samples; from there the host walks on to each flight's
+// end, and finds that of a surface by halving.
 #pragma once
 
 #include <optional>

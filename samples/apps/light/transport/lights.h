@@ -24,8 +24,8 @@ class Lights {
   bool has_area(std::size_t light) const;
   bool is_distant(std::size_t light) const { return std::holds_alternative<DirectionalLight>(lights_[light]); }
   LightPoint point(PathRandom& random) const;
-  // Power per solid angle along `direction` (unit, from the light) over the point's density: radiance times the cosine for areas;
-  // distant lights: irradiance across the direction.
+  // Power per solid angle along `direction` (unit, from the light) over the point's density: radiance times the cosine
+  // for areas; distant lights: irradiance across the direction.
   Rgb emitted(const LightPoint& point, Vec3 direction) const;
 
   // A ray from a light into the volume's surroundings, by its power.
@@ -38,7 +38,8 @@ class Lights {
   Emission emit(PathRandom& random) const;
   double emission_density(const LightPoint& point, Vec3 direction) const;
 
-  // Calls `found` for each area light that shines against the ray, with the point that it meets and the light's radiance.
+  // Calls `found` for each area light that shines against the ray, with the point that it meets and the light's
+  // radiance.
   void meet(Vec3 place, Vec3 direction,
             const std::function<void(const LightPoint&, double distance, const Rgb&)>& found) const;
 

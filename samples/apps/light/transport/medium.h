@@ -17,9 +17,9 @@ namespace gicube::samples {
 
 class Medium {
  public:
-  // Loads the scene's volume onto the board. Materials are set so that first hits of rays end where paths scatter: media as they
-  // look, an opaque solid wholly opaque from half of its greatest opacity on, glass a skin of that. Throws InputError: a
-  // material that paths can't follow, a cut plane.
+  // Loads the scene's volume onto the board. Materials are set so that first hits of rays end where paths scatter:
+  // media as they look, an opaque solid wholly opaque from half of its greatest opacity on, glass a skin of that.
+  // Throws InputError: a material that paths can't follow, a cut plane.
   Medium(Board& board, const SceneSetup& setup, const Progress& progress = {});
 
   Vec3 voxel_of(Vec3 p) const { return {p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z}; }

@@ -18,8 +18,8 @@ struct Vertex {
   bool sharp = false;  // no connection finds its directions
   bool distant = false;
   Rgb weight{};  // of a light's path power, of an eye's path the share of a radiance, before this vertex scatters
-  // Densities of this vertex from the one before it on its path, and from the one behind it; per area, or per volume over the
-  // extinction. The chances that flights get so far are left out: they weigh all ways to make one path alike.
+  // Densities of this vertex from the one before it on its path, and from the one behind it; per area, or per volume
+  // over the extinction. The chances that flights get so far are left out: they weigh all ways to make one path alike.
   double forward = 0, backward = 0;
 };
 
@@ -42,8 +42,9 @@ class Paths {
 
   // From a light, with its first vertex on it.
   Path from_light(PathRandom random) const;
-  // Lets paths fly and scatter until each has left the volume, was absorbed or has scattered `max_scatterings` times. Russian roulette
-  // ends those of little weight. Calls `seen` for each flight with the distance of its end, infinite outside, before the vertex is there.
+  // Lets paths fly and scatter until each has left the volume, was absorbed or has scattered `max_scatterings` times.
+  // Russian roulette ends those of little weight. Calls `seen` for each flight with the distance of its end, infinite
+  // outside, before the vertex is there.
   void walk(std::span<Path> paths, int max_scatterings,
             const std::function<void(const Path&, double)>& seen = {}) const;
 

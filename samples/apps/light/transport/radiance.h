@@ -17,8 +17,8 @@ inline void add(Rgb& sum, const Rgb& value, double factor = 1) {
   for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c] * factor;
 }
 
-// Rows from the top. A radiance of L shows a white surface on which pi L of power falls on a unit of area (a square of the smallest
-// voxel edge).
+// Rows from the top. A radiance of L shows a white surface on which pi L of power falls on a unit of area (a square of
+// the smallest voxel edge).
 struct RadiancePicture {
   int width = 0, height = 0;
   std::uint64_t passes = 0;

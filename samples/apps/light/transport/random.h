@@ -1,4 +1,5 @@
-// Random numbers of a path: they depend on the seed, the path's number and how many it has drawn. SplitMix64 [Steele 2014].
+// Random numbers of a path: they depend on the seed, the path's number and how many it has drawn. SplitMix64 [Steele
+// 2014].
 #pragma once
 
 #include <array>

@@ -26,8 +26,8 @@ class UsageError : public std::runtime_error {
 // The program, its version and the command line that parsed() has read last.
 Provenance this_run();
 
-// Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out` has got then.
-// Throws UsageError with one line.
+// Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out`
+// has got then. Throws UsageError with one line.
 bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out);
 
 struct BoardOptions {
@@ -54,8 +54,8 @@ struct BoardOptions {
   }
 };
 
-// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run". `several`: --board may
-// be given several times, and there is --own-buses.
+// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run".
+// `several`: --board may be given several times, and there is --own-buses.
 void add_board_options(CLI::App& app, BoardOptions& options, bool several = false);
 
 // The URI for Board::open(): emu: with the options as its query. Throws UsageError if a running board (unix:, tcp:) is
@@ -64,8 +64,8 @@ std::string board_uri(const BoardOptions& options);
 // The same of all boards.
 std::vector<std::string> board_uris(const BoardOptions& options);
 
-// Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option` and says how they are written, unless
-// there are `count` finite ones, of which four are possible.
+// Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option` and says how they are
+// written, unless there are `count` finite ones, of which four are possible.
 std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count);
 Vec3 parse_vector(const std::string& option, const std::string& text);
 // Whole numbers from 1: "WxH" with separator 'x' and count 2, or "X,Y,Z" with ',' and 3.

@@ -1,4 +1,5 @@
-// What every program does with a board: opens it as its user wishes, brings a scene onto it, and measures a part of its work.
+// What every program does with a board: opens it as its user wishes, brings a scene onto it, and measures a part of its
+// work.
 #pragma once
 
 #include <chrono>
@@ -13,7 +14,8 @@
 
 namespace gicube::samples {
 
-// `while_waiting`: as OpenOptions. Warns of fields of the board's configuration that are set and that its level does not model. Throws UsageError (options that make no URI) and what Board::open() throws.
+// `while_waiting`: as OpenOptions. Warns of fields of the board's configuration that are set and that its level does
+// not model. Throws UsageError (options that make no URI) and what Board::open() throws.
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
 // The same of one or several boards.
@@ -22,7 +24,8 @@ BoardGroup open_boards(const BoardOptions& options, const std::function<void()>&
 // Warns if nothing is visible in a picture of the board.
 void warn_if_invisible(const Board& board, const Image& image);
 
-// Whether pictures can be taken of such a volume, which the card need not store whole (docs/guide/bricks.md). Throws InputError.
+// Whether pictures can be taken of such a volume, which the card need not store whole (docs/guide/bricks.md). Throws
+// InputError.
 void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source);
 // Whether the card stores it. Throws InputError that says how an emulated board is made larger.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);

@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// proc(5), stat: user and system time are the 14th and 15th field; the second is a name in brackets that may hold anything.
+// proc(5), stat: user and system time are the 14th and 15th field; the second is a name in brackets that may hold
+// anything.
 double cpu_seconds(const fs::path& process) {
   std::ifstream stream(process / "stat");
   std::string line;

@@ -11,8 +11,9 @@ struct HostUsage {
   double peak_mib = 0;     // most memory that was ever resident
 };
 
-// Of this process and of its boards, so far. Boards are processes that this one started and that still run: their seconds and
-// peaks are added (seconds in steps of 10 ms). None where there is no such board, or a system that does not say.
+// Of this process and of its boards, so far. Boards are processes that this one started and that still run: their
+// seconds and peaks are added (seconds in steps of 10 ms). None where there is no such board, or a system that does not
+// say.
 struct RunUsage {
   HostUsage program;
   std::optional<HostUsage> boards;

@@ -28,7 +28,8 @@ void check_picture_name(const std::filesystem::path& output);
 // there or the file may not be written to, UsageError if two options name one file, or an option a file of `inputs`.
 // An .mhd stands for its .raw too. A pipe or a device may have several.
 void check_outputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs = {});
-// The latter alone, for inputs and derived names that are known later. An input may be a folder, whose pictures are slices.
+// The latter alone, for inputs and derived names that are known later. An input may be a folder, whose pictures are
+// slices.
 void check_inputs_stay(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace gicube::samples

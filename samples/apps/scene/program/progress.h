@@ -11,8 +11,8 @@
 
 namespace gicube::samples {
 
-// ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left" as the part done so far promises; empty in the first two seconds [C] and
-// at the end, when nothing can be said yet and nothing is left.
+// ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left" as the part done so far promises; empty in the first two
+// seconds [C] and at the end, when nothing can be said yet and nothing is left.
 std::string time_left(double elapsed_seconds, std::uint32_t done, std::uint32_t all);
 
 // Whether a stream is a terminal that knows the escape code for it: TERM is set, and not to "dumb".

@@ -19,24 +19,26 @@ nlohmann::ordered_json to_json(const Counters& counters);
 // Keys: fidelity config_hash.
 nlohmann::ordered_json to_json(const BoardInfo& board);
 
-// What answered the window's commands, and what its figures leave out (gicube/fidelity.h): an object for each level, with the keys level,
-// answered (commands by kind), not_modelled.
+// What answered the window's commands, and what its figures leave out (gicube/fidelity.h): an object for each level,
+// with the keys level, answered (commands by kind), not_modelled.
 nlohmann::ordered_json fidelity_json(const Counters& counters);
 
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
 
-// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, within_slot, asic_watts, parts; each part and the total
-// with its value, low and high. Null where the level counts no energy.
+// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, within_slot, asic_watts, parts; each part
+// and the total with its value, low and high. Null where the level counts no energy.
 nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time);
-// For example "4.4 W (2.6 to 6.3), most of it sdram and memory_interface; ASIC 2.4 W; the slot's 25 W suffice". Empty where the level counts no energy.
+// For example "4.4 W (2.6 to 6.3), most of it sdram and memory_interface; ASIC 2.4 W; the slot's 25 W suffice". Empty
+// where the level counts no energy.
 std::string energy_line(const Counters& counters, Picoseconds time);
 
-// The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all channels are
-// "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
+// The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all
+// channels are "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
 std::string memory_of(const Counters& counters);
 
-// The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board bound (what_bounds()) counters fidelity_report.
+// The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board bound
+// (what_bounds()) counters fidelity_report.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // this_run() with the board, and the hash of what was computed with.

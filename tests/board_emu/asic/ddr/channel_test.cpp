@@ -59,7 +59,8 @@ TEST(DdrChannel, QueuedPacketsOfOpenRowsFollowOneAnother) {
   EXPECT_EQ(second.cause, Delay::kTransfer);
 }
 
-// ACT 0 and 2 (tRRD), RD 2 gives way to the ACT that is already asked for in no case: it is placed first. RD at 2, ACT 3.
+// ACT 0 and 2 (tRRD), RD 2 gives way to the ACT that is already asked for in no case: it is placed first. RD at 2, ACT
+// 3.
 TEST(DdrChannel, OneCommandBusCarriesOneCommandAClock) {
   Channel channel(without_refresh(), 1);
   EXPECT_EQ(channel.read(at(0, 9), 0).data_begin, 4u);

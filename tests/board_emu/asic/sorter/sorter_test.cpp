@@ -310,7 +310,8 @@ TEST(Sorter, DoesNothingWhileNothingComes) {
   EXPECT_FALSE(rig.sorter.tick(4));
 }
 
-// With a pipeline that takes no ray: two rays are written in cycle 1, the second's queue is inserted in cycle 2. Queue 1 is active.
+// With a pipeline that takes no ray: two rays are written in cycle 1, the second's queue is inserted in cycle 2. Queue
+// 1 is active.
 TEST(Sorter, MovesInTheCyclesInWhichARayIsWrittenOrAQueueInserted) {
   SorterRig rig(small(), 1);
   rig.issue.push(0, {});

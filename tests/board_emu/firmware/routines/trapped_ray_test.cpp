@@ -1,5 +1,5 @@
-// Rays that trap on the DSP, through whole commands: what is wrong with a routine ends its command and nothing else, and
-// no energy is lost.
+// Rays that trap on the DSP, through whole commands: what is wrong with a routine ends its command and nothing else,
+// and no energy is lost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

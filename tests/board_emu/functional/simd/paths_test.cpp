@@ -1,5 +1,5 @@
-// Lighting rays and scattered rays side by side in vectors give the bits of the plain way: rays, irradiance and ledgers,
-// on every instruction set that this host has.
+// Lighting rays and scattered rays side by side in vectors give the bits of the plain way: rays, irradiance and
+// ledgers, on every instruction set that this host has.
 #include <gtest/gtest.h>
 
 #include <optional>

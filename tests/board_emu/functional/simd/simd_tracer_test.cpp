@@ -1,5 +1,5 @@
-// Rays side by side in vectors give the bits of the plain way, ray by ray and count by count, on every instruction set that
-// this host has.
+// Rays side by side in vectors give the bits of the plain way, ray by ray and count by count, on every instruction set
+// that this host has.
 #include "functional/simd/simd_tracer.h"
 
 #include <gtest/gtest.h>

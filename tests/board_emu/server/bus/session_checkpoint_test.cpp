@@ -1,4 +1,5 @@
-// What clients ask of checkpoints over the data plane, right and wrong. What a driver does with them: tests/system/save_test.cpp.
+// What clients ask of checkpoints over the data plane, right and wrong. What a driver does with them:
+// tests/system/save_test.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

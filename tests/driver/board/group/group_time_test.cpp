@@ -37,7 +37,8 @@ TEST(SharedBus, GivesThoseThatAskForLittleAllOfItAndDividesTheRest) {
   EXPECT_EQ(done, (std::vector<Picoseconds>{3000, 800, 800}));
 }
 
-// Work without the bus hides in the other's transfers: 0..100 the first works while the second has the bus; then the first transfers alone.
+// Work without the bus hides in the other's transfers: 0..100 the first works while the second has the bus; then the
+// first transfers alone.
 TEST(SharedBus, IsTakenByOneBoardWhileAnotherWorks) {
   const auto done = done_on_shared_bus(std::vector<Phases>{{{100, 0}, {50, 50}}, {{100, 100}, {70, 0}}});
   EXPECT_EQ(done, (std::vector<Picoseconds>{150, 170}));

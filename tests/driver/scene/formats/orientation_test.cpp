@@ -18,7 +18,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-// StoredObject axis i runs along the world's axis |order[i]|, backwards if negative; all eight signs and all orders of axes.
+// StoredObject axis i runs along the world's axis |order[i]|, backwards if negative; all eight signs and all orders of
+// axes.
 std::vector<std::array<int, 3>> all_orders() {
   std::vector<std::array<int, 3>> all;
   for (const auto& order : {std::array{1, 2, 3}, {2, 3, 1}, {3, 1, 2}, {2, 1, 3}, {1, 3, 2}, {3, 2, 1}}) {

@@ -66,7 +66,8 @@ TEST(VolumeOutput, SaysWhereTheFirstVoxelIs) {
   }
 }
 
-// As NIfTI readers take it: both transforms of the same code, lengths in millimetres; axes run to the right and to the front.
+// As NIfTI readers take it: both transforms of the same code, lengths in millimetres; axes run to the right and to the
+// front.
 TEST(VolumeOutput, NiftiSaysUnitsAndTwiceWhereTheVoxelsAre) {
   const TemporaryFolder folder;
   const std::vector<float> values = ramp(8);

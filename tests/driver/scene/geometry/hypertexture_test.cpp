@@ -121,7 +121,8 @@ TEST(Hypertexture, OfAFlameIsDrawnOutUpwardsAndTornByRisingNoise) {
   EXPECT_EQ(drawn({0, 0, 3.9}), 1);
   EXPECT_EQ(drawn({0, 0, 4.1}), -1);
   EXPECT_EQ(drawn({0, 0, -1.1}), -1);
-  // What tears the flame at a height now tears it a cell of noise, stretched, higher after a unit of time; more, as it is higher.
+  // What tears the flame at a height now tears it a cell of noise, stretched, higher after a unit of time; more, as it
+  // is higher.
   Hypertexture torn = calm;
   torn.softness = 3, torn.amplitude = 0.4, torn.frequency = 5, torn.octaves = 1;
   const auto density = density_of(torn);

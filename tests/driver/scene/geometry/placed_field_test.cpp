@@ -18,8 +18,8 @@ PlacedSolid placed_solid(const Shape& shape, const Affine& to_voxels) {
   return {fields_of(shape).front(), to_voxels, 0, false};
 }
 
-// The nearest point of an axis-parallel ellipsoid around the origin, by bisection of the one root (D. Eberly, Distance from a point to
-// an ellipse, an ellipsoid, or a hyperellipsoid). No component of p is 0.
+// The nearest point of an axis-parallel ellipsoid around the origin, by bisection of the one root (D. Eberly, Distance
+// from a point to an ellipse, an ellipsoid, or a hyperellipsoid). No component of p is 0.
 double ellipsoid_distance(std::array<double, 3> half, std::array<double, 3> p) {
   const auto root_sum = [&](double t) {
     double sum = 0;

@@ -68,8 +68,8 @@ TEST(Voxeliser, FillsTheVolumeOfThinPlatesAndSmallBallsByPartialVolumes) {
     const double exact = 4 * std::numbers::pi / 3 * half.x * half.y * half.z;
     EXPECT_NEAR(of(ball, Densities::kPartialVolumes) / exact, 1, 0.01) << half.x;
   }
-  // Of a plate the ramp makes (1 + h)^2 / 2, on average of where it lies between the voxels, as voxeliser.h says; here a disc, with more
-  // around its rim.
+  // Of a plate the ramp makes (1 + h)^2 / 2, on average of where it lies between the voxels, as voxeliser.h says; here
+  // a disc, with more around its rim.
   double by_ramp = 0, by_shares = 0;
   for (const double offset : {0.0, 0.25, 0.5, 0.75}) {
     const PlacedSolid disc =

@@ -20,8 +20,8 @@ inline std::vector<Board> open_boards(const std::string& options = "", int count
 }
 inline constexpr const char* kWide = "&set=asic.datapath=wide";
 
-// Density 0..1 by voxel; opacity of a voxel: `opacity` times its density. Nothing is shaded. Voxel 0 lies at the origin of the space, and
-// a voxel is 1 long, until `to_voxels` says otherwise.
+// Density 0..1 by voxel; opacity of a voxel: `opacity` times its density. Nothing is shaded. Voxel 0 lies at the origin
+// of the space, and a voxel is 1 long, until `to_voxels` says otherwise.
 inline StageMedium medium(const Dims& dims, const Colour& colour, double opacity,
                           const std::function<double(Vec3)>& density) {
   StageMedium out{"medium", {}, {}};

@@ -1,5 +1,5 @@
-// The board's reconstruction by its defaults and a double-precision one of the same projections, both judged by the object's means
-// in voxels.
+// The board's reconstruction by its defaults and a double-precision one of the same projections, both judged by the
+// object's means in voxels.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -49,7 +49,8 @@ TEST_P(FdkAccuracy, RmseIsAtMostATwentiethMoreThanInDoublePrecision) {
   EXPECT_LE(rmse_ratio({.normalise = false}), 1.05);
 }
 
-// Pixels of any width and height, in voxels: of six solids, of one ball and of a thin shell, in all of the volume and around its middle.
+// Pixels of any width and height, in voxels: of six solids, of one ball and of a thin shell, in all of the volume and
+// around its middle.
 TEST(FdkPixels, MayHaveAnyWidthAndHeightAndAreAsGoodAsInDoublePrecision) {
   for (const std::array<double, 2> pixel :
        {std::array{0.69, 0.69}, {0.75, 0.75}, {0.8, 0.5}, {0.9, 0.65}, {1.01, 0.5}, {1.01, 0.8}, {0.8, 1.01}}) {

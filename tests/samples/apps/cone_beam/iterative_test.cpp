@@ -1,4 +1,5 @@
-// Conjugate gradients, ordered subsets of expectation maximisation and total variation; the axis of rotation from the data.
+// Conjugate gradients, ordered subsets of expectation maximisation and total variation; the axis of rotation from the
+// data.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -63,8 +63,8 @@ TEST(Normalised, WhatSomeViewsDontSeeStaysAsItIs) {
   EXPECT_NE(divided.values[row + 24], plain.values[row + 24]);
 }
 
-// What splatting leaves of rays that would make a volume of ones, over what they should leave: what normalise() divides by. Compares
-// all voxels that are divided within 36 of the axis.
+// What splatting leaves of rays that would make a volume of ones, over what they should leave: what normalise() divides
+// by. Compares all voxels that are divided within 36 of the axis.
 struct Difference {
   double of_slices = 0;  // RMS of the means of slices: the ripples that all views have in common
   double plain = 0;      // the same if nothing were divided

@@ -22,7 +22,8 @@ using testing::ThrowsMessage;
 
 double part(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; }  // -1..1
 
-// The scan with each detector tilted about its row, its column and its normal by up to `degrees`, and shifted by up to `pixels`.
+// The scan with each detector tilted about its row, its column and its normal by up to `degrees`, and shifted by up to
+// `pixels`.
 ConeGeometry shaken(const ConeGeometry& from, double degrees, double pixels) {
   ConeGeometry out = from;
   std::mt19937_64 engine(7);

@@ -134,7 +134,8 @@ TEST_F(RenderProgram, LoadsOnlyWhatShowsIfAsked) {
   EXPECT_EQ(run(GICUBE_SOURCE_DIR "/samples/scenes/fog_box.scene --volume-size 16 --crop -o " + path("x.png")).code, 2);
 }
 
-// Eight times fewer voxels to load, half as many samples a ray, and nearly the same picture; with the part that shows as well.
+// Eight times fewer voxels to load, half as many samples a ray, and nearly the same picture; with the part that shows
+// as well.
 TEST_F(RenderProgram, LoadsACoarserVolumeIfAsked) {
   const std::string scene = "builtin:buckyball --volume-size 128 --size 64x64 --no-leap --quiet -o ";
   ASSERT_EQ(run(scene + path("fine.png") + " --stats " + path("fine.json")).code, 0);

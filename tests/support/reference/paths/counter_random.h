@@ -1,5 +1,5 @@
-// Random numbers that depend on a seed, a stream's number and how many were drawn, and on nothing else: paths that have streams
-// of their own are the same on any number of threads. SplitMix64 (Steele, Lea, Flood 2014) from a mixed key.
+// Random numbers that depend on a seed, a stream's number and how many were drawn, and on nothing else: paths that have
+// streams of their own are the same on any number of threads. SplitMix64 (Steele, Lea, Flood 2014) from a mixed key.
 #pragma once
 
 #include <cmath>

@@ -22,7 +22,8 @@ class EmptySpace {
     for (std::size_t axis = 0; axis < 3; ++axis) spread(axis);
   }
 
-  // Where on a ray (all in cells) the empty cube round the cell at `distance` ends: not beyond `distance` if that cell is not empty.
+  // Where on a ray (all in cells) the empty cube round the cell at `distance` ends: not beyond `distance` if that cell
+  // is not empty.
   double leave(const std::array<double, 3>& from, const std::array<double, 3>& step, double distance) const {
     std::array<int, 3> cell{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -45,8 +46,8 @@ class EmptySpace {
   std::size_t index(const std::array<int, 3>& cell) const {
     return static_cast<std::size_t>((cell[2] * cells_[1] + cell[1]) * cells_[0] + cell[0]);
   }
-  // Chebyshev's distance, the number of cells to the nearest that is not empty, axis by axis. max(|i - j|, r[j]) has its least over j
-  // where a cube of r about i has something: 255 tries at most, and as few as the result.
+  // Chebyshev's distance, the number of cells to the nearest that is not empty, axis by axis. max(|i - j|, r[j]) has
+  // its least over j where a cube of r about i has something: 255 tries at most, and as few as the result.
   void spread(std::size_t axis) {
     const std::vector<std::uint8_t> before = reach_;
     std::array<int, 3> cell{};

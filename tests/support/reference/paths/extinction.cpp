@@ -35,7 +35,8 @@ bool depends_on_normal(const Material& material) {
   return reflects(material.bsdf) || (material.bsdf == Bsdf::kTrap && material.routine == kFresnelRoutine);
 }
 
-// The greatest opacity of the values from `low` to `high`: at an end, at a point between them, or on either side of a step.
+// The greatest opacity of the values from `low` to `high`: at an end, at a point between them, or on either side of a
+// step.
 double max_opacity(const TransferFunction& function, double low, double high) {
   if (function.opacities.empty()) return 0;
   double most = std::max(function.opacity_at(low), function.opacity_at(high));

@@ -1,6 +1,6 @@
-// Collisions of rays in a heterogeneous medium by delta tracking (Woodcock 1965): tentative collisions are drawn from an
-// extinction that is nowhere exceeded, and each is real with the share of the true extinction there. No steps, no bias. Each
-// cube between eight voxels has a bound of its own, so empty space costs nothing.
+// Collisions of rays in a heterogeneous medium by delta tracking (Woodcock 1965): tentative collisions are drawn from
+// an extinction that is nowhere exceeded, and each is real with the share of the true extinction there. No steps, no
+// bias. Each cube between eight voxels has a bound of its own, so empty space costs nothing.
 //
 // Space is physical: voxel positions times the spacing, in smallest voxel edges.
 #pragma once
@@ -38,7 +38,8 @@ class Extinction {
   // Both must outlive it.
   Extinction(const PathScene& scene, const Field& field);
 
-  // The first collision that is nearer than `limit`; none if the ray leaves the volume, or what cut planes keep, before.
+  // The first collision that is nearer than `limit`; none if the ray leaves the volume, or what cut planes keep,
+  // before.
   std::optional<Collision> collide(Flight flight, double limit, CounterRandom& random) const;
   // An unbiased estimate, 0..1, of what passes along `distance` (ratio tracking, Novak et al. 2014).
   double transmittance(Flight flight, double distance, CounterRandom& random) const;

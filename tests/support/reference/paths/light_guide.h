@@ -1,5 +1,6 @@
-// Where light comes from that mirrors and glass have turned on its way from a lamp: few paths from the eye come upon the lamp behind them by
-// chance. It is a choice of directions; the density with which they were chosen is divided out, so it changes the noise alone.
+// Where light comes from that mirrors and glass have turned on its way from a lamp: few paths from the eye come upon
+// the lamp behind them by chance. It is a choice of directions; the density with which they were chosen is divided out,
+// so it changes the noise alone.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,8 @@ namespace gicube::reference::paths {
 
 class LightGuide {
  public:
-  // Sends rays from the lights (physical) through mirrors and glass; none if the scene has neither, or no light with an area.
+  // Sends rays from the lights (physical) through mirrors and glass; none if the scene has neither, or no light with an
+  // area.
   LightGuide(const PathScene& scene, const Extinction& extinction, const std::vector<Light>& lights);
 
   // The cell of a place, if light of this kind was found there.

@@ -28,9 +28,11 @@ struct PathScene {
   std::vector<Light> lights{};
   std::vector<Rgb> light_colours{};                  // one for each light
   std::function<Rgb(Vec3 direction)> environment{};  // radiance that a ray finds which leaves along it; none if empty
-  // Of tags that are solids with a sharp surface: the value from which on they are, whatever their opacity (diffuse, specular, glass).
+  // Of tags that are solids with a sharp surface: the value from which on they are, whatever their opacity (diffuse,
+  // specular, glass).
   std::array<std::optional<double>, 4> surfaces{};
-  // Their normal is that of differences over this many voxels to both sides; 0: the field's own gradient, which jumps between cells.
+  // Their normal is that of differences over this many voxels to both sides; 0: the field's own gradient, which jumps
+  // between cells.
   double normal_reach = 0;
   // What full opacity is taken for: extinction per smallest voxel edge. A solid's surface is soft by its inverse.
   double max_extinction = 16;

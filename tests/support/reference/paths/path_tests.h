@@ -10,7 +10,8 @@
 
 namespace gicube::reference::paths {
 
-// A test's figures are drawn from one seed, so it passes always or never; 3 standard errors are exceeded by chance once in 370.
+// A test's figures are drawn from one seed, so it passes always or never; 3 standard errors are exceeded by chance once
+// in 370.
 inline void expect_near(const Estimate& found, double truth, const char* what, double allowed = 0) {
   EXPECT_NEAR(found.mean, truth, 3 * found.error + allowed + 1e-12) << what << ", standard error " << found.error;
 }

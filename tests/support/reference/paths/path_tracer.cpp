@@ -174,7 +174,8 @@ RadiancePicture PathTracer::render(std::uint64_t paths_per_pixel, std::uint64_t 
         RgbTally tally;
         for (std::uint64_t i = 0; i < paths_per_pixel; ++i) {
           CounterRandom random(seed, pixel * paths_per_pixel + i);
-          // One path in each part of the pixel, and what is left over anywhere: the standard errors are a little too large.
+          // One path in each part of the pixel, and what is left over anywhere: the standard errors are a little too
+          // large.
           const std::uint64_t part = i < parts * parts ? i : 0, of = i < parts * parts ? parts : 1;
           const double x = column + (static_cast<double>(part % of) + random.uniform()) / static_cast<double>(of);
           const double y = row + (static_cast<double>(part / of) + random.uniform()) / static_cast<double>(of);

@@ -1,8 +1,8 @@
 // A volumetric path tracer in double precision: the light of a scene without bias, what the board's light is judged by.
 //
-// A path goes from the eye from collision to collision (extinction.h), at each of which it is connected with every light and
-// scattered. It plays Russian roulette, so its length has no bound but PathScene::max_scatterings. A radiance of L shows a white
-// surface on which L pi of power falls on a unit of area.
+// A path goes from the eye from collision to collision (extinction.h), at each of which it is connected with every
+// light and scattered. It plays Russian roulette, so its length has no bound but PathScene::max_scatterings. A radiance
+// of L shows a white surface on which L pi of power falls on a unit of area.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,9 @@ struct RadiancePicture {
 
 class PathTracer {
  public:
-  // The scene must outlive it. Throws std::invalid_argument for a routine that the board does not have built in, and unless
-  // there is a colour for each light. `guided`: for seconds of preparation paths find lamps behind mirrors and glass more often.
+  // The scene must outlive it. Throws std::invalid_argument for a routine that the board does not have built in, and
+  // unless there is a colour for each light. `guided`: for seconds of preparation paths find lamps behind mirrors and
+  // glass more often.
   explicit PathTracer(const PathScene& scene, bool guided = false);
 
   // Of one path that begins at `origin` (voxels, anywhere) along `direction` (physical, any length but 0).

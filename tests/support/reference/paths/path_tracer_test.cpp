@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A slab across z of this optical thickness, one voxel thick and far wider than light goes. Light that comes from where a
-// reversed path ends is as much as light that goes there [reciprocity]: the share of an eye's paths that leave by a face is that of a
-// beam's light.
+// A slab across z of this optical thickness, one voxel thick and far wider than light goes. Light that comes from where
+// a reversed path ends is as much as light that goes there [reciprocity]: the share of an eye's paths that leave by a
+// face is that of a beam's light.
 class Slab {
  public:
   Slab(double optical_thickness, const Material& material) : test_({160, 160, 2}) {
@@ -139,7 +139,8 @@ TEST(Furnace, IsTheSameByConnectionsWithLamps) {
     return PathTracer(scene).estimate({9.5, 9.5, -15}, kAhead, 6000, 35)[0];
   };
   test.look(0.1);
-  // Of collisions and light behind the fog together; lamps have no part of what the environment would give to escaped paths.
+  // Of collisions and light behind the fog together; lamps have no part of what the environment would give to escaped
+  // paths.
   const PathScene fog = closed(isotropic(1));
   const auto all = PathTracer(fog).estimate({9.5, 9.5, -15}, kAhead, 6000, 35)[0];
   expect_near(all, 1, "fog");
@@ -221,7 +222,8 @@ TEST(Glass, OfAPlateReflectsWhatBothItsFacesDo) {
   expect_near(shares[1], 0.96 / 1.04, "transmitted");
 }
 
-// 120 estimates of a number that is known: three standard errors of 80 paths each hold the truth, and their squares' mean is 1.
+// 120 estimates of a number that is known: three standard errors of 80 paths each hold the truth, and their squares'
+// mean is 1.
 TEST(PathTracer, SaysHowWrongItIs) {
   const SlabRow row = kSlabTable[4];
   Slab slab(row.optical_thickness, isotropic(row.albedo));

@@ -26,7 +26,8 @@ Vec3 around(Vec3 axis, double cosine, double turn) {
   return cosine * axis + sine * std::cos(phi) * across + sine * std::sin(phi) * cross(axis, across);
 }
 
-// Density of the direction of m + gloss d, d even over the sphere: the ray along `out` meets that sphere at up to two lengths s.
+// Density of the direction of m + gloss d, d even over the sphere: the ray along `out` meets that sphere at up to two
+// lengths s.
 double dull_density(Vec3 m, double gloss, Vec3 out) {
   const double c = dot(m, out), root = c * c - 1 + gloss * gloss;
   if (root <= 0) return 0;

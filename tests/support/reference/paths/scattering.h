@@ -6,7 +6,8 @@
 
 namespace gicube::reference::paths {
 
-// All directions are unit vectors in physical space; `normal` faces the ray, or is what it came from where there is no gradient.
+// All directions are unit vectors in physical space; `normal` faces the ray, or is what it came from where there is no
+// gradient.
 
 // True if the direction is one of a few, which no connection meets: mirrors and glass.
 bool is_sharp(const Material& material);

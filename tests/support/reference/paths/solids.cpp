@@ -57,7 +57,8 @@ Solids::Solids(const PathScene& scene, const Field& field)
   empty_ = empty_space();
 }
 
-// A cell is empty if none of the tags within it, which are those of its corners, has a surface that its field can reach.
+// A cell is empty if none of the tags within it, which are those of its corners, has a surface that its field can
+// reach.
 EmptySpace Solids::empty_space() const {
   std::array<int, 3> cells{};
   for (const std::size_t axis : kAxes) cells[axis] = static_cast<int>(dims_[axis]) - 1;

@@ -1,5 +1,5 @@
-// Sharp surfaces: where the trilinear field reaches a value. Between voxels the field is a cubic along a ray, so they are found to
-// rounding, without steps; and their normal is the field's own gradient, so none faces into the solid.
+// Sharp surfaces: where the trilinear field reaches a value. Between voxels the field is a cubic along a ray, so they
+// are found to rounding, without steps; and their normal is the field's own gradient, so none faces into the solid.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// What gicube-scene throws: something that a user wrote, in a file or as a value, is wrong. No board has been touched then.
+// What gicube-scene throws: something that a user wrote, in a file or as a value, is wrong. No board has been touched
+// then.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Hypertextures (K. Perlin and E. Hoffert, "Hypertexture", SIGGRAPH 1989): a solid's surface becomes a soft region, in which noise shapes
-// the density. It is evaluated at a world's voxels each time that the world is built.
+// Hypertextures (K. Perlin and E. Hoffert, "Hypertexture", SIGGRAPH 1989): a solid's surface becomes a soft region, in
+// which noise shapes the density. It is evaluated at a world's voxels each time that the world is built.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ GICUBE_API HypertextureKind hypertexture_named(const std::string& name);
 // Throws InputError with the name of the field ("softness: expected ..."). Does not open a mesh's file.
 GICUBE_API void check(const Hypertexture& texture);
 
-// The density at a point of the node's space, more than 0 to 1, or -1 where there is nothing. May be called on several threads. Throws as
-// check() and fields_of() do.
+// The density at a point of the node's space, more than 0 to 1, or -1 where there is nothing. May be called on several
+// threads. Throws as check() and fields_of() do.
 GICUBE_API std::function<double(Vec3)> density_of(const Hypertexture& texture);
 
 }  // namespace gicube::scene

@@ -14,9 +14,10 @@
 
 namespace gicube::scene {
 
-// How a colour that is partly seen through and the background behind it are mixed: display-referred values, as the board mixes the
-// samples of a ray, and as pictures are put together on a screen; or linear light, as compositing programs do with an EXR. The two
-// differ only where alpha is neither 0 nor 1: white of alpha ½ over black is 0.5 or 0.735 on the display.
+// How a colour that is partly seen through and the background behind it are mixed: display-referred values, as the
+// board mixes the samples of a ray, and as pictures are put together on a screen; or linear light, as compositing
+// programs do with an EXR. The two differ only where alpha is neither 0 nor 1: white of alpha ½ over black is 0.5 or
+// 0.735 on the display.
 enum class Composite { kDisplay, kLinear };
 
 struct Background {
@@ -31,8 +32,8 @@ struct Background {
   GICUBE_API double under(double value, double alpha, std::size_t channel) const;
 };
 
-// The pixels of a PNG, 8 bits a channel, rows from the top: RGBA with unassociated alpha, or RGB over a background. Throws FileError: an
-// image without pixels or with a wrong number of them.
+// The pixels of a PNG, 8 bits a channel, rows from the top: RGBA with unassociated alpha, or RGB over a background.
+// Throws FileError: an image without pixels or with a wrong number of them.
 GICUBE_API std::vector<std::uint8_t> png_pixels(const Image& image, const std::optional<Background>& background = {});
 
 // All three write to a temporary file beside `path` and rename it when it is whole: a failure leaves what was there
@@ -43,8 +44,8 @@ GICUBE_API std::vector<std::uint8_t> png_pixels(const Image& image, const std::o
 GICUBE_API void write_png(const Image& image, const std::filesystem::path& path,
                           const std::optional<Background>& background = {}, const Provenance& provenance = {});
 
-// 32-bit float, linear light with sRGB primaries. Without a background RGBA, colour premultiplied by alpha; the sRGB curve is
-// undone on the colour before premultiplication. With one RGB over it.
+// 32-bit float, linear light with sRGB primaries. Without a background RGBA, colour premultiplied by alpha; the sRGB
+// curve is undone on the colour before premultiplication. With one RGB over it.
 GICUBE_API void write_exr(const Image& image, const std::filesystem::path& path,
                           const std::optional<Background>& background = {}, const Provenance& provenance = {});
 

@@ -37,7 +37,8 @@ GICUBE_API Light in_voxels(Light light, const WorldGrid& grid);
 // The same with all its power, or irradiance, multiplied.
 GICUBE_API Light scaled(Light light, double factor);
 
-// Names in scene files and options: "none", "low" or "high"; "conserving" or "as-printed". Throw InputError that names `field`.
+// Names in scene files and options: "none", "low" or "high"; "conserving" or "as-printed". Throw InputError that names
+// `field`.
 GICUBE_API void set_albedo(const std::string& name, const std::string& field, Lighting& lighting);
 GICUBE_API EnergyRules rules_named(const std::string& name, const std::string& field);
 

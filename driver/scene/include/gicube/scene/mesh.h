@@ -20,7 +20,8 @@ namespace gicube::scene {
 struct Mesh {
   std::vector<Vec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of points, counter-clockwise as seen from outside
-  // Texture coordinates u, v, and each triangle's indices of them; both empty unless all corners of all faces have some (.obj).
+  // Texture coordinates u, v, and each triangle's indices of them; both empty unless all corners of all faces have some
+  // (.obj).
   std::vector<std::array<double, 2>> texture{};
   std::vector<std::array<std::uint32_t, 3>> texture_triangles{};
 };
@@ -29,7 +30,8 @@ constexpr std::uintmax_t kMaxMeshMib = 512;      // chosen: of the file
 constexpr std::size_t kMaxTriangles = 8u << 20;  // chosen: far finer than any board's voxels
 
 // By the extension. Memory is taken only as far as the file's real size can back it. Throws InputError: the file is not
-// there, is too large or can't be read. Throws FileError: it is truncated or damaged, names points that it does not have, holds no triangle, or too many.
+// there, is too large or can't be read. Throws FileError: it is truncated or damaged, names points that it does not
+// have, holds no triangle, or too many.
 GICUBE_API Mesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace gicube::scene

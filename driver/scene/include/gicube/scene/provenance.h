@@ -1,6 +1,6 @@
-// Where a file came from, written into it. PNG has it as text, EXR as attributes, NRRD as key/value pairs, NIfTI as an extension of
-// comments; `gicube-smi show FILE` prints it. The same inputs give the same bytes: there is no time, no host and no folder in it
-// but what the command line names.
+// Where a file came from, written into it. PNG has it as text, EXR as attributes, NRRD as key/value pairs, NIfTI as an
+// extension of comments; `gicube-smi show FILE` prints it. The same inputs give the same bytes: there is no time, no
+// host and no folder in it but what the command line names.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,8 @@ GICUBE_API std::vector<std::pair<std::string, std::string>> entries(const Proven
 // UTF-8, as a file's name may be, is written as bash does: $'gr\xfc'.
 GICUBE_API std::string command_line(int argc, const char* const* argv);
 
-// A hash of these bytes after others, whose hash is `before`. For identity only: anyone could make other bytes with the same.
+// A hash of these bytes after others, whose hash is `before`. For identity only: anyone could make other bytes with the
+// same.
 GICUBE_API std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t before = 0);
 
 // 16 hexadecimal digits.

@@ -102,8 +102,8 @@ struct SceneSetup : VoxelWorld {
 
   std::optional<Survey> survey;  // of a volume file's values
   std::string look_why;  // of the automatic look: which it is, and why; empty: the look is the user's or the scene's
-  // Of a label map under its automatic look, whose voxels are then 255 where there is a label, tagged by its colour: each voxel's place in
-  // `label_values`, where 0 is the background. free_voxels() keeps them.
+  // Of a label map under its automatic look, whose voxels are then 255 where there is a label, tagged by its colour:
+  // each voxel's place in `label_values`, where 0 is the background. free_voxels() keeps them.
   std::vector<std::uint16_t> labels;
   std::vector<double> label_values;
 
@@ -116,33 +116,36 @@ struct SceneSetup : VoxelWorld {
 };
 
 // Reads or makes the volume and completes what the scene leaves open: a volume file has a light
-// above the viewer's left shoulder, the look that automatic_look() finds, and a camera that sees the larger parts of what is visible. `threads` 0 = one a core. Throws
-// InputError and FileError.
+// above the viewer's left shoulder, the look that automatic_look() finds, and a camera that sees the larger parts of
+// what is visible. `threads` 0 = one a core. Throws InputError and FileError.
 // With lighting and no lights there is one point light in the direction of `light`, outside of the volume.
 GICUBE_API SceneSetup set_up(const Scene& scene, int threads = 0);
 
 // The same for another scene with the same voxels, which may have been freed: materials, lights, camera and view anew.
 GICUBE_API void set_look(const Scene& scene, SceneSetup& setup);
-// Whether that is right for a scene of the same voxels with another transfer function: not for a label map that gets or loses its
-// automatic look, nor if the function has points beyond a range that leaves out extreme values.
+// Whether that is right for a scene of the same voxels with another transfer function: not for a label map that gets or
+// loses its automatic look, nor if the function has points beyond a range that leaves out extreme values.
 GICUBE_API bool keeps_voxels(const Scene& scene, const SceneSetup& setup);
 
-// For Provenance: of the voxels, the materials and the lights; not of camera and sampling. Holds after free_voxels() too.
+// For Provenance: of the voxels, the materials and the lights; not of camera and sampling. Holds after free_voxels()
+// too.
 GICUBE_API std::uint64_t scene_hash(const SceneSetup& setup);
 
-// Whether set_up() makes the same voxels and materials of both, so that one setup, and what was loaded of it, serves both.
+// Whether set_up() makes the same voxels and materials of both, so that one setup, and what was loaded of it, serves
+// both.
 GICUBE_API bool same_voxels(const Scene& a, const Scene& b);
 // Whether, beyond that, an illumination pass leaves the same irradiance: lights and settings are alike.
 GICUBE_API bool same_illumination(const Scene& a, const Scene& b);
 
-// The direction to the eye, and what is up unless `up` is set, of a named view: front, back, left, right, top, bottom or iso. With a
-// patient they are the patient's, and anterior, posterior, superior and inferior are views too; the patient's left is then at +x,
-// and his front is up as seen along z. Without one, left is the viewer's left in front, at -x. Throws InputError.
+// The direction to the eye, and what is up unless `up` is set, of a named view: front, back, left, right, top, bottom
+// or iso. With a patient they are the patient's, and anterior, posterior, superior and inferior are views too; the
+// patient's left is then at +x, and his front is up as seen along z. Without one, left is the viewer's left in front,
+// at -x. Throws InputError.
 GICUBE_API Vec3 see_from(const std::string& name, WorldAxes axes, std::optional<Vec3>& up);
 
 // Fills in eye, look_at, up, fov and height of `view` from `camera`; its image size gives the aspect ratio.
-// look_at: the box's centre. up: +z, or +y if the line of sight runs along z. eye: towards `from`, or else in the direction
-// (-0.35, -1, 0.45),
+// look_at: the box's centre. up: +z, or +y if the line of sight runs along z. eye: towards `from`, or else in the
+// direction (-0.35, -1, 0.45),
 // from look_at in physical space, where `box` just fits into the image.
 // Throws InputError for a field of view that is not within 0..180 degrees.
 // `axes`: what `from` is said of.
@@ -154,13 +157,14 @@ GICUBE_API Vec3 shoulder_light(const View& view, const Vec3& spacing);
 
 GICUBE_API SceneBox whole_box(const Dims& dims);
 
-// The smallest box around what the function makes visible, one voxel of margin included; the whole volume if nothing is. Pieces count that
-// have a tenth of the largest one's voxels, in cells of 4^3 with at least 5 visible voxels each; if there are no such cells, all do.
+// The smallest box around what the function makes visible, one voxel of margin included; the whole volume if nothing
+// is. Pieces count that have a tenth of the largest one's voxels, in cells of 4^3 with at least 5 visible voxels each;
+// if there are no such cells, all do.
 GICUBE_API SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file);
 
-// The scene's voxels and how they look. A world's normals get a codebook of their own if `own_codebook` is set, which only a board
-// without a volume can take. Shading, materials, lights and view are the caller's to set, from `setup` or otherwise. Throws what
-// Board::load_volume(), set_gradient_codebook() and set_transfer_function() throw.
+// The scene's voxels and how they look. A world's normals get a codebook of their own if `own_codebook` is set, which
+// only a board without a volume can take. Shading, materials, lights and view are the caller's to set, from `setup` or
+// otherwise. Throws what Board::load_volume(), set_gradient_codebook() and set_transfer_function() throw.
 GICUBE_API void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress = {});
 // That codebook alone.
 GICUBE_API void set_own_codebook(Board& board, const SceneSetup& setup);
@@ -169,9 +173,9 @@ GICUBE_API void set_own_codebook(Board& board, const SceneSetup& setup);
 
 // Strict: an unknown field, a value of the wrong type, out of range or missing is an error. Throws InputError with all
 // faults, one a line: "NAME:LINE:COLUMN: ..." for the text, "NAME: field.path: expected ..., got ..." for its meaning.
-// Relative paths in `text` are taken from `folder`. A file that lies neither there nor below, links followed, is refused
-// unless the text is trusted (`allow_outside`, which holds for the headers of its volumes too). Reads transfer functions,
-// but not the volume.
+// Relative paths in `text` are taken from `folder`. A file that lies neither there nor below, links followed, is
+// refused unless the text is trusted (`allow_outside`, which holds for the headers of its volumes too). Reads transfer
+// functions, but not the volume.
 GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
 GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
                              bool allow_outside);

@@ -19,8 +19,10 @@ struct Distance {
 };
 
 // At a point of a solid's own space: zero on the surface, negative inside, `away` its gradient.
-//   everywhere            never further from zero than the distance is (a gradient at most 1 long): cells of voxels are skipped by it
-//   to 1 voxel from the   the distance, or a value that divided by its gradient's length is close to it: densities follow it
+//   everywhere            never further from zero than the distance is (a gradient at most 1 long): cells of voxels are
+//                         skipped by it
+//   to 1 voxel from the   the distance, or a value that divided by its gradient's length is close to it: densities
+//                         follow it
 //   surface
 //   to 3 voxels           the same for the tag between solids, and `away` as direction of the normals
 // Where a solid is hollow or cut: max(a, -b) of two fields has all of that.
@@ -63,8 +65,8 @@ struct FieldShape {  // a solid of your own
   friend bool operator==(const FieldShape&, const FieldShape&) = default;  // the same function, not an equal one
 };
 
-// "buckyball": atoms and bonds, the atoms' centres on the unit sphere. "buckyball_atoms", "buckyball_bonds": one of both.
-// "head": a stylised head that looks along -y, about 2 high.
+// "buckyball": atoms and bonds, the atoms' centres on the unit sphere. "buckyball_atoms", "buckyball_bonds": one of
+// both. "head": a stylised head that looks along -y, about 2 high.
 struct BuiltinShape {
   std::string name;
   friend bool operator==(const BuiltinShape&, const BuiltinShape&) = default;

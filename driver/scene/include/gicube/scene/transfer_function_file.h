@@ -8,8 +8,8 @@
 //   colour VALUE R G B         0..1, display-referred; also "color"
 //   opacity VALUE ALPHA        0..1, of one voxel length
 //
-// Piecewise linear between its points and constant beyond them. Each kind's values rise from line to line; two lines may
-// share one value, which is a step.
+// Piecewise linear between its points and constant beyond them. Each kind's values rise from line to line; two lines
+// may share one value, which is a step.
 #pragma once
 
 #include <filesystem>
@@ -35,8 +35,8 @@ GICUBE_API TransferFunctionFile parse_transfer_function(std::string_view text, c
 // The same for a file. Throws InputError also if it can't be read.
 GICUBE_API TransferFunctionFile read_transfer_function(const std::filesystem::path& path);
 
-// The function in the values of a volume whose range is `range`, where nothing else is known of it: `robust` counts as `normalised`, and
-// `hounsfield` as `absolute`.
+// The function in the values of a volume whose range is `range`, where nothing else is known of it: `robust` counts as
+// `normalised`, and `hounsfield` as `absolute`.
 GICUBE_API TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file);
 
 // Built into the library; the same are installed as share/gicube/presets/*.tf.

@@ -1,11 +1,11 @@
-// Volumes in files: NRRD, MetaImage, NIfTI, folders of image slices, or raw samples, also gzipped (.gz), if a RawLayout says how they
-// lie. The end of a file's name says its format, or else its contents do.
+// Volumes in files: NRRD, MetaImage, NIfTI, folders of image slices, or raw samples, also gzipped (.gz), if a RawLayout
+// says how they lie. The end of a file's name says its format, or else its contents do.
 //
-// If a file says how its axes lie in a world, samples are permuted and flipped on loading so that the volume's x, y and z run along the
-// nearest axes of that world: to the left, to the back (posterior) and upwards (superior) of a patient, as in DICOM; along x, y and z
-// otherwise. Volume::placement has what is left. Where the file says nothing, or with VolumeSource::as_stored, voxel (x, y, z) is
-// the x-th sample of the y-th row of the z-th slice. Spacing is the voxel's edge on each axis; without any it is 1, a negative one
-// counts as its absolute value.
+// If a file says how its axes lie in a world, samples are permuted and flipped on loading so that the volume's x, y and
+// z run along the nearest axes of that world: to the left, to the back (posterior) and upwards (superior) of a patient,
+// as in DICOM; along x, y and z otherwise. Volume::placement has what is left. Where the file says nothing, or with
+// VolumeSource::as_stored, voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Spacing is the voxel's
+// edge on each axis; without any it is 1, a negative one counts as its absolute value.
 #pragma once
 
 #include <array>
@@ -95,7 +95,8 @@ struct VolumeSource {
   // Which volume, if the file or folder has several: its name or number, as the error says that lists them.
   std::string part{};
   std::optional<double> nan{};  // replaces samples that are no finite numbers
-  // For set_up(): a file with more than kMaxWholeBytes of samples is read in planes while load() sends it, and SceneSetup has no samples.
+  // For set_up(): a file with more than kMaxWholeBytes of samples is read in planes while load() sends it, and
+  // SceneSetup has no samples.
   bool in_planes = false;
 
   friend bool operator==(const VolumeSource&, const VolumeSource&) = default;
@@ -107,16 +108,17 @@ struct VolumeSource {
 // Memory is taken only as far as the file's real size can back it. A file may be longer than its header says (the rest
 // is ignored, with a warning if it is a file of data alone); a raw file may not, since a wrong layout shows just there.
 //
-// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning (as a spacing of 0, where
-// none is given in its place), names a data file outside, or exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a
-// header of its own is refused too.
+// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning (as a
+// spacing of 0, where none is given in its place), names a data file outside, or exceeds kMaxFileDim or
+// kMaxVolumeBytes. A layout for a file that has a header of its own is refused too.
 // Not to be called from two threads at once: teem keeps its error texts in one place.
 GICUBE_API Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
 // The same for a source's file.
 GICUBE_API Volume read_volume(const VolumeSource& source);
 
-// The same, but samples are read when Volume::planes is called, from the start of the file on, so that the volume need not fit into
-// memory: NRRD, MetaImage, NIfTI and raw samples, also compressed, and folders of slices. Samples in text are read at once.
+// The same, but samples are read when Volume::planes is called, from the start of the file on, so that the volume need
+// not fit into memory: NRRD, MetaImage, NIfTI and raw samples, also compressed, and folders of slices. Samples in text
+// are read at once.
 GICUBE_API Volume open_volume(const VolumeSource& source);
 
 // The samples as numbers. Of a volume with samples.
@@ -134,16 +136,18 @@ struct FloatVolume {
   Vec3 origin;                    // of the first voxel's centre, in the world
   std::span<const float> values;  // x fastest
   int channels = 1;               // or 3, a voxel's side by side: of light fields only
-  // As WorldPlacement's. Without a patient, NIfTI and MetaImage, whose world is always one, take x, y, z for left, back and up, as ITK does.
+  // As WorldPlacement's. Without a patient, NIfTI and MetaImage, whose world is always one, take x, y, z for left, back
+  // and up, as ITK does.
   WorldAxes axes = WorldAxes::kWorld;
   std::array<Vec3, 3> directions{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };
 
 // Whether write_volume() knows the extension.
 GICUBE_API bool is_volume_output(const std::filesystem::path& path);
-// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz, .vti, .vdb. Values, spacing, origin and directions come
-// back as they are, in NIfTI all but the values as 32-bit floats; NIfTI says that they are millimetres in the scanner's space (qform and
-// sform of code 1). MetaImage, VTI and VDB have no place for the provenance. A VDB has a
+// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz, .vti, .vdb. Values, spacing, origin
+// and directions come back as they are, in NIfTI all but the values as 32-bit floats; NIfTI says that they are
+// millimetres in the scanner's space (qform and sform of code 1). MetaImage, VTI and VDB have no place for the
+// provenance. A VDB has a
 // grid "density" whose background is the first value. A file that was there stays until the new one is whole.
 // Throws FileError: another extension, a wrong number of values, a place that can't be written to.
 GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path,

@@ -1,8 +1,8 @@
 // Solids, participating media and scans become densities, tags and normals of one volume.
 //
 // What a voxel holds where several overlap:
-//   solids  their union makes density and normal: the nearest surface. The tag is that of the last solid in the list whose
-//           inside holds the voxel's centre, or else of the nearest.
+//   solids  their union makes density and normal: the nearest surface. The tag is that of the last solid in the list
+//           whose inside holds the voxel's centre, or else of the nearest.
 //   fogs    fill what solids leave free, whatever the order; of two fogs the later one. Its density is
 //           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the fog nearest to them is
 //           denser by what is missing there.
@@ -35,11 +35,13 @@ struct WorldGrid {
 constexpr double kMaxDensity = 4095;  // of kUint12
 // chosen: wide enough for trilinear interpolation to follow the surface.
 //
-// Such densities are for pictures. They add up to a solid's volume only where its surface is flat and the solid thicker than the ramp:
-// a ball of radius r, and a hollow likewise, gets 1 / r^2 more (11% at 3 voxels, 1% at 10), a plate of thickness t below 2 gets
-// (1 + t / 2)^2 / 2 in place of t on average of its places (at 0.8: 0.98). Densities::kPartialVolumes is for sums and line integrals.
+// Such densities are for pictures. They add up to a solid's volume only where its surface is flat and the solid thicker
+// than the ramp: a ball of radius r, and a hollow likewise, gets 1 / r^2 more (11% at 3 voxels, 1% at 10), a plate of
+// thickness t below 2 gets (1 + t / 2)^2 / 2 in place of t on average of its places (at 0.8: 0.98).
+// Densities::kPartialVolumes is for sums and line integrals.
 constexpr double kRampVoxels = 2;
-// Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and normal.
+// Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and
+// normal.
 constexpr double kNearVoxels = 3;
 // chosen: of a fog's own density, in full scales. Low, so that between fog and a solid the surface lies where the
 // solid has it.
@@ -102,25 +104,26 @@ struct PlacedScan {
 // The scan's space: its physical box around the origin, the longest edge 1 long.
 GICUBE_API Affine scan_space(const Volume& scan);  // from the scan's voxels
 
-// `to_voxels`: from the scan's space to the world's voxels. Values become densities by `range`. A scan that is finer than
-// the world is first averaged over cubes of its voxels; between voxels it is interpolated trilinearly.
+// `to_voxels`: from the scan's space to the world's voxels. Values become densities by `range`. A scan that is finer
+// than the world is first averaged over cubes of its voxels; between voxels it is interpolated trilinearly.
 // The result has its own copy of the samples. `tag` and `visible` are left to the caller.
 GICUBE_API PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels);
 
-// The same of a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is nothing. It is called once
-// for each voxel, on several threads (0: one a core).
+// The same of a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is
+// nothing. It is called once for each voxel, on several threads (0: one a core).
 GICUBE_API PlacedScan place_density(const Dims& dims, const ScanField& density, int threads = 0);
 
-// The same voxels for any number of threads (0 = one a core). Distances are evaluated near surfaces only. Under a map that scales
-// unequally the nearest point of a surface is searched for, which takes some thirty evaluations of the field a voxel in place of one.
+// The same voxels for any number of threads (0 = one a core). Distances are evaluated near surfaces only. Under a map
+// that scales unequally the nearest point of a surface is searched for, which takes some thirty evaluations of the
+// field a voxel in place of one.
 GICUBE_API VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids,
                                const std::vector<PlacedScan>& scans = {}, int threads = 0,
                                Densities densities = Densities::kRamp);
 
 constexpr std::size_t kCodes = 2048;  // of a gradient codebook, with the zero vector
 
-// A gradient codebook made for one volume: vector quantisation of its own normals, as [P §2.1] suggests. Reflections show
-// an error of a normal twice, and the board's own codebook has up to 3.35 degrees of it.
+// A gradient codebook made for one volume: vector quantisation of its own normals, as [P §2.1] suggests. Reflections
+// show an error of a normal twice, and the board's own codebook has up to 3.35 degrees of it.
 // `gradients`: three floats each, as VolumeView::gradients. The result is for Board::set_gradient_codebook(): code 0 is
 // the zero vector, the others are unit vectors; as many as there are different directions, at most 2047. Chosen so that
 // the farthest direction is near (farthest-point choice), then moved to the means of what they stand for (Lloyd).

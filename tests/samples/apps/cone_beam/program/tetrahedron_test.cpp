@@ -15,7 +15,8 @@ namespace {
 
 const std::filesystem::path kData = GICUBE_SOURCE_DIR "/../shared/data/ctsimu_tetra_cone_projections";
 
-// In the volume's coordinates: the scenario places the middle of the mesh's bounding box, so that its tip is on the axis.
+// In the volume's coordinates: the scenario places the middle of the mesh's bounding box, so that its tip is on the
+// axis.
 Mesh frame_of_iron() {
   Mesh mesh = read_stl(kData / "tetra.stl");
   const auto middle = [&](double Vec3::*axis) {
@@ -152,7 +153,8 @@ TEST(Tetrahedron, StandsWhereItsMeshDoesAndNotMirrored) {
   EXPECT_GT(right.found, 0.7);  // of 20 views: streaks hide the rest
   EXPECT_LT(right.distance, voxel);
   EXPECT_LT(length(moved), voxel / 4);
-  // The frame is the same from both sides of y, so that only two axes can tell; y's own is told by the order of the views.
+  // The frame is the same from both sides of y, so that only two axes can tell; y's own is told by the order of the
+  // views.
   for (const Vec3 signs : {Vec3{-1, 1, 1}, Vec3{1, 1, -1}, Vec3{-1, 1, -1}}) {
     const Fit wrong = fit_of(turned(signs), points, level);
     std::printf("mirrored %+.0f %+.0f %+.0f: surface beside %.1f%%, %.3f mm from it; value %.4f\n", signs.x, signs.y,
@@ -162,7 +164,8 @@ TEST(Tetrahedron, StandsWhereItsMeshDoesAndNotMirrored) {
   }
 }
 
-// Mirrored along y, a scan goes round the other way. The frame's own symmetry hides that from the mesh, not from the rays.
+// Mirrored along y, a scan goes round the other way. The frame's own symmetry hides that from the mesh, not from the
+// rays.
 TEST(Tetrahedron, IsSmearedByViewsThatGoRoundTheOtherWay) {
   if (!std::filesystem::exists(kData)) GTEST_SKIP() << "no " << kData;
   ScanDescription description = read_description(kData / "projections" / "tetra_metadata.json");

@@ -1,5 +1,5 @@
-// RTK's geometries, Nikon's files and vectors of ASTRA: each by a place that an independent reading of the format's documents puts in
-// a certain pixel, off all axes, so that no mirror and no exchange of axes goes unseen.
+// RTK's geometries, Nikon's files and vectors of ASTRA: each by a place that an independent reading of the format's
+// documents puts in a certain pixel, off all axes, so that no mirror and no exchange of axes goes unseen.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,8 @@ class OrbitFormats : public testing::Test {
   const reference::TemporaryDirectory folder_;
 };
 
-// By RTK's page: the product of its four matrices, applied to a place in RTK's axes, is where the place is on the detector.
+// By RTK's page: the product of its four matrices, applied to a place in RTK's axes, is where the place is on the
+// detector.
 TEST_F(OrbitFormats, RtkPutsPlacesWhereItsMatricesDo) {
   const double gantry = 35, out_of_plane = 4, in_plane = -7, sid = 500, sdd = 1000, sx = 3, sy = -2, px = 11, py = 5;
   const auto file = written("g.xml", R"(<?xml version="1.0"?><!DOCTYPE RTKGEOMETRY>
@@ -125,8 +126,8 @@ TEST_F(OrbitFormats, ComeBackAsTheyWereWritten) {
   }
 }
 
-// CIL's: the source at the origin, the detector beyond it along y; the object turns about an axis beside y. In the first view by
-// 180 degrees less InitialAngle.
+// CIL's: the source at the origin, the detector beyond it along y; the object turns about an axis beside y. In the
+// first view by 180 degrees less InitialAngle.
 TEST_F(OrbitFormats, NikonPutsPlacesWhereCilDoes) {
   const auto file = written("s.xtekct",
                             "[XTekCT]\r\nName=walnut\r\nVoxelsX=64\nVoxelsY=60\nVoxelsZ=50\nVoxelSizeX=3\n"

@@ -105,7 +105,8 @@ TEST_F(Matrices, MayHoldTheDetectorsCentreThemselves) {
   EXPECT_NEAR(difference(first, pose_of(matrix, 40, 60, file)), 0, 1e-8);
 }
 
-// A matrix is what it says: a place's pixel by the matrix is where the pose sees it, however detector and pixels are turned.
+// A matrix is what it says: a place's pixel by the matrix is where the pose sees it, however detector and pixels are
+// turned.
 TEST_F(Matrices, OfTiltedAndSkewedDetectorsSeePlacesWhereTheySay) {
   const auto file = written("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);

@@ -29,7 +29,8 @@ TEST(BoxFactor, TheSidesOfARoomSumToOne) {
   EXPECT_NEAR(sum, 1, 5e-5);
 }
 
-// Means of 1/r^2 of unit cubes (shared design's table, within 0.1%): they share a face, an edge, a corner; are two apart.
+// Means of 1/r^2 of unit cubes (shared design's table, within 0.1%): they share a face, an edge, a corner; are two
+// apart.
 TEST(BoxFactor, CubesThatTouch) {
   EXPECT_NEAR(kPi * mean_factor(cube(0, 0, 0), cube(1, 0, 0)), 1.1953, 2e-4);
   EXPECT_NEAR(kPi * mean_factor(cube(0, 0, 0), cube(1, 1, 0)), 0.563, 5e-4);

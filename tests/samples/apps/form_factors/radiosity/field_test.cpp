@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kSize = 40;
 
-// A solution in which every face between the open and the solid voxels of `solid` gets `light(normal)`, in space that holds
-// nothing else.
+// A solution in which every face between the open and the solid voxels of `solid` gets `light(normal)`, in space that
+// holds nothing else.
 template <typename Solid, typename Light>
 RadiosityResult faces_of(const Solid& solid, const Light& light) {
   RadiosityResult result;
@@ -49,7 +49,8 @@ constexpr double kMiddle = 19.5, kRadius = 14;
 
 bool in_ball(int x, int y, int z) { return std::hypot(x - kMiddle, y - kMiddle, z - kMiddle) < kRadius; }
 
-// Light from one side: a face gets the cosine at its axis, the surface behind the staircase should get that at its normal.
+// Light from one side: a face gets the cosine at its axis, the surface behind the staircase should get that at its
+// normal.
 TEST(Field, ABallsLightIsThatOfItsSurfaceAndNotThatOfItsStairs) {
   const Vec3 towards = normalise({1, 0.7, 0.5});
   const RadiosityResult result = faces_of(in_ball, [&](Vec3 n) { return std::max(0.0, dot(n, towards)); });

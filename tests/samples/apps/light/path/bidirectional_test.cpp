@@ -86,7 +86,8 @@ class PathScenes : public testing::Test {
   }
 
   // Three standard errors; of 24 pictures, so that Student's law is near enough to the normal one.
-  // There are 72 means: with one seed in six one of them is expected further off. docs/guide/light_paths.md has longer runs.
+  // There are 72 means: with one seed in six one of them is expected further off. docs/guide/light_paths.md has longer
+  // runs.
   static void expect_alike(const LightScene& scene, int light_scatterings, std::uint64_t reference_paths) {
     const Estimates found = by_board(scene, light_scatterings, 24, 1);
     const Estimates truth = by_reference(scene, reference_paths);

@@ -81,8 +81,8 @@ std::string ball(const char* material) {
          "\" transform { translate { x: 11.5 y: 12 z: 11.5 } } sphere { radius: 6 } }";
 }
 
-// What is convex sends no light to itself: it shows its albedo. A path that met its own surface again would lose some, one that came into
-// the solid all.
+// What is convex sends no light to itself: it shows its albedo. A path that met its own surface again would lose some,
+// one that came into the solid all.
 TEST(Furnace, ShowsTheAlbedoOfWhatIsConvex) {
   for (const std::string& nodes : {wall("wall", 0), wall("wall", 23), ball("wall")}) {
     const Shown found = in_furnace(nodes, {11.5, 12, 11.5}, 60);
@@ -142,7 +142,8 @@ TEST(Wall, OfALampHasTheInverseSquaresLight) {
   }
 }
 
-// A mirror in the floor lights the wall as a second lamp beneath it does. Paths of two scatterings: longer ones have no closed form.
+// A mirror in the floor lights the wall as a second lamp beneath it does. Paths of two scatterings: longer ones have no
+// closed form.
 TEST(Wall, HasTheLightOfAMirrorInTheFloor) {
   const SceneSetup setup = setup_of(
       {"mirror", kWorld + kBack +

@@ -130,8 +130,8 @@ TEST(Flights, ThatLeaveTheVolumeSoonEscapeAsBeerAndLambertSay) {
   }
 }
 
-// A law of large numbers for batches of any size, also of those that no division into commands fits: the mean is the law's, and
-// no batch's share scatters by more than that of independent flights would.
+// A law of large numbers for batches of any size, also of those that no division into commands fits: the mean is the
+// law's, and no batch's share scatters by more than that of independent flights would.
 TEST(Flights, OfBatchesOfAnySizeEndAsOftenAsBeerAndLambertSay) {
   Loaded loaded(fog(0.5));
   Flights board(loaded.board, loaded.medium, 1, 1);
