@@ -1,5 +1,5 @@
-// The records of the public headers, with their fields: the classes of gicube.records. Written by script/records from
-// the public headers: change those.
+// The records of the public headers, with their fields: the classes of gicube.records.
+// Written by script/records from the public headers: change those.
 #pragma once
 
 #include "convert.h"

@@ -1,5 +1,5 @@
-// The fields that cross between the records of C and those of C++. Written by script/records from the public headers:
-// change those.
+// The fields that cross between the records of C and those of C++.
+// Written by script/records from the public headers: change those.
 #pragma once
 
 #include <cstddef>

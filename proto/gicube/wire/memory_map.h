@@ -32,16 +32,16 @@ inline constexpr MemoryRegion kGradientLut{"gradient_lut", 0x0010'0000, kGradien
 inline constexpr MemoryRegion kReflectanceMap{"reflectance_map", 0x0020'0000, kReflectanceBytes, true,
                                               "6 x 128 x 128 bytes (lut.h)"};
 inline constexpr MemoryRegion kEmptyFlags{"empty_flags", 0x0030'0000, std::uint64_t{1} << 18, true,
-                                          "one bit a block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
+                                          "one bit per block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
 inline constexpr MemoryRegion kAbsentFlags{"absent_flags", 0x0038'0000, std::uint64_t{1} << 18, true,
-                                           "as empty_flags; 1 = rays wait for the block (command.h, kContinue)"};
+                                           "like empty_flags; 1 = rays wait for the block (command.h, kContinue)"};
 inline constexpr MemoryRegion kDarkFlags{"dark_flags", 0x0044'0000, std::uint64_t{1} << 18, true,
-                                         "as empty_flags; 1 = the host has the block's irradiance (host_deposits)"};
+                                         "like empty_flags; 1 = the host has the block's irradiance (host_deposits)"};
 inline constexpr MemoryRegion kMaterials{"materials", 0x0040'0000, std::uint64_t{kTags} * kMaterialBytes, true,
-                                         "one record a tag (material.h)"};
+                                         "one record per tag (material.h)"};
 inline constexpr MemoryRegion kScatteringColours{"scattering_colours", 0x0042'0000,
                                                  std::uint64_t{kTags} * kScatteringColourBytes, true,
-                                                 "one record a tag (material.h)"};
+                                                 "one record per tag (material.h)"};
 inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
                                            "36-bit pixels packed two in nine bytes, rows from the top (voxel.h)"};
 inline constexpr MemoryRegion kVolume{"volume", 0x1'0000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, true,
@@ -58,9 +58,9 @@ inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
 // Irradiance of green and blue, on cards with three irradiance words (IRRADIANCE_WORDS). The region above then holds
 // red.
 inline constexpr MemoryRegion kGreenIrradiance{"green_irradiance", 0x6'4000'0000, kIrradiance.bytes, true,
-                                               "as irradiance, for green (IRRADIANCE_WORDS)"};
+                                               "like irradiance, for green (IRRADIANCE_WORDS)"};
 inline constexpr MemoryRegion kBlueIrradiance{"blue_irradiance", 0x7'8000'0000, kIrradiance.bytes, true,
-                                              "as irradiance, for blue (IRRADIANCE_WORDS)"};
+                                              "like irradiance, for blue (IRRADIANCE_WORDS)"};
 constexpr const MemoryRegion& irradiance_region(std::size_t word) {
   return word == 0 ? kIrradiance : word == 1 ? kGreenIrradiance : kBlueIrradiance;
 }
@@ -75,7 +75,7 @@ inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} *
 // whose colours were never written is black. If none was written, the volume has no colours: all come from the
 // segmentation LUT.
 inline constexpr MemoryRegion kColours{"colours", 0x5'4000'0000, std::uint64_t{1024} * 1024 * 1024 * kColourBytes, true,
-                                       "blocks of colours, 3 bytes a voxel (VOXEL_FORMAT)"};
+                                       "blocks of colours, 3 bytes per voxel (VOXEL_FORMAT)"};
 
 // The rays of trace commands in a volume with more blocks than the card stores, in their order of arrival (command.h).
 // Reads must cover whole packets.

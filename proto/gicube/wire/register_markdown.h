@@ -20,11 +20,16 @@ inline std::string hex_text(std::uint64_t value, int digits) {
   return text.data();
 }
 
-// One row per register, in the table's order; ends with a newline.
+// One row per register, in the table's order, but the registers of the cut planes once, with i for the plane's number.
+// Ends with a newline.
 inline std::string register_markdown() {
   std::string out = "| offset | name | access | reset | meaning |\n|---|---|---|---|---|\n";
   for (const RegisterInfo& info : kRegisterTable) {
-    out += "| " + hex_text(info.offset, 3) + " | " + std::string(info.name) + " | " +
+    const bool of_plane = info.offset >= reg::kCutPlane0 && info.offset < reg::kCutPlane0 + 16 * kMaxCutPlanes;
+    if (of_plane && info.offset >= reg::kCutPlane0 + 16) continue;
+    std::string name(info.name);
+    if (of_plane) name.replace(name.find('0'), 1, "i");
+    out += "| " + hex_text(info.offset, 3) + (of_plane ? " + 16 i" : "") + " | " + name + " | " +
            kAccessNames[static_cast<std::size_t>(info.access)] + " | " + hex_text(info.reset, 8) + " | " +
            std::string(info.meaning) + " |\n";
   }

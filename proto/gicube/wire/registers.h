@@ -106,54 +106,84 @@ inline constexpr std::uint32_t kExposureReset = 256;  // 256 units of irradiance
 inline constexpr std::uint32_t kSpacingOne = 1u << 16;
 inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
 
-// clang-format off
 inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
-    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error, 4 no_memory"},
-    RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
-    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums, bit 4 forget the words and the irradiance of all blocks, but not the volume's size and flags, bit 5 the rays that wait for blocks and host_rays"},
-    RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
+    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0,
+                 "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error, 4 no_memory"},
+    RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear these bits of STATUS"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0,
+                 "ones: bit 0 reset, 1 clear volume, 2 clear irradiance, 3 clear sums, 4 drop blocks, 5 drop waiting "
+                 "rays (P1150)"},
+    RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0,
+                 "low 32 bits of the address that last set bad_address or bad_value"},
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
-    RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0, "what volume, words and image may take of the host's memory, MiB; all ones: no limit; from --max-memory"},
-    RegisterInfo{reg::kMemoryAsked, "MEMORY_ASKED", Access::kReadOnly, 0, "MiB that they would have taken with what last set no_memory"},
-    RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 3 cycle (2: approximate, of 0.2's boards); from the configuration"},
-    RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
-    RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},
-    RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0, "N: the card stores the blocks of N^3 voxels; from the configuration"},
-    RegisterInfo{reg::kQueueRays, "QUEUE_RAYS", Access::kReadOnly, 0, "rays a queue holds; from the configuration"},
-    RegisterInfo{reg::kCoreKhz, "CORE_KHZ", Access::kReadOnly, 0, "core clock in kHz; from the configuration"},
-    RegisterInfo{reg::kConfigHashLow, "CONFIG_HASH_LOW", Access::kReadOnly, 0, "hash of the resolved configuration, bits 0-31"},
+    RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0,
+                 "host memory that the board may use, MiB; all ones: no limit; from --max-memory"},
+    RegisterInfo{reg::kMemoryAsked, "MEMORY_ASKED", Access::kReadOnly, 0,
+                 "host memory that was needed when no_memory was last set, MiB"},
+    RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0,
+                 "1 functional, 3 cycle (2: approximate, boards of 0.2); from the configuration"},
+    RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0,
+                 "ray integration processors; from the configuration"},
+    RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0,
+                 "block edge n, voxels; from the configuration"},
+    RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0,
+                 "N: the card stores the blocks of N^3 voxels; from the configuration"},
+    RegisterInfo{reg::kQueueRays, "QUEUE_RAYS", Access::kReadOnly, 0, "rays per queue; from the configuration"},
+    RegisterInfo{reg::kCoreKhz, "CORE_KHZ", Access::kReadOnly, 0, "core clock, kHz; from the configuration"},
+    RegisterInfo{reg::kConfigHashLow, "CONFIG_HASH_LOW", Access::kReadOnly, 0,
+                 "hash of the resolved configuration, bits 0-31"},
     RegisterInfo{reg::kConfigHashHigh, "CONFIG_HASH_HIGH", Access::kReadOnly, 0, "bits 32-63"},
-    RegisterInfo{reg::kVolumeX, "VOLUME_X", Access::kReadWrite, 0, "volume size in x, voxels; at least 2; written before its blocks"},
-    RegisterInfo{reg::kVolumeY, "VOLUME_Y", Access::kReadWrite, 0, "the same in y"},
-    RegisterInfo{reg::kVolumeZ, "VOLUME_Z", Access::kReadWrite, 0, "the same in z"},
-    RegisterInfo{reg::kVoxelFormat, "VOXEL_FORMAT", Access::kReadOnly, 0, "1 density, 2 rgb, 3 rgba; from the configuration"},
-    RegisterInfo{reg::kSpacingX, "SPACING_X", Access::kReadWrite, kSpacingOne, "voxel length along x, 16.16, over the length that opacities are given for; 1/64 to 64"},
-    RegisterInfo{reg::kSpacingY, "SPACING_Y", Access::kReadWrite, kSpacingOne, "the same along y"},
-    RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "the same along z"},
+    RegisterInfo{reg::kVolumeX, "VOLUME_X", Access::kReadWrite, 0,
+                 "volume size in x, voxels; at least 2; written before its blocks"},
+    RegisterInfo{reg::kVolumeY, "VOLUME_Y", Access::kReadWrite, 0, "volume size in y"},
+    RegisterInfo{reg::kVolumeZ, "VOLUME_Z", Access::kReadWrite, 0, "volume size in z"},
+    RegisterInfo{reg::kVoxelFormat, "VOXEL_FORMAT", Access::kReadOnly, 0,
+                 "1 density, 2 rgb, 3 rgba; from the configuration"},
+    RegisterInfo{reg::kSpacingX, "SPACING_X", Access::kReadWrite, kSpacingOne,
+                 "voxel length along x, 16.16, relative to the length that opacities refer to; 1/64 to 64"},
+    RegisterInfo{reg::kSpacingY, "SPACING_Y", Access::kReadWrite, kSpacingOne, "voxel length along y"},
+    RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "voxel length along z"},
     RegisterInfo{reg::kStep, "STEP", Access::kReadWrite, kStepOne, "sample distance d, 16.16 voxels, 1/64 to 16"},
-    RegisterInfo{reg::kOpacityThreshold, "OPACITY_THRESHOLD", Access::kReadWrite, 0xFFFFFF, "a ray at or above this opacity is done; 2^24-1 = 1"},
-    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks, 3 light samples by their irradiance, 4 scatter rendering rays, 5 rendering rays take colour once, where they are absorbed, 6 samples at cut faces are not shaded"},
-    RegisterInfo{reg::kLifetime, "LIFETIME", Access::kReadWrite, kLifetimeReset, "scatterings until a ray made by the DSP is given up, 0 to 1023"},
-    RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset, "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
-    RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0, "of lighting rays and of scatterings: another seed draws other random numbers"},
-    RegisterInfo{reg::kIrradianceWords, "IRRADIANCE_WORDS", Access::kReadOnly, 0, "of a voxel: 1, or 3 for red, green and blue; from the configuration"},
-    RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
-    RegisterInfo{reg::kDropBlock, "DROP_BLOCK", Access::kWriteOnly, 0, "the card forgets the words of the block of that number, and its irradiance"},
-    RegisterInfo{reg::kBricks, "BRICKS", Access::kReadWrite, 0, "1: rays wait for absent blocks also of a volume that the card could store whole"},
-#define GICUBE_CUT_PLANE(i)                                                                                                   \
-    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0, "signed 1.14: points with normal . p >= offset are kept"}, \
-    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 4, "CUT" #i "_NORMAL_Y", Access::kReadWrite, 0, "the same in y"},                \
-    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 8, "CUT" #i "_NORMAL_Z", Access::kReadWrite, 0, "the same in z"},                \
-    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 12, "CUT" #i "_OFFSET", Access::kReadWrite, 0, "signed, 10 fraction bits, voxels"}
-    GICUBE_CUT_PLANE(0), GICUBE_CUT_PLANE(1), GICUBE_CUT_PLANE(2),
-    GICUBE_CUT_PLANE(3), GICUBE_CUT_PLANE(4), GICUBE_CUT_PLANE(5),
+    RegisterInfo{reg::kOpacityThreshold, "OPACITY_THRESHOLD", Access::kReadWrite, 0xFFFFFF,
+                 "a ray ends at this opacity; 2^24-1 = 1"},
+    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap,
+                 "bit 0 jitter, 1 shade, 2 skip empty blocks, 3 irradiance, 4 scatter, 5 absorbed colour, 6 flat cut "
+                 "faces (P1151)"},
+    RegisterInfo{reg::kLifetime, "LIFETIME", Access::kReadWrite, kLifetimeReset,
+                 "scatterings after which a ray made by the DSP is given up, 0 to 1023"},
+    RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset,
+                 "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
+    RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0,
+                 "seed of the random numbers of lighting rays and scatterings"},
+    RegisterInfo{reg::kIrradianceWords, "IRRADIANCE_WORDS", Access::kReadOnly, 0,
+                 "per voxel: 1, or 3 for red, green and blue; from the configuration"},
+    RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "number of cut planes in use, 0 to 6"},
+    RegisterInfo{reg::kDropBlock, "DROP_BLOCK", Access::kWriteOnly, 0,
+                 "number of a block whose voxels and irradiance the card drops"},
+    RegisterInfo{reg::kBricks, "BRICKS", Access::kReadWrite, 0,
+                 "1: rays wait for absent blocks also if the card could store the whole volume"},
+#define GICUBE_CUT_PLANE(i)                                                                                     \
+  RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0,                     \
+               "signed 1.14: points with normal . p >= offset are kept"},                                       \
+      RegisterInfo{reg::kCutPlane0 + 16 * (i) + 4, "CUT" #i "_NORMAL_Y", Access::kReadWrite, 0, "normal in y"}, \
+      RegisterInfo{reg::kCutPlane0 + 16 * (i) + 8, "CUT" #i "_NORMAL_Z", Access::kReadWrite, 0, "normal in z"}, \
+      RegisterInfo{reg::kCutPlane0 + 16 * (i) + 12, "CUT" #i "_OFFSET", Access::kReadWrite, 0,                  \
+                   "signed, 10 fraction bits, voxels"}
+    GICUBE_CUT_PLANE(0),
+    GICUBE_CUT_PLANE(1),
+    GICUBE_CUT_PLANE(2),
+    GICUBE_CUT_PLANE(3),
+    GICUBE_CUT_PLANE(4),
+    GICUBE_CUT_PLANE(5),
 #undef GICUBE_CUT_PLANE
-    RegisterInfo{reg::kLightRed, "LIGHT_RED", Access::kReadWrite, kLightColourReset, "with three irradiance words: red part of the energy of an illumination's rays, 65535 = all"},
-    RegisterInfo{reg::kLightGreen, "LIGHT_GREEN", Access::kReadWrite, kLightColourReset, "the same of green"},
-    RegisterInfo{reg::kLightBlue, "LIGHT_BLUE", Access::kReadWrite, kLightColourReset, "the same of blue"},
+    RegisterInfo{reg::kLightRed, "LIGHT_RED", Access::kReadWrite, kLightColourReset,
+                 "red share of an illumination's energy, 65535 = all; with three irradiance words"},
+    RegisterInfo{reg::kLightGreen, "LIGHT_GREEN", Access::kReadWrite, kLightColourReset,
+                 "green share of an illumination's energy, 65535 = all; with three irradiance words"},
+    RegisterInfo{reg::kLightBlue, "LIGHT_BLUE", Access::kReadWrite, kLightColourReset,
+                 "blue share of an illumination's energy, 65535 = all; with three irradiance words"},
 };
-// clang-format on
 
 inline constexpr int kCutOffsetFractionBits = 10;
 

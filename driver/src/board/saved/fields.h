@@ -1,5 +1,5 @@
-// The fields of the public records that a checkpoint keeps (gicube/archive.h). Written by script/records from the
-// public headers: change those.
+// The fields of the public records that a checkpoint keeps (gicube/archive.h).
+// Written by script/records from the public headers: change those.
 #pragma once
 
 #include <cstdint>
