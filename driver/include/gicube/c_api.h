@@ -5,11 +5,10 @@
  *     fprintf(stderr, "%s\n", gicube_last_error());
  *   }
  *
- * Every call returns a status. None throws, ends the process or writes to a NULL: an argument that is NULL or out of its range is
- * GICUBE_BAD_ARGUMENT with its name in gicube_last_error(). Several threads may use a board; their calls take turns, and
- * gicube_close() must be the last one. Times are picoseconds of simulated time since gicube_open(). Counts of arrays must be
- * what the call moves, so that no buffer is ever taken for a larger one.
- */
+ * Every call returns a status. None throws, ends the process or writes to a NULL: an argument that is NULL or out of
+ * its range is GICUBE_BAD_ARGUMENT with its name in gicube_last_error(). Several threads may use a board; their calls
+ * take turns, and gicube_close() must be the last one. Times are picoseconds of simulated time since gicube_open().
+ * Counts of arrays must be what the call moves, so that no buffer is ever taken for a larger one. */
 #ifndef GICUBE_C_API_H
 #define GICUBE_C_API_H
 
@@ -44,7 +43,8 @@ GICUBE_API uint32_t gicube_version(void);
 GICUBE_API const char* gicube_status_name(gicube_status status);
 /* The words of this thread's last failure; empty before the first one. Valid until the thread's next call. */
 GICUBE_API const char* gicube_last_error(void);
-/* The name of the argument or field that was wrong, as "view.width"; empty if the last failure was not GICUBE_BAD_ARGUMENT. */
+/* The name of the argument or field that was wrong, as "view.width"; empty if the last failure was not
+ * GICUBE_BAD_ARGUMENT. */
 GICUBE_API const char* gicube_last_error_field(void);
 /* Why the board was lost: GICUBE_LOSS_..., of this thread's last failure. */
 GICUBE_API int32_t gicube_last_loss(void);
@@ -71,13 +71,14 @@ GICUBE_API gicube_status gicube_found_at(const gicube_found_list* list, size_t i
 
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
 GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board);
-/* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the session or on
- * a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
+/* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the
+ * session or on a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
 GICUBE_API gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened);
-/* Saves the board and what the driver remembers of it to a file, as Board::save(). GICUBE_INTERNAL: it can't be written. */
+/* Saves the board and what the driver remembers of it to a file, as Board::save(). GICUBE_INTERNAL: it can't be
+ * written. */
 GICUBE_API gicube_status gicube_save(gicube_board* board, const char* file);
-/* Goes on from such a file, as Board::restore(). After any failure nothing has changed. The framebuffer is as it was saved, but its size
- * is known here only after the next picture. */
+/* Goes on from such a file, as Board::restore(). After any failure nothing has changed. The framebuffer is as it was
+ * saved, but its size is known here only after the next picture. */
 GICUBE_API gicube_status gicube_restore(gicube_board* board, const char* file);
 /* Ends the session. NULL is no board and no error. */
 GICUBE_API void gicube_close(gicube_board* board);
@@ -91,8 +92,8 @@ GICUBE_API gicube_status gicube_value_range(gicube_board* board, double* low, do
 GICUBE_API gicube_status gicube_read_volume(gicube_board* board, const gicube_box* box, float* values, size_t count);
 GICUBE_API gicube_status gicube_write_volume(gicube_board* board, const gicube_box* box, const float* values,
                                              size_t count);
-/* Has the board read its volume back. *damaged_count is how many blocks differ from what was loaded; the first `capacity` of
- * their numbers, ascending, go to `damaged`, which may be NULL if that is 0. */
+/* Has the board read its volume back. *damaged_count is how many blocks differ from what was loaded; the first
+ * `capacity` of their numbers, ascending, go to `damaged`, which may be NULL if that is 0. */
 GICUBE_API gicube_status gicube_verify_volume(gicube_board* board, size_t* damaged, size_t capacity,
                                               size_t* damaged_count);
 
@@ -119,8 +120,9 @@ GICUBE_API gicube_status gicube_illuminate(gicube_board* board, const gicube_lig
                                            gicube_lighting_report* report);
 /* Warning `index` of the last gicube_illuminate(); NULL if there is none. Until this board's next one. */
 GICUBE_API const char* gicube_lighting_warning(gicube_board* board, uint32_t index);
-/* One value per voxel of the box, or of the whole volume if it is NULL, or three (gicube_board_info.irradiance_words); count is their
-   number. */
+/* One value per voxel of the box, or of the whole volume if it is NULL, or three (gicube_board_info.irradiance_words);
+ * count is their
+ *    number. */
 GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values,
                                                 size_t count);
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,
@@ -139,13 +141,15 @@ GICUBE_API gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pix
 /* Both. */
 GICUBE_API gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube_pixel* pixels, size_t count,
                                        gicube_progress progress, void* user);
-/* The likely reason why nothing is visible in the last picture read, as a sentence; NULL if something is. Until the next one is read. */
+/* The likely reason why nothing is visible in the last picture read, as a sentence; NULL if something is. Until the
+ * next one is read. */
 GICUBE_API const char* gicube_why_invisible(gicube_board* board);
 
 /* The ray from one point to another, for types of rays that have a length. */
 GICUBE_API gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3],
                                             gicube_host_ray* ray);
-/* Rays. request may be NULL: integrate. The caller's memory is free again on return; *ticket is 0 unless it succeeds. */
+/* Rays. request may be NULL: integrate. The caller's memory is free again on return; *ticket is 0 unless it succeeds.
+ */
 GICUBE_API gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, size_t count,
                                        const gicube_ray_request* request, uint32_t* ticket);
 /* The same with rays that lie in several places, as one batch in that order. */
@@ -153,15 +157,16 @@ GICUBE_API gicube_status gicube_submit_gather(gicube_board* board, const gicube_
                                               const gicube_ray_request* request, uint32_t* ticket);
 GICUBE_API gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline* lines, size_t count,
                                                  uint32_t* ticket);
-/* Waits for that batch, and writes its rays; count is as many as were submitted (polylines: legs; deposits and backprojection: any,
- * since none come back). report may be NULL. After GICUBE_DEADLINE_PASSED and GICUBE_BAD_ARGUMENT the batch is still there. */
+/* Waits for that batch, and writes its rays; count is as many as were submitted (polylines: legs; deposits and
+ * backprojection: any, since none come back). report may be NULL. After GICUBE_DEADLINE_PASSED and GICUBE_BAD_ARGUMENT
+ * the batch is still there. */
 GICUBE_API gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t deadline_ps,
                                         gicube_traced_ray* rays, size_t count, gicube_batch_report* report);
-/* The next batch that has arrived by now, in the order of their arrival; gicube_receive() gives its rays. report->ticket is 0 if
- * there is none. */
+/* The next batch that has arrived by now, in the order of their arrival; gicube_receive() gives its rays.
+ * report->ticket is 0 if there is none. */
 GICUBE_API gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report);
-/* A file descriptor that becomes readable when gicube_receive() would no longer have to wait for the board's work, or if the board is
- * lost or closed: for poll() and event loops (gicube/board.h, descriptor()). The caller closes it. */
+/* A file descriptor that becomes readable when gicube_receive() would no longer have to wait for the board's work, or
+ * if the board is lost or closed: for poll() and event loops (gicube/board.h, descriptor()). The caller closes it. */
 GICUBE_API gicube_status gicube_batch_descriptor(gicube_board* board, uint32_t ticket, int* descriptor);
 /* *cancelled is 0 if it is too late: the batch comes back whole. It comes back in either case. */
 GICUBE_API gicube_status gicube_cancel(gicube_board* board, uint32_t ticket, int32_t* cancelled);
@@ -172,10 +177,10 @@ GICUBE_API gicube_status gicube_pair_factors(gicube_board* board, const gicube_e
                                              const gicube_pair_request* request, gicube_progress progress, void* user,
                                              gicube_pair_factor* factors, size_t count);
 
-/* Calls that go on while the application does something else (gicube/pending.h): each does what the call of the same name does, with
- * the same bits and simulated times, on a thread of the driver and in its place in the order of the calls. *pending is NULL unless it
- * succeeds. What was handed over may be freed on return, but the volume's arrays must stay until the call has ended. Batches of rays
- * need none of this: gicube_submit() does not wait. */
+/* Calls that go on while the application does something else (gicube/pending.h): each does what the call of the same
+ * name does, with the same bits and simulated times, on a thread of the driver and in its place in the order of the
+ * calls. *pending is NULL unless it succeeds. What was handed over may be freed on return, but the volume's arrays
+ * must stay until the call has ended. Batches of rays need none of this: gicube_submit() does not wait. */
 GICUBE_API gicube_status gicube_start_load_volume(gicube_board* board, const gicube_volume* volume,
                                                   gicube_pending** pending);
 GICUBE_API gicube_status gicube_start_render(gicube_board* board, const gicube_view* view, gicube_pending** pending);
@@ -185,17 +190,20 @@ GICUBE_API gicube_status gicube_start_pair_factors(gicube_board* board, const gi
                                                    size_t element_count, const gicube_element_pair* pairs,
                                                    size_t pair_count, const gicube_pair_request* request,
                                                    gicube_pending** pending);
-/* Waits until it has ended, but not longer than timeout_ms of wall-clock time. *ready is 1 if it has. No simulated time passes. */
+/* Waits until it has ended, but not longer than timeout_ms of wall-clock time. *ready is 1 if it has. No simulated
+ * time passes. */
 GICUBE_API gicube_status gicube_pending_wait(const gicube_pending* pending, uint64_t timeout_ms, int32_t* ready);
-/* Asks the call to end. *cancelled is 1 if it does, or will: its gicube_finish_...() is GICUBE_STOPPED then. 0: it had ended. */
+/* Asks the call to end. *cancelled is 1 if it does, or will: its gicube_finish_...() is GICUBE_STOPPED then. 0: it had
+ * ended. */
 GICUBE_API gicube_status gicube_pending_cancel(gicube_pending* pending, int32_t* cancelled);
 /* Parts done and parts in all; 0 of 0 before the call has said so. */
 GICUBE_API gicube_status gicube_pending_progress(const gicube_pending* pending, uint32_t* done, uint32_t* all);
 /* A file descriptor that becomes readable when the call has ended, for poll() and event loops. The caller closes it. */
 GICUBE_API gicube_status gicube_pending_descriptor(const gicube_pending* pending, int* descriptor);
-/* Wait for the end, and give the result, once: of the start of the same name. They return what the blocking call would, and
- * GICUBE_DEADLINE_PASSED if the result comes after deadline_ps of simulated time: it can still be asked for. So it can after an array of a
- * wrong size, which is GICUBE_BAD_ARGUMENT. report may be NULL. gicube_lighting_warning() and gicube_why_invisible() have their words. */
+/* Wait for the end, and give the result, once: of the start of the same name. They return what the blocking call
+ * would, and GICUBE_DEADLINE_PASSED if the result comes after deadline_ps of simulated time: it can still be asked
+ * for. So it can after an array of a wrong size, which is GICUBE_BAD_ARGUMENT. report may be NULL.
+ * gicube_lighting_warning() and gicube_why_invisible() have their words. */
 GICUBE_API gicube_status gicube_finish_load_volume(gicube_pending* pending, uint64_t deadline_ps);
 GICUBE_API gicube_status gicube_finish_render(gicube_pending* pending, uint64_t deadline_ps, gicube_pixel* pixels,
                                               size_t count);
@@ -203,7 +211,8 @@ GICUBE_API gicube_status gicube_finish_illuminate(gicube_pending* pending, uint6
                                                   gicube_lighting_report* report);
 GICUBE_API gicube_status gicube_finish_pair_factors(gicube_pending* pending, uint64_t deadline_ps,
                                                     gicube_pair_factor* factors, size_t count);
-/* Leaves a call that has not ended to go on: nobody gets its result. Before gicube_close() of its board. NULL is no call and no error. */
+/* Leaves a call that has not ended to go on: nobody gets its result. Before gicube_close() of its board. NULL is no
+ * call and no error. */
 GICUBE_API void gicube_pending_free(gicube_pending* pending);
 
 /* Simulated time. */

@@ -1,10 +1,9 @@
 /* Records of the C ABI (gicube/c_api.h). Units and meanings are those of the C++ headers named with each.
  *
- * A record that begins with `size` may grow at its end in later versions. Its gicube_..._init() sets all defaults and the
- * size that the caller was compiled with; the library reads and writes no more than that. Fields that an older caller
- * does not have take their defaults, and fields that an older library does not have must be zero. All other records stand
- * in arrays and never change. Truth values are 0 or 1.
- */
+ * A record that begins with `size` may grow at its end in later versions. Its gicube_..._init() sets all defaults and
+ * the size that the caller was compiled with; the library reads and writes no more than that. Fields that an older
+ * caller does not have take their defaults, and fields that an older library does not have must be zero. All other
+ * records stand in arrays and never change. Truth values are 0 or 1. */
 #ifndef GICUBE_C_TYPES_H
 #define GICUBE_C_TYPES_H
 
@@ -332,8 +331,8 @@ typedef struct gicube_ray_request {
   double step;
   int32_t leap;
   int32_t reserved; /* 0 */
-  /* The rays are sampled as those of this view (gicube/ray.h: Sampling). NULL: as those of the last view that this handle has
-     rendered, or of a default one. */
+  /* The rays are sampled as those of this view (gicube/ray.h: Sampling). NULL: as those of the last view that this
+   * handle has rendered, or of a default one. */
   const gicube_view* sampled_as;
 } gicube_ray_request;
 
@@ -343,7 +342,8 @@ typedef struct gicube_ray_span {
   size_t count;
 } gicube_ray_span;
 
-/* A line through several points, of version 0.2: its legs are GICUBE_RAY_SEGMENT rays, whose colour and opacity the library adds up. */
+/* A line through several points, of version 0.2: its legs are GICUBE_RAY_SEGMENT rays, whose colour and opacity the
+ * library adds up. */
 typedef struct gicube_polyline {
   uint32_t id;
   uint32_t reserved;
@@ -359,7 +359,8 @@ typedef struct gicube_deposit_report {
   double unit;
 } gicube_deposit_report;
 
-/* gicube/ray.h: BatchReport. Its `lighting` is a gicube_lighting_report up to `unit`, since a record grows at its end alone. */
+/* gicube/ray.h: BatchReport. Its `lighting` is a gicube_lighting_report up to `unit`, since a record grows at its end
+ * alone. */
 typedef struct gicube_batch_lighting {
   uint32_t size;
   uint32_t warnings;

@@ -21,7 +21,9 @@ OpenOptions to_options(const gicube_open_options* given) {
   if (record.token_file != nullptr) options.token_file = record.token_file;
   if (record.ca_file != nullptr) options.ca_file = record.ca_file;
   if (record.log != nullptr) {
-    options.log = [log = record.log, user = record.log_user](const std::string& sentence) { log(user, sentence.c_str()); };
+    options.log = [log = record.log, user = record.log_user](const std::string& sentence) {
+      log(user, sentence.c_str());
+    };
   }
   return options;
 }

@@ -12,15 +12,17 @@ struct GICUBE_HIDDEN gicube_pending {
       : board(of), call(std::move(started)), results(results_given) {}
 
   gicube_board& board;
-  std::variant<gicube::Pending<void>, gicube::Pending<gicube::Image>, gicube::Pending<gicube::LightingReport>, Factors> call;
-  std::size_t results;   // pixels or factors
-  gicube::View view{};   // of a picture
+  std::variant<gicube::Pending<void>, gicube::Pending<gicube::Image>, gicube::Pending<gicube::LightingReport>, Factors>
+      call;
+  std::size_t results;  // pixels or factors
+  gicube::View view{};  // of a picture
 };
 
 namespace gicube::c_api {
 namespace {
 
-constexpr std::uint64_t kLongestWait = 1000ull * 60 * 60 * 24 * 365;  // ms, chosen: as good as for ever, and fits the clock
+constexpr std::uint64_t kLongestWait =
+    1000ull * 60 * 60 * 24 * 365;  // ms, chosen: as good as for ever, and fits the clock
 
 const PendingCall& call_of(const gicube_pending& pending) {
   return std::visit([](const auto& each) -> const PendingCall& { return each; }, pending.call);
@@ -58,7 +60,8 @@ gicube_status gicube_start_load_volume(gicube_board* board, const gicube_volume*
 gicube_status gicube_start_render(gicube_board* board, const gicube_view* view, gicube_pending** pending) {
   return start(board, pending, [&](gicube_board& handle) {
     const gicube::View picture = to_view(view, "view");
-    const bool some = picture.width > 0 && picture.height > 0;  // else the end of the call names what is wrong with them
+    const bool some =
+        picture.width > 0 && picture.height > 0;  // else the end of the call names what is wrong with them
     const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
     auto* made = new gicube_pending(handle, handle.board.renderer().start(picture), some ? pixels : 0);
     made->view = picture;
@@ -79,7 +82,8 @@ gicube_status gicube_start_pair_factors(gicube_board* board, const gicube_elemen
   return start(board, pending, [&](gicube_board& handle) {
     const auto how = read_optional<gicube::PairRequest>("request", request);
     return new gicube_pending(
-        handle, handle.board.pairs().start(to_elements(elements, element_count), to_pairs(pairs, pair_count), how), pair_count);
+        handle, handle.board.pairs().start(to_elements(elements, element_count), to_pairs(pairs, pair_count), how),
+        pair_count);
   });
 }
 
@@ -144,7 +148,8 @@ gicube_status gicube_finish_pair_factors(gicube_pending* pending, uint64_t deadl
     auto& started = started_as<std::vector<gicube::PairFactor>>(pending, "gicube_start_pair_factors()");
     check_count("count", count, pending->results);
     checked("factors", factors, count);
-    for (const gicube::PairFactor& factor : started.get(deadline_ps)) *factors++ = to_record<gicube_pair_factor>(factor);
+    for (const gicube::PairFactor& factor : started.get(deadline_ps))
+      *factors++ = to_record<gicube_pair_factor>(factor);
   });
 }
 

@@ -42,7 +42,8 @@ TEST_F(CApi, StartedLoadingAndPictureHaveTheBitsAndTimesOfTheBlockingCalls) {
   EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), 7), GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "count");
   EXPECT_EQ(gicube_finish_render(pending, 1, pixels.data(), pixels.size()), GICUBE_DEADLINE_PASSED);
-  ASSERT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_OK)
+      << gicube_last_error();
   EXPECT_EQ(gicube_finish_render(pending, GICUBE_NO_DEADLINE, pixels.data(), pixels.size()), GICUBE_BAD_ARGUMENT)
       << "the result can be taken once";
   gicube_pending_free(pending);
@@ -71,7 +72,8 @@ TEST_F(CApi, StartedIlluminationHasTheReportOfTheBlockingCall) {
   gicube_illumination settings = made(gicube_illumination_init);
   settings.rays_per_face_voxel = 1;
   gicube_lighting_report reports[2] = {made(gicube_lighting_report_init), made(gicube_lighting_report_init)};
-  ASSERT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &reports[0]), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_illuminate(board_, &light, 1, &settings, nullptr, nullptr, &reports[0]), GICUBE_OK)
+      << gicube_last_error();
   gicube_pending* pending = nullptr;
   ASSERT_EQ(gicube_start_illuminate(board_, &light, 1, &settings, &pending), GICUBE_OK) << gicube_last_error();
   EXPECT_EQ(gicube_finish_load_volume(pending, GICUBE_NO_DEADLINE), GICUBE_BAD_ARGUMENT);
@@ -99,7 +101,8 @@ TEST_F(CApi, StartedPairsHaveTheFactorsOfTheBlockingCall) {
   ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, nullptr, nullptr, nullptr, &factors[0], 1), GICUBE_OK)
       << gicube_last_error();
   gicube_pending* pending = nullptr;
-  ASSERT_EQ(gicube_start_pair_factors(board_, elements, 2, &pair, 1, nullptr, &pending), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_start_pair_factors(board_, elements, 2, &pair, 1, nullptr, &pending), GICUBE_OK)
+      << gicube_last_error();
   ASSERT_EQ(gicube_finish_pair_factors(pending, GICUBE_NO_DEADLINE, &factors[1], 1), GICUBE_OK) << gicube_last_error();
   gicube_pending_free(pending);
   EXPECT_GT(factors[0].factor, 0);
@@ -143,7 +146,9 @@ TEST(CLog, IsToldOfASessionThatWasLostAndResumed) {
   std::vector<std::string> told;
   gicube_open_options options = made(gicube_open_options_init);
   options.reopen_attempts = 3;
-  options.log = [](void* user, const char* sentence) { static_cast<std::vector<std::string>*>(user)->push_back(sentence); };
+  options.log = [](void* user, const char* sentence) {
+    static_cast<std::vector<std::string>*>(user)->push_back(sentence);
+  };
   options.log_user = &told;
   gicube_board* board = nullptr;
   ASSERT_EQ(gicube_open(("emu:?faults=" + plan).c_str(), &options, &board), GICUBE_OK) << gicube_last_error();
