@@ -154,7 +154,7 @@ class Reader {
     result_.diagnostics.push_back({std::move(field), std::move(expected), std::move(got), line});
   }
 
-  // What follows can't be told apart any more.
+  // The text after this fault cannot be interpreted.
   [[noreturn]] void break_off(std::string expected) {
     const Tokenizer::Token& token = tokens_.current();
     throw Diagnostic{"", std::move(expected), at_end() ? "the end of the text" : fmt::format("\"{}\"", token.text),

@@ -46,7 +46,7 @@ struct TextReading {
 // that one call finds all of them. Text whose structure is broken ends the search at that line.
 TextReading read_text(std::string_view text, google::protobuf::Message& message);
 
-// What a schema says, in words for faults: "one of processors, block_voxels, ...".
+// The names that a schema allows, for error messages: "one of processors, block_voxels, ...".
 std::string expected_names(const google::protobuf::Descriptor& type);
 // A whole number, one of an enumeration's names (0 is its "unspecified"), or a message.
 std::string expected_value(const google::protobuf::FieldDescriptor& field);

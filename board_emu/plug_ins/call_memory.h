@@ -67,7 +67,7 @@ class Turn {
     return true;
   }
 
-  // Of a new process: the one before may have ended in its sleep.
+  // Called for a new process: the previous one may have ended while it slept.
   void begin() { plug_in_sleeps_ = 0; }
 
   // How much has been done in all turns, as the plug-in's side says.
@@ -110,7 +110,7 @@ class Turn {
 };
 static_assert(std::atomic<Party>::is_always_lock_free && sizeof(std::atomic<Party>) == sizeof(std::uint32_t));
 
-// Of a gicube_bsdf, what is no address.
+// The fields of a gicube_bsdf that are not addresses.
 struct RoutineDescription {
   std::uint32_t abi = 0;
   std::uint32_t size = 0;  // the rest is only there if these two are the board's

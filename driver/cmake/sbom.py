@@ -119,7 +119,7 @@ def bill(build, deb):
     linked = owners(loaded_from(outside))
     known = facts(linked)
     sources = {fact[2] for fact in known.values()}
-    # Of a source whose library is loaded, the library is listed. Of the kernel's headers come numbers only.
+    # A source package whose library is loaded is listed by that library. The kernel's headers only provide numbers.
     compiled = {package: fact for package, fact in facts(owners(headers_of_product(build))).items()
                 if fact[2] not in sources | {"linux"}}  # fmt: skip
     main = f"SPDXRef-{name}"

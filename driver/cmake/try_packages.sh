@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Of script/package --try: lintian finds no error in the packages; in a new root folder they can be installed, run and purged, and leave
-# nothing. Packages of Debian come from where this machine has its own.
+# Called by script/package --try: lintian finds no error in the packages; in a new root folder they can be installed,
+# run and purged, and leave nothing. Debian packages come from this machine's sources.
 # Usage: try_packages.sh FOLDER
 set -euo pipefail
 packages=$1
@@ -22,7 +22,8 @@ in_root() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root 
 cp /etc/resolv.conf "$root/etc/resolv.conf"  # where apt goes by name
 cp "$packages"/*.deb "$root/root"
 in_root apt-get update -qq
-# What is there apart from records of apt and dpkg, logs and what programs keep about others' files.
+# The files that are present, except for records of apt and dpkg, logs, and files that programs keep about others'
+# files.
 files() { (cd "$root" && find etc usr opt run srv var -path var/lib/apt -prune -o -path var/lib/dpkg -prune -o -path var/cache -prune \
   -o -path var/log -prune -o -print | sort); }
 

@@ -210,7 +210,7 @@ def splat(board, scan, fine, slope):
     corner = (scan.voxels - 1) / 2 * edge
     nearest = (scan.to_axis - math.hypot(corner, corner)) / scan.to_detector
     most = edge * max(1, edge * edge / (scan.pitch * scan.pitch * nearest * nearest / (fine * fine)))  # of a voxel near the source
-    # As gicube-cone-beam does it: half of what a sum holds at most, and a step's most is 2^15 - 1 units.
+    # The unit of gicube-cone-beam: half of the largest sum, and a step's largest sum is 2^15 - 1 units.
     board.clear_sums(densities.max() * max(edge * step / (2 ** 15 - 1), most * scan.views / (8 * 2 ** 30)))
     for angle in scan.angles():
         out, along = np.array((math.cos(angle), math.sin(angle), 0)), np.array((-math.sin(angle), math.cos(angle), 0))

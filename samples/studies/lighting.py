@@ -54,7 +54,7 @@ def measured(albedo, rules, datapath, step, rays, fidelity="cycle"):
         irradiance = board.read_irradiance().astype(float)
     exact = closed_form()
     far = np.linalg.norm(np.indices(exact.shape)[::-1].T - LAMP, axis=-1).T > 2
-    # As printed a light sends out four times its power; what is compared is the share of its own.
+    # With the printed rules a light emits four times its power; its share of that is compared.
     off = irradiance / (4 if rules == "printed" else 1) - exact
     return [ms, np.sqrt((off[far] ** 2).sum() / (exact[far] ** 2).sum()), report.clipped / report.emitted]
 

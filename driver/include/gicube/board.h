@@ -40,15 +40,15 @@ struct BoardState;  // the driver's own
 
 enum class Fidelity { kFunctional, kApproximate /* boards of 0.2 only */, kCycle };
 
-// As in "emu:?fidelity=cycle".
+// The name in a URI, for instance "emu:?fidelity=cycle".
 constexpr const char* name_of(Fidelity level) {
   return level == Fidelity::kFunctional ? "functional" : level == Fidelity::kApproximate ? "approximate" : "cycle";
 }
 
-// What the card stores of a voxel (asic.voxel_format): the paper's 36 bits, or a colour besides (VolumeView::colours).
+// The voxels that the card stores (asic.voxel_format): the paper's 36 bits, or also a colour (VolumeView::colours).
 enum class VoxelFormat { kDensity, kRgb, kRgba };
 
-// What the board said of itself when it was opened.
+// Properties that the board reported when it was opened.
 struct BoardInfo {
   int protocol_major = 0;
   int protocol_minor = 0;  // the smaller of both sides
@@ -68,7 +68,7 @@ struct BoardInfo {
   int irradiance_words = 1;  // of a voxel (asic.irradiance_words): 1, or 3 for red, green and blue
 };
 
-// What submit() does when OpenOptions::max_rays are under way.
+// Behaviour of submit() when OpenOptions::max_rays are under way.
 enum class BackPressure {
   kWait,   // the simulated host waits for the oldest batch to complete
   kThrow,  // throws WouldBlock, and nothing is sent
@@ -109,17 +109,17 @@ struct OpenOptions {  // how a board is opened
   // which a driver has saved by Board::save(). The option restore of emu: does the same.
   bool go_on = false;
   // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open().
-  // What it throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown
-  // then, the irradiance incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next
-  // call. It is not called while frames wait to be sent, nor for calls that were started (gicube/pending.h). It may ask
-  // its Board for now() and info() only, and must outlive it.
+  // An exception thrown by it propagates out of the waiting call, so an application can stop early. The board
+  // continues: a picture is then undefined, the irradiance incomplete, a loading volume lost; ray batches stay under
+  // way, and the Board accepts the next call. It is not called while frames wait to be sent, nor for calls that were
+  // started (gicube/pending.h). It may only call now() and info() of its Board, and must outlive it.
   std::function<void()> while_waiting{};
   // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of
   // the call that resumed it. It must not throw, and may ask its Board for info() only.
   std::function<void(const std::string&)> log{};
 };
 
-// What Board::reopen() found.
+// The result of Board::reopen().
 struct Reopened {
   bool resumed = false;  // the same session goes on: nothing was lost
   bool volume = false;   // there is a volume on the board
@@ -162,8 +162,8 @@ class GICUBE_API Board {
   // and changes nothing. docs/guide/checkpoints.md. Throws Unsupported (a board before protocol 2.3), Rejected (it is
   // larger than the board holds for a client).
   std::vector<std::byte> save();
-  // The same to a file that only its user can read, and that is whole or not there. Throws Error, too, if it can't be
-  // written.
+  // Saves to a file that only its user can read. The file is complete or does not exist. Also throws Error if it cannot
+  // be written.
   void save(const std::string& file);
   // This board goes on from a checkpoint of save(), and this Board with it: its clock is the one that was saved, its
   // tickets are those. Set the scattering routine again. The board's configuration may differ in what does not shape

@@ -34,7 +34,7 @@ typedef int (*gicube_progress)(void* user, uint32_t done, uint32_t all);
  * gicube_now() and gicube_get_info(). */
 typedef int (*gicube_scattering_routine)(void* user, const gicube_scatter_event* event, gicube_scatter_answer* answer);
 
-/* As a deadline: never. */
+/* A deadline that never passes. */
 #define GICUBE_NO_DEADLINE UINT64_MAX
 
 /* The library's version, as 0x00MMmmpp. */
@@ -128,14 +128,14 @@ GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicub
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,
                                                  size_t count);
 GICUBE_API gicube_status gicube_clear_irradiance(gicube_board* board, double unit);
-/* What rays of type GICUBE_RAY_BACKPROJECT leave; one value per voxel of the box. */
+/* Sums of rays of type GICUBE_RAY_BACKPROJECT; one value per voxel of the box. */
 GICUBE_API gicube_status gicube_clear_sums(gicube_board* board, double unit);
 GICUBE_API gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count);
 
 /* Pictures; count is width times height, rows from the top. */
 GICUBE_API gicube_status gicube_render_to_framebuffer(gicube_board* board, const gicube_view* view,
                                                       gicube_progress progress, void* user);
-/* Of the picture in the framebuffer; 0 x 0 before the first one. */
+/* Size of the picture in the framebuffer; 0 x 0 before the first one. */
 GICUBE_API gicube_status gicube_get_framebuffer_size(gicube_board* board, int32_t* width, int32_t* height);
 GICUBE_API gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pixel* pixels, size_t count);
 /* Both. */
@@ -152,7 +152,7 @@ GICUBE_API gicube_status gicube_ray_between(uint32_t id, const double from[3], c
  */
 GICUBE_API gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, size_t count,
                                        const gicube_ray_request* request, uint32_t* ticket);
-/* The same with rays that lie in several places, as one batch in that order. */
+/* Submits rays from several arrays as one batch, in that order. */
 GICUBE_API gicube_status gicube_submit_gather(gicube_board* board, const gicube_ray_span* spans, size_t span_count,
                                               const gicube_ray_request* request, uint32_t* ticket);
 GICUBE_API gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline* lines, size_t count,
@@ -218,7 +218,7 @@ GICUBE_API void gicube_pending_free(gicube_pending* pending);
 /* Simulated time. */
 GICUBE_API gicube_status gicube_now(gicube_board* board, uint64_t* now_ps);
 GICUBE_API gicube_status gicube_host_compute(gicube_board* board, uint64_t duration_ps);
-/* Of renderings and gicube_illuminate(); 0: none. */
+/* Time limit of renderings and of gicube_illuminate(); 0: none. */
 GICUBE_API gicube_status gicube_set_time_limit(gicube_board* board, uint64_t limit_ps);
 
 /* Counters: a list as of now, which the caller frees. */

@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/* What became of a call. The numbers stay. */
+/* The result of a call. The numbers do not change. */
 typedef int32_t gicube_status;
 enum {
   GICUBE_OK = 0,

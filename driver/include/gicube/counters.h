@@ -1,4 +1,4 @@
-// What the board counted, as plain values. docs/reference/counters.md lists them all: name, unit, level, meaning.
+// The board's counters, as plain values. docs/reference/counters.md lists all of them: name, unit, level, meaning.
 #pragma once
 
 #include <algorithm>

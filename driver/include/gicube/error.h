@@ -94,7 +94,7 @@ struct GICUBE_API Cancelled : Error {
   using Error::Error;
 };
 
-// As many rays are under way as OpenOptions::max_rays allows. Nothing was sent: receive or poll before the next try.
+// OpenOptions::max_rays are under way. Nothing was sent: receive or poll before the next attempt.
 struct GICUBE_API WouldBlock : Error {
   using Error::Error;
 };

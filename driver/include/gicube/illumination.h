@@ -60,14 +60,14 @@ struct Illumination {  // how light is spread
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
-  // Of each light, on a board of three irradiance words (BoardInfo::irradiance_words): factors of its power for red,
-  // green and blue, not all 0. None: all lights are white. One pass then spreads the three colours, with
+  // On a board of three irradiance words (BoardInfo::irradiance_words): factors of each light's power for red, green
+  // and blue, not all 0. Empty: all lights are white. One pass then spreads the three colours, with
   // Material::scattering_colour.
   std::vector<Colour> light_colours{};
   friend bool operator==(const Illumination&, const Illumination&) = default;
 };
 
-// Of one colour of light, as in LightingReport.
+// Energies of one colour of light, as in LightingReport.
 struct LightEnergy {
   double emitted = 0;
   double deposited = 0;
@@ -89,10 +89,10 @@ struct LightingReport {
   double emitted = 0;
   double deposited = 0;  // into irradiance words
   double escaped = 0;    // out of the volume
-  // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a
-  // slab that is lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is
-  // the face whose plane the ray crosses first; if it crosses several at once, that of the first axis. Zero from boards
-  // of version 0.1.
+  // The escaped energy by face: x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to
+  // `escaped`. For a slab that is lit along z, the last two are its reflectance and its transmittance. At an edge or a
+  // corner, the face whose plane the ray crosses first counts; if it crosses several at once, the one of the first
+  // axis. Zero from boards of version 0.1.
   std::array<double, 6> escaped_by_face{};
   double scattered_away = 0;  // dropped by the printed rules, with rays given up, and by routines
   double given_up = 0;        // of that, with rays at the end of their lifetime

@@ -21,10 +21,10 @@ struct GICUBE_API Placement {
   Vec3 low{};
   double edge = 1;  // of one of its voxels, in the original's
 
-  // The same camera, cut planes and image for the derived volume. View::step stays a number of its voxels.
+  // The view with the camera, cut planes and image for the derived volume. View::step remains a number of its voxels.
   View view(View original) const;
-  // The same look for the derived volume, whose values lie in `range`. Opacities are per voxel length, which is `edge`
-  // times as long there. Between the board's 4096 densities they are interpolated linearly.
+  // The transfer function for the derived volume, whose values lie in `range`. Opacities refer to a voxel length, which
+  // is `edge` times as long there. Between the board's 4096 densities they are interpolated linearly.
   TransferFunction look(const TransferFunction& original, ValueRange range) const;
 };
 
@@ -74,7 +74,7 @@ GICUBE_API double voxels_a_pixel(const View& view, const VoxelBox& box, Vec3 spa
 // The coarsest level whose voxels are not larger than that: the level of detail that a picture can show [P §5.3].
 GICUBE_API int level_for(double voxels_a_pixel);
 
-// Of the last picture of a volume in bricks (Board::set_brick_detail()).
+// Detail of the last picture of a volume in bricks (Board::set_brick_detail()).
 struct BrickDetail {
   std::array<std::size_t, 4> blocks{};  // on the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels
   double largest_density = 0;           // by which a sample's density can be wrong, 4095 = the value range: a bound

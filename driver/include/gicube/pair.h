@@ -67,16 +67,16 @@ struct PairRequest {  // rays for each pair, and how they are sampled
 struct PairFactor {
   double transported = 0;  // f f T / (pi r^2)
   double geometric = 0;    // f f / (pi r^2)
-  // Of `transported`: the truth is within three of them for at least 99 of 100 pairs. Infinite for fewer than 8 rays of
-  // a far pair.
-  // - Far: from the means of eight runs of the rays, 1.8 times as large for being so few. The runs complement one
-  //   another, so the true scatter is less: some fifth of it with 64 rays through an even medium, some eighth with
-  //   1024. Added is what no ray has found: about 1.4 / (rays + 4) of the value, so that few rays alone are never
-  //   certain, and up to 1 / (rays + 4) of `geometric` where most rays end at something opaque.
-  // - Near: the most that rays can vary that arrive or not, with what the closed forms may be off. It is wide, some 3
-  //   to 10 times the true scatter, through an even medium, between boxes that touch or overlap, and for fewer than
-  //   some 256 rays.
-  // Rounding on the board (opacities, positions) is no part of it: docs/studies/accuracy.md.
+  // Standard error of `transported`: the truth is within three of them for at least 99 of 100 pairs. Infinite for fewer
+  // than 8 rays of a far pair.
+  // - Far: computed from the means of eight runs of the rays, and multiplied by 1.8 because they are so few. The runs
+  //   complement one another, so the true scatter is less: about a fifth with 64 rays through a homogeneous medium, about
+  //   an eighth with 1024. A term is added for features that no ray has hit: about 1.4 / (rays + 4) of the value, so that
+  //   few rays alone are never certain, and up to 1 / (rays + 4) of `geometric` where most rays end at something opaque.
+  // - Near: the largest variation of rays that either arrive or not, plus the error of the closed forms. It is wide, about
+  //   3 to 10 times the true scatter, through a homogeneous medium, between boxes that touch or overlap, and for fewer
+  //   than about 256 rays.
+  // Rounding on the board (opacities, positions) is not included: docs/studies/accuracy.md.
   double standard_error = 0;
   // No ray was sent: the empty flags prove T = 1 for all of them. `transported` and `geometric` are the same bits as
   // with rays; the error has no share for what rays may not have found.

@@ -25,7 +25,7 @@
 namespace gicube {
 
 struct PlanRequest {  // a scene and a target
-  // What is to be drawn. Without samples: what the board holds, at its own level of detail, looks and shading.
+  // The volume to be drawn. Without samples: the board's volume, at its own level of detail, tables and shading.
   VolumeView volume{};
   std::span<const TransferFunction> looks{};  // by tag, in the volume's values; with `volume` only
   View view{};                                // its step and opacity_threshold don't count
@@ -79,7 +79,7 @@ struct GICUBE_API Plan {
 
   // The caller's view, with the plan's settings, for the volume on the board.
   View view(const View& original) const;
-  // What was chosen, why, and what it saves; lines for people.
+  // The choice, its reasons, and its savings; lines for people.
   std::vector<std::string> explain() const;
 
   PlanRequest request;  // volume and looks removed: what they point to may be gone

@@ -1,5 +1,5 @@
-// What all plans have in common, those of pictures (plan.h), of light (light_plan.h), and those that applications make
-// for work of their own: targets, the rule by which a setting is chosen, and the lines that tell of it.
+// Common parts of all plans: those of pictures (plan.h), of light (light_plan.h), and those that applications make for
+// their own work. Targets, the rule that chooses a setting, and the lines that explain the choice.
 #pragma once
 
 #include <string>

@@ -69,7 +69,7 @@ class GICUBE_API Projector {
   // Throws BadArgument (another number of values than voxels, one that is not finite, a view that is not there), what
   // the board throws.
   std::vector<float> project(std::span<const float> volume, Views views = {});
-  // The same, view by view: take(i, values) for the i-th of `views`. The board works at the next view meanwhile.
+  // Projects view by view: take(i, values) for the i-th of `views`. Meanwhile the board works on the next view.
   void project(std::span<const float> volume, Views views, const TakeView& take);
 
   // The transpose of project(): each ray leaves its value, times its length in a voxel by the same interpolation, in

@@ -35,7 +35,7 @@ enum class RayType {
   // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so
   // both directions see the same samples. Neither jitter nor cut planes.
   kSegment,
-  // The same without colour: the transmittance between two points is 1 - opacity.
+  // Like kSegment without colour: the transmittance between two points is 1 - opacity.
   kOpacity,
   // Distributes its energy into the irradiance words on its way (docs/reference/hardware.md, Global illumination), by
   // RayRequest::albedo and rules. No ray comes back; BatchReport::lighting says where the energy went.
@@ -56,8 +56,8 @@ enum class SumWords {
   kSums,        // the whole 36-bit words: signed sums of whole units, by clear_sums() and read_sums()
 };
 
-// What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536
-// voxel.
+// Values that the board cannot hold exactly are rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to
+// 1/65536 voxel.
 struct HostRay {
   std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: seeds its random choices
   Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
@@ -126,7 +126,7 @@ struct Ticket {
   friend constexpr bool operator==(Ticket, Ticket) = default;
 };
 
-// What a batch of type kBackproject left: kept + clipped in all.
+// The sums of a batch of type kBackproject: kept + clipped in all.
 struct DepositReport {
   std::uint64_t rays = 0;
   std::uint64_t samples = 0;

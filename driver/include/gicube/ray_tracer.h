@@ -36,9 +36,9 @@ class GICUBE_API RayTracer {
   // is gone; DeadlinePassed if it has not arrived by the simulated time `deadline`: the clock is there, the batch still
   // under way.
   RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
-  // The same, with the rays straight into the caller's memory: as many as were submitted. None are written of a
-  // cancelled batch, and of kDeposit and kBackproject, for which any size will do. Throws BadArgument if it has another
-  // size: the batch is still there.
+  // Receives the rays directly into the caller's memory: as many as were submitted. None are written for a cancelled
+  // batch, nor for kDeposit and kBackproject, for which any size is accepted. Throws BadArgument if the size differs:
+  // the batch is still there.
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline = kNoDeadline);
   // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. If the
   // board refused one, that is thrown first (Rejected, Unsupported): it is gone, the others are still there.

@@ -7,7 +7,8 @@ namespace gicube {
 
 // shade(normal) = ambient + diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess, R the reflected light
 // direction, V towards the eye; s fades the highlight in over 0 <= N.L <= 0.1, so that the terminator has no hard edge.
-// What a shade has above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not shaded.
+// The part of a shade above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not
+// shaded.
 struct Phong {
   double ambient = 0.25;  // each 0..1.99; ambient + diffuse at most 1.99, diffuse + specular at most 1.99
   double diffuse = 0.7;

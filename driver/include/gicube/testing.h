@@ -40,13 +40,13 @@ struct BoardSetup {
 
   // Throws BadArgument if GICUBE_TEST_SEED is no number.
   static BoardSetup from_environment();
-  // What Board::open() takes.
+  // The URI for Board::open().
   std::string uri() const;
   // Throws as Board::open().
   Board open(const OpenOptions& options = {}) const { return Board::open(uri(), options); }
 };
 
-// What happened between two points of simulated time.
+// Changes between two points of simulated time.
 struct Measured {
   Picoseconds time = 0;
   Counters counters;  // grown by so much

@@ -10,7 +10,7 @@ namespace gicube {
 // Picoseconds since the board was opened.
 using Picoseconds = std::uint64_t;
 
-// As a deadline: never.
+// A deadline that never passes.
 inline constexpr Picoseconds kNoDeadline = ~Picoseconds{0};
 
 constexpr double to_ms(Picoseconds time) { return static_cast<double>(time) * 1e-9; }

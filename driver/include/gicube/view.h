@@ -1,4 +1,4 @@
-// What a picture is taken from: camera, image, sampling.
+// A view: camera, image, sampling.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ struct CutPlane {
   double offset = 0;
 };
 
-// What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it
-// shines, or a SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power
-// / area x exposure, the view's or the chosen one (without View::irradiance and without an exposure: x 1), times
-// `colour`. It lights nothing: illuminate() does.
+// A lamp that scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which
+// it shines, or a SphereLight, from outside. It is as bright as a white surface lit by its full power: power / area x
+// exposure, of the view or the automatic one (without View::irradiance and without an exposure: x 1), times `colour`.
+// It lights nothing: illuminate() does.
 struct Lamp {
   Light light = SphereLight{};
   Colour colour{1, 1, 1};  // not below 0

@@ -10,14 +10,14 @@
 
 namespace gicube::python {
 
-// What arrays are made of; of records gicube.arrays has the dtypes.
+// Types of array elements; gicube.arrays has the dtypes of records.
 template <typename T, typename... Each>
 concept IsOneOf = (std::is_same_v<T, Each> || ...);
 template <typename T>
 concept IsItem =
     IsOneOf<T, float, double, std::uint8_t, std::byte, HostRay, TracedRay, Pixel, Element, ElementPair, PairFactor>;
 
-// So that equal records are equal as bytes.
+// Clears padding, so that equal records are equal as bytes.
 template <typename T>
 void clear_padding([[maybe_unused]] std::span<T> values) {
 #if defined(__has_builtin)
@@ -52,7 +52,7 @@ std::span<const T> items_of(py::handle from, const std::string& field) {
   return {static_cast<const T*>(array.data()), static_cast<std::size_t>(array.size())};
 }
 
-// What holds an argument of that type while the call lasts.
+// Holds an argument of that type during the call.
 template <typename T>
 using Of = std::type_identity<T>;
 template <typename T>

@@ -44,7 +44,7 @@ concept IsRecord = requires {
   throw BadArgument(field, expected, py::repr(got).cast<std::string>().substr(0, 200));
 }
 
-// As os.fsdecode(): a file's name need not be UTF-8.
+// Like os.fsdecode(): a file's name need not be UTF-8.
 inline py::str decoded(const std::string& text) {
   return py::reinterpret_steal<py::str>(PyUnicode_DecodeFSDefault(text.c_str()));
 }
@@ -138,7 +138,7 @@ void read(py::handle from, const std::string& field, std::variant<T...>& to) {
   if (!(try_one(std::type_identity<T>{}) || ...)) refuse(field, "one of " + all, from);
 }
 
-// What is made of others. A record is read from its dataclass, or from a dict of some of its fields.
+// Composite types. A record is read from its dataclass, or from a dict of some of its fields.
 template <typename T>
 void read(py::handle from, const std::string& field, T& to) {
   if constexpr (std::is_same_v<T, Vec3>) {

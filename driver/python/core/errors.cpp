@@ -13,7 +13,7 @@ py::object class_of(const Error& error) {
   return py::module_::import("gicube.errors").attr(name.substr(name.rfind(':') + 1).c_str());
 }
 
-// What its class is made of.
+// Arguments of the Python exception's constructor.
 py::tuple carried(const Error& error) {
   if (const auto* wrong = dynamic_cast<const BadArgument*>(&error)) {
     return py::make_tuple(wrong->field(), wrong->expected(), wrong->got());

@@ -40,7 +40,7 @@ auto without_interpreter(const auto& work) {
   return work();
 }
 
-// What needs the interpreter, on any thread.
+// Runs work that needs the interpreter, on any thread.
 auto with_interpreter(const auto& work) {
   std::optional<pybind11::gil_scoped_acquire> held;
   or_wait_for_the_end([&held] { held.emplace(); });

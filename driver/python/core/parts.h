@@ -24,7 +24,7 @@ void add_plans(pybind11::module_& module);
 void add_projector(pybind11::module_& module);
 void add_scenes(pybind11::module_& module);
 
-// What Python holds of a board, or of several. A call keeps it alive, so close() on another thread ends it after that
+// Python's handle to a board, or to several. A call keeps it alive, so close() on another thread ends it after that
 // call.
 template <typename T>
 class Owned {
@@ -56,7 +56,8 @@ class Owned {
     last.swap(what_);
     without_interpreter([&last] { last.reset(); });
   }
-  // As the interpreter ends. A call that still goes on is a daemon thread's, which does not end: it keeps its board.
+  // Called when the interpreter ends. A call that is still in progress belongs to a daemon thread, which does not end:
+  // it keeps its board.
   void close_if_idle() {
     if (what_.use_count() == 1) close();
   }
@@ -79,11 +80,11 @@ Progress progress_of(pybind11::handle callable);
 // Python's callable(event), or None.
 ScatteringRoutine routine_of(pybind11::handle callable);
 
-// Of a gicube.Volume: points into its arrays.
+// The view of a gicube.Volume: points into its arrays.
 VolumeView view_of(pybind11::handle volume);
 VolumeStream stream_of(pybind11::handle volume);
 
-// Of a gicube.Volume that coarser() made.
+// The view of a gicube.Volume that coarser() made.
 DerivedVolume derived_of(pybind11::handle volume);
 
 // A gicube.Volume of samples as bytes, and of further fields.

@@ -20,7 +20,7 @@ void give_warning(const std::string& text) {
   if (PyErr_WarnFormat(PyExc_UserWarning, 2, "%U", decoded(text).ptr()) != 0) throw py::error_already_set();
 }
 
-// What a volume of a file or of a scene says beside its samples.
+// The fields of a file's or scene's volume other than its samples.
 py::dict fields_of(const scene::Volume& volume) {
   py::dict fields;
   fields["spacing"] = write(volume.spacing);

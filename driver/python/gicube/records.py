@@ -44,15 +44,15 @@ class HostBuses(Enum):
 
 
 class VoxelFormat(Enum):
-    """What the card stores of a voxel (asic.voxel_format): the paper's 36 bits, or a colour besides (Volume.colours).
-    See gicube/board.h."""
+    """The voxels that the card stores (asic.voxel_format): the paper's 36 bits, or also a colour (Volume.colours). See
+    gicube/board.h."""
     DENSITY = "density"
     RGB = "rgb"
     RGBA = "rgba"
 
 
 class BackPressure(Enum):
-    """What submit() does when OpenOptions.max_rays are under way. See gicube/board.h."""
+    """Behaviour of submit() when OpenOptions.max_rays are under way. See gicube/board.h."""
     WAIT = "wait"
     """the simulated host waits for the oldest batch to complete"""
     THROW = "throw"
@@ -121,7 +121,7 @@ class RayType(Enum):
     reached. Its own step divides the length evenly, at most RayRequest.step, and it samples the middle of each: so both
     directions see the same samples. Neither jitter nor cut planes."""
     OPACITY = "opacity"
-    """The same without colour: the transmittance between two points is 1 - opacity."""
+    """Like SEGMENT without colour: the transmittance between two points is 1 - opacity."""
     DEPOSIT = "deposit"
     """Distributes its energy into the irradiance words on its way (docs/reference/hardware.md, Global illumination), by
     RayRequest.albedo and rules. No ray comes back; BatchReport.lighting says where the energy went."""
@@ -270,8 +270,8 @@ class TransferFunction(TransferFunctionCalls, Record):
 class Phong(Record):
     """Shade(normal) = ambient + diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess, R the reflected light
     direction, V towards the eye; s fades the highlight in over 0 <= N.L <= 0.1, so that the terminator has no hard
-    edge. What a shade has above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not
-    shaded. See gicube/shading.h."""
+    edge. The part of a shade above ambient + diffuse is a highlight and goes to white. A sample without a gradient is
+    not shaded. See gicube/shading.h."""
     ambient: float = 0.25
     """each 0..1.99; ambient + diffuse at most 1.99, diffuse + specular at most 1.99"""
     diffuse: float = 0.7
@@ -363,9 +363,9 @@ Light = Union[PointLight, DirectionalLight, RectangleLight, SphereLight]
 
 @dataclass
 class Lamp(Record):
-    """What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it
-    shines, or a SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power
-    / area x exposure, the view's or the chosen one (without View.irradiance and without an exposure: x 1), times
+    """A lamp that scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to
+    which it shines, or a SphereLight, from outside. It is as bright as a white surface lit by its full power: power /
+    area x exposure, of the view or the automatic one (without View.irradiance and without an exposure: x 1), times
     `colour`. It lights nothing: illuminate() does. See gicube/view.h."""
     light: Light = field(default_factory=SphereLight)
     colour: Colour = (1.0, 1.0, 1.0)
@@ -443,14 +443,14 @@ class Illumination(Record):
     seed: int = 0
     """of all random choices: another seed is an independent experiment"""
     light_colours: Sequence[Colour] = field(default_factory=list)
-    """Of each light, on a board of three irradiance words (BoardInfo.irradiance_words): factors of its power for red,
-    green and blue, not all 0. None: all lights are white. One pass then spreads the three colours, with
+    """On a board of three irradiance words (BoardInfo.irradiance_words): factors of each light's power for red, green
+    and blue, not all 0. Empty: all lights are white. One pass then spreads the three colours, with
     Material.scattering_colour."""
 
 
 @dataclass
 class LightEnergy(Record):
-    """Of one colour of light, as in LightingReport. See gicube/illumination.h."""
+    """Energies of one colour of light, as in LightingReport. See gicube/illumination.h."""
     emitted: float = 0.0
     deposited: float = 0.0
     escaped: float = 0.0
@@ -475,10 +475,10 @@ class LightingReport(LightingReportCalls, Record):
     escaped: float = 0.0
     """out of the volume"""
     escaped_by_face: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of
-    a slab that is lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is
-    the face whose plane the ray crosses first; if it crosses several at once, that of the first axis. Zero from boards
-    of version 0.1."""
+    """The escaped energy by face: x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to
+    `escaped`. For a slab that is lit along z, the last two are its reflectance and its transmittance. At an edge or a
+    corner, the face whose plane the ray crosses first counts; if it crosses several at once, the one of the first axis.
+    Zero from boards of version 0.1."""
     scattered_away: float = 0.0
     """dropped by the printed rules, with rays given up, and by routines"""
     given_up: float = 0.0
@@ -507,7 +507,7 @@ class BoardTime(Record):
 
 @dataclass
 class DepositReport(Record):
-    """What a batch of type BACKPROJECT left: kept + clipped in all. See gicube/ray.h."""
+    """The sums of a batch of type BACKPROJECT: kept + clipped in all. See gicube/ray.h."""
     rays: int = 0
     samples: int = 0
     kept: float = 0.0
@@ -598,7 +598,7 @@ class PairRequest(Record):
 
 @dataclass
 class BoardInfo(Record):
-    """What the board said of itself when it was opened. See gicube/board.h."""
+    """Properties that the board reported when it was opened. See gicube/board.h."""
     protocol_major: int = 0
     protocol_minor: int = 0
     """the smaller of both sides"""
@@ -628,7 +628,7 @@ class BoardInfo(Record):
 
 @dataclass
 class Reopened(Record):
-    """What Board.reopen() found. See gicube/board.h."""
+    """The result of Board.reopen(). See gicube/board.h."""
     resumed: bool = False
     """the same session goes on: nothing was lost"""
     volume: bool = False
@@ -637,7 +637,7 @@ class Reopened(Record):
 
 @dataclass
 class BrickDetail(Record):
-    """Of the last picture of a volume in bricks (Board.set_brick_detail()). See gicube/level_of_detail.h."""
+    """Detail of the last picture of a volume in bricks (Board.set_brick_detail()). See gicube/level_of_detail.h."""
     blocks: Sequence[int] = (0, 0, 0, 0)
     """on the card: as they are, and in cells of 2^3, 4^3 and 8^3 voxels"""
     largest_density: float = 0.0

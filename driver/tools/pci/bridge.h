@@ -13,7 +13,7 @@ namespace gicube::pci {
 
 class Bridge {
  public:
-  // As for Function.
+  // `connect` as for Function.
   explicit Bridge(std::function<Connection()> connect) : function_(memory_, std::move(connect)) {}
 
   // The value of the answer; nothing where QEMU waits for none.

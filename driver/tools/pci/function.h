@@ -32,7 +32,7 @@ class Function {
   std::uint64_t read(std::uint64_t offset, std::uint64_t size);
   void write(std::uint64_t offset, std::uint64_t size, std::uint64_t value);
 
-  // As after power-up. Ends the session.
+  // Restores the state after power-up. Ends the session.
   void reset();
   void let_master_bus(bool may);
   // GuestMemory::map() was called: its bytes have moved.
@@ -40,7 +40,8 @@ class Function {
 
   bool interrupt_is_pending() const { return (interrupt_status_ & interrupt_mask_) != 0; }
 
-  // What to wait for: poll() events of the board's socket, -1 without one, and a file that is readable when a connection is made.
+  // Descriptors to wait for: poll() events of the board's socket, -1 without one, and a file that is readable when a
+  // connection is made.
   int board_socket() const { return board_.socket.get(); }
   short board_events() const;
   int connected_event() const;

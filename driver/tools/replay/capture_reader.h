@@ -38,7 +38,7 @@ class CaptureReader {
   bool next(wire::CaptureKind direction, CapturedFrame& frame);
   // After the end: whether the capture was completed, or its process died before.
   bool complete() const { return complete_; }
-  // Of all frames so far, in both directions.
+  // Largest payload of all frames so far, in both directions.
   std::uint32_t largest_payload() const { return largest_payload_; }
   // That both sides spoke, as far as they have said so; ours if they have not.
   std::uint16_t minor_version() const { return minor_version_; }

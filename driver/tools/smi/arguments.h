@@ -1,4 +1,4 @@
-// What CLI11 does not do by itself: options on both sides of the command, times with units.
+// Arguments that CLI11 does not support by itself: options on both sides of the command, times with units.
 #pragma once
 
 #include <chrono>

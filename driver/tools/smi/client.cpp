@@ -19,14 +19,14 @@ constexpr std::chrono::seconds kPatience{20};  // chosen: a reset waits for the 
 std::string target_of(const std::string& endpoint) {
   if (endpoint.starts_with("unix:") && endpoint.size() > 5) return endpoint;
   if (endpoint.starts_with("tcp:") && endpoint.rfind(':') > 4) {
-    // As gicube-board takes it: another user's program may listen at the same port of [::1].
+    // The host name that gicube-board accepts: another user's program may listen at the same port of [::1].
     constexpr std::string_view kLocalhost = "tcp:localhost:";
     return endpoint.starts_with(kLocalhost) ? "127.0.0.1:" + endpoint.substr(kLocalhost.size()) : endpoint.substr(4);
   }
   throw UsageError(fmt::format("--management: expected unix:PATH or tcp:HOST:PORT, got \"{}\"", endpoint));
 }
 
-// Of a TCP endpoint of this machine, without brackets; empty: it is another.
+// The address of a TCP endpoint of this machine, without brackets; empty for other machines.
 std::string local_address(const std::string& endpoint) {
   if (!endpoint.starts_with("tcp:")) return {};
   const std::string target = target_of(endpoint);

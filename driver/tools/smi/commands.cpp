@@ -14,7 +14,7 @@ namespace {
 
 const char* state_of(const v1::BoardInfo& board) { return board.in_use() ? "in use" : "free"; }
 
-// As JSON if that was asked for, or else by print_text(message).
+// Prints JSON if that was requested, otherwise by print_text(message).
 template <typename Message, typename PrintText>
 int show(const Options& options, const Message& message, const PrintText& print_text) {
   if (options.json) {

@@ -38,7 +38,7 @@ struct Step {
   std::string advice;  // empty: none
 };
 
-// What was found, step by step. The functions below return whether the next step has a chance.
+// Findings, step by step. The functions below return whether the next step has a chance.
 struct Diagnosis {
   std::vector<Step> steps;
 
@@ -56,7 +56,7 @@ std::string user_name(uid_t user) {
   return entry != nullptr ? entry->pw_name : std::to_string(user);
 }
 
-// What the program says to --version; empty if it can't be run.
+// The program's answer to --version; empty if it cannot be run.
 std::string version_of(const fs::path& program) {
   std::string quoted = "'";
   for (const char c : program.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

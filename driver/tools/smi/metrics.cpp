@@ -145,7 +145,7 @@ void add_boards(Families& families, const Labels& process, const v1::BoardProces
   }
 }
 
-// What a quota is called and is; of a process of another version, by its own name.
+// Name and value of a quota; for a process of another version, by its own name.
 std::pair<std::string, std::string> quota_metric(const std::string& name) {
   static const std::map<std::string, std::string> kKnown{
       {"connections", "connections that own no board."},

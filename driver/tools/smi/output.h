@@ -1,4 +1,4 @@
-// What commands print: text in columns, numbers with units, JSON.
+// Output of commands: text in columns, numbers with units, JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ class Table {
 
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
-  // As many cells as columns.
+  // Adds a row; the number of cells must be that of the columns.
   void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   bool empty() const { return rows_.empty(); }
 

@@ -168,7 +168,7 @@ Entries of_json(const std::string& text) {
   return entries;
 }
 
-// As provenance.h has them; EXR sorts its attributes by name.
+// Sorts entries in the order of provenance.h; EXR sorts its attributes by name.
 void put_in_order(Entries& entries) {
   constexpr std::array<std::string_view, 6> kOrder{"program",     "version",  "command",
                                                    "config_hash", "fidelity", "scene_hash"};

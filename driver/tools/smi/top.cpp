@@ -26,7 +26,7 @@ int terminal_lines() {
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : kFewLines;
 }
 
-// What happened between two looks; before the first one: since the board's reset.
+// Changes between two samples; before the first one: since the board's reset.
 class Window {
  public:
   Window(const v1::CounterSnapshot* before, const v1::CounterSnapshot& now) : now_(now) {

@@ -84,7 +84,7 @@ inline std::atomic_ref<std::uint32_t> index_at(std::byte* rings, std::uint32_t o
   return std::atomic_ref(*reinterpret_cast<std::uint32_t*>(rings + offset));
 }
 
-// As many of `count` bytes from an index on as are in one piece.
+// The contiguous bytes from an index on, at most `count`.
 inline std::span<std::byte> piece_of(std::span<std::byte> ring, std::uint32_t index, std::uint32_t count) {
   const std::size_t at = index & (ring.size() - 1);
   return ring.subspan(at, std::min<std::size_t>(count, ring.size() - at));

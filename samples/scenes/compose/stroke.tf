@@ -1,4 +1,4 @@
-# What is brightest in FLAIR.
+# The brightest tissue in FLAIR.
 values normalised
 colour  0.56  1.00 0.35 0.10
 colour  0.90  1.00 0.85 0.30

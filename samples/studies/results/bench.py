@@ -29,7 +29,8 @@ PROCESSORS = "asic.processors"
 QUEUE = "asic.queue_rays"
 SHARED_MEMORY = {"rdram.processors_per_rdram": 2}
 SKEWED = {PARTITION: "skewed_block"}
-# What feeds the processors is no limit: a DSP whose work takes no time, runs of 64 rays, and links that take a ray a cycle.
+# No limits in front of the processors: a DSP whose work takes no time, runs of 64 rays, and links that take a ray per
+# cycle.
 IDEAL_DSP = {"ideal.dsp": 1}
 RUNS_OF_RAYS = {"dsp.run_rays": 64}
 WIDE_LINKS = {"link.bits": 256}

@@ -121,7 +121,7 @@ def dsp_use(m):
 
 
 overflows_a_ray = over("dsp.rays_taken", "dsp.overflows")
-# Of lighting passes.
+# Lighting passes.
 deposits_a_sample = over("processor.samples", "processor.splat.deposits")
 tiles_a_deposit = over("processor.splat.deposits", "processor.splat.tiles")  # changed tiles
 tiles_combined = over("processor.splat.tiles", "processor.splat.tiles_combined")  # share written with an earlier change, 0..1

@@ -199,7 +199,7 @@ def make_view(scene, name, width, height, orthographic=False):
     if orthographic:
         away = length(scene.high - scene.low)
         return replace(view, orthographic_height=scene.volume.dims[1], eye=tuple(middle + away * direction))
-    # As near as all corners allow.
+    # The closest distance that keeps all corners in view.
     margin = 1.02  # chosen
     right = np.cross(up, direction)
     right, up = normalise(right), np.cross(direction, normalise(right))

@@ -44,5 +44,5 @@ class GICUBE_API MpiExchange : public RayExchange {
 
 }  // namespace gicube
 
-// As open(), for programs that load the library when they need it. The caller deletes what it returns.
+// Like open(), for programs that load the library when they need it. The caller deletes the result.
 extern "C" GICUBE_API gicube::MpiExchange* gicube_mpi_open();

@@ -21,7 +21,7 @@ class GICUBE_API RayExchange {
   // Sends to[r] to rank r, to the caller too, and returns what each rank sent to this one, by rank. `to` has ranks()
   // parts of any size. Throws Error.
   virtual std::vector<std::vector<std::uint8_t>> exchange(std::vector<std::vector<std::uint8_t>> to) = 0;
-  // Of all ranks' values. Throws Error.
+  // The sum of all ranks' values. Throws Error.
   virtual std::uint64_t sum(std::uint64_t value) = 0;
 };
 
