@@ -46,7 +46,7 @@ std::vector<Solid> place_solids(const BuckyballShape& shape, double scale) {
   return solids;
 }
 
-// Of a floor of two kinds of tiles.
+// The tag of a floor with two kinds of tiles.
 std::uint8_t floor_tag(const BuckyballShape& shape, Vec3 p) {
   const auto tile = [&shape](double v, double low, double high) {
     return static_cast<int>(std::floor((v - low) / (high - low) * shape.floor_tiles));

@@ -137,7 +137,7 @@ std::vector<double> opacities_of(const SceneSetup& setup) {
   return opacities;
 }
 
-// Of the values: those of labels in rising order behind the background's, which is 0 or else the least.
+// Finds the labels among the values, in rising order behind the background's, which is 0 or otherwise the lowest.
 void find_labels(SceneSetup& setup) {
   const Volume& volume = setup.volume;
   with_sample(volume.type, [&](auto sample) {

@@ -176,7 +176,7 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
   }
 }
 
-// What mirrors show of the lights: of distant and point lights there is no image.
+// The images of lights in mirrors: distant and point lights have none.
 void set_lamps(const Scene& scene, SceneSetup& setup) {
   setup.view.lamps.clear();
   if (!scene.lighting.on || !setup.view.scatter) return;

@@ -252,7 +252,7 @@ TransferFunctionFile mapped(const TransferFunctionFile& file, const Map& map) {
   return out;
 }
 
-// So that `from` of the file's values are `to` of the volume's.
+// Maps the range `from` of the file's values to the range `to` of the volume's.
 TransferFunctionFile between(const TransferFunctionFile& file, const ValueRange& from, const ValueRange& to) {
   const double slope = (to.high - to.low) / (from.high - from.low);
   // To six digits, so that a function that was written to a file is the same.

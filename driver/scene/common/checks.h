@@ -1,4 +1,4 @@
-// What a user wrote: numbers out of a text, and values within their bounds; faults of a part as those of the whole.
+// Checks of user input: numbers in a text, values within their bounds, faults of a part reported for the whole.
 #pragma once
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlank) + 1);
 }
 
-// Of ASCII letters, whatever the locale: in a Turkish one tolower('I') is no 'i'.
+// Converts ASCII letters whatever the locale: in a Turkish one tolower('I') is no 'i'.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

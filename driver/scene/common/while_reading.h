@@ -15,7 +15,7 @@ class WhileReading {
   WhileReading(const WhileReading&) = delete;
   WhileReading& operator=(const WhileReading&) = delete;
 
-  // Of the reader.
+  // Called by the reader.
   static void look() {
     if (current_ != nullptr) current_->look_();
   }

@@ -21,7 +21,7 @@ std::string read_text(const std::filesystem::path& file, const std::string& kind
 // Files that belong together: all of them, or none. Its calls throw FileError.
 class WholeFiles {
  public:
-  // What `fill` writes, or this text.
+  // Writes the output of `fill`, or this text.
   void write(const std::filesystem::path& path, const std::function<void(WholeFile&)>& fill);
   void write(const std::filesystem::path& path, std::string_view text);
   // Gives all of them their names.

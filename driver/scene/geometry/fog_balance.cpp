@@ -85,7 +85,7 @@ class FogBalance {
     std::memcpy(&word, &world_.volume.samples[2 * index], sizeof word);
     return word;
   }
-  // As near as a voxel can have it. Beside a solid it stays below densities at which that is seen.
+  // Sets the closest density that a voxel can hold. Beside a solid it stays below densities at which that is visible.
   void set(std::size_t index, double density) {
     world_.set_density(index, std::clamp(density, 0.0, kFull) / kMaxDensity);
   }

@@ -141,7 +141,7 @@ struct PlyReader {
     return property.count && (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
-  // What the header claims must fit into what is there: each value takes at least a digit and a blank, or its bytes.
+  // The sizes in the header must fit the file: each value takes at least a digit and a blank, or its bytes.
   void check_size(const Element& element) const {
     std::uint64_t least = 0;
     for (const Property& property : element.properties) {

@@ -27,7 +27,7 @@ struct Candidate {
   bool fills;
 };
 
-// What solids of one kind do at a voxel.
+// The contribution of the solids of one kind to a voxel.
 struct Found {
   double distance = kFar;  // of the union
   Vec3 away;
@@ -121,7 +121,7 @@ struct Voxeliser {
     return any;
   }
 
-  // As the driver would find it, but of this scan alone.
+  // The gradient as the driver would compute it, but of this scan alone.
   static Vec3 sobel(const PlacedScan& scan, Vec3 p) {
     constexpr double kWeight[] = {1, 2, 1};
     Vec3 sum;

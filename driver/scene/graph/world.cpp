@@ -57,7 +57,7 @@ class Walk {
   std::vector<PlacedSolid> solids;
   std::vector<PlacedScan> scans;
 
-  // Of the scan that is made of this material.
+  // The value range of the scan that is made of this material.
   const std::optional<ValueRange>& range_of(std::size_t material) const { return ranges_[material]; }
   // Its function in that scan's values.
   const TransferFunctionFile& settled(std::size_t material, const TransferFunctionFile& own) const {
@@ -114,7 +114,7 @@ class Walk {
     take(place_scan(scan, range, compose(to_voxels_, map)), range, settled_[material], material);
   }
 
-  // Of a material for scans and hypertextures.
+  // The transfer function of a material for scans and hypertextures.
   const TransferFunctionFile& function_of(const SceneMaterial& made_of, std::size_t material) const {
     const auto* function = look_as<TransferFunctionFile>(made_of);
     if (function != nullptr && !used_by_solid_[material]) return *function;

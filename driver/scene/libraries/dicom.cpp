@@ -78,7 +78,7 @@ struct Series {
   std::vector<Slice> slices;
 };
 
-// Of a file, of all frames, or of one.
+// Reads the geometry of a file, of all frames, or of one.
 void read_geometry(DcmItem& item, Slice& slice) {
   if (const auto row = vector(item, DCM_ImageOrientationPatient)) {
     slice.row = row;
@@ -247,7 +247,7 @@ void sort(const fs::path& path, Series& series, StoredLayout& layout, std::vecto
   }
 }
 
-// What a file says of its pixels.
+// A file's description of its pixels.
 struct Pixels {
   int allocated = 0, stored = 0, high = 0, channels = 1, planar = 0;
   bool is_signed = false;

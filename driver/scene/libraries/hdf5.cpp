@@ -89,7 +89,7 @@ std::string attribute(hid_t object, const char* name) {
   return out.substr(0, out.find('\0'));
 }
 
-// What NeXus says is to be plotted: the groups that "default" names, then "signal".
+// The data set that NeXus plots by default: the groups that "default" names, then "signal".
 std::string nexus_default(hid_t file) {
   std::string at = "/";
   for (int depth = 0; depth < 4; ++depth) {

@@ -85,7 +85,7 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
   out.layout.placement.axes = WorldAxes::kWorld;
   out.layout.placement.origin = vec(origin);
   out.samples.resize(*bytes);
-  // What no voxel is stored for has the grid's background.
+  // Voxels that are not stored have the grid's background.
   openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, reinterpret_cast<float*>(out.samples.data()));
   openvdb::tools::copyToDense(*grid, dense);
   return out;

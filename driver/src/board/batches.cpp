@@ -18,7 +18,8 @@ struct TraceCommand {
   std::vector<double> units;  // kIntegral
 };
 
-// Of the `max_rays` rays from `ray` on, or of as many as may move the sums in one command, and at least one.
+// A command for at most `max_rays` rays from `ray` on, or for as many as may move the sums in one command, at least
+// one.
 TraceCommand trace_command(auto& ray, std::size_t max_rays, const RaySetup& setup) {
   constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;

@@ -63,8 +63,7 @@ class Batches {
 
   // For rays that passed their checks. Throws WouldBlock.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup);
-  // The same of a batch that is complete when it returns: `trace` has the commands carried out, and returns what each
-  // would return.
+  // Traces a batch that is complete on return: `trace` executes the commands, and returns what each would return.
   using TraceAll = std::function<std::vector<CommandResult>(std::span<const EncodedRays>)>;
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup, const TraceAll& trace);
   // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone

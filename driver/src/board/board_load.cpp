@@ -117,7 +117,7 @@ void BoardState::load(Planes planes, const Progress& progress) {
     for_each_block(planes, loaded, watched(progress),
                    [this](std::size_t block, std::span<const std::uint8_t> bytes) { write_block(block, bytes); });
   } else if (fits) {
-    // What the reader throws must leave the board its volume: so all is read first.
+    // An exception of the reader must leave the board its volume, so everything is read first.
     const BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
     begin_blocks(loaded);

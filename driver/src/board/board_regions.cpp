@@ -112,12 +112,12 @@ class Words {
     });
   }
 
-  // What value(word) makes of each.
+  // Converts each word by value(word).
   void values(const VoxelBox& box, std::span<float> out, const auto& value) {
     read(box, [&](std::size_t index, std::uint64_t word) { out[index] = static_cast<float>(value(word)); });
   }
 
-  // Of 32 bits: words of voxels outside of the box stay as they are.
+  // Writes words of 32 bits: those of voxels outside the box keep their values.
   void write(const VoxelBox& box, const auto& value) {
     for_each_block(box, blocks_, n_, [&](const BlockPart& part) {
       std::vector<std::uint8_t> bytes = read(part);

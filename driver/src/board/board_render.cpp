@@ -46,7 +46,7 @@ void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
 
 }  // namespace
 
-// Of a unit of power on a unit of area.
+// The exposure for a unit of power on a unit of area.
 double BoardState::exposure_of(const View& view) const {
   constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
   if (view.exposure > 0) return view.exposure;
@@ -195,7 +195,7 @@ void Renderer::read_framebuffer(std::span<Pixel> pixels) {
   std::ranges::copy(image.pixels, pixels.begin());
 }
 
-// Of a job of several ranks: of all rows.
+// For a job of several ranks: gathers all rows.
 Image BoardState::gather_picture() {
   if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
   const int width = sampling.width, height = sampling.height;

@@ -15,7 +15,7 @@ constexpr std::chrono::seconds kObituary{1};  // chosen: what a child that has c
 // A multiple of a dword, a segmentation entry (12 bytes) and two voxels (9): no piece ends within one.
 constexpr std::size_t kPiece = 36;
 
-// What to do about a board that is lost, with its place.
+// Advice for a board that is lost, with its address.
 std::string advice(const Uri& uri, Loss cause) {
   const std::string place = text_of(uri);
   if (cause == Loss::kTakenOver || cause == Loss::kEnded) return place;

@@ -82,7 +82,7 @@ class Device {
       if (info.access == wire::Access::kReadWrite) registers_[info.offset] = info.reset;
     }
   }
-  // What registers that can be read and written hold: all of them once reset() has been called.
+  // Values of registers that can be read and written: all of them once reset() has been called.
   const std::map<std::uint32_t, std::uint32_t>& registers() const { return registers_; }
 
   // In pieces that the link's payload limit allows, each of whole dwords, LUT entries and pairs of voxels.
@@ -104,7 +104,8 @@ class Device {
   bool cancel(std::uint32_t ticket);
   // Fetches the results of all commands that have completed by now.
   void poll() { request(wire::FrameType::kPoll, {}); }
-  // The same without waiting: the board answers once it has worked out all that was sent before. No clock moves.
+  // A position in the stream that needs no wait: the board answers once it has processed everything sent before. No
+  // clock moves.
   struct Mark {
     std::shared_ptr<Link> link;
     std::uint32_t request = 0;  // Link::finish()
@@ -125,7 +126,7 @@ class Device {
   // After go_on(): the driver's part.
   std::vector<std::uint8_t> read_driver_part(std::uint64_t bytes);
 
-  // What this device remembers beside the board's own state.
+  // This device's state apart from the board's own.
   struct Remembered {
     Picoseconds now = 0;
     std::map<std::uint32_t, std::uint32_t> registers{};

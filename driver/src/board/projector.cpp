@@ -33,7 +33,7 @@ Vec3 to_voxels(const ProjectorSetup& setup, Vec3 place) {
   return Vec3{place.x / edge.x, place.y / edge.y, place.z / edge.z} + half_of(setup);
 }
 
-// Of a place from the box of voxel centres, 0 inside.
+// Distance of a point from the box of voxel centres, 0 inside.
 double distance_to_box(const ProjectorSetup& setup, Vec3 place) {
   const Vec3 half = half_of(setup), edge = setup.spacing;
   const auto beyond = [](double x, double most) { return std::max(0.0, std::abs(x) - most); };

@@ -1,4 +1,4 @@
-// What stands behind a Board handle.
+// The state behind a Board handle.
 #pragma once
 
 #include <atomic>
@@ -30,7 +30,7 @@
 
 namespace gicube {
 
-// What the driver keeps of a loaded volume: enough to find the empty flags again.
+// The driver's facts about a loaded volume: enough to compute the empty flags again.
 struct LoadedVolume {
   Dims dims{};
   Dims blocks{};
@@ -43,7 +43,7 @@ struct LoadedVolume {
   std::vector<std::uint8_t> flags;  // in force, one a block
 };
 
-// What a Board remembers beside its device, its tables and its batches.
+// A Board's state apart from its device, its tables and its batches.
 struct Remembered {
   BoardInfo info;
   Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
@@ -137,7 +137,8 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
     return *volume;
   }
 
-  // The same for what is done with whole volumes only; throws Unsupported if the card does not store the volume whole.
+  // The loaded volume, for operations on whole volumes only; throws Unsupported if the card does not store the volume
+  // whole.
   LoadedVolume& whole(const char* what);
   std::size_t capacity_blocks() const {  // that the card stores
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels / info.block_voxels);
@@ -169,22 +170,22 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   void give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run);
   std::vector<wire::WaitingBlock> take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run);
   void deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger);
-  // What the trace commands would return if the card stored the whole volume.
+  // trace_in_bricks() returns the results that trace commands would give if the card stored the whole volume.
   static constexpr std::size_t kMaxTracedAtOnce =
       wire::kMaxHostRays / 4;  // chosen: 128 MB of packets, all of which may wait
   std::vector<CommandResult> trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
   std::vector<CommandResult> deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
   CommandResult finish(std::uint32_t ticket);  // throws what the result's error stands for
-  // Of this rank, or of all.
+  // Whether parts are left on this rank, or on any rank.
   bool any_left(std::size_t parts) { return shared ? shared->exchange().sum(parts) > 0 : parts > 0; }
   void trace_group(std::span<const EncodedRays> parts, const BrickRun& run, std::vector<CommandResult>& results);
-  // Of a job of several ranks (forward_rays.cpp), collective. forward(): sends the rays away that wait for `others`,
-  // and lists those that wait then; false: no rank has sent one.
+  // For a job of several ranks (forward_rays.cpp), collective. forward(): sends away the rays that wait for `others`,
+  // and lists those that then wait; false: no rank has sent one.
   bool forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
                const BrickRun& run);
   std::vector<wire::WaitingBlock> give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
                                             const wire::GiveRaysHeader& of);
-  // What each rank has, by rank. Their hosts go on at the time of the last.
+  // The bytes of each rank, by rank. Their hosts continue at the time of the last.
   std::vector<std::vector<std::uint8_t>> gather(std::vector<std::uint8_t> own);
   void begin_shared_light();
   void end_shared_light(wire::LightingLedger& ledger);
@@ -274,10 +275,10 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
       if (view.shade) tables.send_reflectance(towards_eye);
     });
   }
-  // Of pairs as they are given, near or not; the volume is loaded and all is checked.
+  // Factors of pairs as they are given, near or not; the volume is loaded and everything is checked.
   std::vector<PairFactor> factors_by_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                           const PairRequest& request, const Progress& progress);
-  // Of a call that begins now.
+  // The deadline of a call that begins now.
   Picoseconds deadline() const {
     const Picoseconds now = device.clock().now();
     return time_limit == 0 || time_limit > kNoDeadline - now ? kNoDeadline : now + time_limit;

@@ -19,8 +19,8 @@
 
 namespace gicube {
 
-// What makes a sample bright: the reflectance map, or irradiance words of what a sample absorbed or of what falls on
-// it.
+// The source of a sample's brightness: the reflectance map, or irradiance words of the light that a sample absorbed or
+// that falls on it.
 enum class SampleLight { kMap, kAbsorbed, kIncident };
 
 // For arguments that passed their checks. Only what has changed is sent.
@@ -88,7 +88,7 @@ class Tables {
   Shading shading_;
   std::array<Material, wire::kTags> materials_;
   SampleLight light_ = SampleLight::kMap;
-  // What the tables were last made from: making them takes longer than sending a small batch of rays.
+  // The inputs of the current tables: building tables takes longer than sending a small batch of rays.
   struct Source {
     std::uint64_t changes = 0;
     SampleLight light = SampleLight::kMap;

@@ -10,7 +10,7 @@
 namespace gicube::c_api {
 namespace {
 
-// What gicube_last_error() points to. `text` is empty or stands alone if there was no memory for the words.
+// The target of gicube_last_error(). `text` is empty or incomplete if there was no memory for the words.
 struct LastError {
   std::string words, field;
   std::int32_t loss = GICUBE_LOSS_NONE;

@@ -1,5 +1,5 @@
-// What every function of the C ABI is made of: the board's handle, checks of arguments, and call(), which catches and
-// remembers.
+// Common parts of all functions of the C ABI: the board's handle, checks of arguments, and call(), which catches and
+// records errors.
 #pragma once
 
 #include <fmt/format.h>
@@ -119,7 +119,7 @@ void check_size(const std::string& name, const Record* record, std::size_t size)
   expect(size >= kFirstSize<Record> && size <= kLargestRecord, name + ".size",
          fmt::format("{}..{} (sizeof the record)", kFirstSize<Record>, kLargestRecord), size);
 }
-// Of a record that may be NULL.
+// For a record that may be NULL.
 template <typename Record>
 void check_optional(const std::string& name, const Record* record) {
   if (record != nullptr) check_size(name, record, record->size);
@@ -158,7 +158,7 @@ gicube_status init(const char* name, Record* out, std::size_t size) {
   return call([&] { write_record(name, out, size, to_record<Record>(T{})); });
 }
 
-// What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain
+// Converts the caller's record. Throws BadArgument. Leaves the copied bytes in `record`, for fields that are not plain
 // values.
 template <typename T, typename Record>
 T read_fields(const char* name, const Record* given, Record& record) {
@@ -175,7 +175,7 @@ T read_fields(const char* name, const Record* given) {
   return read_fields<T>(name, given, record);
 }
 
-// The same of a record that may be NULL, for all defaults.
+// Converts a record that may be NULL, for all defaults.
 template <typename T, typename Record>
 T read_optional(const char* name, const Record* given) {
   return given == nullptr ? T() : read_fields<T>(name, given);

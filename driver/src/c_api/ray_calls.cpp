@@ -50,7 +50,7 @@ void add_up_legs(gicube_board& handle, std::uint32_t ticket, std::span<gicube_tr
   handle.legs.erase(found);
 }
 
-// Of a batch that gicube_poll() has told of. False if it has not.
+// Receives a batch that gicube_poll() has reported. False if it has not.
 bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_ray* rays, std::size_t count,
                      gicube_batch_report* report) {
   const std::scoped_lock lock(handle.mutex);

@@ -31,8 +31,8 @@ Vec3 normal_of(const Element& flat) { return normalise(cross(flat.u, flat.v)); }
 // one line join them: what they add to an integral along the outline cancels.
 using Polygon = std::vector<Vec3>;
 
-// Of a whole turn and of any arc, at least; of the other rule half as many. Chosen: a disc's factor is then known to
-// some 0.002%.
+// Minimum numbers for a whole turn and for any arc; the other rule takes half as many. Chosen: a disc's factor is then
+// known to about 0.002%.
 constexpr int kChordsOfTurn = 32, kChordsOfArc = 4;
 
 // Arcs are chords whose ends lie a little outside, so that areas are those of the arcs.
@@ -107,13 +107,13 @@ double between(const Polygon& a, const Polygon& b, const Rule& rule) {
   return 0.5 * std::abs(sum);
 }
 
-// Of a triangle, signed by its turn (Van Oosterom and Strackee 1983).
+// Solid angle of a triangle, signed by its turn (Van Oosterom and Strackee 1983).
 double solid_angle(Vec3 a, Vec3 b, Vec3 c) {
   const double la = length(a), lb = length(b), lc = length(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
 }
 
-// Of a flat element, from a point in front of it.
+// Solid angle of a flat element, seen from a point in front of it.
 double solid_angle(Vec3 point, Element flat, bool fine) {
   flat.origin = flat.origin - point;
   const Polygon corners = outline(flat, fine);
@@ -122,7 +122,7 @@ double solid_angle(Vec3 point, Element flat, bool fine) {
   return std::abs(sum);
 }
 
-// Of a box, its normal outwards.
+// A face of a box, its normal outwards.
 struct Face {
   Vec3 normal;
   std::array<Vec3, 4> corners, edges;  // edges: directions from each corner to the next, with the normal to their right

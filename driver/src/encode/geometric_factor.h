@@ -11,8 +11,8 @@ struct GeometricFactor {
   double error = 0;  // what one Gauss point less, and of discs half the chords, would change
 };
 
-// Of elements with physical sides, in smallest voxel edges; w of a disc as it is. Of boxes that are not near a few
-// points of both tell enough.
+// The factor of elements with physical sides, in smallest voxel edges; w of a disc is unchanged. For boxes that are not
+// near, a few points of both suffice.
 GeometricFactor geometric_factor(const Element& a, const Element& b, bool near);
 
 double measure_of(const Element& element);  // its area or volume

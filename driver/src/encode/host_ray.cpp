@@ -27,7 +27,7 @@ bool leaves_sums(const RaySetup& setup) {
   return setup.request.type == RayType::kBackproject && setup.request.words == SumWords::kSums;
 }
 
-// As many bits as a ray's energy has [P §4.2].
+// The largest energy for the bits of a ray [P §4.2].
 double max_energy(const RaySetup& setup) {
   const int bits = setup.wide ? 24 : setup.request.albedo == Albedo::kHigh ? 4 : 8;
   return std::ldexp(1, bits) - 1;
@@ -73,7 +73,7 @@ double length_of_a_step(const HostRay& ray, const RaySetup& setup) {
   return ray.length / steps * std::sqrt(dot(physical, physical));
 }
 
-// What a backprojecting ray's step leaves, in units of its field in the packet.
+// The contribution of a backprojecting ray's step, in units of its field in the packet.
 double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
   const double units = ray.energy * length_of_a_step(ray, setup) / setup.energy_unit;
   return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);

@@ -14,7 +14,7 @@
 
 namespace gicube {
 
-// What holds for every ray of a batch.
+// Properties common to all rays of a batch.
 struct RaySetup {
   RayRequest request{};
   Dims dims{};           // of the volume
@@ -49,7 +49,7 @@ std::uint64_t max_moved(const wire::Ray& packet, const RaySetup& setup);
 
 // The direction as the board holds it: of unit length to its rounding.
 TracedRay from_wire(const wire::Ray& ray);
-// The same of kIntegral, by its integral_unit().
+// Converts a kIntegral ray, with its integral_unit().
 TracedRay integral_from_wire(const wire::Ray& ray, double unit);
 
 }  // namespace gicube

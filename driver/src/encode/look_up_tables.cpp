@@ -25,7 +25,7 @@ Segment<Point> segment_at(const std::vector<Point>& points, double value, const 
                                       [](double v, const Point& point) { return v < point.value; });
   if (after == points.begin()) return {&points.front(), &points.front(), 0};
   if (after == points.end()) return {&points.back(), &points.back(), 0};
-  // Of two points at one value upper_bound passed both, so a step takes the second's side.
+  // If two points have one value, upper_bound passed both, so a step takes the second's side.
   const auto before = after - 1;
   return {&*before, &*after, (value - before->value) / (after->value - before->value)};
 }
@@ -57,7 +57,7 @@ std::uint8_t to_shade(double coefficient) {
   return static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * coefficient), 0, 255));
 }
 
-// Of -1/2 .. 1/2; a half is one step of the word too much.
+// Converts -1/2 .. 1/2; a half is one step of the word too much.
 std::int16_t fine_part(double units) {
   return static_cast<std::int16_t>(std::clamp<long>(std::lround(units * wire::kFineOpacityOne),
                                                     -wire::kFineOpacityOne / 2, wire::kFineOpacityOne / 2 - 1));

@@ -28,16 +28,16 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
 // the irradiance words were given; at most 255.99.
 // light of a colour that a sample absorbed; colours that absorb more get less of their factor of the entry's colour.
 void set_gains(std::vector<wire::SegmentationEntry>& entries, const std::array<double, 3>& scattering);
-// The same for words that hold the light which falls on a sample: the gain is 1.
+// Sets all gains to 1, for words that hold the light which falls on a sample.
 void set_unit_gains(std::vector<wire::SegmentationEntry>& entries);
 
 // Throw BadArgument naming the field and the bound that shading.h states.
 void check(const Phong& phong);
 void check(const Shading& shading);
 
-// What a surface reflects in addition to the ambient part: diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess
-// with R = 2 (N.L) N - L and s = N.L / 0.1 clamped to 0..1. `normal` and `towards_eye` are unit vectors; `light` has
-// any length, and the zero vector stands for a light at the eye. All are physical.
+// Light that a surface reflects in addition to the ambient part: diffuse max(N.L, 0) + specular s(N.L) max(R.V,
+// 0)^shininess with R = 2 (N.L) N - L and s = N.L / 0.1 clamped to 0..1. `normal` and `towards_eye` are unit vectors;
+// `light` has any length, and the zero vector stands for a light at the eye. All are physical.
 double reflected(const Phong& phong, Vec3 normal, Vec3 light, Vec3 towards_eye);
 
 // The map's bytes as lut.h has them: reflected() of each texel's direction in 1/128, rounded and held to 255.

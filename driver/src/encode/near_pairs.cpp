@@ -36,7 +36,8 @@ struct Length {
   double length;
 };
 
-// Of an element with physical sides. Of a disc: from its hole to its rim, and round half way between them.
+// The longest side of an element with physical sides. For a disc: from its hole to its rim, and around halfway between
+// them.
 Length longest(const Element& element) {
   std::array<Length, 3> all{{{Way::kU, length(element.u)}, {Way::kV, length(element.v)}, {Way::kW, length(element.w)}}};
   if (element.kind == ElementKind::kTriangle) all[2] = {Way::kEdge, length(element.v - element.u)};
@@ -106,14 +107,14 @@ std::optional<NearPairs::Placement> placement_of(const Element& a, const Element
   return placement;
 }
 
-// Of two boxes placed so, the one whose middle is `away` times as far as the second's, with these lengths.
+// From two boxes placed so: the one whose middle is `away` times as far as the second's, with these lengths.
 Element placed(const NearPairs::Placement& at, double away, std::size_t length) {
   const auto low = [&](std::size_t axis) { return away * at[axis][0] - 0.5 * at[axis][length]; };
   return {
       ElementKind::kBox, {low(0), low(1), low(2)}, {at[0][length], 0, 0}, {0, at[1][length], 0}, {0, 0, at[2][length]}};
 }
 
-// What a gap is compared with: the longest side, edge or diameter.
+// The length that a gap is compared with: the longest side, edge or diameter.
 double size_of(const Element& element) {
   if (element.kind != ElementKind::kDisc) return longest(element).length;
   const double radius = std::max(length(element.u), length(element.v));
@@ -209,9 +210,9 @@ Division NearPairs::divide(const Element& a, const Element& b) {
   return division;
 }
 
-// What arrives is taken as of yes and no: no transmittance varies more. Within a part that is still near few of its
-// rays are near where most of its light is; so they count as an eighth, and their error as one that all such parts have
-// in common.
+// Arrivals are treated as all or nothing, because no transmittance varies more. Within a part that is still near, few
+// of its rays are near where most of its light is; so they count as an eighth, and their error as one that all such
+// parts share.
 PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFactor> found) const {
   PairFactor sum{.clear = true};
   double squares = 0, common = 0;

@@ -30,8 +30,8 @@ struct Division {
 // Keeps what it divided: in a grid the same pairs come again and again, and parts of them even more often.
 class NearPairs {
  public:
-  // Of boxes along the axes, what decides their factor: along each axis the way between their middles, and both
-  // lengths. Sorted, since boxes that are mirrored or turned have the same.
+  // The quantities that determine the factor of boxes along the axes: along each axis the distance of their middles,
+  // and both lengths. Sorted, because mirrored or turned boxes have the same factor.
   using Placement = std::array<std::array<double, 3>, 3>;
 
   // For so many rays a pair, which the parts of a near pair share.

@@ -53,7 +53,7 @@ struct Part {
   double begin = 0, end = 1;
 };
 
-// Of the part, that where a number which goes from `at_a` to `at_b` is at most `limit`.
+// The subset of the part where a number that changes from `at_a` to `at_b` is at most `limit`.
 Part where_below(Part part, double at_a, double at_b, double limit) {
   const double slope = at_b - at_a;
   if (slope == 0) return at_a <= limit ? part : Part{1, 0};

@@ -35,7 +35,7 @@ struct PairRaysMade {
 PairRaysMade make_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
                        const PairRequest& request, Vec3 spacing, Dims dims);
 
-// What became of them, summed up. `opacity`: of each ray that there is.
+// Sums up the traced rays. `opacity`: of each ray that there is.
 std::vector<PairFactor> sum_up(std::span<const double> weights, std::span<const TracedRay> rays, std::uint32_t samples);
 
 // The blocks of a volume and which of them hold nothing visible.

@@ -30,7 +30,7 @@ double share_left(const Plan& plan) {
   return share;
 }
 
-// What was cheaper and had to be passed over, or more accurate and too dear: the nearest one.
+// The nearest setting that was cheaper but not allowed, or more accurate but too expensive.
 const PlanPoint* passed_over(const Plan& plan) {
   const PlanPoint* nearest = nullptr;
   const bool by_error = plan.request.max_error > 0;

@@ -191,7 +191,7 @@ class LightPlanner {
 
   double cost(const LightPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
 
-  // As it is measured: other modes against the best one with as many rays.
+  // The measured error: other modes against the best one with equally many rays.
   LightPoint decided(const Mode& mode, int rays) {
     Image best_a, best_b;
     if (!(mode == best_)) {

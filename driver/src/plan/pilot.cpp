@@ -12,7 +12,7 @@ namespace {
 // surface; a sample that has not met the worst of them has too small a mean and too small a variance.
 constexpr double kStandardErrors = 4;
 constexpr double kMargin = 1.25;
-// What none of n pixels shows is in fewer than 3 / n of them, with 95% (the rule of three).
+// A feature that none of n pixels shows is in fewer than 3 / n of them, with 95% (the rule of three).
 constexpr double kRuleOfThree = 3;
 constexpr double kLastBit = 1.0 / 255;  // of the framebuffer's colours
 

@@ -21,14 +21,15 @@ struct PilotError {
   double estimate = 0;
   double bound = 0;  // infinite if the best pilot shows nothing, and so nothing is known
 };
-// Of the same size. `channel` 0, 1, 2: of red, green or blue alone and a third of alpha: the sums of the three are
-// those of the picture that is put together of them.
+// Compares pilots of equal size. `channel` 0, 1, 2: red, green or blue alone and a third of alpha, so that the sums of
+// the three are those of the picture that is composed of them.
 PilotError pilot_error(const Image& pilot, const Image& best, int channel = -1);
 
-// What two pilots of independent random choices tell of either's distance from what both would be with endless rays.
+// Estimates, from two pilots with independent random choices, the distance of either from the limit of infinitely many
+// rays.
 PilotError noise_of(const Image& a, const Image& b, int channel);
-// What such pairs of two settings tell of how far apart these are without the noise: the noises of a product's factors
-// don't know each other. The bound has two standard errors, the limit of what the pairs can tell.
+// Estimates, from such pairs of two settings, their distance without the noise: the noises of a product's factors are
+// independent. The bound has two standard errors, the limit of what the pairs can show.
 PilotError bias_of(const Image& a, const Image& b, const Image& best_a, const Image& best_b, int channel);
 
 struct TimePoint {

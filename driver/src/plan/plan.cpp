@@ -148,7 +148,7 @@ class Planner {
     point.error_bound = error.bound;
   }
 
-  // What all others are held against, of the whole volume.
+  // Makes the reference of all others, from the whole volume.
   void take_best() {
     go_to(Levels::kWhole);
     const auto picture = [this](PlanPoint& point, int edge) {
@@ -228,7 +228,7 @@ class Planner {
     return {static_cast<double>(pilot.image.pixels.size()), static_cast<double>(pilot.time)};
   }
 
-  // Of the whole picture, from small pilots: whether it is worth being made.
+  // Estimates the whole picture's time from small pilots, to decide whether it is worth making.
   Picoseconds rough_time(const PlanPoint& point, int where) {
     go_to(where);
     constexpr int kTiny = 4;  // pixels: what a picture takes before its first ray

@@ -1,4 +1,4 @@
-// What a camera and the transfer functions leave of a volume.
+// The part of a volume that camera and transfer functions leave visible.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,7 +51,7 @@ class Row {
     }
   }
 
-  // Of the voxels from x to before end.
+  // Statistics of the voxels from x to before end.
   BlockStatistics statistics(std::size_t x, std::size_t end, ValueRange range) const {
     Value low = min_[x], high = max_[x];
     std::uint8_t tags = tags_.empty() ? 1 : 0;

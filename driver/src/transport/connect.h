@@ -25,7 +25,7 @@ std::string named_token(const std::string& token_file);
 // The access token for the board that this socket is connected to: the first of OpenOptions::token_file, or what stands
 // for it; empty: none, as for another machine without TLS. Throws BadArgument if that file has none.
 std::string access_token(int socket, bool is_secure, const std::string& token_file);
-// The same, with the system's error in place of OpenFailed and TimedOut; would_block: the watchdog expired.
+// Returns the system's error instead of throwing OpenFailed or TimedOut; would_block: the watchdog expired.
 Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, boost::system::error_code& result);
 
 }  // namespace gicube

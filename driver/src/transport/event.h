@@ -38,7 +38,7 @@ class Event {
 
   // Readable from when it happens on.
   int get() const { return fd_.get(); }
-  // The same for the caller, who closes it; it outlives the event.
+  // A duplicate for the caller, who closes it; it outlives the event.
   Fd descriptor() const { return duplicate(fd_); }
 
  private:

@@ -31,7 +31,8 @@ struct StreamFault {
   Loss cause = Loss::kEnded;
 };
 
-// What a FrameStream reports, on its thread. The first two answer with the fault that ends the stream, or with nothing.
+// Receives the reports of a FrameStream, on its thread. The first two return the fault that ends the stream, or
+// nothing.
 class FrameSink {
  public:
   // A header has come; its payload is neither read nor given memory yet, and it may be damaged.

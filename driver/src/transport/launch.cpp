@@ -45,7 +45,7 @@ OpenFailed spawn_error(const std::string& what, int error) {
   return OpenFailed("cannot start " + what + ": " + std::generic_category().message(error));
 }
 
-// The same file under a number that the child's own files don't take.
+// Duplicates the file to a number that the child's own files do not use.
 Fd raised(Fd fd) {
   Fd copy(::fcntl(fd.get(), F_DUPFD_CLOEXEC, kLowestOwnFd));
   if (copy.get() < 0) throw spawn_error(kProgram, errno);

@@ -13,7 +13,7 @@
 
 namespace gicube {
 
-// What the environment variable GICUBE_BOARD says, or null.
+// The value of the environment variable GICUBE_BOARD, or null.
 const char* named_board_program();
 // Where gicube-board may be: that place alone; else beside the running program, where the SDK was installed, on the
 // PATH.
@@ -40,7 +40,7 @@ class ChildProcess {
   // True if the child has ended, after waiting for it at most so long.
   bool ended(std::chrono::milliseconds wait);
 
-  // What it wrote if it ended because it does not take its arguments: exit code 2.
+  // Its output if it ended because it rejected its arguments: exit code 2.
   std::optional<std::string> usage_fault();
 
   // How it ended and the last lines that it wrote to its standard error, or an empty text while it runs.

@@ -40,7 +40,7 @@ struct LinkOptions {
   std::shared_ptr<Tls> tls{};  // null: plain bytes
   // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
   int reopen_attempts = 0;
-  // What it throws, on the thread that waits, leaves the call as what a progress callback throws.
+  // An exception of it, on the waiting thread, leaves the call like one of a progress callback.
   std::function<void()> while_waiting{};
   // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called
   // as often.
@@ -63,7 +63,7 @@ std::string error_text(std::span<const std::uint8_t> payload);
 // True if the board closes the session with this error.
 bool ends_session(wire::ErrorCode code);
 
-// What a board's last word with this error means for the session.
+// The meaning of a board's last frame with this error for the session.
 Loss cause_of(wire::ErrorCode last_word);
 
 // Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.
@@ -78,7 +78,7 @@ class Link final : private FrameSink {
   // Says goodbye: the board is free at once.
   ~Link();
 
-  // What holds for the session: the smaller minor version and limits, the common capabilities.
+  // The values agreed for the session: the smaller minor version and limits, the common capabilities.
   const wire::VersionInfo& agreed() const { return agreed_; }
 
   // Throws DeviceLost if the link is broken and can't resume by itself.
@@ -109,7 +109,7 @@ class Link final : private FrameSink {
   Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
     return finish(begin(type, now_ps, std::move(payload)));
   }
-  // The same in two calls: the request's id, and with it the wait, which may be another thread's.
+  // A request in two calls: begin() returns its id, and finish() waits, possibly on another thread.
   std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
     return begin(type, now_ps, std::move(payload), 0);
   }

@@ -18,7 +18,7 @@ constexpr milliseconds kLongestPause{1000};
 
 }  // namespace
 
-// Of a handshake: what is thrown ends the connection, and leaves the call that wanted it.
+// During a handshake: an exception ends the connection, and leaves the call that wanted it.
 void Link::ask_whether_to_wait(Lock& lock) {
   lock.unlock();
   try {

@@ -24,7 +24,7 @@ std::string kernel_driver_of(const std::filesystem::path& folder);
 
 inline constexpr const char* kUioDriver = "uio_pci_generic";
 
-// What has to hold before a function can be opened.
+// A condition for opening a function.
 struct PciCondition {
   bool holds;
   std::string question, answer;

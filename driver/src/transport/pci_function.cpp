@@ -114,7 +114,7 @@ PciFunction::PciFunction(const std::string& address) : address_(address) {
     throw OpenFailed(fmt::format("the PCI function {} has identity {:08x}, version {}; expected {:08x}, {}", address,
                                  identity, version, fn::kIdentityValue, fn::kVersionValue));
   }
-  // What a killed process has left must not write into memory that is ours no more.
+  // A killed process must not leave a function that writes into memory that is no longer ours.
   write(fn::kControl, fn::kCloseSession);
   // Shared: a child of fork() must not make this process write into a copy that the function does not know.
   rings_ = Mapping(kHugePage, MAP_SHARED | MAP_ANONYMOUS | MAP_HUGETLB | (21 << MAP_HUGE_SHIFT) | MAP_POPULATE, -1,

@@ -1,4 +1,4 @@
-// What tls.h promises, with OpenSSL: heavy headers, for few sources.
+// The implementation of tls.h with OpenSSL: heavy headers, for few sources.
 #pragma once
 
 #include <string>

@@ -63,7 +63,7 @@ struct Translator {
     return out;
   }
 
-  // Of a volume or shell. What it throws names the field.
+  // Reads a volume or shell. Exceptions name the field.
   template <typename Part>
   Scene scene(const Part& source) const {
     const std::string& input = source.input();

@@ -63,7 +63,7 @@ void include(SceneBox& box, Vec3 p) {
   box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
 }
 
-// What the camera is to see.
+// The box that the camera should see.
 SceneBox box_of(const Stage& stage) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   SceneBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
@@ -182,7 +182,7 @@ std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, M
   return results;
 }
 
-// So that no machine runs out of memory on the way.
+// Prevents running out of memory half-way.
 void check_segments(const Stage& stage) {
   std::uint64_t segments = 0;
   RayPlan plan;

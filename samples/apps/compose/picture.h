@@ -45,10 +45,10 @@ struct EyeRay {
 // edges are 1.
 EyeRay eye_ray(const View& view, double x, double y);
 
-// What a viewing ray meets.
+// Finds the pieces along a viewing ray.
 void plan_ray(const Stage& stage, const EyeRay& ray, RayPlan& plan);
 
-// What a volume cost.
+// The cost of a volume.
 struct MediumCost {
   std::size_t board = 0;            // which board traced it
   std::uint64_t rays = 0;           // viewing rays that meet it

@@ -1,4 +1,4 @@
-// What a viewing ray meets, in order: pieces of volumes between surfaces; and how they are put over one another.
+// The pieces of volumes between surfaces along a viewing ray, in order, and their compositing.
 #pragma once
 
 #include <array>

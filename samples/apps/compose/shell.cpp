@@ -10,7 +10,7 @@
 namespace gicube::samples {
 namespace {
 
-// Of corners, weighted by their triangles' angles there, so that they do not depend on how polygons are cut.
+// Normals of corners, weighted by their triangles' angles there, so that they do not depend on how polygons are cut.
 std::vector<Vec3> corner_normals(const Mesh& mesh) {
   std::vector<Vec3> sums(mesh.points.size());
   for (const auto& triangle : mesh.triangles) {

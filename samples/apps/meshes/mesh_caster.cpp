@@ -137,7 +137,7 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
   std::ranges::sort(found, [](const Crossing& a, const Crossing& b) {
     return std::tie(a.distance, a.mesh, a.triangle) < std::tie(b.distance, b.mesh, b.triangle);
   });
-  // Of those at one place, the first of each surface.
+  // From those at one position, keeps the first of each surface.
   std::size_t kept = 0;
   for (const Crossing& each : found) {
     bool again = false;

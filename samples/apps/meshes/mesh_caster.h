@@ -38,7 +38,7 @@ class MeshCaster {
   bool blocked(Vec3 from, Vec3 direction, double distance) const;
   // Those triangles alone, each a mesh and its triangle, in no order.
   void meet(Vec3 from, Vec3 direction, std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
-  // Of unit length, to the side from which the corners are counter-clockwise; zero of a triangle without area.
+  // Unit normal, to the side from which the corners are counter-clockwise; zero for a triangle without area.
   Vec3 normal(const Crossing& crossing) const;
   const std::vector<Mesh>& meshes() const;
 

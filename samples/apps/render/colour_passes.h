@@ -26,8 +26,8 @@ const char* name_of(const LightPass& pass);
 // exposure that the driver would choose anew for each pass.
 std::vector<LightPass> passes_of(const SceneSetup& setup, int irradiance_words);
 
-// What pictures are made with the pass's light: one, or one for each channel if light of three irradiance words is seen
-// in coloured mirrors, since rays of a picture are scattered as one colour.
+// The pictures to be made with the pass's light: one, or one for each channel if light of three irradiance words is
+// seen in coloured mirrors, because rays of a picture are scattered as one colour.
 std::vector<LightPass> pictures_of(const LightPass& pass);
 
 // Takes the pass's channel from `from` (take_channel()), or the whole picture.

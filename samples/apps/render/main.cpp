@@ -23,7 +23,7 @@ namespace {
 using namespace gicube::samples;
 using gicube::LightingReport;
 
-// What the pass of lighting rays did with the light.
+// Prints the energies of the lighting pass.
 void print_lighting(const LightingStatistics& lighting) {
   const LightingReport& report = lighting.report;
   const auto percent = [&report](double energy) { return report.emitted > 0 ? 100 * energy / report.emitted : 0; };
@@ -63,7 +63,7 @@ void print_detail(const FrameStatistics& statistics) {
       whole, of_2, of_4, of_8, detail.largest_density, detail.largest_opacity);
 }
 
-// What the ranks of a job did.
+// Prints the work of the ranks of a job.
 void print_ranks(const std::vector<RankStatistics>& ranks) {
   const auto [least, most] = std::ranges::minmax_element(ranks, {}, &RankStatistics::work);
   std::uint64_t rays = 0, bytes = 0;

@@ -16,7 +16,7 @@
 
 namespace gicube::samples {
 
-// What is not set is left to the scene.
+// Options that are not set are left to the scene.
 struct LightingOptions {
   std::string illumination;  // none, low, high; empty: the scene's
   std::string rules;         // conserving, as-printed; empty: the scene's
@@ -61,7 +61,7 @@ std::vector<double> frame_times(const AnimationOptions& options);
 // "out.png" as "out_0007.png"; `output` itself for a single picture.
 std::filesystem::path frame_file(const std::filesystem::path& output, const AnimationOptions& options, int frame);
 
-// What is not set is left to the scene, or to its default.
+// Options that are not set are left to the scene, or to their defaults.
 struct RenderOptions {
   std::string input;
   std::optional<int> volume_size;

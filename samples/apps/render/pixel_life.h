@@ -32,10 +32,10 @@ std::unique_ptr<EventFile> events_for(const RenderOptions& options);
 // The board's options with them.
 BoardOptions with_events(BoardOptions board, const EventFile* events);
 
-// Of the last picture in a file of events: the line "life" of docs/guide/observation.md. At the cycle level each pass
-// has besides processor, cycle (its tags were checked), missing (packets), stalled (cycles that the pipeline stood for
-// them), links (that the ray passed since the pass before) and overflows. Throws InputError if the board has refused
-// the pixel, FileError.
+// The life of a pixel of the last picture in a file of events: the line "life" of docs/guide/observation.md. At the
+// cycle level each iteration also has processor, cycle (its tags were checked), missing (packets), stalled (cycles that
+// the pipeline was stalled for them), links (that the ray passed since the previous iteration) and overflows. Throws
+// InputError if the board has refused the pixel, FileError.
 nlohmann::ordered_json pixel_life(const std::filesystem::path& events);
 
 // Lines for people.

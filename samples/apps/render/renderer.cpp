@@ -46,7 +46,7 @@ std::optional<Background> background_of(const RenderOptions& options, const std:
   return Background(*colour, options.composite.value_or(Composite::kDisplay));
 }
 
-// What one board knows or writes.
+// Rejects options that need a single board.
 void check_several_boards(const RenderOptions& options) {
   const char* const against = options.plan.wanted()             ? "--max-error or --time-budget"
                               : options.crop                    ? "--crop"
@@ -67,7 +67,7 @@ void add(const std::vector<BoardTime>& times, std::vector<BoardTime>& sums) {
   }
 }
 
-// Of a window of two readings.
+// Time between two readings.
 std::vector<BoardTime> between(const std::vector<BoardTime>& begin, std::vector<BoardTime> end) {
   for (std::size_t i = 0; i < end.size(); ++i) {
     end[i].bus -= begin[i].bus;

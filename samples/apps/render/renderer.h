@@ -32,8 +32,8 @@ class Renderer {
   Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {},
            MpiExchange* ranks = nullptr);
 
-  // What the next pictures are of. Board and field of light stay those of the constructor; the transfer function's file
-  // is taken to be another one when it has another name. Throws UsageError and InputError: nothing has changed.
+  // Sets the subject of the next pictures. Board and light remain those of the constructor; a transfer function's file
+  // counts as another one if it has another name. Throws UsageError and InputError: nothing has changed.
   void change(const RenderOptions& options);
 
   // Pictures `first` to before `last`: of one volume and one light. What is on the board is used again as far as it is
@@ -55,7 +55,7 @@ class Renderer {
   // How many pictures from `first` on have its volume and its light.
   std::size_t run_length(const std::vector<double>& times, std::size_t first) const;
 
-  // Of the last picture; without voxels.
+  // Setup of the last picture; without voxels.
   const SceneSetup& setup() const { return setup_; }
   const Scene& input() const { return input_; }
   Board& board() { return board_; }  // the first

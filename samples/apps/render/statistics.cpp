@@ -24,7 +24,7 @@ double value(const FrameStatistics& statistics, const std::string& name) {
   return static_cast<double>(statistics.counters.value(name));
 }
 
-// What the caches, memories and pipelines did while the ASIC worked. Null where the level keeps no time in them.
+// Work of caches, memories and pipelines while the ASIC was active. Null where the level models no time for them.
 void add_asic(const FrameStatistics& statistics, Json& json) {
   for (const char* key : {"samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_utilisation",
                           "load_balance", "dsp_utilisation"}) {
@@ -54,7 +54,7 @@ Json by_face(const std::array<double, 6>& energy) {
   return json;
 }
 
-// Of three irradiance words; null with one.
+// Energies of three irradiance words; null with one.
 Json by_colour(const std::vector<LightEnergy>& colours) {
   if (colours.empty()) return nullptr;
   constexpr std::array kColours{"red", "green", "blue"};

@@ -1,4 +1,4 @@
-// What one frame cost, as the JSON file of --stats.
+// Cost of one frame, as the JSON file of --stats.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct LightingStatistics {
   bool reused = false;
 };
 
-// What one of several hosts did for a frame.
+// Work of one of several hosts for a frame.
 struct RankStatistics {
   Picoseconds work = 0;          // simulated, of its board
   double bus_ms = 0;             // of that, on the host bus
@@ -81,7 +81,7 @@ nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 // what_bounds() the frame.
 std::string bound_of(const FrameStatistics& statistics);
 
-// What the board counted for these pictures and their lighting passes.
+// Counters of these pictures and their lighting passes.
 Counters counters_of(std::span<const FrameStatistics> frames);
 
 // The most samples of a rank over the mean.
@@ -89,8 +89,8 @@ double imbalance(const std::vector<RankStatistics>& ranks);
 
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);
-// Of several pictures: keys frames (each as above, without the counters), illumination_passes (made, not reused) and
-// volumes_loaded; counters and fidelity_report are those of all pictures and passes.
+// Writes several pictures: keys frames (each as above, without the counters), illumination_passes (made, not reused)
+// and volumes_loaded; counters and fidelity_report are those of all pictures and passes.
 void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path);
 
 }  // namespace gicube::samples

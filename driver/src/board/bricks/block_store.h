@@ -22,7 +22,7 @@ class BlockStore {
   bool has(std::size_t block) const { return places_[block] >= 0; }
   // Each block once. Throws Error: the file can't take it.
   void add(std::size_t block, std::span<const std::uint8_t> bytes);
-  // The same in place of what it has of the block, if it has it.
+  // Replaces the stored block, if there is one.
   void put(std::size_t block, std::span<const std::uint8_t> bytes);
   // Forgets all blocks.
   void clear();

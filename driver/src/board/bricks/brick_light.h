@@ -19,7 +19,8 @@ inline std::uint32_t max_irradiance(const BoardInfo& info) { return info.wide ? 
 
 class BrickLight {
  public:
-  // Of so many blocks of n^3 voxels, whose words saturate at `most`; `place`: where the host keeps them.
+  // Holds the irradiance of `blocks` blocks of n^3 voxels, whose words saturate at `most`; `place`: where the host
+  // keeps it.
   BrickLight(std::size_t blocks, int n, std::uint32_t most, BlockStore::Place place)
       : words_(static_cast<std::size_t>(n) * n * n),
         most_(most),
@@ -46,7 +47,7 @@ class BrickLight {
   // Rays have left energy in the blocks of the card.
   void deposited();
 
-  // What words took of energy, and what they clipped, in units.
+  // Energy that the words accepted, and that they clipped, in units.
   struct Added {
     std::uint64_t kept = 0, clipped = 0;
   };

@@ -27,7 +27,7 @@ constexpr std::size_t bytes_of_block(std::size_t n, bool coloured) {
 }
 void write_packed_block(Device& device, std::size_t block, std::size_t n, std::span<const std::uint8_t> packed);
 
-// What the rays do with the irradiance of blocks in which they take samples.
+// Use of the irradiance by rays, in blocks in which they take samples.
 enum class LightUse { kNone, kSeen, kLeft };
 
 struct BrickNeeds {
@@ -42,8 +42,8 @@ struct BrickNeeds {
 
 class Bricks {
  public:
-  // Of so many blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces. `capacity`:
-  // blocks that the card stores, at least 8.
+  // A volume of `blocks` blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces.
+  // `capacity`: blocks that the card stores, at least 8.
   Bricks(Dims blocks, int n, BlockStore store, BrickLight light, std::size_t capacity)
       : blocks_(blocks), n_(n), capacity_(capacity), store_(std::move(store)), light_(std::move(light)) {}
 
@@ -69,8 +69,7 @@ class Bricks {
   // block that has to be sent.
   std::vector<std::size_t> by_importance(std::span<const wire::WaitingBlock> waiting, LightUse light) const;
 
-  // Of the blocks that the card has in cells: by level, and the largest error of a voxel's density since
-  // clear_detail().
+  // Blocks that the card has in cells: by level, and the largest error of a voxel's density since clear_detail().
   struct Detail {
     std::array<std::size_t, wire::kMaxCoarseLevel + 1> blocks{};
     int largest_error = 0;
@@ -89,7 +88,7 @@ class Bricks {
   void state(Archive& archive);
 
  private:
-  // Of the blocks of one load().
+  // The blocks of one load().
   struct Choice {
     std::vector<std::uint8_t> chosen, voxels,
         light;                        // one a block: it gets a place, its words and its irradiance are wanted

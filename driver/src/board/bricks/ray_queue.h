@@ -16,7 +16,7 @@ namespace gicube {
 
 class RayQueue {
  public:
-  // So many rays are in memory at most.
+  // At most `max_in_memory` rays are in memory.
   explicit RayQueue(std::size_t max_in_memory) : max_in_memory_(max_in_memory) {}
 
   bool empty() const { return blocks_.empty(); }

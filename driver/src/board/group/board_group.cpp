@@ -23,7 +23,7 @@ Picoseconds bus_busy(Device& board) {
   return counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps");
 }
 
-// What one board does in a call, in phases of its own simulated time.
+// Records one board's work in a call, in phases of its own simulated time.
 class Recorder {
  public:
   explicit Recorder(Device& board) : board_(board), begin_(board.clock().now()), busy_(bus_busy(board)) {}
@@ -76,7 +76,7 @@ void throw_as(const Error& error, const std::string& board) {
   }
 }
 
-// Of rays that are dealt in turn.
+// Length of the runs in which rays are dealt to the boards in turn.
 std::size_t rays_at_once(std::size_t rays, std::size_t boards) {
   constexpr std::size_t kRuns = 4, kMost = 1024;  // chosen: as strip_rows()
   return std::clamp<std::size_t>(rays / (boards * kRuns), 1, kMost);

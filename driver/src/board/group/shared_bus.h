@@ -15,9 +15,9 @@ struct BusPhase {
   Picoseconds busy = 0;  // at most `elapsed`
 };
 
-// Of boards that begin at time 0, and do their phases in their order. As long as the boards together ask for more than
-// the whole bus, it serves in turn those that wait, so that none gets more than another that wants more [PCI 2.2, 3.4:
-// fair arbitration]; a board that gets half of what it asks for goes on at half its speed.
+// The times at which boards finish that begin at time 0 and execute their phases in order. While the boards together
+// ask for more than the whole bus, it serves the waiting ones in turn, so that none gets more than another that wants
+// more [PCI 2.2, 3.4: fair arbitration]; a board that gets half of what it asks for continues at half its speed.
 std::vector<Picoseconds> done_on_shared_bus(std::span<const std::vector<BusPhase>> boards);
 
 }  // namespace gicube

@@ -9,7 +9,7 @@
 namespace gicube {
 namespace {
 
-// What the application's values are checked by, in the words of a checkpoint.
+// Checks values with the application's checks, in the words of a checkpoint.
 void checked(Archive& archive, const char* name, const auto& check_it) {
   if (!archive.loads()) return;
   try {

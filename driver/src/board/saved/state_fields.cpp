@@ -48,7 +48,7 @@ std::uint64_t take_number(Bytes& rest) {
   malformed("a whole number", rest.size());
 }
 
-// What stands behind a tag and its length.
+// The bytes behind a tag and its length.
 Bytes take(Bytes& rest, std::uint8_t with_tag) {
   if (rest.empty() || rest[0] != with_tag) malformed("another field", rest.size());
   rest = rest.subspan(1);

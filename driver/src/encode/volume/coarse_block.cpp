@@ -11,7 +11,7 @@ namespace gicube {
 
 namespace {
 
-// What the voxels of a cell have in all.
+// Sums over the voxels of a cell.
 struct Sum {
   std::uint32_t voxels = 0, density = 0, low = wire::kDensityMax, high = 0;
   std::array<std::uint32_t, wire::kTags> tags{};

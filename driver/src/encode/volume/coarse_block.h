@@ -12,7 +12,7 @@
 namespace gicube {
 
 struct CoarseBlock {
-  // As the command kLoadCoarse has them: words of the cells, and their colours.
+  // Bytes of the command kLoadCoarse: words of the cells, and their colours.
   std::vector<std::uint8_t> packed;
   int largest_error = 0;  // of a voxel's density, 4095 = the value range
 };

@@ -28,7 +28,7 @@ class GradientCodebook {
   // directions.
   std::uint16_t nearest(Vec3 direction) const;
 
-  // What it was made of; none: the default rings.
+  // The vectors that it was made from; none: the default rings.
   std::span<const Vec3> given() const { return given_; }
 
   // The LUT's 2048 words; codes that stand for nothing are zero.

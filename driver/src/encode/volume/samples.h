@@ -16,10 +16,10 @@ namespace gicube {
 // N.
 void check_volume(const VolumeView& view, int max_volume_voxels);
 
-// The same of a volume whose samples are read later: but for them.
+// Checks a volume whose samples are read later: everything but the samples.
 void check_shape(const VolumeView& view, int max_volume_voxels);
-// What check_volume() asks of the samples alone. `first_plane`: of a larger volume whose planes these are, as errors
-// name it.
+// The part of check_volume() that concerns samples alone. `first_plane`: the number of the first of these planes in a
+// larger volume, for error messages.
 void check_samples(const VolumeView& view, int first_plane = 0);
 
 // The least and the greatest sample, which may be equal.
@@ -64,7 +64,7 @@ decltype(auto) with_samples(const VolumeView& view, F&& f) {
   return std::forward<F>(f)(Samples<std::uint16_t>(view));
 }
 
-// Of voxel (x, y, z), x fastest.
+// Index of voxel (x, y, z), x fastest.
 constexpr std::size_t index_of(Dims dims, int x, int y, int z) {
   return static_cast<std::size_t>(x) +
          static_cast<std::size_t>(dims[0]) *
@@ -75,7 +75,7 @@ constexpr std::size_t voxel_count(Dims dims) {
   return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
 }
 
-// Of one value, as below.
+// Converts one value, as below.
 std::uint16_t to_density(double value, ValueRange range);
 
 // round(4095 (v - low) / (high - low)), clamped to 0..4095; one a voxel, x fastest. For a checked view.

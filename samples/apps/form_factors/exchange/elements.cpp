@@ -87,8 +87,8 @@ class SurfaceShares {
     const float* g = &setup_.gradients[3 * at];
     return {g[0], g[1], g[2]};
   }
-  // Of the gradient between two neighbours with the axis along which the density rises, or else falls; 0 if it does
-  // not. At an edge one of them has the gradient of the other side.
+  // Cosine of the gradient between two neighbours with the axis along which the density rises, or otherwise falls; 0 if
+  // it does not. At an edge one of them has the gradient of the other side.
   double cosine(std::size_t a, std::size_t b, std::size_t axis, bool rises) const {
     constexpr double kEdge = 0.72;  // chosen: of the angle between both; a little above that of 45 degrees
     const auto along = [&](Vec3 g) {

@@ -53,7 +53,7 @@ void load(Board& board, const Medium& medium);
 // Mean extinction of the box of an open voxel: of the trilinear interpolation, exactly.
 double mean_kappa(const Medium& medium, const GridCell& voxel);
 
-// What lies in a box of the volume, at once for any box: from running sums over all voxels before each.
+// Content of any box of the volume in constant time: from running sums over all voxels before each.
 class Contents {
  public:
   explicit Contents(const Medium& medium);
@@ -83,7 +83,7 @@ struct Forest {
   std::vector<double> measures;      // running sums over the leaves of area, or kappa V: leaves + 1 of them
   Edges edges{1, 1, 1};
 
-  // What a mean over both elements is to be multiplied with: area, or kappa V.
+  // The factor of a mean over both elements: area, or kappa V.
   double exchange_measure(const Cluster& cluster) const { return measures[cluster.last] - measures[cluster.first]; }
 };
 

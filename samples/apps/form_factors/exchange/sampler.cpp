@@ -19,7 +19,7 @@ std::uint64_t mix(std::uint64_t x) {  // SplitMix64 (Steele, Lea, Flood 2014)
   return x ^ x >> 31;
 }
 
-// Of a link, and of the i-th draw of its members.
+// Hash of a link, and of the i-th draw of its members.
 std::uint64_t hash_of(const Link& link, std::uint64_t i) { return mix(mix(link.a | std::uint64_t{link.b} << 32) + i); }
 
 }  // namespace
@@ -184,7 +184,7 @@ void LinkSampler::conclude(SampledLink& sampled, const PairFactor& mean, int ray
     }
   }
   link.exchange = std::min({link.exchange, a.weight, b.weight});  // as it is, whatever few rays say
-  // What none of the rays has found the next one may find. Where clusters meet it may be most of all.
+  // Light that none of the rays has found, the next ray may find. Where clusters touch it may be the largest part.
   const Place place = place_of(a, b);
   const double unseen = (mean.transported > 0 ? mean.transported : mean.geometric) / (rays + 1);
   const double meeting = 1 / (std::numbers::pi * (place.gap * place.gap + place.size * place.size));

@@ -98,7 +98,7 @@ struct Planner {
     return {std::move(result), plan.points.size() - 1};
   }
 
-  // What it differs from another solution tells of a point's error; of two tellings the lower bound holds.
+  // Records the difference from another solution as a bound of a point's error; of two bounds the lower one holds.
   void tell(std::size_t index, double off, double factor) {
     RadiosityPlanPoint& point = plan.points[index];
     if (point.difference > 0 && kBound * factor * off >= point.error_bound) return;

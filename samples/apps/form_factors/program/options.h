@@ -65,7 +65,7 @@ void set_materials(const SolveOptions& options, Scene& scene);
 // volume, which is brought from the scene's units to voxels, of scans both. Powers stay per unit of the scene's area.
 Emissions emissions_of(const SceneSetup& setup);
 
-// What the board did in a time, as shares of it. A part that the fidelity level does not model has none.
+// The board's work in a period, as shares of it. A part that the fidelity level does not model has none.
 struct Utilisation {
   double bus_down = 0, bus_up = 0;  // of one bus, which both directions share
   double dsp = 0;

@@ -96,8 +96,8 @@ class Writer {
     return length(areas) > 0 ? normalise(areas) : Vec3{};
   }
 
-  // Of the faces around that belong to the same surface. Light that they send out themselves has no direction, and is
-  // that of the voxel's own.
+  // Light of the surrounding faces of one surface. Light that they emit has no direction, and is that of the voxel's
+  // own.
   Power surface(const GridCell& cell) const {
     const Vec3 n = normal(cell);
     Power flux{}, own{};

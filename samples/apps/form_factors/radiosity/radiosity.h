@@ -50,8 +50,8 @@ enum class Solver {
   kShooting,   // the clusters with the most power that they have not sent yet send it (Southwell)
 };
 
-// What a material sends out by itself, in all directions alike: where it is solid from its surface, where it is a
-// medium from its volume. Power per unit of either.
+// Emission of a material, equal in all directions: of a solid from its surface, of a medium from its volume. Power per
+// unit of either.
 struct Emission {
   Power surface{}, volume{};
 };
@@ -160,7 +160,7 @@ struct RadiosityResult {
   RadiosityStatistics statistics;
 };
 
-// What is being done, and how much of it (0..1).
+// The current step, and its completed share (0..1).
 using RadiosityProgress = std::function<void(std::string_view what, double share)>;
 
 // Loads a volume of its own onto the board (solids as opaque tags, the medium's extinction as density) and sets its

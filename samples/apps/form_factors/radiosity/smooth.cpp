@@ -13,7 +13,7 @@ constexpr double kSigma = 1.0 / 3;      // chosen: of a cluster's width
 constexpr double kMaxVariance = 64;     // chosen: voxels^2; bounds the number of steps
 constexpr double kTimeStep = 1.0 / 12;  // of six neighbours' flows at most half of an element's light goes
 
-// Of each cluster, all channels together: mean radiosity of its leaves.
+// For each cluster, all channels together: mean radiosity of its leaves.
 std::vector<double> radiosities(const RadiosityResult& result) {
   std::vector<double> weights(result.leaves.size() + 1), powers(result.leaves.size() + 1);
   for (std::size_t i = 0; i < result.leaves.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<double> radiosities(const RadiosityResult& result) {
   return out;
 }
 
-// Of each leaf: the variance by which its light is to be spread, voxels^2.
+// For each leaf: the variance by which its light is to be spread, voxels^2.
 std::vector<double> variances(const RadiosityResult& result) {
   const std::vector<double> radiosity = radiosities(result);
   struct Brought {

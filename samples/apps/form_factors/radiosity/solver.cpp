@@ -41,7 +41,7 @@ Power RadiositySolver::outgoing(std::uint32_t cluster) const {
   return {out[0], out[1], out[2]};
 }
 
-// What clusters received goes down to their leaves; what leaves send out goes up as means.
+// Light that clusters received goes down to their leaves; light that leaves emit goes up as means.
 void RadiositySolver::push_pull() {
   const auto& clusters = forest_.clusters;
   std::vector<Flow> incident(clusters.size());

@@ -25,7 +25,7 @@ class RadiositySolver {
   Power outgoing(std::uint32_t cluster) const;
   const Power& emitted() const { return emitted_; }  // power
 
-  // Of the last solve().
+  // Results of the last solve().
   void results(RadiosityResult& result) const;
 
  private:

@@ -17,7 +17,7 @@ namespace gicube::samples {
 
 struct LightInput {
   SceneInput scene;
-  // Of a volume without materials of a scene:
+  // Material of a volume without materials of a scene:
   Bsdf bsdf = Bsdf::kDiffuse;
   double albedo = 0.8;
   double step = 0.5;

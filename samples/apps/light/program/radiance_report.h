@@ -1,4 +1,4 @@
-// What the programs say and write of a picture of radiance.
+// Output of the programs about a picture of radiance.
 #pragma once
 
 #include <nlohmann/json.hpp>

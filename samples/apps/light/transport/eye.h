@@ -17,7 +17,7 @@ class Eye {
   Vec3 place() const { return eye_; }
   // Through image point (x, y), pixels from the top left corner; unit.
   Vec3 direction(double x, double y) const;
-  // Of the `ray`th ray through a pixel (rows from the top); a pixel's rays are spread evenly.
+  // Direction of the `ray`th ray through a pixel (rows from the top); a pixel's rays are spread evenly.
   Vec3 direction(std::size_t pixel, int ray, std::uint64_t seed) const;
   std::optional<std::size_t> pixel_of(Vec3 direction) const;
   // Density of a direction whose image point is even over a pixel, per solid angle.

@@ -40,7 +40,7 @@ Ticket Flights::send(std::span<const Line> lines, double opacity) {
   return board_.submit(sent, {.type = RayType::kFirstHit, .opacity = opacity, .step = step_});
 }
 
-// Of two distances, the nearer one in no solid.
+// The nearer surface between two distances, neither of which is in a solid.
 std::optional<Hit> Flights::surface_between(const Line& line, double before, double after) const {
   constexpr int kHalvings = 20;
   const auto tag = medium_.solid(line.at(after));

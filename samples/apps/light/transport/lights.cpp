@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kHalfTurn = std::numbers::pi;
 
-// What share of the sphere a ball takes as seen from outside of it; 1 from within.
+// The share of the sphere that a ball covers, seen from outside of it; 1 from within.
 double share_of_sphere(Vec3 from, Vec3 middle, double radius) {
   const Vec3 way = middle - from;
   const double squared = radius * radius / dot(way, way);

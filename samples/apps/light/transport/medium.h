@@ -1,6 +1,6 @@
-// What the host knows of the volume on the board: the materials at a place, and where surfaces lie.
-//
-// Places are physical, in smallest voxel edges: a voxel's indices times the spacing.
+// The host's model of the volume on the board: materials at a point, and positions of surfaces.
+// 
+// Points are physical, in smallest voxel edges: a voxel's indices times the spacing.
 #pragma once
 
 #include <array>

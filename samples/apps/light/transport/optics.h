@@ -30,8 +30,8 @@ Optics optics_of(const Material& material, const std::array<double, 3>& colour, 
 // `normal`: of a surface, out of the solid; media don't look at it. Directions are unit vectors.
 Vec3 scatter(const Optics& optics, Vec3 direction, Vec3 normal, PathRandom& random);
 
-// Of `out`, per solid angle; 0 for sharp ones. Times the albedo it is the share of light that goes on along `out`. The
-// same for the way back, but for the cosine at a surface.
+// Density of `out`, per solid angle; 0 for sharp materials. Times the albedo it is the share of light that continues
+// along `out`. It is equal for the way back, except for the cosine at a surface.
 double density(const Optics& optics, Vec3 direction, Vec3 normal, Vec3 out);
 
 }  // namespace gicube::samples

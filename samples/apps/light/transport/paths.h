@@ -32,7 +32,7 @@ struct Path {
   bool ended = false;
 };
 
-// What a direction's density from `from` means at `to`.
+// Converts a direction's density at `from` to a density at `to`.
 double density_at(double density, const Vertex& from, const Vertex& to);
 
 class Paths {

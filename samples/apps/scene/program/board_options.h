@@ -61,7 +61,7 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several = fals
 // The URI for Board::open(): emu: with the options as its query. Throws UsageError if a running board (unix:, tcp:) is
 // asked to be configured: its own configuration holds.
 std::string board_uri(const BoardOptions& options);
-// The same of all boards.
+// URIs of all boards.
 std::vector<std::string> board_uris(const BoardOptions& options);
 
 // Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option` and says how they are

@@ -39,7 +39,7 @@ void add_fields(const google::protobuf::Message& message, const std::string& pat
   }
 }
 
-// Of the board's configuration, which the board has understood.
+// Fields that the options set in the board's configuration, which the board has accepted.
 std::vector<std::string> fields_set(const BoardOptions& options) {
   std::vector<std::string> fields;
   for (const std::string& setting : options.settings) fields.push_back(setting.substr(0, setting.find('=')));
@@ -64,7 +64,7 @@ void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
                    name_of(level)));
 }
 
-// Of a running board; an emulated one begins with it.
+// Restores a running board; an emulated one begins with the checkpoint.
 void restore_running(const BoardOptions& options, Board& board) {
   if (!options.restore.empty() && !options.board.starts_with("emu:")) board.restore(options.restore.string());
 }

@@ -1,5 +1,5 @@
-// What every program does with a board: opens it as its user wishes, brings a scene onto it, and measures a part of its
-// work.
+// Common work of all programs with a board: opening it by the user's options, loading a scene, and measuring a part of
+// its work.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ namespace gicube::samples {
 // not model. Throws UsageError (options that make no URI) and what Board::open() throws.
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
-// The same of one or several boards.
+// Opens one or several boards.
 BoardGroup open_boards(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
 // Warns if nothing is visible in a picture of the board.

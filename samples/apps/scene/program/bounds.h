@@ -1,4 +1,4 @@
-// What keeps a run on a board from being faster, as its counters say.
+// The bottleneck of a run on a board, found from its counters.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a run costs the computer that it runs on.
+// Use of the host computer by a run.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,9 +11,9 @@ struct HostUsage {
   double peak_mib = 0;     // most memory that was ever resident
 };
 
-// Of this process and of its boards, so far. Boards are processes that this one started and that still run: their
-// seconds and peaks are added (seconds in steps of 10 ms). None where there is no such board, or a system that does not
-// say.
+// Usage of this process and of its boards so far. Boards are processes that this one started and that still run: their
+// seconds and peaks are added (seconds in steps of 10 ms). None if there is no such board, or on a system that does not
+// report it.
 struct RunUsage {
   HostUsage program;
   std::optional<HostUsage> boards;

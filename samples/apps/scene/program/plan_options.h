@@ -33,7 +33,7 @@ void refuse_with_plan(const CLI::App& app, const std::string& option);
 // A time budget needs a board that keeps time: `cycle`, unless a fidelity level is asked for.
 BoardOptions board_for(const PlanOptions& plan, BoardOptions board);
 
-// What --explain prints: lines of a plan, its headlines at the margin and what they head further in.
+// Prints the lines of --explain: headlines at the margin and the lines below them indented.
 void print_plan(const std::vector<std::string>& lines);
 
 // Keys: max_error time_budget_ms (null: not asked for) kept.

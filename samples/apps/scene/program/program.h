@@ -1,4 +1,4 @@
-// What the main functions of all programs share.
+// Common parts of the main functions of all programs.
 #pragma once
 
 #include <filesystem>

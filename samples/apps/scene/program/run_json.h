@@ -19,8 +19,8 @@ nlohmann::ordered_json to_json(const Counters& counters);
 // Keys: fidelity config_hash.
 nlohmann::ordered_json to_json(const BoardInfo& board);
 
-// What answered the window's commands, and what its figures leave out (gicube/fidelity.h): an object for each level,
-// with the keys level, answered (commands by kind), not_modelled.
+// The levels that answered the window's commands, and the parts that their figures omit (gicube/fidelity.h): an object
+// for each level, with the keys level, answered (commands by kind), not_modelled.
 nlohmann::ordered_json fidelity_json(const Counters& counters);
 
 // Time in which the bus was busy, both directions together.

@@ -1,5 +1,4 @@
-// What gicube-scene throws: something that a user wrote, in a file or as a value, is wrong. No board has been touched
-// then.
+// Exceptions of gicube-scene: a text or value from the user is wrong. No board has been touched then.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +28,7 @@ class GICUBE_API InputError : public Error {
 
   const std::vector<Fault>& faults() const { return faults_; }
 
-  // Of the first fault.
+  // The file of the first fault.
   const std::string& file() const { return faults_.front().file; }
   int line() const { return faults_.front().line; }
   const std::string& field() const { return faults_.front().field; }

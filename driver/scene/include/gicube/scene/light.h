@@ -34,7 +34,7 @@ GICUBE_API void check(const SceneLight& light);
 
 // In voxels of `grid`.
 GICUBE_API Light in_voxels(Light light, const WorldGrid& grid);
-// The same with all its power, or irradiance, multiplied.
+// The light with its power, or irradiance, multiplied.
 GICUBE_API Light scaled(Light light, double factor);
 
 // Names in scene files and options: "none", "low" or "high"; "conserving" or "as-printed". Throw InputError that names

@@ -1,4 +1,4 @@
-// What lies at the ends of a volume's axes, as a reader of scans wants it marked, and these marks in a picture.
+// Marks at the ends of a volume's axes, in the convention of readers of scans, and these marks in a picture.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What the solids, fogs and scans of a scene are made of: how they look and how they scatter light.
+// Materials of a scene's solids, fogs and scans: appearance and scattering of light.
 #pragma once
 
 #include <optional>

@@ -14,7 +14,7 @@
 
 namespace gicube::scene {
 
-// What is empty is left out.
+// Empty entries are omitted.
 struct Provenance {
   std::string program{}, version{};
   std::string command{};      // the command line as it was given: command_line()
@@ -23,7 +23,7 @@ struct Provenance {
   std::string scene_hash{};   // of what was computed with: scene_hash(), or of a scan's projections, as hex()
 };
 
-// What the files hold: "gicube.program" and so on with their values.
+// The entries in the files: "gicube.program" and so on with their values.
 GICUBE_API std::vector<std::pair<std::string, std::string>> entries(const Provenance& provenance);
 
 // The program's name without its folder, and the arguments; quoted where a POSIX shell needs it. An argument that is no

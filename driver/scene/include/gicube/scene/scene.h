@@ -44,7 +44,7 @@ struct CameraSettings {
 // One function for all tags, or one a tag.
 using Materials = std::vector<TransferFunctionFile>;
 
-// What a built-in scene brings along; a user's wishes come first.
+// The appearance of a built-in scene; a user's settings take precedence.
 struct Appearance {
   Materials materials;  // by tag
   Phong phong;
@@ -102,8 +102,8 @@ struct SceneSetup : VoxelWorld {
 
   std::optional<Survey> survey;  // of a volume file's values
   std::string look_why;  // of the automatic look: which it is, and why; empty: the look is the user's or the scene's
-  // Of a label map under its automatic look, whose voxels are then 255 where there is a label, tagged by its colour:
-  // each voxel's place in `label_values`, where 0 is the background. free_voxels() keeps them.
+  // For a label map with automatic appearance, whose voxels are then 255 where there is a label, tagged by its colour:
+  // each voxel's index in `label_values`, where 0 is the background. free_voxels() keeps them.
   std::vector<std::uint16_t> labels;
   std::vector<double> label_values;
 
@@ -121,7 +121,7 @@ struct SceneSetup : VoxelWorld {
 // With lighting and no lights there is one point light in the direction of `light`, outside of the volume.
 GICUBE_API SceneSetup set_up(const Scene& scene, int threads = 0);
 
-// The same for another scene with the same voxels, which may have been freed: materials, lights, camera and view anew.
+// Replaces materials, lights, camera and view by those of a scene with the same voxels, which may have been freed.
 GICUBE_API void set_look(const Scene& scene, SceneSetup& setup);
 // Whether that is right for a scene of the same voxels with another transfer function: not for a label map that gets or
 // loses its automatic look, nor if the function has points beyond a range that leaves out extreme values.
@@ -179,7 +179,7 @@ GICUBE_API void set_own_codebook(Board& board, const SceneSetup& setup);
 GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder);
 GICUBE_API Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder,
                              bool allow_outside);
-// The same for a file. Throws InputError also if it can't be read.
+// Reads a file. Also throws InputError if it cannot be read.
 GICUBE_API Scene read_scene(const std::filesystem::path& path);
 GICUBE_API Scene read_scene(const std::filesystem::path& path, bool allow_outside);
 

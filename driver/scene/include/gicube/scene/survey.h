@@ -1,4 +1,5 @@
-// What the values of a volume are, told from a sample of them, and the look that `--transfer-function auto` chooses.
+// The kind of values of a volume, estimated from a sample, and the transfer function that `--transfer-function auto`
+// chooses.
 #pragma once
 
 #include <optional>

@@ -32,7 +32,7 @@ struct TransferFunctionFile {
 
 // Throws InputError: all faults of `text`, one a line, as "NAME:LINE: field: expected ..., got ...".
 GICUBE_API TransferFunctionFile parse_transfer_function(std::string_view text, const std::string& name);
-// The same for a file. Throws InputError also if it can't be read.
+// Reads a file. Also throws InputError if it cannot be read.
 GICUBE_API TransferFunctionFile read_transfer_function(const std::filesystem::path& path);
 
 // The function in the values of a volume whose range is `range`, where nothing else is known of it: `robust` counts as

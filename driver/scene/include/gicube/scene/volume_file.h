@@ -113,12 +113,12 @@ struct VolumeSource {
 // kMaxVolumeBytes. A layout for a file that has a header of its own is refused too.
 // Not to be called from two threads at once: teem keeps its error texts in one place.
 GICUBE_API Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
-// The same for a source's file.
+// Reads a source's file.
 GICUBE_API Volume read_volume(const VolumeSource& source);
 
-// The same, but samples are read when Volume::planes is called, from the start of the file on, so that the volume need
-// not fit into memory: NRRD, MetaImage, NIfTI and raw samples, also compressed, and folders of slices. Samples in text
-// are read at once.
+// Opens a source's file, but reads samples when Volume::planes is called, from the start of the file on, so that the
+// volume need not fit into memory: NRRD, MetaImage, NIfTI and raw samples, also compressed, and folders of slices.
+// Samples in text are read at once.
 GICUBE_API Volume open_volume(const VolumeSource& source);
 
 // The samples as numbers. Of a volume with samples.
@@ -136,8 +136,8 @@ struct FloatVolume {
   Vec3 origin;                    // of the first voxel's centre, in the world
   std::span<const float> values;  // x fastest
   int channels = 1;               // or 3, a voxel's side by side: of light fields only
-  // As WorldPlacement's. Without a patient, NIfTI and MetaImage, whose world is always one, take x, y, z for left, back
-  // and up, as ITK does.
+  // The axes, like WorldPlacement's. Without a patient, NIfTI and MetaImage, whose world is always one, take x, y, z
+  // for left, back and up, like ITK.
   WorldAxes axes = WorldAxes::kWorld;
   std::array<Vec3, 3> directions{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };

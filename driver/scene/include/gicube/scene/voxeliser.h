@@ -1,12 +1,12 @@
 // Solids, participating media and scans become densities, tags and normals of one volume.
 //
-// What a voxel holds where several overlap:
+// Content of a voxel where several objects overlap:
 //   solids  their union makes density and normal: the nearest surface. The tag is that of the last solid in the list
-//           whose inside holds the voxel's centre, or else of the nearest.
-//   fogs    fill what solids leave free, whatever the order; of two fogs the later one. Its density is
+//           whose inside holds the voxel's centre, otherwise of the nearest.
+//   fogs    fill the space that solids leave, whatever the order; of two fogs the later one. Its density is
 //           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the fog nearest to them is
-//           denser by what is missing there.
-//   scans   leave to solids what these fill, and take from fogs where they themselves are visible; of two the later.
+//           denser by the missing amount.
+//   scans   leave the space of solids, and displace fogs where they are visible; of two the later.
 #pragma once
 
 #include <cmath>
@@ -48,7 +48,7 @@ constexpr double kNearVoxels = 3;
 constexpr double kFogDensity = 0.25;
 constexpr double kFogBesideSolids = 0.1;  // chosen: in a volume where solids stand in fog, some of which is then denser
 
-// What solids make of the voxels at their surfaces. Fogs always have the ramp.
+// Densities of voxels at the surfaces of solids. Fogs always have the ramp.
 enum class Densities {
   kRamp,            // linear over kRampVoxels of the distance
   kPartialVolumes,  // the share of the voxel's cube that is within them, by 4 x 4 x 4 parts
@@ -109,13 +109,13 @@ GICUBE_API Affine scan_space(const Volume& scan);  // from the scan's voxels
 // The result has its own copy of the samples. `tag` and `visible` are left to the caller.
 GICUBE_API PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels);
 
-// The same of a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is
-// nothing. It is called once for each voxel, on several threads (0: one a core).
+// Places a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is nothing.
+// It is called once for each voxel, on several threads (0: one per core).
 GICUBE_API PlacedScan place_density(const Dims& dims, const ScanField& density, int threads = 0);
 
-// The same voxels for any number of threads (0 = one a core). Distances are evaluated near surfaces only. Under a map
-// that scales unequally the nearest point of a surface is searched for, which takes some thirty evaluations of the
-// field a voxel in place of one.
+// The voxels do not depend on the number of threads (0 = one per core). Distances are evaluated near surfaces only.
+// Under a map that scales unequally the nearest point of a surface is searched for, which takes about thirty
+// evaluations of the field per voxel instead of one.
 GICUBE_API VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids,
                                const std::vector<PlacedScan>& scans = {}, int threads = 0,
                                Densities densities = Densities::kRamp);
