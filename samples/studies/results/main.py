@@ -17,7 +17,7 @@ from studies.sweep import shard_of  # noqa: E402
 
 from bench import Bench  # noqa: E402
 from measure import kept_in, measure_boards, measure_shard  # noqa: E402
-from page import WORDS, Page  # noqa: E402
+from page import WORDS, Page, filled  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
 SECTIONS = {  # by the name that --only takes: heading, and what writes it
@@ -101,7 +101,7 @@ def main():
             return
     if given.shard:
         return
-    introduction = WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image)
+    introduction = filled(WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image))
     (given.folder / "RESULTS.md").write_text(f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
     bench.page.write_files(folder)
     shutil.rmtree(measured)

@@ -1,6 +1,7 @@
 """The page of results: Markdown, a CSV file of the same cells for each table and chart, and the charts."""
 import pathlib
 import re
+import textwrap
 from typing import NamedTuple
 
 from studies import draw
@@ -8,7 +9,10 @@ from studies.table import cell, csv_text, to_markdown
 
 TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
-WORDS = dict(re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", pathlib.Path(__file__).with_name("words.md").read_text(), re.M | re.S))
+MOST_CELLS = 60  # larger tables are in their CSV files alone
+TEXT = pathlib.Path(__file__).with_name("words.md").read_text()
+# Lines of a list continue on indented lines.
+WORDS = {name: re.sub(r"\n  (?! )", " ", text) for name, text in re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", TEXT, re.M | re.S)}
 
 
 class Claim(NamedTuple):
@@ -36,6 +40,14 @@ def percent(share, digits=0):
     return f"{100 * share:.{digits}f}%"
 
 
+def filled(text, begin=""):
+    """Paragraphs of at most 120 columns; headings and code stay as they are."""
+    def paragraph(each):
+        return each if each.startswith(("#", "    ")) else textwrap.fill(
+            " ".join(each.split()), 120, initial_indent=begin, subsequent_indent=" " * len(begin), break_long_words=False, break_on_hyphens=False)
+    return "\n\n".join(map(paragraph, text.split("\n\n")))
+
+
 class Page:
     def __init__(self):
         self.body = ""
@@ -48,15 +60,14 @@ class Page:
 
     def say(self, name, **figures):
         """Text of words.md with its figures."""
-        self.body += WORDS[name].format(**figures) + "\n\n"
+        self.body += filled(WORDS[name].format(**figures)) + "\n\n"
 
     def table(self, name, columns, rows):
-        """Of cells as they are printed."""
-        self.body += self._table_text(name, columns, rows)
-
-    def _table_text(self, name, columns, rows):
+        """Cells as they are printed."""
         self._tables[name] = [columns, *rows]
-        return to_markdown(columns, rows) + f"\n[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
+        link = f"[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
+        small = len(columns) * len(rows) <= MOST_CELLS
+        self.body += f"{to_markdown(columns, rows)}\n{link}" if small else f"Table of {len(rows)} rows: {link}"
 
     def chart(self, caption, name, title, x_label, y_label, x, series, **of_panel):
         """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names, not-a-number where there
@@ -78,10 +89,14 @@ class Page:
 
     def claims(self):
         """All claims as a table, and a list of the reasons of those that differ."""
+        names = ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"]
         rows = [[str(each.number), each.claim, each.paper, each.ours, each.half, "no" if each.differs else "yes"] for each in self._claims]
-        reasons = "".join(f"- **{each.number}, {each.claim}**: {each.why}\n" for each in self._claims if each.differs)
-        table = self._table_text("claims", ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"], rows)
-        return f"{table}Differences of more than a quarter:\n\n{reasons}\n"
+        self._tables["claims"] = [names, *rows]
+        def on_page(lines):
+            return [[*line[:4], line[5]] for line in lines]
+        shown = to_markdown(*on_page([names]), on_page(rows))
+        reasons = "".join(filled(f"**{each.number}, {each.claim}**: {each.why}", "- ") + "\n" for each in self._claims if each.differs)
+        return f"{shown}\n[{FOLDER}/claims.csv]({FOLDER}/claims.csv)\n\nDifferences of more than a quarter:\n\n{reasons}\n"
 
     def write_files(self, folder):
         """The CSV files and charts. Raises OSError, FileError."""
