@@ -224,8 +224,42 @@ std::string faces_and_pairs(Board& board) {
   return text.take();
 }
 
+// What 2.3 has beyond 2.2 on this board: lamps that scattered rays see, and a volume with more blocks than it stores.
+std::string lamps_and_bricks(Board& board) {
+  Text text;
+  load(board);
+  board.set_transfer_function({.colours = {{0, {0.9, 0.9, 0.8}}}, .opacities = {{60, 0.0}, {180, 0.5}}});
+  board.set_material({.scattering = 1, .bsdf = Bsdf::kSpecular, .seen_through_scattering = true});
+  View mirror = view();
+  mirror.scatter = true;
+  mirror.lamps = {{SphereLight{{60, 40, -80}, 40, 4e5}, {0.25, 0.5, 1}}};
+  add(text, "mirror", board.render(mirror));
+
+  board.set_material({});
+  constexpr Dims kDims{96, 72, 80};  // 1080 blocks, of which the card stores 512; every second one is empty
+  std::vector<std::byte> samples;
+  for (int z = 0; z < kDims[2]; ++z) {
+    for (int y = 0; y < kDims[1]; ++y) {
+      for (int x = 0; x < kDims[0]; ++x) {
+        const int i = x / 8, j = y / 8, k = z / 8;
+        samples.push_back(static_cast<std::byte>((i + j + k) % 2 == 0 ? 60 + (7 * i + 13 * j + 29 * k) % 180 : 0));
+      }
+    }
+  }
+  board.load_volume({.samples = samples, .type = SampleType::kUint8, .dims = kDims});
+  View whole = view();
+  whole.eye = {200, 120, -160};
+  whole.look_at = {48, 36, 40};
+  add(text, "bricks", board.render(whole));
+  add(text, "first_hit", traced(board, {.type = RayType::kFirstHit, .opacity = 0.9, .step = 0.5}, whole));
+  const VoxelBox box{.low = {70, 50, 60}, .size = {9, 8, 7}};
+  text.line("voxels", board.read_volume(box));
+  return text.take();
+}
+
 constexpr std::array kSessions{Session{"picture", picture}, Session{"light", light},
-                               Session{"faces_and_pairs", faces_and_pairs}};
+                               Session{"faces_and_pairs", faces_and_pairs},
+                               Session{"lamps_and_bricks", lamps_and_bricks}};
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "c_board.h"
@@ -89,14 +90,14 @@ TEST_F(CApi, StartedIlluminationHasTheReportOfTheBlockingCall) {
 TEST_F(CApi, StartedPairsHaveTheFactorsOfTheBlockingCall) {
   load();
   gicube_element elements[2] = {};
+  for (gicube_element& each : elements) each.kind = GICUBE_ELEMENT_PATCH;
+  const double origins[2][3] = {{4, 4, 4}, {4, 4, 27}};
   for (int i = 0; i < 2; ++i) {
-    elements[i].kind = GICUBE_ELEMENT_SURFACE;
-    elements[i].position[0] = 4 + 24 * i;
-    elements[i].position[1] = elements[i].position[2] = 4;
-    elements[i].edge_u[1] = 2;
-    elements[i].edge_v[2] = i == 0 ? 2 : -2;
+    std::ranges::copy(origins[i], elements[i].origin);
+    elements[i].u[i] = 3;  // the normals u x v face each other
+    elements[i].v[1 - i] = 3;
   }
-  const gicube_element_pair pair{0, 1};
+  const gicube_element_pair pair{0, 1, 5, 0};
   gicube_pair_factor factors[2] = {};
   ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, nullptr, nullptr, nullptr, &factors[0], 1), GICUBE_OK)
       << gicube_last_error();
@@ -105,8 +106,9 @@ TEST_F(CApi, StartedPairsHaveTheFactorsOfTheBlockingCall) {
       << gicube_last_error();
   ASSERT_EQ(gicube_finish_pair_factors(pending, GICUBE_NO_DEADLINE, &factors[1], 1), GICUBE_OK) << gicube_last_error();
   gicube_pending_free(pending);
-  EXPECT_GT(factors[0].factor, 0);
-  EXPECT_EQ(factors[0].factor, factors[1].factor);
+  EXPECT_GT(factors[0].geometric, 0);
+  EXPECT_EQ(factors[0].geometric, factors[1].geometric);
+  EXPECT_EQ(factors[0].transported, factors[1].transported);
 }
 
 TEST_F(CApi, StartedCallsSayAtTheirEndWhatWasWrongAndCanBeCancelled) {
