@@ -204,7 +204,7 @@ def tables():
 
 
 def error_summary(rows):
-    """The table of docs/guide/form_factors.md of the errors at most rays, of the rows of form_factors_slopes.csv."""
+    """The table of docs/studies/form_factors.md of the errors at most rays, of the rows of form_factors_slopes.csv."""
     return to_markdown(["pair", "exact", "error"],
                        ([row["form"], f"{float(row['exact']):.6f}", f"{100 * float(row['error at most rays']):.2g}%"] for row in rows))
 

@@ -159,7 +159,7 @@ def test_the_shares_of_the_light_are_those_of_the_closed_form():
 
 
 def test_closed_forms_are_those_of_the_table():
-    """Published values of these pairs, to their last digit; docs/guide/form_factors.md has the larger table."""
+    """Published values of these pairs, to their last digit; docs/studies/form_factors.md has the larger table."""
     assert form_factors.parallel_squares(0) == pytest.approx(0.199825, abs=5e-7)
     assert form_factors.perpendicular_squares() == pytest.approx(0.200044, abs=5e-7)
     assert form_factors.parallel_squares(0.1) == pytest.approx(0.1789, abs=1e-4)
@@ -186,7 +186,7 @@ def rows_of_the_documents(name):
 
 @pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"), (form_factors.trade_summary, "trade"), (form_factors.hierarchy_summary, "hierarchy")])
 def test_the_documents_tables_of_form_factors_are_those_of_their_points(summary, name):
-    assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT / "docs/guide/form_factors.md").read_text()
+    assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT / "docs/studies/form_factors.md").read_text()
 
 
 def test_slopes_are_of_straight_lines():
