@@ -1,7 +1,7 @@
 """The Python package gicube and the emulated board that it opens, built by CMake: pip install --no-build-isolation .
 
-With GICUBE_BUILD=FOLDER of a build tree that is whole nothing is built. The shared libraries and programs go to lib, bin and libexec of
-the environment, where the module finds them as in an installed SDK.
+With GICUBE_BUILD=FOLDER of a build tree that is whole nothing is built. The shared libraries and programs go to lib,
+bin and libexec of the environment, where the module finds them as in an installed SDK.
 """
 
 import os
@@ -42,7 +42,8 @@ class Build(build_py):
 
 setup(
     name="gicube",
-    version=".".join(re.findall(r"VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", Path("driver/include/gicube/version.h").read_text())),
+    version=".".join(re.findall(r"VERSION_(?:MAJOR|MINOR|PATCH) (\d+)",
+                                Path("driver/include/gicube/version.h").read_text())),
     description="A volumetric ray tracing board, emulated, with numpy arrays",
     python_requires=">=3.11",
     install_requires=["numpy"],
@@ -51,5 +52,6 @@ setup(
     package_data={"gicube": ["py.typed", "*.pyi"]},
     distclass=Binary,
     cmdclass={"build_py": Build},
-    options={"build": {"build_base": str(OWN)}, "egg_info": {"egg_base": str(OWN)}, "bdist_wheel": {"bdist_dir": str(OWN / "wheel")}},
+    options={"build": {"build_base": str(OWN)}, "egg_info": {"egg_base": str(OWN)},
+             "bdist_wheel": {"bdist_dir": str(OWN / "wheel")}},
 )

@@ -1,5 +1,5 @@
-"""Measures the emulator's own speed (host time), and how it compares with the last tagged version on the same machine in the
-same run: both are built and run in turns, and each case's ratio is the median over the turns.
+"""Measures the emulator's own speed (host time), and how it compares with the last tagged version on the same machine
+in the same run: both are built and run in turns, and each case's ratio is the median over the turns.
 
   script/bench                                    all but the minutes of cone beam
   script/bench --filter 'demo_frame|host_rays'    some cases: a regular expression

@@ -1,9 +1,9 @@
 """Mutants of C++ sources: small faults, each of which a test should notice.
 
 All mutants of a source are compiled at once. Where one can be, the source asks whether it is switched on:
-`a + b` becomes `(GICUBE_MUTANT(17) ? (a - b) : (a + b))`, and GICUBE_MUTANT=17 in the environment switches it on. So one
-build serves them all. What the compiler evaluates (constant initialisers, template arguments, array sizes, case labels)
-can't ask; named constants are mutated where they are used.
+`a + b` becomes `(GICUBE_MUTANT(17) ? (a - b) : (a + b))`, and GICUBE_MUTANT=17 in the environment switches it on. So
+one build serves them all. What the compiler evaluates (constant initialisers, template arguments, array sizes, case
+labels) can't ask; named constants are mutated where they are used.
 """
 import re
 import sys
@@ -13,13 +13,15 @@ sys.path.append("/usr/lib/python3/dist-packages")  # where Debian's python3-clan
 from clang import cindex  # noqa: E402
 from clang.cindex import CursorKind as K  # noqa: E402
 
-# `kind` is one of KINDS; `text` replaces the bytes begin..end. A dropped statement's is ";" where an if may stand before it.
+# `kind` is one of KINDS; `text` replaces the bytes begin..end. A dropped statement's is ";" where an if may stand
+# before it.
 Mutant = namedtuple("Mutant", "file line begin end kind text")
 KINDS = ["relation", "arithmetic", "constant", "rounding", "statement", "arguments"]
 
 SWAPPED = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
            "+": "-", "-": "+", "*": "+", "/": "*", "%": "*", "<<": ">>", ">>": "<<", "&": "|", "|": "&", "^": "|",
-           "+=": "-=", "-=": "+=", "*=": "+=", "/=": "*=", "<<=": ">>=", ">>=": "<<=", "|=": "&=", "&=": "|=", "^=": "|=",
+           "+=": "-=", "-=": "+=", "*=": "+=", "/=": "*=", "<<=": ">>=", ">>=": "<<=", "|=": "&=", "&=": "|=",
+           "^=": "|=",
            "++": "--", "--": "++"}
 RELATIONS = {"<", "<=", ">", ">=", "==", "!=", "&&", "||"}
 # Calls that round: what they are without.
@@ -34,7 +36,8 @@ FUNCTIONS = {K.FUNCTION_DECL, K.CXX_METHOD, K.CONSTRUCTOR, K.DESTRUCTOR, K.FUNCT
 NOT_MUTATED = {K.STATIC_ASSERT, K.PARM_DECL, K.CXX_UNARY_EXPR, K.TEMPLATE_TYPE_PARAMETER, K.TEMPLATE_NON_TYPE_PARAMETER,
                K.ENUM_CONSTANT_DECL, K.FIELD_DECL, K.ENUM_DECL, K.TYPE_ALIAS_DECL}
 CASES = {K.CASE_STMT, K.DEFAULT_STMT}
-NARROW = {cindex.TypeKind.SHORT: "short", cindex.TypeKind.USHORT: "unsigned short", cindex.TypeKind.UCHAR: "unsigned char",
+NARROW = {cindex.TypeKind.SHORT: "short", cindex.TypeKind.USHORT: "unsigned short",
+          cindex.TypeKind.UCHAR: "unsigned char",
           cindex.TypeKind.SCHAR: "signed char"}
 NUMBERS = {getattr(cindex.TypeKind, name) for name in
            "SHORT USHORT UCHAR SCHAR INT UINT LONG ULONG LONGLONG ULONGLONG FLOAT DOUBLE".split()}
@@ -231,9 +234,11 @@ class Finder:
 
     def wrong_lines(self, text):
         """Lines of the source that are not C++ in `text`, what write() made of it, but were before."""
-        unit = cindex.Index.create().parse(self.path, args=self.options, unsaved_files=[(self.path, text.decode("latin-1"))])
+        unit = cindex.Index.create().parse(self.path, args=self.options,
+                                           unsaved_files=[(self.path, text.decode("latin-1"))])
         return {d.location.line - 1 for d in unit.diagnostics
-                if d.severity >= cindex.Diagnostic.Error and d.location.file is not None and d.location.file.name == self.path
+                if d.severity >= cindex.Diagnostic.Error and d.location.file is not None
+                and d.location.file.name == self.path
                 and (d.location.line - 1, d.spelling) not in self.errors}
 
     def mutants(self):
@@ -242,7 +247,8 @@ class Finder:
 
 
 def write(source, numbered, constexpr, first_line):
-    """The bytes `source` with these mutants, {number: Mutant}, in place; `first_line`, which includes HEADER, stands before."""
+    """The bytes `source` with these mutants, {number: Mutant}, in place; `first_line`, which includes HEADER, stands
+    before."""
     nodes = {}
     for number, mutant in sorted(numbered.items()):
         nodes.setdefault((mutant.begin, mutant.end), []).append((number, mutant))
@@ -281,7 +287,7 @@ def write(source, numbered, constexpr, first_line):
 
 MAX_NUMBER = 4096  # of a mutant, exclusive
 
-HEADER = """// Switches on the mutant that GICUBE_MUTANT names. With GICUBE_MUTANTS_REACHED, the name of a file, notes there which ones a
+HEADER = ("""// Switches on the mutant that GICUBE_MUTANT names. With GICUBE_MUTANTS_REACHED, the name of a file, notes there which ones a
 // program comes by: in shared memory, so that a killed program's are kept.
 #pragma once
 #include <fcntl.h>
@@ -307,4 +313,4 @@ inline bool on(int number) {
 }
 constexpr bool on_at_run_time(int number) { return std::is_constant_evaluated() ? false : on(number); }
 }  // namespace gicube_mutant
-"""
+""")

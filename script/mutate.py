@@ -1,4 +1,5 @@
-"""Seeds faults into the sources of one room and counts which of them the room's tests see (docs/contributing/mutants.md)."""
+"""Seeds faults into the sources of one room and counts which of them the room's tests see
+(docs/contributing/mutants.md)."""
 import argparse
 import concurrent.futures
 import csv
@@ -60,8 +61,8 @@ def mark(source):
 
 
 def copy_tree():
-    """The working copy as it is. Files that are the same keep their time, and so do those with another room's mutants: they are
-    switched off, and their objects need not be compiled again."""
+    """The working copy as it is. Files that are the same keep their time, and so do those with another room's mutants:
+    they are switched off, and their objects need not be compiled again."""
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True,
                             text=True).stdout.split("\n")
     names = {name for name in listed if name and (ROOT / name).is_file()}
@@ -80,7 +81,8 @@ def copy_tree():
 def configure():
     # Little optimisation: what is compiled once runs a few hundred times. No warnings: mutants have many.
     subprocess.run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DGICUBE_UNITY=ON",
-                    "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_FLAGS=-w"],
+                    "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
+                    "-DCMAKE_CXX_FLAGS=-w"],
                    check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", BUILD, "--target", "gicube_generated"], check=True, stdout=subprocess.DEVNULL)
 
@@ -105,7 +107,8 @@ def parse_options(top):
 def find(room):
     found = {}
     for name in sources(room):
-        finder = mutants.Finder(str(ROOT / name), name, parse_options("driver" if name.startswith("driver") else "board_emu"))
+        finder = mutants.Finder(str(ROOT / name), name,
+                                parse_options("driver" if name.startswith("driver") else "board_emu"))
         for line, error in sorted(finder.errors)[:3]:
             say(f"mutate: clang: {name}:{line}: {error}")
         found[name] = finder
@@ -179,7 +182,8 @@ def run(program, names, number=0, reached=None, cpu=600.0, wall=600.0):
         text = log.read().decode("utf-8", "replace")
     if code == 0:
         return "", "pass"
-    failed = re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.M) or re.findall(r"^\[ RUN      \] (\S+)", text, re.M)[-1:]
+    failed = re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", text, re.M) or re.findall(r"^\[ RUN      \] (\S+)", text,
+        re.M)[-1:]
     name = failed[0] if failed else ""
     if code is None or code == -signal.SIGXCPU:
         return name, "hang"
@@ -215,8 +219,10 @@ def measure(programs, longest):
                 if end != "pass" and run(program, [name])[1] != "pass":
                     sys.exit(f"mutate: {name} of {program} fails without a mutant")
                 file.seek(0)
-                tests.append(Test(program, name, seconds, {i for i, b in enumerate(file.read(mutants.MAX_NUMBER)) if b}))
-    say(f"mutate: {len(tests)} tests, {sum(t.seconds for t in tests):.0f} s together; {slow} of more than {longest} s are left out")
+                tests.append(Test(program, name, seconds,
+                                  {i for i, b in enumerate(file.read(mutants.MAX_NUMBER)) if b}))
+    say(f"mutate: {len(tests)} tests, {sum(t.seconds for t in tests):.0f} s together; {slow} of more than {longest} s "
+        f"are left out")
     return sorted(tests, key=lambda t: t.seconds)
 
 
@@ -286,9 +292,11 @@ def main():
     parser.add_argument("room", choices=sorted(ROOMS))
     parser.add_argument("--count", type=int, default=110, help="mutants, as many of each kind (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (%(default)s)")
-    parser.add_argument("--jobs", type=int, default=2, help="sources compiled, and mutants tried, at a time (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=2,
+                        help="sources compiled, and mutants tried, at a time (%(default)s)")
     parser.add_argument("--longest", type=float, default=5, help="leave out tests that take more seconds (%(default)s)")
-    parser.add_argument("--again", action="store_true", help="only those that the table has as unseen: after adding a test")
+    parser.add_argument("--again", action="store_true",
+                        help="only those that the table has as unseen: after adding a test")
     parser.add_argument("--list", action="store_true", help="print the draw, build nothing more")
     arguments = parser.parse_args()
     room, table = ROOMS[arguments.room], TABLES / (arguments.room + ".csv")
@@ -301,7 +309,8 @@ def main():
     drawn = draw(every, min(arguments.count, MAX_MUTANTS), arguments.seed)
     first = 1 + MAX_MUTANTS * list(ROOMS).index(arguments.room)  # rooms share the build
     chosen = dict(enumerate(sorted(drawn, key=lambda m: (m.file, m.begin, m.end, m.text)), first))
-    code = {number: mutants.without_comments(found[m.file].source[m.begin:m.end].decode()) for number, m in chosen.items()}
+    code = {number: mutants.without_comments(found[m.file].source[m.begin:m.end].decode()) for number,
+            m in chosen.items()}
     say(f"mutate: {len(chosen)} of {len(every)} mutants of {arguments.room}, seed {arguments.seed}")
     if arguments.list:
         for number, m in chosen.items():
@@ -330,7 +339,8 @@ def main():
     equivalent = [r for r in unseen if r["judgement"].startswith("equivalent")]
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     say(f"mutate: {arguments.room}: {len(rows) - len(unseen)} of {len(rows)} seen, {len(equivalent)} equivalent, "
-        f"{len(unseen) - len(equivalent)} unseen; {(spent.ru_utime + spent.ru_stime) / 60:.1f} CPU minutes; {table.relative_to(ROOT)}")
+        f"{len(unseen) - len(equivalent)} unseen; {(spent.ru_utime + spent.ru_stime) / 60:.1f} CPU minutes; "
+        f"{table.relative_to(ROOT)}")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
-"""Writes the list of what the Debian package gicube consists of and links (SPDX 2.3, JSON): its programs and libraries with their
-SHA-256, each Debian package that they load, each whose headers are compiled into them, with version and licence.
+"""Writes the list of what the Debian package gicube consists of and links (SPDX 2.3, JSON): its programs and libraries
+with their SHA-256, each Debian package that they load, each whose headers are compiled into them, with version and
+licence.
 
 Usage: sbom.py BUILD_FOLDER GICUBE.deb FILE
 """
@@ -16,7 +17,8 @@ from pathlib import Path
 
 NAMES = {  # of Debian's copyright files -> SPDX
     "apache-2.0": "Apache-2.0", "bsd-2-clause": "BSD-2-Clause", "bsd-3-clause": "BSD-3-Clause", "bsl-1.0": "BSL-1.0",
-    "expat": "MIT", "mit": "MIT", "gpl-2+": "GPL-2.0-or-later", "gpl-3+": "GPL-3.0-or-later", "lgpl-2.1+": "LGPL-2.1-or-later",
+    "expat": "MIT", "mit": "MIT", "gpl-2+": "GPL-2.0-or-later", "gpl-3+": "GPL-3.0-or-later",
+         "lgpl-2.1+": "LGPL-2.1-or-later",
     "zlib": "Zlib",
 }  # fmt: skip
 
@@ -71,7 +73,8 @@ def facts(packages):
 
 
 def licences(package):
-    """The licence of a package as a whole (empty: its copyright file doesn't say so in a form to be read), and all names in it."""
+    """The licence of a package as a whole (empty: its copyright file doesn't say so in a form to be read), and all
+    names in it."""
     text = Path("/usr/share/doc", package, "copyright").read_text(encoding="utf-8", errors="replace")
     if not re.match(r"Format: *https?://www.debian.org/doc/packaging-manuals/copyright-format/1.0", text):
         return "", []
@@ -91,7 +94,7 @@ def spdx_name(name):
 def entry(package, fact):
     version, architecture, source, homepage = fact
     whole, names = licences(package)
-    return {
+    return ({
         "SPDXID": f"SPDXRef-{re.sub('[^A-Za-z0-9.-]', '-', package)}",
         "name": package,
         "versionInfo": version,
@@ -101,12 +104,13 @@ def entry(package, fact):
         "sourceInfo": f"Debian source package {source}",
         "licenseConcluded": "NOASSERTION",
         "licenseDeclared": spdx_name(whole) if whole else "NOASSERTION",
-        "licenseComments": f"In /usr/share/doc/{package}/copyright: {', '.join(names) or 'no licence in machine readable form'}",
+        "licenseComments": f"In /usr/share/doc/{package}/copyright: "
+                           f"{', '.join(names) or 'no licence in machine readable form'}",
         "copyrightText": "NOASSERTION",
         **({"homepage": homepage} if homepage else {}),
         "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl",
                           "referenceLocator": f"pkg:deb/debian/{package.replace('+', '%2B')}@{version.replace('+', '%2B')}?arch={architecture}"}],
-    }  # fmt: skip
+    })  # fmt: skip
 
 
 def bill(build, deb):
@@ -114,7 +118,8 @@ def bill(build, deb):
     with tempfile.TemporaryDirectory() as root:
         subprocess.run(["dpkg-deb", "-x", deb, root], check=True)
         elves = sorted(filter(is_elf, Path(root).rglob("*")))
-        outside = set().union(*(dynamic(elf, "NEEDED") for elf in elves)) - set().union(*(dynamic(elf, "SONAME") for elf in elves))
+        outside = set().union(*(dynamic(elf, "NEEDED") for elf in elves)) - set().union(*(dynamic(elf, "SONAME")
+            for elf in elves))
         files = [(str(elf.relative_to(root)), elf.read_bytes()) for elf in elves]
     linked = owners(loaded_from(outside))
     known = facts(linked)
@@ -132,13 +137,15 @@ def bill(build, deb):
                                      for kind in ("SHA1", "SHA256")]})  # fmt: skip
         relations.append((main, "CONTAINS", f"SPDXRef-file-{number}"))
     others = [entry(package, fact) for package, fact in sorted({**known, **compiled}.items())]
-    relations += [(main, "DYNAMIC_LINK" if each["name"] in linked else "STATIC_LINK", each["SPDXID"]) for each in others]
+    relations += [(main, "DYNAMIC_LINK" if each["name"] in linked else "STATIC_LINK", each["SPDXID"])
+                  for each in others]
     product = {
         "SPDXID": main, "name": name, "versionInfo": version, "downloadLocation": "NOASSERTION", "filesAnalyzed": False,
         "licenseConcluded": "NOASSERTION", "licenseDeclared": "Apache-2.0", "copyrightText": "NOASSERTION",
         "checksums": [{"algorithm": "SHA256", "checksumValue": hashlib.sha256(Path(deb).read_bytes()).hexdigest()}],
     }  # fmt: skip
-    references = sorted({each["licenseDeclared"] for each in others if each["licenseDeclared"].startswith("LicenseRef-")})
+    references = sorted({each["licenseDeclared"]
+                         for each in others if each["licenseDeclared"].startswith("LicenseRef-")})
     made = int(os.environ.get("SOURCE_DATE_EPOCH", 0)) or int(Path(deb).stat().st_mtime)
     return {
         "spdxVersion": "SPDX-2.3",
@@ -150,9 +157,11 @@ def bill(build, deb):
                          "creators": ["Tool: gicube-sbom"]},
         "packages": [product, *others],
         "files": listed,
-        "relationships": [dict(zip(("spdxElementId", "relationshipType", "relatedSpdxElement"), each)) for each in relations],
+        "relationships": [dict(zip(("spdxElementId", "relationshipType", "relatedSpdxElement"), each))
+                          for each in relations],
         "hasExtractedLicensingInfos": [
-            {"licenseId": each, "name": each, "extractedText": "See the package's /usr/share/doc/NAME/copyright."} for each in references],
+            {"licenseId": each, "name": each, "extractedText": "See the package's /usr/share/doc/NAME/copyright."}
+            for each in references],
     }  # fmt: skip
 
 

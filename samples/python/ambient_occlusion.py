@@ -1,5 +1,5 @@
-"""A ray algorithm of one's own: an ambient-occlusion map of a scene. FIRST_HIT rays find what each pixel sees, the gradient there says
-where outside is, and OPACITY rays into the half space say how much of the sky reaches the point.
+"""A ray algorithm of one's own: an ambient-occlusion map of a scene. FIRST_HIT rays find what each pixel sees, the
+gradient there says where outside is, and OPACITY rays into the half space say how much of the sky reaches the point.
 
 Usage: ambient_occlusion.py PICTURE.png [RAYS_A_POINT]
 """
@@ -46,7 +46,8 @@ def main(picture: str, rays_a_point: int = 32) -> Any:
         directions /= np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-6)
         starts = np.repeat(points + 2.5 * normals, rays_a_point, axis=0).clip(0, SIZE - 1)
         rays = gicube.clip_to_volume(
-            gicube.rays(starts, directions.reshape(-1, 3), length=REACH, id=np.arange(len(starts)) // rays_a_point), (SIZE,) * 3
+            gicube.rays(starts, directions.reshape(-1, 3), length=REACH, id=np.arange(len(starts)) // rays_a_point),
+            (SIZE,) * 3
         )
         arrived = board.receive(board.submit(rays, type=gicube.RayType.OPACITY)).rays
         print(f"{len(rays)} rays of {len(points)} points, {board.now * 1e-9:.1f} ms of simulated time")

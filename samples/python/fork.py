@@ -12,7 +12,8 @@ import numpy as np
 import gicube
 
 EDGE = 64  # voxels
-FORKS = [("pci33", "most_rays"), ("agp1x", "most_rays"), ("agp4x", "most_rays"), ("agp4x", "longest_wait")]  # bus and queue policy
+# bus and queue policy
+FORKS = [("pci33", "most_rays"), ("agp1x", "most_rays"), ("agp4x", "most_rays"), ("agp4x", "longest_wait")]
 
 
 def warm_up(checkpoint: Path) -> gicube.View:

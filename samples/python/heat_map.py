@@ -21,7 +21,7 @@ SCENE = 'volume { builtin: "buckyball" size: 64 } image { width: 64 height: 64 }
 def time_of(processors: int, queue_rays: int) -> float:
     """Of one picture, milliseconds."""
     setup = gicube.parse_scene(SCENE).set_up()
-    uri = f"emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.processors={processors}&set=asic.queue_rays={queue_rays}"
+    uri = (f"emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.processors={processors}&set=asic.queue_rays={queue_rays}")
     with gicube.open(uri) as board:
         view = gicube.load_scene(board, setup)
         begin = board.now
@@ -34,7 +34,8 @@ def main(chart: str) -> None:
     figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
     axes.imshow(times, cmap="viridis_r", norm="log")
     for (row, column), value in np.ndenumerate(times):
-        axes.text(column, row, f"{value:.2f} ms", ha="center", va="center", color="white" if value > np.median(times) else "black")
+        axes.text(column, row, f"{value:.2f} ms", ha="center", va="center",
+                  color="white" if value > np.median(times) else "black")
     axes.set_xticks(range(len(PROCESSORS)), [str(each) for each in PROCESSORS])
     axes.set_yticks(range(len(QUEUE_RAYS)), [str(each) for each in QUEUE_RAYS])
     axes.set_xlabel("processors")

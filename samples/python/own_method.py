@@ -1,5 +1,5 @@
-"""A reconstruction method of one's own on gicube.Projector: gradient descent with momentum (Nesterov 1983) from views on a helix, values
-below 0 cut off.
+"""A reconstruction method of one's own on gicube.Projector: gradient descent with momentum (Nesterov 1983) from views
+on a helix, values below 0 cut off.
 
 Usage: own_method.py
 """
@@ -23,7 +23,8 @@ def reconstruct(projector: gicube.Projector, measured: Any, iterations: int) -> 
     momentum = 1.0
     for i in range(1, iterations + 1):
         missing = measured - projector.project(ahead)
-        before, estimate = estimate, np.maximum(ahead + 0.95 / greatest * projector.backproject(missing), 0).astype("f4")
+        before, estimate = estimate, np.maximum(ahead + 0.95 / greatest * projector.backproject(missing),
+                                                0).astype("f4")
         momentum, last = (1 + np.sqrt(1 + 4 * momentum**2)) / 2, momentum
         ahead = (estimate + (last - 1) / momentum * (estimate - before)).astype("f4")
         if i % 10 == 0:

@@ -1,4 +1,5 @@
-"""Volumes to try the programs with: a head as a CT and as an MRI have it, a part with an insert, labels in labels, and cells.
+"""Volumes to try the programs with: a head as a CT and as an MRI have it, a part with an insert, labels in labels, and
+cells.
 
 Usage: phantoms.py FOLDER [VOXELS]     voxels of an edge, 128 if not given
 
@@ -33,13 +34,15 @@ def phantoms(size: int) -> Dict[str, Any]:
     skull = ball((0, 0.02, 0.08), (0.65, 0.78, 0.82)) - ball((0, 0.02, 0.1), (0.58, 0.71, 0.75))
     eyes = [ball((side * 0.27, -0.68, 0.02), (0.16, 0.2, 0.15)) for side in (-1, 1)]
     arch = np.hypot(x, 0.8 * (y + 0.1))  # of the teeth
-    teeth = np.clip(1 - ((arch - 0.42) / 0.06) ** 2 - ((z + 0.58) / 0.12) ** 2, 0, 1) * (y < 0) * (np.sin(20 * np.arctan2(x, -y)) > -0.5)
+    teeth = np.clip(1 - ((arch - 0.42) / 0.06) ** 2 - ((z + 0.58) / 0.12) ** 2, 0,
+                    1) * (y < 0) * (np.sin(20 * np.arctan2(x, -y)) > -0.5)
     fluid = np.maximum(ball((-0.14, 0.1, 0.2), (0.08, 0.32, 0.14)), ball((0.14, 0.1, 0.2), (0.08, 0.32, 0.14)))
     bone = np.maximum(skull, 1.5 * teeth) * (1 - np.maximum(*eyes))
     hounsfield = np.where(bone > 0.05, 40 + 1100 * bone, -1000 + 1040 * skin) + noise(15)
 
     folds = 0.07 * np.sin(11 * x + 3 * np.sin(7 * y)) * np.cos(9 * z + 2 * np.sin(8 * x))
-    cortex = np.clip(0.5 - (((x / 0.56) ** 2 + ((y - 0.04) / 0.68) ** 2 + ((z - 0.12) / 0.7) ** 2 - 1) / 0.06 + 9 * np.abs(folds)), 0, 1)
+    cortex = np.clip(0.5 - (((x / 0.56) ** 2 + ((y - 0.04) / 0.68) ** 2 + ((z - 0.12) / 0.7) ** 2 - 1) / 0.06 +
+                            9 * np.abs(folds)), 0, 1)
     field = 1 + 0.3 * np.sin(2 * x + 1) * np.cos(1.6 * y) + 0.15 * np.sin(17 * x + 5 * y) * np.sin(13 * z)
     tissue = field * cortex * (110 + 70 * ball((0, 0.04, 0.12), (0.45, 0.57, 0.6)))
     mri = np.hypot(tissue * (1 - fluid) + 560 * fluid * cortex + noise(5), noise(5))

@@ -1,5 +1,5 @@
-"""A volume that was classified before it came to the card, as photographs of slices are: each voxel has a colour and an alpha of its own,
-and the card interpolates colours premultiplied by alpha. Here it is a melon, with a wedge cut out.
+"""A volume that was classified before it came to the card, as photographs of slices are: each voxel has a colour and an
+alpha of its own, and the card interpolates colours premultiplied by alpha. Here it is a melon, with a wedge cut out.
 
 Usage: pre_classified.py PICTURE.png [VOXELS]     voxels of an edge, 128 if not given
 """
@@ -21,7 +21,8 @@ def melon(size: int) -> Tuple[Any, Any]:
     colours = np.zeros((size, size, size, 3), "f4")
     stripes = 0.5 + 0.5 * np.tanh(4 * np.sin(10 * around + 1.5 * np.sin(7 * z)))
     colours[:] = np.where(stripes[..., None] > 0.5, (30, 80, 25), (120, 165, 70))  # the skin
-    for edge, colour in ((0.90, (205, 225, 170)), (0.84, (235, 120, 110)), (0.78, (215, 45, 50)), (0.35, (230, 80, 85))):
+    for edge, colour in ((0.90, (205, 225, 170)), (0.84, (235, 120, 110)), (0.78, (215, 45, 50)),
+                         (0.35, (230, 80, 85))):
         colours[radius < edge] = colour
     flesh = radius < 0.8
     colours[flesh] += random.normal(0, 6, (int(flesh.sum()), 1))
@@ -30,14 +31,16 @@ def melon(size: int) -> Tuple[Any, Any]:
             place = np.array([0.55 * np.cos(angle), 0.55 * np.sin(angle), height])
             near = np.sqrt((x - place[0]) ** 2 + (y - place[1]) ** 2 + ((z - place[2]) / 1.6) ** 2)
             colours[near < 0.05] = (40, 25, 20)
-    wedge = np.minimum(np.minimum(y * np.cos(0.5) + x * np.sin(0.5), x * np.sin(0.9) - y * np.cos(0.9)), z + 0.1)  # inside: above 0
+    # inside: above 0
+    wedge = np.minimum(np.minimum(y * np.cos(0.5) + x * np.sin(0.5), x * np.sin(0.9) - y * np.cos(0.9)), z + 0.1)
     within = np.minimum(0.95 - radius, -wedge) * (size - 1) / 2  # voxels from the surface
     return (255 * (0.5 + within / 2).clip(0, 1)).astype("u1"), colours.clip(0, 255).astype("u1")
 
 
 def main(picture: str, size: int = 128) -> gicube.Image:
     alpha, colours = melon(size)
-    opacity = gicube.TransferFunction(colours=[(0, (1, 1, 1))], opacities=[(0, 0), (255, 1)])  # the samples are the opacities
+    # the samples are the opacities
+    opacity = gicube.TransferFunction(colours=[(0, (1, 1, 1))], opacities=[(0, 0), (255, 1)])
     with gicube.open("emu:?set=asic.voxel_format=rgba") as board:
         board.load_volume(gicube.Volume(alpha, colours=colours))
         board.set_transfer_function(opacity)

@@ -1,5 +1,5 @@
-"""Tomography of a numpy phantom on the board: parallel projections by INTEGRAL rays, and their reconstruction by SIRT, whose corrections
-go back into the volume by BACKPROJECT rays (Gilbert 1972).
+"""Tomography of a numpy phantom on the board: parallel projections by INTEGRAL rays, and their reconstruction by SIRT,
+whose corrections go back into the volume by BACKPROJECT rays (Gilbert 1972).
 
 Usage: tomography.py PICTURE.png [ITERATIONS]
 """
@@ -52,7 +52,8 @@ def backprojection(board: gicube.Board, rays: Any, values: Any) -> Any:
 
 
 def reconstruct(board: gicube.Board, rays: Any, measured: Any, iterations: int) -> Any:
-    """SIRT: f += backprojection of (measured - projected) / (a ray's length), over what a voxel gets of rays of value one."""
+    """SIRT: f += backprojection of (measured - projected) / (a ray's length), over what a voxel gets of rays of value
+    one."""
     estimate = np.zeros((SIZE, SIZE, SIZE), "f4")
     board.load_volume(gicube.Volume(estimate, range=gicube.ValueRange(0, 1), find_gradients=False))
     weights = np.maximum(backprojection(board, rays, 1.0), 1e-3)
@@ -81,7 +82,8 @@ def main(picture: str, iterations: int = 8) -> float:
     import matplotlib.pyplot as plt
 
     figure, all_axes = plt.subplots(1, 2, figsize=(6, 3), layout="constrained")
-    for axes, values, title in zip(all_axes, (truth, found), ("phantom", f"{ANGLES} directions, {iterations} iterations")):
+    for axes, values, title in zip(all_axes, (truth, found),
+                                   ("phantom", f"{ANGLES} directions, {iterations} iterations")):
         axes.imshow(values[SIZE // 2], cmap="gray", vmin=0, vmax=1)
         axes.set_title(title)
         axes.set_axis_off()

@@ -1,5 +1,5 @@
-"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take some hours, the cone beam's most.
-One that was interrupted goes on where it was: its runs are in build/charts.
+"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take some hours,
+the cone beam's most. One that was interrupted goes on where it was: its runs are in build/charts.
 
 Names: """
 import argparse
@@ -23,7 +23,8 @@ CHARTS = ROOT / "docs/studies/charts"
 
 
 def build(*targets):
-    subprocess.run(["cmake", "--build", "--preset", "release", "--target", "gicube-board", *targets], cwd=ROOT, check=True)
+    subprocess.run(["cmake", "--build", "--preset", "release", "--target", "gicube-board", *targets], cwd=ROOT,
+                   check=True)
 
 
 def run(program, *arguments):
@@ -38,17 +39,21 @@ def tables_of(name):
 
 def by_points(name, jobs):
     tables = tables_of(name)
-    programs = [*(next(folder / program for folder in (BIN, TESTS) if (folder / program).exists()) for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
+    programs = [*(next(folder / program for folder in (BIN, TESTS) if (folder / program).exists())
+                  for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
     measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
         # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
         build("gicube_bench")
         trade = CHARTS / "cone_beam_trade.csv"
-        run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={trade}", "--benchmark_out_format=csv")
+        run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={trade}",
+            "--benchmark_out_format=csv")
         written = trade.read_text()
-        trade.write_text(written[written.index("name,iterations"):])  # without what Google Benchmark says of the machine
+        # without what Google Benchmark says of the machine
+        trade.write_text(written[written.index("name,iterations"):])
     elif name == "form_factors":
-        pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
+        pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error",
+               costs=["board_ms", "bus_ms"], per="pairs",
                series=("bus", "made"))
     shutil.rmtree(RUNS / name)
 
@@ -78,7 +83,8 @@ def rendering(jobs):
     exact = RUNS / "buckyball.exr"
     if not exact.exists():
         RUNS.mkdir(parents=True, exist_ok=True)
-        run(TESTS / "gicube-reference", "builtin:buckyball", "--volume-size", 128, "--size", "256x256", "--step", 0.0625, "--threshold", 1,
+        run(TESTS / "gicube-reference", "builtin:buckyball", "--volume-size", 128, "--size", "256x256", "--step",
+            0.0625, "--threshold", 1,
             "-o", exact)
     swept("rendering", "rendering", "builtin:buckyball", *each("--fix", "volume-size=128", "fidelity=cycle"),
           *each("--vary", "step=0.25,0.5,1,2", "jitter=off,on", "threshold=0.9,0.98,1", "size=128x128,192x192,256x256",
@@ -94,7 +100,8 @@ def levels_of_pairs(_):
 
 
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
-          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
+          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"],
+          "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
             "levels": levels_of_pairs}
@@ -104,9 +111,11 @@ def main():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parser = argparse.ArgumentParser(prog="script/charts", description=__doc__ + ", ".join(MEASURED) + ".")
     parser.add_argument("names", nargs="*", metavar="NAME", help="charts to measure (all)")
-    parser.add_argument("--jobs", type=int, default=0, help="runs at once where seconds are not measured; 0: one a core (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=0,
+                        help="runs at once where seconds are not measured; 0: one a core (%(default)s)")
     parser.add_argument("--point", help="measure one point again, by the name in the tables: its row is printed")
-    parser.add_argument("--draw", action="store_true", help="draw them from the tables that there are, without measuring")
+    parser.add_argument("--draw", action="store_true",
+                        help="draw them from the tables that there are, without measuring")
     given = parser.parse_args()
     for name in given.names:
         if name not in MEASURED:

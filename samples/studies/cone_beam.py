@@ -1,5 +1,5 @@
-"""Where cone-beam tomography by the board fails, and what it costs: phantoms projected, reconstructed and compared by gicube-cone-beam.
-Lengths are millimetres."""
+"""Where cone-beam tomography by the board fails, and what it costs: phantoms projected, reconstructed and compared by
+gicube-cone-beam. Lengths are millimetres."""
 import csv
 import functools
 import math
@@ -13,7 +13,8 @@ import numpy as np
 from studies.points import Table, run, statistics
 
 RADIANS = math.pi / 180
-PLAIN = {"method": "fdk", "rays": 1, "sharpen": 0.1, "no-normalise": ""}  # one ray a pixel sent once, so that charts show one effect
+# one ray a pixel sent once, so that charts show one effect
+PLAIN = {"method": "fdk", "rays": 1, "sharpen": 0.1, "no-normalise": ""}
 NORMALISED = {"method": "fdk", "rays": 1, "sharpen": 0.1}
 SART = {"method": "sart", "iterations": 4, "relaxation": 0.3}
 HEAD = "builtin:shepp-logan-high-contrast --radius 42 --value 0.05"  # the skull takes away 0.05 a millimetre
@@ -44,7 +45,8 @@ class Scan:
         """As a scan file, of degrees that become the same radians, or nearly."""
         def degrees(angle):
             near = angle / RADIANS
-            return min((near, *(math.nextafter(near, to) for to in (0, 999))), key=lambda each: abs(RADIANS * each - angle))
+            return min((near, *(math.nextafter(near, to) for to in (0, 999))),
+                       key=lambda each: abs(RADIANS * each - angle))
         angles = " ".join(f"angle: {degrees(angle)!r}" for angle in self.angles())
         columns, rows = self.detector
         return (f"source_to_axis: {self.to_axis!r} source_to_detector: {self.to_detector!r} "
@@ -73,16 +75,21 @@ class Case:
             (folder / "scan.textproto").write_text(self.scan.text())
             noise = f"--photons {self.photons} --seed 1" if self.photons else ""
             method = " ".join(f"--{option} {value}" for option, value in self.method.items())
-            run(folder, "gicube-cone-beam", f"project {self.phantom} --scan @scan.textproto {noise} -o @views.nrrd --quiet")
-            run(folder, "gicube-cone-beam", f"reconstruct @scan.textproto --projections @views.nrrd {method} --fidelity {fidelity} "
+            run(folder, "gicube-cone-beam",
+                f"project {self.phantom} --scan @scan.textproto {noise} -o @views.nrrd --quiet")
+            run(folder, "gicube-cone-beam",
+                f"reconstruct @scan.textproto --projections @views.nrrd {method} --fidelity {fidelity} "
                 f"{self.settings} -o @volume.nrrd --stats @made.json --quiet")
             made = statistics(folder / "made.json")
-            return {key: made[key] for key in "rays_ms bus_ms rays deposits clipped residuals iterations diverged".split()} | more(folder)
+            return {key: made[key]
+                    for key in "rays_ms bus_ms rays deposits clipped residuals iterations diverged".split()} | more(
+                        folder)
 
     def compare(self, folder):
         """How far the volume is from the phantom; leaves profiles.csv."""
         radius, height = self.field
-        run(folder, "gicube-cone-beam", f"compare @volume.nrrd {self.phantom} --field-radius {radius!r} --field-height {height!r} "
+        run(folder, "gicube-cone-beam",
+            f"compare @volume.nrrd {self.phantom} --field-radius {radius!r} --field-height {height!r} "
             "--stats @error.json --profiles @profiles.csv")
         return statistics(folder / "error.json")
 
@@ -95,7 +102,8 @@ def case_rows(series):
     def rows(found):
         for name, m in found:
             x = float(name.split("/")[2])
-            yield name, [name, series[name], f"{x:g}", f"{m['rmse']:.5g}", f"{m['bias']:.4g}", f"{m['relative_l2']:.5g}", f"{m['psnr']:.4g}",
+            yield name, [name, series[name], f"{x:g}", f"{m['rmse']:.5g}", f"{m['bias']:.4g}",
+                         f"{m['relative_l2']:.5g}", f"{m['psnr']:.4g}",
                          f"{m['ssim']:.4g}", f"{m['bus_ms']:.1f}", m["rays"], m["deposits"], f"{m['clipped']:.4g}",
                          f"{(m['residuals'] or [0])[-1]:.4g}", m["iterations"], int(m["diverged"])]
     return rows
@@ -112,14 +120,17 @@ def case_table(name, *series):
 
 
 def cone(degrees, phantom=DISCS, method=PLAIN):
-    """The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of it."""
+    """The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of
+    it."""
     to_axis = 40 / math.tan(degrees / 2 * RADIANS)
-    return Case(phantom, Scan(64, (96, 112), 120, pitch=2.5, to_axis=to_axis, to_detector=2 * to_axis), method, (34, 40))
+    return Case(phantom, Scan(64, (96, 112), 120, pitch=2.5, to_axis=to_axis, to_detector=2 * to_axis), method,
+                (34, 40))
 
 
 def cone_angles():
     degrees = (5, 10, 15, 20, 25, 30, 35, 40)
-    return case_table("cone_angle", ("discs by FDK", "fdk", degrees, cone), ("discs by SART", "sart", (5, 20, 40), lambda x: cone(x, method=SART)),
+    return case_table("cone_angle", ("discs by FDK", "fdk", degrees, cone),
+                      ("discs by SART", "sart", (5, 20, 40), lambda x: cone(x, method=SART)),
                       ("head by FDK", "head", degrees, lambda x: cone(x, HEAD)))
 
 
@@ -133,37 +144,46 @@ def truncation():
             columns = math.floor(seen * width * 2 / scan.pitch + 0.5)
             return Case(HEAD, replace(scan, detector=(columns, 96)), method, (0.5 * width / 2 * 0.9, 20))
         return at
-    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)), ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)))
+    return case_table("truncation", ("FDK", "fdk", (1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5), of(PLAIN)),
+                      ("SART", "sart", (1.2, 0.9, 0.7, 0.5), of(SART)))
 
 
 def views():
-    return case_table("views", ("FDK", "fdk", (20, 40, 60, 90, 120, 180, 360, 720), lambda x: Case(HEAD, chart_scan(64, 96, x), PLAIN)),
+    return case_table("views",
+                      ("FDK", "fdk", (20, 40, 60, 90, 120, 180, 360, 720),
+                       lambda x: Case(HEAD, chart_scan(64, 96, x), PLAIN)),
                       ("SART", "sart", (20, 40, 60, 90, 180), lambda x: Case(HEAD, chart_scan(64, 96, x), SART)))
 
 
 def accumulator():
     def by(setting, board=""):
         """Of irradiance words, with one setting changed to x."""
-        return lambda x: Case(HEAD, chart_scan(64, 96, 120), PLAIN | {"accumulator": "irradiance", setting: x}, settings=board)
-    return case_table("accumulator", ("sums of 36 bits", "sums", (120,), lambda _: Case(HEAD, chart_scan(64, 96, 120), PLAIN)),
+        return lambda x: Case(HEAD, chart_scan(64, 96, 120), PLAIN | {"accumulator": "irradiance", setting: x},
+                              settings=board)
+    return case_table("accumulator",
+                      ("sums of 36 bits", "sums", (120,), lambda _: Case(HEAD, chart_scan(64, 96, 120), PLAIN)),
                       ("11 bits read every x views", "read_every", (1, 2, 4, 8, 20, 40, 120), by("read-every")),
-                      ("x bits read every 8 views", "bits", (8, 10, 11, 12, 14, 16), by("bits", "--set asic.datapath=wide")),
+                      ("x bits read every 8 views", "bits", (8, 10, 11, 12, 14, 16),
+                       by("bits", "--set asic.datapath=wide")),
                       ("11 bits full at x of the bound", "headroom", (1, 0.5, 0.25, 0.12, 0.06, 0.03), by("headroom")))
 
 
 def times():
     """Of the whole board, at the cycle level, which takes minutes of the host."""
     cases = {"fdk/60": Case(HEAD, chart_scan(64, 96, 60), PLAIN),
-             "read_every/20": Case(HEAD, chart_scan(64, 96, 120), PLAIN | {"accumulator": "irradiance", "read-every": 20})}
+             "read_every/20": Case(HEAD, chart_scan(64, 96, 120),
+                                   PLAIN | {"accumulator": "irradiance", "read-every": 20})}
 
     def rows(found):
         for point, m in found:
             yield point, [point, f"{m['rays_ms']:.1f}", f"{m['bus_ms']:.1f}"]
     return Table("cone_beam_times", ["point", "board_ms", "bus_ms"],
-                 {f"times/{name}": lambda _, case=case: case.reconstruct("cycle") for name, case in cases.items()}, rows)
+                 {f"times/{name}": lambda _, case=case: case.reconstruct("cycle") for name, case in cases.items()},
+                 rows)
 
 
-ALGEBRAIC = (("sart", "SART", {"method": "sart"}, 0.3), ("os_sart", "OS-SART 10 x 6", {"method": "os-sart", "subsets": 10}, 1.0),
+ALGEBRAIC = (("sart", "SART", {"method": "sart"}, 0.3),
+             ("os_sart", "OS-SART 10 x 6", {"method": "os-sart", "subsets": 10}, 1.0),
              ("sirt", "SIRT", {"method": "sirt"}, 1.8))
 
 
@@ -182,7 +202,9 @@ def sart():
 
 def relaxation():
     return case_table("relaxation", *((title, name, (0.1, 0.3, 1.0, 1.5, 1.9, 2.0, 2.2, 2.5, 3.0),
-                                       lambda x, method=method: Case(HEAD, chart_scan(48, 64, 60), method | {"iterations": 6, "relaxation": x}))
+                                       lambda x,
+                                       method=method: Case(HEAD, chart_scan(48, 64, 60),
+                                                           method | {"iterations": 6, "relaxation": x}))
                                       for name, title, method, _ in ALGEBRAIC))
 
 
@@ -197,11 +219,13 @@ def ray_spacing():
                                         lambda x, method=method: Case(HEAD, spaced(x, 120), method))
                                        for name, title, method in (("one", "one ray a pixel", PLAIN),
                                                                    ("normalised", "the same normalised", NORMALISED),
-                                                                   ("four", "2 x 2 rays a pixel", PLAIN | {"rays": 2}))))
+                                                                   ("four", "2 x 2 rays a pixel",
+                                                                       PLAIN | {"rays": 2}))))
 
 
 def splat(board, scan, fine, slope):
-    """What is left [z, y, x] by rays whose values make a density of one at the axis that rises by `slope` of it along the detector."""
+    """What is left [z, y, x] by rays whose values make a density of one at the axis that rises by `slope` of it along
+    the detector."""
     near, edge, step = scan.to_axis / scan.to_detector, scan.edge, 0.5
     u, v = ((((np.arange(count * fine) + 0.5) / fine - 0.5) - (count - 1) / 2) * scan.pitch for count in scan.detector)
     u, v = u[None, :], v[:, None]
@@ -209,7 +233,8 @@ def splat(board, scan, fine, slope):
     densities = (1 + slope * u) * slant * scan.pitch * scan.pitch * near * near / (fine * fine * edge * edge * edge)
     corner = (scan.voxels - 1) / 2 * edge
     nearest = (scan.to_axis - math.hypot(corner, corner)) / scan.to_detector
-    most = edge * max(1, edge * edge / (scan.pitch * scan.pitch * nearest * nearest / (fine * fine)))  # of a voxel near the source
+    # of a voxel near the source
+    most = edge * max(1, edge * edge / (scan.pitch * scan.pitch * nearest * nearest / (fine * fine)))
     # The unit of gicube-cone-beam: half of the largest sum, and a step's largest sum is 2^15 - 1 units.
     board.clear_sums(densities.max() * max(edge * step / (2 ** 15 - 1), most * scan.views / (8 * 2 ** 30)))
     for angle in scan.angles():
@@ -223,8 +248,9 @@ def splat(board, scan, fine, slope):
 
 
 def ripple(spacing, views, fine, normalised):
-    """Root mean square of what was left over what should have been, less 1, in the middle of the volume, where every ray and its neighbours
-    pass; and the hat's share of the rays' wave. `normalised`: left is the quotient of rays that rise and of rays that don't."""
+    """Root mean square of what was left over what should have been, less 1, in the middle of the volume, where every
+    ray and its neighbours pass; and the hat's share of the rays' wave. `normalised`: left is the quotient of rays that
+    rise and of rays that don't."""
     scan, slope = spaced(spacing, views), 0.004 if normalised else 0  # chosen: from 0.6 to 1.4 over the detector
     with gicube.open("emu:") as board:
         board.load_volume(gicube.Volume(np.zeros(3 * (64,), "u1"), spacing=3 * (scan.edge,)))
@@ -266,29 +292,36 @@ def profile_table(name, columns, points, title, formats):
 
 def axial_profiles():
     def slices(folder):
-        run(folder, "gicube-cone-beam", f"project {DISCS} --scan @scan.textproto -o @again.nrrd --voxels @truth.nrrd --quiet")
-        values, truth = (gicube.read_volume(folder / f"{name}.nrrd").samples.astype(float) for name in ("volume", "truth"))
+        run(folder, "gicube-cone-beam",
+            f"project {DISCS} --scan @scan.textproto -o @again.nrrd --voxels @truth.nrrd --quiet")
+        values, truth = (gicube.read_volume(folder / f"{name}.nrrd").samples.astype(float)
+                         for name in ("volume", "truth"))
         place = (np.arange(64) - 31.5) * (90 / 64)
         off = np.hypot(place, place[:, None])
         means = [each[:, off <= radius].mean(axis=1) for each, radius in ((truth, 34), (values, 8), (values, 34))]
         return {"lines": np.column_stack([place, *means]).tolist()}
-    points = {f"axial_profile/fdk/{x}": lambda _, x=x: cone(x).reconstruct(more=slices)["lines"] for x in (5, 10, 20, 30, 40)}
-    return profile_table("axial_profile", ("z", "truth", "within_8", "within_34"), points, lambda point: f"{point.split('/')[2]} degrees",
+    points = {f"axial_profile/fdk/{x}": lambda _, x=x: cone(x).reconstruct(more=slices)["lines"]
+              for x in (5, 10, 20, 30, 40)}
+    return profile_table("axial_profile", ("z", "truth", "within_8", "within_34"), points,
+                         lambda point: f"{point.split('/')[2]} degrees",
                          (".3f", ".4f", ".5f", ".5f"))
 
 
 def profiles():
     """The scans that the method is judged by, along x through the middle, without and with normalising."""
-    sizes, phantoms = {128: 180, 256: 360}, {"sphere": "builtin:sphere --radius 70 --value 1", "head": "builtin:shepp-logan --radius 85 --value 1"}
+    sizes, phantoms = {128: 180, 256: 360}, {"sphere": "builtin:sphere --radius 70 --value 1",
+                                             "head": "builtin:shepp-logan --radius 85 --value 1"}
 
     def along_x(case, folder):
         case.compare(folder)
         with open(folder / "profiles.csv") as file:
             lines = [row for row in csv.DictReader(file) if row["axis"] == "x"]
-        return {"lines": [[float(row["position"]), *(float(np.float32(row[name])) for name in ("truth", "value"))] for row in lines]}
+        return {"lines": [[float(row["position"]), *(float(np.float32(row[name])) for name in ("truth", "value"))]
+                          for row in lines]}
 
     def measured(phantom, voxels):
-        scan = Scan(voxels, (256, 256), sizes[voxels], edge=180 / voxels, pitch=400 / 256, first=0, to_axis=500, to_detector=1000)
+        scan = Scan(voxels, (256, 256), sizes[voxels], edge=180 / voxels, pitch=400 / 256, first=0, to_axis=500,
+                    to_detector=1000)
         cases = [Case(phantoms[phantom], scan, method, (85, 45)) for method in (PLAIN, NORMALISED)]
         plain, normalised = (case.reconstruct(more=functools.partial(along_x, case))["lines"] for case in cases)
         return [[*line, other[2]] for line, other in zip(plain, normalised)]
@@ -296,9 +329,11 @@ def profiles():
     def title(point):
         _, phantom, voxels = point.split("/")
         return f"{phantom} of {voxels}^3 from {sizes[int(voxels)]} views"
-    points = {f"profile/{name}/{voxels}": lambda _, each=(name, voxels): measured(*each) for voxels in sizes for name in phantoms}
+    points = {f"profile/{name}/{voxels}": lambda _, each=(name, voxels): measured(*each) for voxels in sizes
+              for name in phantoms}
     return profile_table("profile", ("x", "truth", "value", "normalised"), points, title, (".4f", ".5f", ".5f", ".5f"))
 
 
 def tables():
-    return [cone_angles(), axial_profiles(), truncation(), views(), moire(), ray_spacing(), accumulator(), times(), sart(), relaxation(), profiles()]
+    return [cone_angles(), axial_profiles(), truncation(), views(), moire(), ray_spacing(), accumulator(), times(),
+            sart(), relaxation(), profiles()]

@@ -4,9 +4,10 @@
     draw.chart("growth.svg", "Time grows with the square of the edge", "edge, pixels", "host seconds",
                [draw.Series("cycle", [64, 128, 256], [0.2, 0.8, 3.1])], log_x=True, log_y=True)
 
-The title is the one sentence that the chart shows; units stand in the labels of the axes. A chart has at most seven series, in
-colours that people with any colour vision can tell (Okabe and Ito, 2008), each with a mark of its own. Labels stand at the ends of
-the lines; what is no line (look "points", "steps" of many points) is named in a box. Charts side by side are panels:
+The title is the one sentence that the chart shows; units stand in the labels of the axes. A chart has at most seven
+series, in colours that people with any colour vision can tell (Okabe and Ito, 2008), each with a mark of its own.
+Labels stand at the ends of the lines; what is no line (look "points", "steps" of many points) is named in a box. Charts
+side by side are panels:
 
     draw.panels("both.svg", "Title", [draw.Panel("x", "y", series), draw.Panel("x", "z", others)])
 """
@@ -30,8 +31,10 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 GRAY = "#8C8C8C"
 MARKS = "osD^vPX"
 MAX_SERIES = 7
-STYLE = {"svg.fonttype": "none", "svg.hashsalt": "gicube", "font.family": "DejaVu Sans", "font.size": 10, "axes.grid": True,
-         "grid.color": "#E4E4E4", "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+STYLE = {"svg.fonttype": "none", "svg.hashsalt": "gicube", "font.family": "DejaVu Sans", "font.size": 10,
+         "axes.grid": True,
+         "grid.color": "#E4E4E4", "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False,
+         "axes.axisbelow": True,
          "axes.edgecolor": "#606060", "path.simplify": True, "path.simplify_threshold": 0.3, "legend.frameon": True,
          "legend.framealpha": 0.85, "legend.edgecolor": "none", "legend.fontsize": 9}
 
@@ -70,8 +73,8 @@ def chart(path, title, x_label, y_label, series, *, size=(8.4, 5.0), **of_panel)
 
 
 def panels(path, title, parts, *, size=None, columns=2):
-    """Writes an SVG of panels side by side, `columns` at most, `size` in inches of 72 points. Raises ValueError (more than seven
-    series in a panel, a series of unequal lengths), FileError."""
+    """Writes an SVG of panels side by side, `columns` at most, `size` in inches of 72 points. Raises ValueError (more
+    than seven series in a panel, a series of unequal lengths), FileError."""
     columns = min(columns, len(parts))
     rows = -(-len(parts) // columns)
     size = size or (5.8 * columns, 4.6 * rows)
@@ -123,12 +126,16 @@ def _fill(axes, part):
 
 
 def _plain_numbers(axis, measured=()):
-    """Of a logarithmic axis: what was measured, if that is few values apart; or 0.01, 0.1, 1 and, where it spans few decades, 2 and 5."""
+    """Of a logarithmic axis: what was measured, if that is few values apart; or 0.01, 0.1, 1 and, where it spans few
+    decades, 2 and 5."""
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low) if low > 0 else 9
-    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:.10g}" if 0.9e-4 < value < 2e5 else f"1e{round(np.log10(value))}"))
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value,
+                                                  _: f"{value:.10g}" if 0.9e-4 < value < 2e5
+                                                  else f"1e{round(np.log10(value))}"))
     axis.set_minor_formatter(ticker.NullFormatter())
-    if 2 < len(measured) <= 12 and all(map(_is_round, measured)) and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
+    if 2 < len(measured) <= 12 and all(map(_is_round, measured)) and min(b / a for a,
+        b in zip(measured, measured[1:])) > 10 ** (decades / 16):
         axis.set_major_locator(ticker.FixedLocator(measured))
         axis.set_minor_locator(ticker.NullLocator())
         return
@@ -147,8 +154,10 @@ def _plot(axes, part, number, each):
     many = there.sum() > 60
     mark = "" if each.look == "line" else MARKS[each.colour % len(MARKS) if each.mark is None else each.mark]
     line = "none" if each.look == "points" else (0, (4, 2)) if each.dashed else "-"
-    axes.plot(np.asarray(each.x, dtype=float)[there], y[there], color=colour, marker=mark, linestyle=line, lw=1.8 if each.colour >= 0 else 1.4,
-              ms=3.5 if many else 5, mfc="white" if each.hollow else colour, mew=1, clip_on=not mark or part.x_range != part.y_range, zorder=3 if each.colour >= 0 else 2,
+    axes.plot(np.asarray(each.x, dtype=float)[there], y[there], color=colour, marker=mark, linestyle=line,
+              lw=1.8 if each.colour >= 0 else 1.4,
+              ms=3.5 if many else 5, mfc="white" if each.hollow else colour, mew=1, clip_on=not mark
+              or part.x_range != part.y_range, zorder=3 if each.colour >= 0 else 2,
               label=each.label if _in_box(each) else "")
 
 
@@ -184,7 +193,8 @@ def _label(axes, part):
             _write(axes, each, point, (6, 8 if _free_above(axes, part, point) else -10), "offset points", False)
     right = axes.get_xlim()[1]
     for value, text in part.lines_y:
-        ends.append((Series(text, (), (), colour=-1), (right, value), *axes.transAxes.inverted().transform(axes.transData.transform((right, value)))))
+        ends.append((Series(text, (), (), colour=-1), (right, value),
+                     *axes.transAxes.inverted().transform(axes.transData.transform((right, value)))))
     points = axes.bbox.height * 72 / axes.figure.dpi
     ends.sort(key=lambda end: -end[3])
     names = [_wrapped(each) for each, *_ in ends]
@@ -202,8 +212,10 @@ def _label(axes, part):
 
 def _free_above(axes, part, point):
     """Fewer lines run above than below to the right of a point."""
-    lines = [axes.transData.transform(np.column_stack([np.interp(np.linspace(0, len(each.x) - 1, 400), range(len(each.x)), values)
-                                                       for values in (np.asarray(each.x, float), np.asarray(each.y, float))]))
+    lines = [axes.transData.transform(np.column_stack([np.interp(np.linspace(0, len(each.x) - 1, 400),
+        range(len(each.x)), values)
+                                                       for values in (np.asarray(each.x, float),
+                                                           np.asarray(each.y, float))]))
              for each in part.series]
     off = (np.concatenate(lines) - axes.transData.transform(point)) * 72 / axes.figure.dpi
     beside = (off[:, 0] > 5) & (off[:, 0] < 60)
@@ -217,13 +229,15 @@ def _wrapped(each):
 def _write(axes, each, point, place, coordinates, moved):
     colour = matplotlib.colors.to_rgb(GRAY if each.colour < 0 else COLOURS[each.colour])
     dark = tuple(0.72 * part for part in colour)
-    axes.annotate(_wrapped(each), point, place, textcoords=coordinates, va="center", fontsize=9, color=dark, linespacing=0.95,
-                  annotation_clip=False, arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0, "shrinkB": 3} if moved else None)
+    axes.annotate(_wrapped(each), point, place, textcoords=coordinates, va="center", fontsize=9, color=dark,
+                  linespacing=0.95,
+                  annotation_clip=False, arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0,
+                                                     "shrinkB": 3} if moved else None)
 
 
 def _shortened(text):
-    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point. Clip paths get numbers: matplotlib names
-    them by a hash of their corners, whose last bits differ from machine to machine."""
+    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point. Clip paths get
+    numbers: matplotlib names them by a hash of their corners, whose last bits differ from machine to machine."""
     text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"(\d\.\d\d)\d{3,}", r"\1", text).replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
     for number, name in enumerate(dict.fromkeys(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text))):

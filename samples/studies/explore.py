@@ -12,7 +12,8 @@ from types import SimpleNamespace
 sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
-from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted  # noqa: E402
+# noqa: E402
+from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted
 from studies.search import check_count, search, size_of  # noqa: E402
 from studies.sensitivity import board_arguments  # noqa: E402
 from studies.space import KNOWN, OBJECTIVES, mean, read_space  # noqa: E402
@@ -42,15 +43,18 @@ def options_of(arguments):
     parser = Parser(PROGRAM, ABOUT, NOTES)
     parser.add_argument("space")
     parser.common_options()
-    parser.option("--points", metavar="INT=60", type=whole_number, help="configurations that are measured, at most those of the space")
+    parser.option("--points", metavar="INT=60", type=whole_number,
+                  help="configurations that are measured, at most those of the space")
     parser.option("--seed", metavar="UINT=1", default="1", type=whole_number, help="of the search's random choices")
     parser.option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
                   help="NAME.csv, NAME.json and runs/ go there")
     parser.option("--name", metavar="TEXT=explore", default="explore", help="of the files")
     parser.option("--title", metavar="TEXT", help="of the chart")
-    parser.option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of, help="runs at once; 0 = one per core")
+    parser.option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of,
+                  help="runs at once; 0 = one per core")
     parser.option("--shard", metavar="I/N", type=shard_of,
-                  help="do only each Nth of the runs that the search needs next, from the Ith on, and write no table and no chart: start "
+                  help="do only each Nth of the runs that the search needs next, from the Ith on, and write no table "
+                       "and no chart: start "
                   "the shards again until they say that the search is at its end, then the same command without --shard")
     parser.option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
     parser.option("--quiet", action="store_true", help="only errors")
@@ -70,11 +74,13 @@ def read_cost(text):
     pins = re.search(r" = (\d+) pins;", text)
     if not transistors or len(bits) != 2 or not pins:
         raise RunFailed("gicube-board --hardware-cost: no table")
-    return {"transistors": float(sum(map(int, transistors))), "memory_bits": float(sum(map(int, bits))), "pins": float(pins[1])}
+    return {"transistors": float(sum(map(int, transistors))), "memory_bits": float(sum(map(int, bits))),
+            "pins": float(pins[1])}
 
 
 def figure_of(name, statistics, known):
-    """Energy is that of the picture, and power its mean over the picture's simulated time; not-a-number where the run has none."""
+    """Energy is that of the picture, and power its mean over the picture's simulated time; not-a-number where the run
+    has none."""
     if name in KNOWN:
         return known[name]
     if name in ("energy", "power"):
@@ -94,13 +100,15 @@ class Explorer:
     def describe(self, settings):
         """A point whose runs are not made yet. One that the board refuses has a reason instead of costs."""
         words = board_arguments([*settings.items(), *self.space.fixed])
-        done = subprocess.run([program("gicube-board"), *words, "--hardware-cost"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+        done = subprocess.run([program("gicube-board"), *words, "--hardware-cost"], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True)
         runs = [Run(arguments_of({"input": scene} | settings | dict(self.space.fixed))) for scene in self.space.scenes]
         point = SimpleNamespace(settings=settings, runs=runs, known=None, reason=done.stderr.strip(), broken=[])
         if done.returncode == 0:
             point.known, point.reason = read_cost(done.stdout), ""
-            broken = [each for each in self.space.constraints if each.name in KNOWN and not each.holds(point.known[each.name])]
+            broken = [each for each in self.space.constraints if each.name in KNOWN
+                      and not each.holds(point.known[each.name])]
             point.reason = broken[0].text if broken else ""
         return point
 
@@ -113,7 +121,8 @@ class Explorer:
         return all(map(self.folder.has, runs))
 
     def finish(self, point):
-        """Figures of a point whose runs are made: objectives as means over the scenes, constraints in the scene that is worst."""
+        """Figures of a point whose runs are made: objectives as means over the scenes, constraints in the scene that is
+        worst."""
         read = [self.folder.read(run) for run in point.runs]
         point.figures = {name: mean([figure_of(name, each, point.known) for each in read]) for name in self.objectives}
         point.violations = []
@@ -138,7 +147,8 @@ class Explorer:
         if not self.space.objectives and math.isnan(figure_of("energy", statistics, self.paper.known)):
             self.objectives.remove("energy")
             if not self.options.quiet:
-                print(f"{PROGRAM}: note: energy is no objective: the runs have no counter energy.total", file=sys.stderr)
+                print(f"{PROGRAM}: note: energy is no objective: the runs have no counter energy.total",
+                      file=sys.stderr)
         self.finish(self.paper)
         return True
 
@@ -159,19 +169,23 @@ class Explorer:
 def absent(name, what):
     if name in ("energy", "power"):
         return InputError(what, "counter energy.total in the run's statistics", "none of that name")
-    return InputError(what, "a number in the run's statistics, or one of transistors, memory_bits, pins, energy, power", "none of that name")
+    return InputError(what, "a number in the run's statistics, or one of transistors, memory_bits, pins, energy, power",
+                      "none of that name")
 
 
 def command_of(point, space, folder):
-    """The run, if there is one scene; else a sweep over the scenes, which uses the runs of the search again in the same folder."""
+    """The run, if there is one scene; else a sweep over the scenes, which uses the runs of the search again in the same
+    folder."""
     if len(point.runs) == 1:
         return point.runs[0].command()
-    settings = [word for name, value in (point.settings | dict(space.fixed)).items() for word in ("--fix", f"{name}={value}")]
+    settings = [word for name, value in (point.settings | dict(space.fixed)).items()
+                for word in ("--fix", f"{name}={value}")]
     return " ".join(["gicube-sweep", *map(quoted, [*space.scenes, *settings]), "-o", quoted(str(folder))])
 
 
 def rows_of(explorer):
-    """The paper's card first, then the points by their first figure. Those that break a constraint are not on the front."""
+    """The paper's card first, then the points by their first figure. Those that break a constraint are not on the
+    front."""
     rows = [explorer.paper, *sorted(explorer.points, key=lambda point: list(point.figures.values()))]
     for row, on in zip(rows, on_front([tuple([math.nan] if row.broken else row.figures.values()) for row in rows])):
         row.on_front = on
@@ -185,11 +199,14 @@ def write_tables(explorer, rows, command):
     lines += [[*map(cell, row.figures.values()), int(row.on_front), int(row is explorer.paper), "; ".join(row.broken),
                *(row.settings.get(name, "") for name in names), command_of(row, space, options.folder)] for row in rows]
     write_whole(options.folder / f"{options.name}.csv", csv_text(lines))
-    points = [{"settings": row.settings, **row.figures, "front": row.on_front, "paper": row is explorer.paper, "breaks": row.broken,
+    points = [{"settings": row.settings, **row.figures, "front": row.on_front, "paper": row is explorer.paper,
+               "breaks": row.broken,
                "command": command_of(row, space, options.folder)} for row in rows]
-    whole = {"objectives": explorer.objectives, "scenes": space.scenes, "constraints": [each.text for each in space.constraints],
+    whole = {"objectives": explorer.objectives, "scenes": space.scenes,
+             "constraints": [each.text for each in space.constraints],
              "energy": "measured" if "energy" in explorer.objectives else "absent or not asked for",
-             "points": points, "refused": [{"settings": point.settings, "why": point.reason} for point in explorer.refused]}
+             "points": points, "refused": [{"settings": point.settings, "why": point.reason}
+                                           for point in explorer.refused]}
     write_whole(options.folder / f"{options.name}.json", json_file(whole, command, PROGRAM))
 
 
@@ -200,12 +217,14 @@ def draw_chart(explorer, rows):
     except ImportError as error:
         raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
     first, *others = explorer.objectives
-    kinds = [("other runs", [row for row in rows if not row.on_front and row is not explorer.paper], {"colour": -1, "mark": 0}),
+    kinds = [("other runs", [row for row in rows if not row.on_front and row is not explorer.paper],
+              {"colour": -1, "mark": 0}),
              ("Pareto front", [row for row in rows if row.on_front], {"colour": 0, "mark": 0}),
              ("the paper's card", [explorer.paper], {"colour": 1, "mark": 3, "hollow": True})]
 
     def panel(name):
-        series = [draw.Series(label, [row.figures[name] / unit_of(name) for row in drawn], [row.figures[first] / unit_of(first) for row in drawn],
+        series = [draw.Series(label, [row.figures[name] / unit_of(name) for row in drawn],
+                              [row.figures[first] / unit_of(first) for row in drawn],
                               look="points", **look)
                   for label, drawn, look in kinds if drawn]
         positive = {of: all(row.figures[of] > 0 for row in rows) for of in (first, name)}
@@ -225,14 +244,17 @@ def label_of(name):
 
 
 def print_front(explorer, rows):
-    print("  ".join(f"{name:>12}" for name in explorer.objectives) + f"  of {len(rows)} configurations, none is better in all:")
+    print("  ".join(f"{name:>12}" for name in explorer.objectives) +
+          f"  of {len(rows)} configurations, none is better in all:")
     for row in rows:
         if row.on_front or row is explorer.paper:
-            text = " ".join(f"{name}={value}" for name, value in row.settings.items()) if row is not explorer.paper else "the paper's card" + (
+            text = " ".join(f"{name}={value}" for name,
+                            value in row.settings.items()) if row is not explorer.paper else "the paper's card" + (
                 "" if row.on_front else ", not on the front") + "".join(f", breaks {each}" for each in row.broken)
             print("  ".join(f"{value:12.6g}" for value in row.figures.values()) + f"  {text}")
     if explorer.refused:
-        print(f"{len(explorer.refused)} more without a run ({explorer.options.name}.json lists them); the first: {explorer.refused[0].reason}")
+        print(f"{len(explorer.refused)} more without a run ({explorer.options.name}.json lists them); the first: "
+              f"{explorer.refused[0].reason}")
 
 
 def warn_of_free_fields(explorer):
@@ -242,7 +264,8 @@ def warn_of_free_fields(explorer):
     for name, values in explorer.space.parameters:
         costs = [explorer.describe({name: value}).known for value in values]
         if len(values) > 1 and all(cost == costs[0] for cost in costs):
-            print(f"{PROGRAM}: note: {name} costs nothing that is counted here: {', '.join(KNOWN)} are the same for all its values", file=sys.stderr)
+            print(f"{PROGRAM}: note: {name} costs nothing that is counted here: {', '.join(KNOWN)} are the same for "
+                  f"all its values", file=sys.stderr)
 
 
 def explore(arguments):
@@ -255,7 +278,8 @@ def explore(arguments):
     done = explorer.measure_paper() and search(space.parameters, options.points, options.seed, explorer.measure)
     if options.shard:
         if not options.quiet:
-            print(f"{PROGRAM}: the search is at its end" if done else f"{PROGRAM}: round {explorer.rounds} waits for other shards: start them again")
+            print(f"{PROGRAM}: the search is at its end" if done
+                  else f"{PROGRAM}: round {explorer.rounds} waits for other shards: start them again")
         return
     rows = rows_of(explorer)
     write_tables(explorer, rows, " ".join([PROGRAM, *map(quoted, arguments)]))

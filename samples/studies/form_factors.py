@@ -35,8 +35,8 @@ def over_square(f):
 
 
 def parallel_squares(kappa):
-    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear (Howell, A
-    Catalog of Radiation Heat Transfer Configuration Factors, C-11), or else by quadrature to 1e-9."""
+    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear
+    (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11), or else by quadrature to 1e-9."""
     if kappa == 0:
         return 2 / math.pi * (math.log(math.sqrt(4 / 3)) + 2 * math.sqrt(2) * math.atan(1 / math.sqrt(2)) - math.pi / 2)
     return over_square(lambda x, y: np.exp(-kappa * np.sqrt(x * x + y * y + 1)) / (math.pi * (x * x + y * y + 1) ** 2))
@@ -48,7 +48,8 @@ def perpendicular_squares():
 
 
 def mean_inverse_square(distance):
-    """The mean of 1 / r^2 over two unit cubes whose centres are `distance` >= 2 sides apart along an edge, by quadrature to 1e-9."""
+    """The mean of 1 / r^2 over two unit cubes whose centres are `distance` >= 2 sides apart along an edge, by
+    quadrature to 1e-9."""
     def along(z):
         return over_square(lambda x, y: 1 / (x * x + y * y + z * z))
     return integral(lambda zs: np.array([(1 - z) * (along(distance + z) + along(distance - z)) for z in zs]))
@@ -108,17 +109,21 @@ def error_rows(found):
 
 def error_tables(most_rays=MOST_RAYS):
     counts = [1 << i for i in range(LEAST_RAYS.bit_length() - 1, most_rays.bit_length())]
-    points = {f"error/{form}/{rays}".replace(" ", "_"): lambda _, form=form, rays=rays: error_of(form, rays) for form in FORMS for rays in counts}
+    points = {f"error/{form}/{rays}".replace(" ", "_"): lambda _, form=form, rays=rays: error_of(form, rays)
+              for form in FORMS for rays in counts}
     return [Table("form_factors_error", ["form", "rays", "error"], points, error_rows),
-            Table("form_factors_slopes", ["form", "exact", "slope", "error at most rays"], points, slope_rows, again=False)]
+            Table("form_factors_slopes", ["form", "exact", "slope", "error at most rays"], points, slope_rows,
+                  again=False)]
 
 
 def look(words):
-    """What gicube-form-factors visibility says of the buckyball: statistics, and each pair's two boxes and transmittance."""
+    """What gicube-form-factors visibility says of the buckyball: statistics, and each pair's two boxes and
+    transmittance."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run(folder, "gicube-form-factors",
-            f"visibility builtin:buckyball --volume-size 128 --quiet --stats @stats.json --pairs-file @pairs.csv {words}")
+            f"visibility builtin:buckyball --volume-size 128 --quiet --stats @stats.json --pairs-file @pairs.csv "
+            f"{words}")
         return statistics(folder / "stats.json"), np.loadtxt(folder / "pairs.csv", delimiter=",", skiprows=1)
 
 
@@ -131,37 +136,44 @@ def reference():
         setup.load(board._core, False, None)
         u, v, w = ((high - low) * axis for axis in np.eye(3))
         boxes = gicube.elements(len(low) * [gicube.ElementKind.BOX], low, u, v, w)
-        found = board.pair_factors(boxes, gicube.pairs(np.arange(0, len(low), 2), np.arange(1, len(low), 2)), rays=REFERENCE_RAYS, seed=1)
-    return np.divide(found["transported"], found["geometric"], where=found["geometric"] > 0, out=np.zeros(len(found))).tolist()
+        found = board.pair_factors(boxes, gicube.pairs(np.arange(0, len(low), 2), np.arange(1, len(low), 2)),
+                                   rays=REFERENCE_RAYS, seed=1)
+    return np.divide(found["transported"], found["geometric"], where=found["geometric"] > 0,
+                     out=np.zeros(len(found))).tolist()
 
 
 def trade_of(kept, bus, made, rays):
     # Enough of them that the parts of the board overlap; the first ones tell the error.
-    stats, pairs = look(f"--board emu:?bus={bus} --fidelity cycle --made {made} --rays {rays} --pairs {max(RANDOM_PAIRS, RAYS_IN_ALL // rays)}")
+    stats, pairs = look(f"--board emu:?bus={bus} --fidelity cycle --made {made} --rays {rays} --pairs "
+                        f"{max(RANDOM_PAIRS, RAYS_IN_ALL // rays)}")
     exact = np.array(kept.of("reference of trade", reference))
     error = math.sqrt(((pairs[:len(exact), 12] - exact) ** 2).sum() / len(exact))
-    return {"error": error} | {key: stats[key] for key in ("pairs", "board_ms", "bus_ms", "rays_per_simulated_second", "utilisation")}
+    return {"error": error} | {key: stats[key] for key in ("pairs", "board_ms", "bus_ms", "rays_per_simulated_second",
+                                                           "utilisation")}
 
 
 def trade_rows(found):
     for name, each in found:
         use = each["utilisation"]
-        yield name, [*name.split("/")[1:], each["pairs"], f"{each['error']:.4g}", f"{each['board_ms']:.4f}", f"{each['bus_ms']:.4f}",
+        yield name, [*name.split("/")[1:], each["pairs"], f"{each['error']:.4g}", f"{each['board_ms']:.4f}",
+                     f"{each['bus_ms']:.4f}",
                      f"{each['rays_per_simulated_second']:.0f}",
-                     *(f"{use[part]:.3f}" for part in ("bus_down", "bus_up", "dsp", "pipelines", "sorter", "memory")), use["bound"]]
+                     *(f"{use[part]:.3f}" for part in ("bus_down", "bus_up", "dsp", "pipelines", "sorter", "memory")),
+                     use["bound"]]
 
 
 def trade_table():
     points = {f"trade/{bus}/{made}/{4 ** i}": lambda kept, each=(bus, made, 4 ** i): trade_of(kept, *each)
               for bus in ("pci33", "agp2x") for made in ("host", "board") for i in range(5)}
-    columns = ["bus", "made", "rays a pair", "pairs", "error", "board_ms", "bus_ms", "rays_per_second", "bus_down", "bus_up", "dsp",
+    columns = ["bus", "made", "rays a pair", "pairs", "error", "board_ms", "bus_ms", "rays_per_second", "bus_down",
+               "bus_up", "dsp",
                "pipelines", "sorter", "memory", "bound"]
     return Table("form_factors_trade", columns, points, trade_rows)
 
 
 def solved(words):
-    """What gicube-form-factors solve says of a scene: statistics, and each element's weight, incident light and standard error, but
-    for the volume's ends."""
+    """What gicube-form-factors solve says of a scene: statistics, and each element's weight, incident light and
+    standard error, but for the volume's ends."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run(folder, "gicube-form-factors", f"solve {words} --quiet --stats @stats.json --elements @elements.csv")
@@ -177,7 +189,8 @@ def link_of(kept, words, scene):
     exact = np.array(kept.of("reference of hierarchy", exact))
     weight, light, true = ours[:, 0], ours[:, 1:4], exact[:, 1:4]
     difference = (weight[:, None] * abs(light - true)).sum() / (weight[:, None] * true).sum()
-    noise = math.sqrt(2 / math.pi) * (weight * ours[:, 4]).sum() / (weight[:, None] * light).sum()  # the mean of |x| of a normal distribution
+    # the mean of |x| of a normal distribution
+    noise = math.sqrt(2 / math.pi) * (weight * ours[:, 4]).sum() / (weight[:, None] * light).sum()
     keys = ("links", "all_pairs", "rays", "board_ms", "bus_down_bytes", "bus_up_bytes", "closure_rms", "host_seconds")
     return {"difference": difference, "noise": noise} | {key: stats[key] for key in keys}
 
@@ -186,15 +199,19 @@ def link_rows(found):
     for name, each in found:
         threshold = name.split("/")[1]
         full = threshold == "full"
-        yield name, [int(not full), "1e-05" if full else threshold, f"{each['difference']:.6f}", f"{each['noise']:.6f}", each["links"],
-                     each["all_pairs"], each["rays"], f"{each['board_ms']:.3f}", each["bus_down_bytes"] + each["bus_up_bytes"],
+        yield name, [int(not full), "1e-05" if full else threshold, f"{each['difference']:.6f}", f"{each['noise']:.6f}",
+                     each["links"],
+                     each["all_pairs"], each["rays"], f"{each['board_ms']:.3f}",
+                     each["bus_down_bytes"] + each["bus_up_bytes"],
                      f"{each['closure_rms']:.6f}", f"{each['host_seconds']:.3f}"]
 
 
 def hierarchy_table(scene=ROOM, thresholds=THRESHOLDS):
-    points = {f"hierarchy/{error:g}": lambda kept, error=error: link_of(kept, f"--error {error!r}", scene) for error in thresholds}
+    points = {f"hierarchy/{error:g}": lambda kept, error=error: link_of(kept, f"--error {error!r}", scene)
+              for error in thresholds}
     points["hierarchy/full"] = lambda kept: link_of(kept, "--full-matrix", scene)
-    columns = ["hierarchy", "error", "difference", "standard_error", "links", "all_pairs", "rays", "board_ms", "bus_bytes", "closure_rms",
+    columns = ["hierarchy", "error", "difference", "standard_error", "links", "all_pairs", "rays", "board_ms",
+               "bus_bytes", "closure_rms",
                "seconds"]
     return Table("form_factors_hierarchy", columns, points, link_rows)
 
@@ -206,17 +223,22 @@ def tables():
 def error_summary(rows):
     """The table of docs/studies/form_factors.md of the errors at most rays, of the rows of form_factors_slopes.csv."""
     return to_markdown(["pair", "exact", "error"],
-                       ([row["form"], f"{float(row['exact']):.6f}", f"{100 * float(row['error at most rays']):.2g}%"] for row in rows))
+                       ([row["form"], f"{float(row['exact']):.6f}", f"{100 * float(row['error at most rays']):.2g}%"]
+                        for row in rows))
 
 
 def trade_summary(rows):
-    """The one of rays by the host or by the DSP, of the rows of form_factors_trade.csv: shares of the simulated time, in percent."""
+    """The one of rays by the host or by the DSP, of the rows of form_factors_trade.csv: shares of the simulated time,
+    in percent."""
     names = {"pci33": "PCI", "agp2x": "AGP 2x", "board": "DSP"}
     def line(row):
-        shares = [float(row["bus_down"]) + float(row["bus_up"]), *(float(row[part]) for part in ("dsp", "pipelines", "sorter", "memory"))]
-        return [names[row["bus"]], names.get(row["made"], row["made"]), row["rays a pair"], f"{float(row['rays_per_second']) / 1e6:.2f}",
+        shares = [float(row["bus_down"]) + float(row["bus_up"]),
+                  *(float(row[part]) for part in ("dsp", "pipelines", "sorter", "memory"))]
+        return [names[row["bus"]], names.get(row["made"], row["made"]), row["rays a pair"],
+                f"{float(row['rays_per_second']) / 1e6:.2f}",
                 *(f"{100 * share:.0f}%" for share in shares), names.get(row["bound"], row["bound"])]
-    return to_markdown(["bus", "rays by", "rays per pair", "M rays/s", "bus", "DSP", "pipelines", "sorter", "memory", "bound by"],
+    return to_markdown(["bus", "rays by", "rays per pair", "M rays/s", "bus", "DSP", "pipelines", "sorter", "memory",
+                        "bound by"],
                        (line(row) for row in rows if row["rays a pair"] in ("1", "16", "64")))
 
 
@@ -224,7 +246,10 @@ def hierarchy_summary(rows):
     """The one of a hierarchy against a full matrix, of the rows of form_factors_hierarchy.csv."""
     def line(row):
         is_hierarchy = row["hierarchy"] == "1"
-        return ["hierarchy" if is_hierarchy else "full matrix", row["error"] if is_hierarchy else "", f"{int(row['links']):,}",
-                f"{int(row['all_pairs']) / int(row['links']):.0f}", f"{int(row['rays']):,}", f"{float(row['board_ms']):.0f}",
+        return ["hierarchy" if is_hierarchy else "full matrix", row["error"] if is_hierarchy else "",
+                f"{int(row['links']):,}",
+                f"{int(row['all_pairs']) / int(row['links']):.0f}", f"{int(row['rays']):,}",
+                f"{float(row['board_ms']):.0f}",
                 f"{100 * float(row['difference']):.1f}%"]
-    return to_markdown(["", "error setting", "links", "fewer than all pairs by", "rays", "board ms", "error of the light"], map(line, rows))
+    return to_markdown(["", "error setting", "links", "fewer than all pairs by", "rays", "board ms",
+                        "error of the light"], map(line, rows))

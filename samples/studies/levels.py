@@ -1,6 +1,7 @@
-"""How much simulated time the functional level leaves out, and what both levels cost the host, on the scenes and configurations of
-samples/studies/level_pairs.txt: pictures with their light, and cone-beam scans. Seconds are those of the processor, of the program and
-its board with one thread, of one run a level. What the folder of runs has is not run again."""
+"""How much simulated time the functional level leaves out, and what both levels cost the host, on the scenes and
+configurations of samples/studies/level_pairs.txt: pictures with their light, and cone-beam scans. Seconds are those of
+the processor, of the program and its board with one thread, of one run a level. What the folder of runs has is not run
+again."""
 import json
 import pathlib
 import re
@@ -17,8 +18,8 @@ COLUMNS = ["pair", "functional_time_error", *(f"{level}_s" for level in LEVELS),
 
 
 def pairs_of(file):
-    """Name, program, arguments that make its input, and those that are measured. A word that begins with @ is in the folder of
-    scans; pairs whose scans are absent are left out, and said."""
+    """Name, program, arguments that make its input, and those that are measured. A word that begins with @ is in the
+    folder of scans; pairs whose scans are absent are left out, and said."""
     for line in pathlib.Path(file).read_text().splitlines():
         if not line or line.startswith("#"):
             continue
@@ -57,8 +58,10 @@ def measured(folder, programs, name, program, before, command):
         if not seconds.exists():
             output = work / ("out.png" if program == "render" else "out.nrrd")
             before_it = processor_seconds()
-            run_to_end(binary, [*shlex.split(re.sub(r"(^| )@", rf"\1{DATA}/", command).format(work=work)), "--fidelity", level,
-                                "--threads", "1", "--quiet", "--stats", str(stats), "-o", str(output)], work / f"{level}.log")
+            run_to_end(binary, [*shlex.split(re.sub(r"(^| )@", rf"\1{DATA}/", command).format(work=work)), "--fidelity",
+                                level,
+                                "--threads", "1", "--quiet", "--stats", str(stats), "-o", str(output)],
+                       work / f"{level}.log")
             seconds.write_text(str(processor_seconds() - before_it))
         found[level] = json.loads(stats.read_text()), float(seconds.read_text())
     return found

@@ -1,5 +1,5 @@
-"""How near the board's light comes to the truth: pictures by each method, the time of the board that they take, and their distance from
-paths in double precision (gicube-light-reference)."""
+"""How near the board's light comes to the truth: pictures by each method, the time of the board that they take, and
+their distance from paths in double precision (gicube-light-reference)."""
 import itertools
 import json
 import pathlib
@@ -48,8 +48,9 @@ def braces(text, start):
 
 
 def judged(file, opacity=None, **of_illumination):
-    """The text of a scene file as all methods see the same light in it: materials show what they scatter, mirrors and glass nothing of
-    their own; no ambient light, no background; balls for point lights. Fields of the illumination are set, and `opacity`, that of all surfaces."""
+    """The text of a scene file as all methods see the same light in it: materials show what they scatter, mirrors and
+    glass nothing of their own; no ambient light, no background; balls for point lights. Fields of the illumination are
+    set, and `opacity`, that of all surfaces."""
     text = file.read_text()
     if opacity:
         text = re.sub(r"\bopacity: 0\.\d+", f"opacity: {opacity}", text)
@@ -57,7 +58,8 @@ def judged(file, opacity=None, **of_illumination):
     def look(material):
         share = float(re.search(r"scattering: ([\d.]+)", material)[1])
         colour = re.search(r"scattering_colour \{ red: ([\d.]+) green: ([\d.]+) blue: ([\d.]+) \}", material)
-        shown = np.zeros(3) if "seen_through" in material else share * np.array(colour.groups() if colour else (1, 1, 1), float)
+        shown = np.zeros(3) if "seen_through" in material else share * np.array(colour.groups() if colour else (1, 1,
+            1), float)
         shown = "colour {{ red: {:.6g} green: {:.6g} blue: {:.6g} }}".format(*shown)
         material = re.sub(r"(?<!_)colour \{ red[^}]*\}", shown, material, count=1)
         return material if shown in material else re.sub(r"(solid|fog) \{", rf"\1 {{ {shown}", material, count=1)
@@ -93,8 +95,8 @@ def tiles(picture, edge=TILE):
 
 
 def error(shown, truth, noise):
-    """Of tiles: root mean square difference over root mean square truth, without what the truth's own standard errors add to it; both
-    are white at 1. And the same after the brightness that fits best."""
+    """Of tiles: root mean square difference over root mean square truth, without what the truth's own standard errors
+    add to it; both are white at 1. And the same after the brightness that fits best."""
     own = tiles(noise ** 2 * (truth < 1)).sum() / TILE ** 2
     shown, truth = tiles(np.minimum(shown, 1)), tiles(np.minimum(truth, 1))
     def off(factor):
@@ -103,17 +105,20 @@ def error(shown, truth, noise):
 
 
 def reference(scene, file, size=SIZE, voxels=None, paths=None):
-    """What is shown of the truth, its standard errors (as nested lists), and the factor from radiances to what is shown."""
+    """What is shown of the truth, its standard errors (as nested lists), and the factor from radiances to what is
+    shown."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file))
         run(folder, "../tests/gicube-light-reference",
-            f"@x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --paths {paths or PATHS[scene]} --pixels @x.csv")
+            f"@x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --paths "
+            f"{paths or PATHS[scene]} --pixels @x.csv")
         said = json.loads((folder / "log").read_text())
         width, height = map(int, size.split("x"))
         mean, noise = radiances(folder / "x.csv", (height, width, 3))
     factor = np.pi * said["exposure"]
-    return {**said, "factor": factor, "shown": (factor * mean).round(6).tolist(), "noise": (factor * noise).round(6).tolist()}
+    return {**said, "factor": factor, "shown": (factor * mean).round(6).tolist(),
+            "noise": (factor * noise).round(6).tolist()}
 
 
 def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="cycle"):
@@ -128,33 +133,42 @@ def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fide
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file, **{"rays_per_face_voxel": 16, "step": 0.5, **fields}))
         settings = " ".join(f"--set {each}" for each in dict.fromkeys(["asic.datapath=wide", board]) if each)
-        run(folder, program, f"{command} @x.scene --allow-outside --volume-size {voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet --stats @x.json {settings} {words}"
+        run(folder, program, f"{command} @x.scene --allow-outside --volume-size "
+                             f"{voxels or VOXELS.get(scene, MANY_VOXELS)} --size {size} --fidelity {fidelity} --quiet "
+                             f"--stats @x.json {settings} {words}"
             + " --pixels @x.csv" * by_host)
-        picture = truth["factor"] * radiances(folder / "x.csv", shown.shape)[0] if by_host else read_picture(folder / "x.exr")[..., :3].astype(float)
+        picture = truth["factor"] * radiances(folder / "x.csv",
+                                              shown.shape)[0] if by_host else read_picture(folder / "x.exr")[...,
+                                                  :3].astype(float)
         stats = statistics(folder / "x.json")
     light = sum(each["pass_ms"] for each in stats.get("lighting", []))
-    return {"ms": stats["board_ms"] if by_host else stats["frame_ms"] + light, "light_ms": light, "errors": error(picture, shown, noise)}
+    return {"ms": stats["board_ms"] if by_host else stats["frame_ms"] + light, "light_ms": light,
+            "errors": error(picture, shown, noise)}
 
 
-LAW = """world {{ size: 48 node {{ material: "m" box {{ low {{ x: -1.3 y: -1.3 z: -1.3 }} high {{ x: 1.3 y: 1.3 z: {top} }} }} }} }}
+LAW = ("""world {{ size: 48 node {{ material: "m" box {{ low {{ x: -1.3 y: -1.3 z: -1.3 }} high {{ x: 1.3 y: 1.3 z: {top} }} }} }} }}
 material {{ name: "m" {look} scattering: 0.5 }}
 light {{ point {{ position {{ x: {x} z: {z} }} }} power: 100 }}
 illumination {{ albedo: "low" rays_per_face_voxel: 64 step: 0.5 exposure: 1 }}
 camera {{ eye {{ y: -4 z: 2.7 }} look_at {{ z: -0.3 }} fov_degrees: 10 }}
-"""  # seen under a cosine of 0.6
+""")  # seen under a cosine of 0.6
 
 
 def law(material, degrees):
-    """What the board shows of a floor of this opacity, or of fog, under a lamp at this height over it, and the truth; of whole pictures."""
+    """What the board shows of a floor of this opacity, or of fog, under a lamp at this height over it, and the truth;
+    of whole pictures."""
     height, is_fog = np.radians(degrees), material == "fog"
     colour = "colour { red: 0.5 green: 0.5 blue: 0.5 }"
-    look = f'fog {{ extinction: 0.3 {colour} }} bsdf: "isotropic"' if is_fog else f'solid {{ opacity: {material} {colour} }} bsdf: "diffuse"'
+    look = (f'fog {{ extinction: 0.3 {colour} }} bsdf: "isotropic"' if is_fog
+            else f'solid {{ opacity: {material} {colour} }} bsdf: "diffuse"')
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         file = folder / "a.scene"
-        file.write_text(LAW.format(top=1.3 if is_fog else -0.3, look=look, x=4 * np.cos(height), z=-0.3 + 4 * np.sin(height)))
+        file.write_text(LAW.format(top=1.3 if is_fog else -0.3, look=look, x=4 * np.cos(height),
+                                   z=-0.3 + 4 * np.sin(height)))
         (folder / "x.scene").write_text(judged(file))
-        run(folder, "gicube-render", "@x.scene --allow-outside --size 32x32 --fidelity functional --quiet --set asic.datapath=wide -o @x.exr")
+        run(folder, "gicube-render",
+            "@x.scene --allow-outside --size 32x32 --fidelity functional --quiet --set asic.datapath=wide -o @x.exr")
         shown = float(read_picture(folder / "x.exr")[..., 0].mean())
         return shown, float(np.mean(reference("law", file, "32x32", 48, 200 if is_fog else 30)["shown"]))
 
@@ -162,7 +176,8 @@ def law(material, degrees):
 def law_rows(found):
     for name, (shown, truth) in found:
         _, material, degrees = name.split("/")
-        expected = 4 if material == "fog" else 1 / (np.sin(np.radians(float(degrees))) + 0.6)  # Lommel and Seeliger's over Lambert's
+        # Lommel and Seeliger's over Lambert's
+        expected = 4 if material == "fog" else 1 / (np.sin(np.radians(float(degrees))) + 0.6)
         yield name, [material, degrees, f"{shown:.4g}", f"{truth:.4g}", f"{shown / truth:.4g}", f"{expected:.4g}"]
 
 
@@ -178,23 +193,28 @@ def of_scenes(found):
 
 def rows(found):
     for name, scene, method, each, front in of_scenes(found):
-        yield name, [scene, method, f"{each['ms']:.6g}", f"{each['light_ms']:.6g}", *(f"{off:.4g}" for off in each["errors"]), int(front)]
+        yield name, [scene, method, f"{each['ms']:.6g}", f"{each['light_ms']:.6g}",
+                     *(f"{off:.4g}" for off in each["errors"]), int(front)]
 
 
 def tables():
     points = {f"light/{scene}/{method}": lambda kept, each=(scene, method, file): measured(kept, *each)
               for (scene, file), method in itertools.product(SCENES.items(), [*LIGHTING, *HOST_RAYS])
               if method != "low-k16-words3" or "colour_passes: true" in file.read_text()}
-    return [Table("light", ["scene", "method", "board_ms", "light_ms", "error", "error_at_best_brightness", "front"], points, rows),
-            Table("light_laws", ["material", "lamp_degrees", "shown", "truth", "shown_over_truth", "soft_matter_over_truth"],
+    return [Table("light", ["scene", "method", "board_ms", "light_ms", "error", "error_at_best_brightness", "front"],
+                  points, rows),
+            Table("light_laws", ["material", "lamp_degrees", "shown", "truth", "shown_over_truth",
+                                 "soft_matter_over_truth"],
                   {f"light_laws/{material}/{degrees}": lambda _, each=(material, degrees): law(*each)
                    for material, degrees in [*itertools.product((0.2, 0.5, 1), (80, 45, 20)), ("fog", 80)]}, law_rows)]
 
 
 def summary(rows):
-    """The table of docs/studies/light.md: error in percent at milliseconds of the board, bold where nothing that is cheaper is better."""
+    """The table of docs/studies/light.md: error in percent at milliseconds of the board, bold where nothing that is
+    cheaper is better."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.0f}".format(100 * float(row["error"]), "**" * int(row["front"]), float(row["board_ms"]))
+    cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.0f}".format(100 * float(row["error"]),
+        "**" * int(row["front"]), float(row["board_ms"]))
              for row in rows}
     return to_markdown(["method", *scenes], ([method, *(cells.get((method, scene), "") for scene in scenes)]
                                             for method in dict.fromkeys(row["method"] for row in rows)))

@@ -1,4 +1,5 @@
-"""What a pass of lighting rays costs the board, and how far its irradiance is from the closed form of a point source in an absorber."""
+"""What a pass of lighting rays costs the board, and how far its irradiance is from the closed form of a point source in
+an absorber."""
 import functools
 import itertools
 
@@ -18,9 +19,9 @@ DEEPEST = 16
 
 @functools.cache
 def closed_form():
-    """[z, y, x]: the share of a light's energy that falls to a voxel if each bit of it is spread trilinearly where it is absorbed,
-    kappa e^(-kappa r) / (4 pi r^2) of it a volume. To 1e-6: boxes are cut in eight until they are smaller than their distance from
-    the lamp."""
+    """[z, y, x]: the share of a light's energy that falls to a voxel if each bit of it is spread trilinearly where it
+    is absorbed, kappa e^(-kappa r) / (4 pi r^2) of it a volume. To 1e-6: boxes are cut in eight until they are smaller
+    than their distance from the lamp."""
     out = np.zeros((SIZE, SIZE, SIZE))
     cells = low = np.stack(np.meshgrid(*3 * (np.arange(SIZE - 1.0),), indexing="ij"), axis=-1).reshape(-1, 3)
     at, weights = (np.stack(np.meshgrid(*3 * (each,), indexing="ij"), axis=-1).reshape(-1, 3) for each in GAUSS)
@@ -41,9 +42,10 @@ def closed_form():
 
 
 def measured(albedo, rules, datapath, step, rays, fidelity="cycle"):
-    """Milliseconds of the pass; the root mean square difference of each voxel's share of the light, relative to the root mean square
-    share, over the voxels more than two from the lamp; the share that full words lost."""
-    settings = gicube.Illumination(albedo=albedo, rules={"printed": "as_printed"}.get(rules, rules), rays_per_face_voxel=rays, step=step)
+    """Milliseconds of the pass; the root mean square difference of each voxel's share of the light, relative to the
+    root mean square share, over the voxels more than two from the lamp; the share that full words lost."""
+    settings = gicube.Illumination(albedo=albedo, rules={"printed": "as_printed"}.get(rules, rules),
+                                   rays_per_face_voxel=rays, step=step)
     uri = f"emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32&set=asic.datapath={datapath}&fidelity={fidelity}"
     with gicube.open(uri) as board:
         board.load_volume(np.full(3 * (SIZE,), 100, "u1"))
@@ -67,6 +69,9 @@ def rows(found):
 
 
 def tables():
-    settings = itertools.product(("low", "high"), ("conserving", "printed"), ("paper", "wide"), (0.5, 2), (1, 2, 4, 8, 16))
-    points = {f"lighting/{a}/{r}/{d}/{step}/{k}": lambda _, each=(a, r, d, step, k): measured(*each) for a, r, d, step, k in settings}
-    return [Table("lighting", ["pass_ms", "error", "front", "albedo", "rules", "datapath", "k", "step", "clipped"], points, rows)]
+    settings = itertools.product(("low", "high"), ("conserving", "printed"), ("paper", "wide"), (0.5, 2),
+                                 (1, 2, 4, 8, 16))
+    points = {f"lighting/{a}/{r}/{d}/{step}/{k}": lambda _, each=(a, r, d, step, k): measured(*each) for a, r, d, step,
+              k in settings}
+    return [Table("lighting", ["pass_ms", "error", "front", "albedo", "rules", "datapath", "k", "step", "clipped"],
+                  points, rows)]

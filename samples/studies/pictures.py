@@ -12,8 +12,9 @@ _power = np.frompyfunc(_powf, 2, 1)
 
 
 def read_picture(file):
-    """Of an EXR as gicube-render writes it (linear light): display-referred red, green, blue, premultiplied, and alpha, 0..1, as float32
-    [row, column, 4] from the top; the sRGB curve (IEC 61966-2-1) is applied again. Raises FileError."""
+    """Of an EXR as gicube-render writes it (linear light): display-referred red, green, blue, premultiplied, and alpha,
+    0..1, as float32 [row, column, 4] from the top; the sRGB curve (IEC 61966-2-1) is applied again. Raises
+    FileError."""
     import OpenImageIO as oiio  # takes a moment, and errors by figures do without
 
     opened = oiio.ImageInput.open(str(file))
@@ -29,7 +30,9 @@ def read_picture(file):
     with np.errstate(divide="ignore", invalid="ignore"):
         linear = picture[..., :3] / alpha
         curve = np.where(linear <= np.float32(0.0031308), np.float32(12.92) * linear,
-                         np.float32(1.055) * _power(linear, np.float32(1) / np.float32(2.4)).astype(np.float32) - np.float32(0.055))
+                         np.float32(1.055) * _power(linear,
+                                                    np.float32(1) / np.float32(2.4)).astype(np.float32) - np.float32(
+                                                        0.055))
         picture[..., :3] = np.where(alpha > 0, alpha * curve, picture[..., :3])
     return picture
 
@@ -52,8 +55,8 @@ def resized(picture, width, height):
 
 
 def rmse(picture, reference):
-    """Root of the mean square over all four channels of all pixels, peak 1; a picture of another size is resized to that of the
-    reference first."""
+    """Root of the mean square over all four channels of all pixels, peak 1; a picture of another size is resized to
+    that of the reference first."""
     height, width = reference.shape[:2]
     if picture.shape != reference.shape:
         picture = resized(picture, width, height)

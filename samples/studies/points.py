@@ -1,5 +1,5 @@
-"""Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table that was
-interrupted goes on where it was; and any row can be made again by its point's name."""
+"""Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table
+that was interrupted goes on where it was; and any row can be made again by its point's name."""
 import functools
 import hashlib
 import json
@@ -24,8 +24,8 @@ class Table(NamedTuple):
 
 
 class Kept:
-    """Results on file, in JSON: each is made once. Who asks for one that is being made waits. What others than these `programs` made
-    counts no more."""
+    """Results on file, in JSON: each is made once. Who asks for one that is being made waits. What others than these
+    `programs` made counts no more."""
 
     def __init__(self, folder, programs=()):
         self._folder = pathlib.Path(folder) / short_hash(b"".join(pathlib.Path(each).read_bytes() for each in programs))
@@ -69,7 +69,8 @@ def measure(tables, kept, folder, jobs=0):
     if len(left) < len(points):
         print(f"charts: {len(points) - len(left)} of {len(points)} points are there", flush=True)
     with progress("charts", len(left)) as bar:
-        for _ in all_at_once([functools.partial(kept.of, name, functools.partial(make, kept)) for name, make in left.items()], jobs):
+        for _ in all_at_once([functools.partial(kept.of, name, functools.partial(make, kept)) for name,
+                              make in left.items()], jobs):
             bar.update()
     for table in tables:
         found = [(name, kept.of(name, None)) for name in table.points]

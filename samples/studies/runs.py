@@ -38,10 +38,12 @@ def is_field(name):
 
 
 def run_to_end(program, arguments, log):
-    """What it writes goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it ended, and its last line."""
+    """What it writes goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it ended, and its
+    last line."""
     try:
         with open(log, "wb") as stream:
-            code = subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT).returncode
+            code = subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, stdout=stream,
+                                  stderr=subprocess.STDOUT).returncode
     except OSError as error:
         raise RunFailed(f"{program}: {os.strerror(error.errno)}") from error
     if code < 0:
@@ -58,8 +60,10 @@ class Run:
         self.arguments = list(arguments)
 
     def key(self):
-        """Names the run in its folder: the same for equal arguments and files, input and checkpoint, that have not changed."""
-        names = self.arguments[:1] + [after for option, after in zip(self.arguments, self.arguments[1:]) if option == "--restore"]
+        """Names the run in its folder: the same for equal arguments and files, input and checkpoint, that have not
+        changed."""
+        names = self.arguments[:1] + [after for option,
+                                      after in zip(self.arguments, self.arguments[1:]) if option == "--restore"]
         files = [os.stat(name) for name in names if os.path.isfile(name)]
         state = tuple(part for file in files for part in (file.st_size, file.st_mtime_ns))
         return hashlib.sha256(repr((self.arguments, state)).encode(errors="surrogateescape")).hexdigest()[:16]
@@ -91,7 +95,8 @@ class RunFolder:
         parts = {self.folder / f"{key}.part.{kind}": self.folder / f"{key}.{kind}" for kind in ("exr", "json")}
         picture, statistics = map(str, parts)
         try:
-            run_to_end(program, [*run.arguments, "-o", picture, "--stats", statistics, "--quiet"], self.folder / f"{key}.log")
+            run_to_end(program, [*run.arguments, "-o", picture, "--stats", statistics, "--quiet"],
+                       self.folder / f"{key}.log")
         except RunFailed as failure:
             for part in parts:
                 part.unlink(missing_ok=True)
@@ -112,8 +117,8 @@ class RunFolder:
 
 
 def all_at_once(tasks, jobs):
-    """Calls each of them, `jobs` at once (0: one a core), and yields what they return, as it comes. After a failure, and on Ctrl-C, none
-    starts; it is raised when those under way have ended."""
+    """Calls each of them, `jobs` at once (0: one a core), and yields what they return, as it comes. After a failure,
+    and on Ctrl-C, none starts; it is raised when those under way have ended."""
     failed = threading.Event()
 
     def begin(task):
@@ -141,14 +146,15 @@ def carry_out_all(folder, runs, program, jobs, meter):
 
 
 def progress(name, total, quiet=False):
-    """A bar on standard error, whose update() is called after each run; where that is no terminal, it is drawn ten times."""
+    """A bar on standard error, whose update() is called after each run; where that is no terminal, it is drawn ten
+    times."""
     seldom = {} if sys.stderr.isatty() else {"miniters": total / 10, "mininterval": 0}
     return tqdm(desc=name, total=total, unit=" runs", disable=quiet, dynamic_ncols=True, **seldom)
 
 
 def figure_or_nan(statistics, name):
-    """A number of a run's statistics: a name of their first level, or a JSON pointer ("/counters/bus.up.bytes/value"). Not-a-number if
-    there is none: what a fidelity level does not model."""
+    """A number of a run's statistics: a name of their first level, or a JSON pointer ("/counters/bus.up.bytes/value").
+    Not-a-number if there is none: what a fidelity level does not model."""
     value = statistics
     for part in name[1:].split("/") if name.startswith("/") else [name]:
         part = part.replace("~1", "/").replace("~0", "~") if name.startswith("/") else part

@@ -27,12 +27,14 @@ def size_of(parameters):
 
 
 def search(parameters, count, seed, measure):
-    """Proposes configurations, at most `count` that are accepted, all of them different. measure(round) gets a list of dictionaries, and returns
-    for each of them (figures to minimise, violations of the constraints, 0 for one that holds), or None for one that was refused; it returns
-    None in place of the list to end the search. The same seed and the same figures make the same search. Returns whether it came to its end."""
+    """Proposes configurations, at most `count` that are accepted, all of them different. measure(round) gets a list of
+    dictionaries, and returns for each of them (figures to minimise, violations of the constraints, 0 for one that
+    holds), or None for one that was refused; it returns None in place of the list to end the search. The same seed and
+    the same figures make the same search. Returns whether it came to its end."""
     optuna = import_optuna()
     space = {name: optuna.distributions.IntDistribution(0, len(values) - 1) for name, values in parameters}
-    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=START, multivariate=True, n_ei_candidates=CANDIDATES,
+    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=START, multivariate=True,
+                                         n_ei_candidates=CANDIDATES,
                                          gamma=lambda n: max(1, min(math.ceil(0.3 * n), GOOD)),
                                          constraints_func=lambda trial: trial.user_attrs["violations"])
     study, chance, found = None, random.Random(seed), {}
@@ -42,9 +44,11 @@ def search(parameters, count, seed, measure):
         asked, known = {}, 0
         while len(asked) < min(ROUND, count - accepted) and len(found) + len(asked) < size_of(parameters):
             if study is None:  # before the first figures
-                place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name, values in parameters}).values())
+                place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name,
+                    values in parameters}).values())
                 trial = None
-            elif known > ROUND or count == size_of(parameters):  # the sampler repeats itself; or it has nothing to choose
+            # the sampler repeats itself; or it has nothing to choose
+            elif known > ROUND or count == size_of(parameters):
                 place, trial = unseen(parameters, found.keys() | asked.keys(), chance), None
             else:
                 trial = study.ask(space)
@@ -99,12 +103,15 @@ def unseen(parameters, seen, chance):
         place = tuple(chance.randrange(len(values)) for _, values in parameters)
         if place not in seen:
             return place
-    return next(place for place in itertools.product(*(range(len(values)) for _, values in parameters)) if place not in seen)
+    return next(place for place in itertools.product(*(range(len(values)) for _, values in parameters)) if place
+                not in seen)
 
 
 def hypervolume(points, worst):
-    """The volume that points (of which less is better) dominate below the point `worst`, exactly, by slices along the last figure."""
-    inside = sorted((point for point in points if all(a < b for a, b in zip(point, worst))), key=lambda point: point[-1])
+    """The volume that points (of which less is better) dominate below the point `worst`, exactly, by slices along the
+    last figure."""
+    inside = sorted((point for point in points if all(a < b for a, b in zip(point, worst))),
+                    key=lambda point: point[-1])
     if not inside:
         return 0.0
     if len(worst) == 1:

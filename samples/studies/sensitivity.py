@@ -1,4 +1,5 @@
-"""gicube-sweep --sensitivity: how a run's cost changes with each number of the board's configuration that was chosen."""
+"""gicube-sweep --sensitivity: how a run's cost changes with each number of the board's configuration that was
+chosen."""
 import math
 import re
 import subprocess
@@ -17,12 +18,14 @@ def stepped(value, legal):
         low, high = numbers[0], numbers[1] if re.search(r"\.\.\d", legal) else math.inf
         step = max(1, value // SMALL)
         return [] if (low, high) == (0, 1) else [to for to in (value + step, value - step) if low <= to <= high]
-    return sorted(number for number in numbers if number > value)[:1] + sorted(number for number in numbers if number < value)[-1:]
+    return sorted(number for number in numbers if number > value)[:1] + sorted(number
+        for number in numbers if number < value)[-1:]
 
 
 def chosen_numbers(explained, with_energy=False):
-    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that the level models.
-    `with_energy`: also all prices of energy, since none of them is certain; without, none of them is read."""
+    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that
+    the level models. `with_energy`: also all prices of energy, since none of them is certain; without, none of them is
+    read."""
     rows = [re.split(r"\s{2,}", line.strip()) for line in explained.splitlines()]
     memory = next((row[1] for row in rows if row[0] == "memory"), "")
     found = []
@@ -52,24 +55,28 @@ def board_arguments(settings):
 
 def explain(board, words):
     """None if the board refuses the configuration."""
-    done = subprocess.run([board, *words, "--explain-config"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([board, *words, "--explain-config"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True)
     return done.stdout if done.returncode == 0 else None
 
 
 def steps_of(board, settings, with_energy=False):
-    """A row for each number: its name, its value, and the values below and above it to which it is set: those that the board takes."""
+    """A row for each number: its name, its value, and the values below and above it to which it is set: those that the
+    board takes."""
     words = board_arguments(settings)
     rows = []
     for name, value, legal in chosen_numbers(explain(board, words) or "", with_energy):
-        to = [each for each in sorted(stepped(value, legal)) if explain(board, [*words, "--set", f"{name}={each}"]) is not None]
+        to = [each for each in sorted(stepped(value, legal)) if explain(board, [*words, "--set", f"{name}={each}"]) is
+              not None]
         if to:
             rows.append(SimpleNamespace(name=name, value=value, to=to))
     return rows
 
 
 def finish(row, cost, costs):
-    """The row with the changes of the cost at its steps, the slope over them in per cent of cost for a per cent of the number
-    (not-a-number if one of them is 0), and whether both steps change it in the same direction: that is scatter, and no slope."""
+    """The row with the changes of the cost at its steps, the slope over them in per cent of cost for a per cent of the
+    number (not-a-number if one of them is 0), and whether both steps change it in the same direction: that is scatter,
+    and no slope."""
     row.cost, row.changes = cost, [each - cost for each in costs]
     points = sorted([(row.value, 0.0), *zip(row.to, row.changes)])
     (low, first), (high, last) = points[0], points[-1]
@@ -79,8 +86,8 @@ def finish(row, cost, costs):
 
 
 def sensitivity(arguments, settings, cost, board, carry_out, read):
-    """Rows as finish() makes them, the largest change first, then the slope's. `carry_out` has runs carried out, `read` gives a run's
-    statistics. Raises what they raise, and InputError."""
+    """Rows as finish() makes them, the largest change first, then the slope's. `carry_out` has runs carried out, `read`
+    gives a run's statistics. Raises what they raise, and InputError."""
     board_arguments(settings)
     base = Run(arguments)
     carry_out([base])
@@ -91,7 +98,8 @@ def sensitivity(arguments, settings, cost, board, carry_out, read):
     carry_out([run for row in rows for run in row.runs])
     for row in rows:
         finish(row, figure(statistics, cost), [figure(read(run), cost) for run in row.runs])
-    return sorted(rows, key=lambda row: (row.is_scatter, -abs(row.elasticity) if row.elasticity == row.elasticity else 1,
+    return sorted(rows, key=lambda row: (row.is_scatter,
+                                         -abs(row.elasticity) if row.elasticity == row.elasticity else 1,
                                          -max(map(abs, row.changes))))
 
 

@@ -18,8 +18,9 @@ KEYS = ("scenes", "fields", "fix", "objectives", "constraints")
 
 
 def read_space(path):
-    """scenes, parameters [(field, [value, ...])], fixed [(name, value)], objectives (None: those of OBJECTIVES that there are),
-    constraints; all values as texts. Paths of scenes are relative to the file's folder. Raises FileError, InputError."""
+    """scenes, parameters [(field, [value, ...])], fixed [(name, value)], objectives (None: those of OBJECTIVES that
+    there are), constraints; all values as texts. Paths of scenes are relative to the file's folder. Raises FileError,
+    InputError."""
     path = pathlib.Path(path)
     try:
         whole = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -38,7 +39,8 @@ def read_space(path):
     fixed = [(name, text_of(name, value)) for name, value in whole["fix"].items()]
     parameters = [(name, values_of(name, values)) for name, values in whole["fields"].items()]
     for name, _ in fixed:
-        expect(name not in ITS_OWN and name not in whole["fields"], f"fix: {name}", "a parameter that is not set elsewhere", "one that is")
+        expect(name not in ITS_OWN and name not in whole["fields"], f"fix: {name}",
+               "a parameter that is not set elsewhere", "one that is")
     if "threads" not in whole["fix"]:
         fixed.append(("threads", "1"))
     objectives = list(dict.fromkeys(whole["objectives"])) or None
@@ -94,4 +96,5 @@ class Constraint:
 
 def mean(values):
     """Geometric, so that each scene counts the same, however long it takes."""
-    return math.exp(sum(map(math.log, values)) / len(values)) if min(values) > 0 else 0.0 if min(values) == 0 else math.nan
+    return math.exp(sum(map(math.log,
+                            values)) / len(values)) if min(values) > 0 else 0.0 if min(values) == 0 else math.nan

@@ -18,7 +18,9 @@ sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
 from studies.pictures import read_picture, rmse  # noqa: E402
-from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, is_field, progress, quoted  # noqa: E402
+# noqa: E402
+from studies.runs import (InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, is_field,
+                          progress, quoted)
 from studies.sensitivity import sensitivity, table  # noqa: E402
 from studies.sweep_chart import draw_chart  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
@@ -63,16 +65,20 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(*names, **{"action": Once} | fields)
 
     def common_options(self):
-        self.option("-h", "--help", action=Said, nargs=0, const=Parser.format_help, help="Print this help message and exit")
-        self.option("--version", action=Said, nargs=0, const=lambda _: f"{self.prog} {version()}\n", help="Display program version information and exit")
+        self.option("-h", "--help", action=Said, nargs=0, const=Parser.format_help,
+                    help="Print this help message and exit")
+        self.option("--version", action=Said, nargs=0, const=lambda _: f"{self.prog} {version()}\n",
+                    help="Display program version information and exit")
 
     def error(self, message):
         words = message.removeprefix("unrecognized arguments: ").split()
-        unknown = [word.split("=")[0] for word in words if word.startswith("--")] if message.startswith("unrecognized") else []
+        unknown = [word.split("=")[0]
+                   for word in words if word.startswith("--")] if message.startswith("unrecognized") else []
         names = [name.lstrip("-") for name in self._option_string_actions]
         near = [difflib.get_close_matches(option.lstrip("-"), names, 1) for option in unknown]
         if unknown:
-            message = "; ".join(f"{option}: no such option" + "".join(f", the nearest is --{name}" for name in found) for option, found in zip(unknown, near))
+            message = "; ".join(f"{option}: no such option" + "".join(f", the nearest is --{name}" for name in found)
+                                for option, found in zip(unknown, near))
         self.exit(2, f"{self.prog}: {message}\n")
 
 
@@ -98,27 +104,36 @@ def parser_of_options():
         option(name, metavar=f"{metavar} ...", action="append", default=[], dest=dest, type=kind, help=text)
     parser.common_options()
     repeatable("--vary", "NAME=V,V...", "parameters", parse_parameter,
-               "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or a field of the board's "
+               "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or "
+               "a field of the board's "
                "configuration; repeatable: all combinations are run")
     repeatable("--fix", "NAME=VALUE", "fixed", parse_setting, "the same for every run")
-    option("--reference", metavar="NAME=VALUE ... Excludes: --reference-picture", action="append", default=[], type=parse_setting,
-           help="a run's reference is the same run with this in place; repeatable. Without it and --reference-picture, cost alone is measured")
-    option("--reference-picture", metavar="TEXT:FILE Excludes: --reference", type=file_of, help="an EXR that all runs are compared with")
-    option("--cost", metavar="TEXT=frame_ms", default="frame_ms", help="a number of gicube-render's --stats: a name, or a JSON pointer")
+    option("--reference", metavar="NAME=VALUE ... Excludes: --reference-picture", action="append", default=[],
+           type=parse_setting,
+           help="a run's reference is the same run with this in place; repeatable. Without it and --reference-picture, "
+                "cost alone is measured")
+    option("--reference-picture", metavar="TEXT:FILE Excludes: --reference", type=file_of,
+           help="an EXR that all runs are compared with")
+    option("--cost", metavar="TEXT=frame_ms", default="frame_ms",
+           help="a number of gicube-render's --stats: a name, or a JSON pointer")
     option("--error", metavar="TEXT=picture", default="picture",
            help="picture: root mean square difference; or a number as for --cost: relative difference")
     repeatable("--also", "FIGURE", "also", str, "further numbers as for --cost, as columns")
     repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
     option("--sensitivity", action="store_true",
-           help="in place of --vary: change each number of the board's configuration that was chosen (gicube-board --explain-config) by a "
-           "hundredth or the smallest legal step down and up, one at a time, and sort them by what that does to the cost")
+           help="in place of --vary: change each number of the board's configuration that was chosen (gicube-board "
+                "--explain-config) by a "
+           "hundredth or the smallest legal step down and up, one at a time, and sort them by what that does to the "
+           "cost")
     option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
            help="NAME.csv, NAME.json and runs/ go there")
     option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
     option("--title", metavar="TEXT", help="of the chart")
-    option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of, help="runs at once; 0 = one per core")
+    option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of,
+           help="runs at once; 0 = one per core")
     option("--shard", metavar="I/N", type=shard_of,
-           help="do only each Nth of the runs that this sweep needs, from the Ith on (1/N to N/N), and write no table and no chart: the same "
+           help="do only each Nth of the runs that this sweep needs, from the Ith on (1/N to N/N), and write no table "
+                "and no chart: the same "
            "command without --shard writes them, once all shards are in FOLDER/runs")
     option("--chart", action="store_true", help="draw NAME.svg, and cost by each parameter (needs matplotlib)")
     option("--quiet", action="store_true", help="only errors")
@@ -180,7 +195,8 @@ def options_of(arguments):
         if name in ITS_OWN:
             parser.error(f"{name}: expected another parameter, it is the sweep's own")
     if options.sensitivity:
-        given = [name for name, value in (("--vary", options.parameters[1:]), ("--reference", options.reference), ("--chart", options.chart),
+        given = [name for name, value in (("--vary", options.parameters[1:]), ("--reference", options.reference),
+                                          ("--chart", options.chart),
                                           ("--reference-picture", options.reference_picture), ("--also", options.also),
                                           ("--also-error", options.also_errors), ("--shard", options.shard)) if value]
         if given or len(inputs) > 1:
@@ -201,7 +217,8 @@ def options_of(arguments):
 
 def grid(parameters):
     """All combinations, as dictionaries; the last parameter varies fastest."""
-    return [dict(zip([name for name, _ in parameters], values)) for values in itertools.product(*(values for _, values in parameters))]
+    return [dict(zip([name for name, _ in parameters], values))
+            for values in itertools.product(*(values for _, values in parameters))]
 
 
 def arguments_of(point):
@@ -222,25 +239,29 @@ def relative(value, reference):
 
 
 def run_sweep(options, folder, render):
-    """Runs what the folder does not have yet; of a shard that is all, and nothing is returned. Else returns a row a point: its settings, cost,
-    error (not-a-number if it is a reference, or nothing is compared), further figures, whether it is a reference, whether it is on the Pareto
-    front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
+    """Runs what the folder does not have yet; of a shard that is all, and nothing is returned. Else returns a row a
+    point: its settings, cost, error (not-a-number if it is a reference, or nothing is compared), further figures,
+    whether it is a reference, whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a
+    figure that a run does not have)."""
     one = options.reference_picture
     pairs = [(point, Run(arguments_of(point | dict(options.fixed))),
-              Run(arguments_of(point | dict(options.fixed) | dict(options.reference)))) for point in grid(options.parameters)]
+              Run(arguments_of(point | dict(options.fixed) | dict(options.reference))))
+             for point in grid(options.parameters)]
     needed = [run for _, run, _ in pairs] + ([] if one else [reference for *_, reference in pairs])
     runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, where it first comes
     if options.shard:  # of all runs, not of those that are left: shards that run at the same time share none
         first, step = options.shard
         runs = runs[first - 1::step]
-    carry_out_all(folder, runs, render, options.jobs, functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty()))
+    carry_out_all(folder, runs, render, options.jobs,
+                  functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty()))
     if options.shard:
         return None
 
     exact, rows = functools.cache(read_picture), []
     for point, run, reference in pairs:
         statistics = folder.read(run)
-        row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run, fidelity=statistics.get("fidelity"),
+        row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run,
+                              fidelity=statistics.get("fidelity"),
                               invisible=statistics.get("invisible"),
                               is_reference=bool(options.reference) and run.key() == reference.key())
         row.also = [figure_or_nan(statistics, name) for name in options.also]
@@ -262,13 +283,16 @@ def carry_out_sensitivity(options, folder, command):
     meter = functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty())
     arguments = arguments_of({"input": options.parameters[0][1][0]} | dict(options.fixed))
     rows = sensitivity(arguments, options.fixed, options.cost, program("gicube-board"),
-                       lambda runs: carry_out_all(folder, runs, program("gicube-render"), options.jobs, meter), folder.read)
+                       lambda runs: carry_out_all(folder, runs, program("gicube-render"), options.jobs, meter),
+                       folder.read)
     lines = [["number", "value", options.cost, "% for 1%", "scatter", "step to", "change", "command"]]
-    lines += [[row.name, row.value, cell(row.cost), cell(row.elasticity), int(row.is_scatter), to, cell(change), run.command()]
+    lines += [[row.name, row.value, cell(row.cost), cell(row.elasticity), int(row.is_scatter), to, cell(change),
+               run.command()]
               for row in rows for to, change, run in zip(row.to, row.changes, row.runs)]
     steps = [{"number": row.name, "value": row.value, options.cost: row.cost,
               "elasticity": None if math.isnan(row.elasticity) else row.elasticity, "scatter": row.is_scatter,
-              "steps": [{"to": to, "change": change, "command": run.command()} for to, change, run in zip(row.to, row.changes, row.runs)]}
+              "steps": [{"to": to, "change": change, "command": run.command()} for to, change,
+                        run in zip(row.to, row.changes, row.runs)]}
              for row in rows]
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", csv_text(lines))
@@ -301,9 +325,11 @@ def json_text(options, rows, command):
     """The same, and the front by itself."""
     names = [options.cost, f"error {options.error}", *also_names(options)]
     points = [{"settings": row.point,
-               **{name: None if math.isnan(value) else value for name, value in zip(names, [row.cost, row.error, *row.also])},
+               **{name: None if math.isnan(value) else value for name,
+                  value in zip(names, [row.cost, row.error, *row.also])},
                "reference": row.is_reference, "front": row.on_front, "command": row.run.command()} for row in rows]
-    return json_file({"cost": options.cost, "error": options.error, "front": [point for point in points if point["front"]], "points": points}, command)
+    return json_file({"cost": options.cost, "error": options.error,
+                      "front": [point for point in points if point["front"]], "points": points}, command)
 
 
 def json_file(whole, command, program_name=PROGRAM):
@@ -328,13 +354,15 @@ def warn_of_constant_cost(options, rows):
     for name, values in options.parameters:
         change = cost_change(rows, name)
         if len(values) > 1 and change < HARDLY:
-            print(f"{PROGRAM}: note: {name} changes frame_ms by at most {100 * change:.2g}%: at the functional level the ASIC takes no time. "
+            print(f"{PROGRAM}: note: {name} changes frame_ms by at most {100 * change:.2g}%: at the functional level "
+                  f"the ASIC takes no time. "
                   "--fix fidelity=cycle counts it", file=sys.stderr)
 
 
 def warn_of_invisible(rows):
     for text in dict.fromkeys(row.invisible for row in rows if row.invisible):
-        print(f"{PROGRAM}: note: {text}: {sum(row.invisible == text for row in rows)} of {len(rows)} runs", file=sys.stderr)
+        print(f"{PROGRAM}: note: {text}: {sum(row.invisible == text for row in rows)} of {len(rows)} runs",
+              file=sys.stderr)
 
 
 def print_front(options, rows):
@@ -389,7 +417,8 @@ def carry_out_program(name, work):
         work(sys.argv[1:])
         sys.stdout.flush()
     except (RunFailed, FileError, InputError, MemoryError, OSError, subprocess.CalledProcessError) as error:
-        text = f"standard output: {os.strerror(error.errno)}" if isinstance(error, OSError) and not error.filename else error
+        text = f"standard output: {os.strerror(error.errno)}" if isinstance(error,
+            OSError) and not error.filename else error
         print(f"{name}: {text}", file=sys.stderr)
         sys.stdout = None  # what is left in its buffer has no place
         return 1

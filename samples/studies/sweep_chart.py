@@ -36,12 +36,13 @@ def panels_of(draw, options, rows):
         wide = is_number and min(numbers_of(values)) > 0 and max(numbers_of(values)) > 20 * min(numbers_of(values))
         made.append(draw.Panel(label, options.cost, series, log_x=wide, box_outside=len(series) > 1))
     return made or [draw.Panel(f"row of {options.name}.csv", options.cost,
-                               [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points", mark=0)])]
+                               [draw.Series("runs", range(1, len(rows) + 1), [row.cost for row in rows], look="points",
+                                            mark=0)])]
 
 
 def draw_chart(options, rows, path):
-    """NAME.svg: all points of cost and error, and the Pareto front as a line. Cost by each parameter is NAME-cost.svg beside it, or NAME.svg
-    itself where nothing was compared. Raises FileError."""
+    """NAME.svg: all points of cost and error, and the Pareto front as a line. Cost by each parameter is NAME-cost.svg
+    beside it, or NAME.svg itself where nothing was compared. Raises FileError."""
     try:
         from studies import draw
     except ImportError as error:
@@ -55,7 +56,8 @@ def draw_chart(options, rows, path):
 
     def points(label, drawn, **look):
         drawn = sorted(drawn, key=lambda row: row.cost)
-        return draw.Series(label, [row.cost for row in drawn], [row.error if row.error > 0 else exact for row in drawn], **look)
+        return draw.Series(label, [row.cost for row in drawn], [row.error if row.error > 0 else exact for row in drawn],
+                           **look)
     without = [row for row in rows if not row.error > 0]
     series = [points("runs", [row for row in rows if row.error > 0], look="points", colour=-1, mark=0),
               points("no error", without, look="points", colour=-1, mark=0, hollow=True),

@@ -15,8 +15,8 @@ class FileError(Exception):
 
 
 def write_whole(path, text):
-    """Who reads the file sees the old contents or all of the new. As by gicube/whole_file.h, links are followed, a file's
-    mode stays, and a read-only file is refused. Raises FileError."""
+    """Who reads the file sees the old contents or all of the new. As by gicube/whole_file.h, links are followed, a
+    file's mode stays, and a read-only file is refused. Raises FileError."""
     place = pathlib.Path(os.path.realpath(path))
     part = place.with_name(f"{place.name}.{os.getpid()}.part")
     try:
@@ -55,19 +55,21 @@ def rows_of(file):
 
 
 def on_front(points):
-    """Points are tuples of figures of which less is better. Returns a truth value a point: whether no other is at least as good in all of
-    them and better in one. A point with not-a-number is not on the front."""
-    return [not any(map(math.isnan, point)) and not any(all(map(operator.le, other, point)) and other != point for other in points)
+    """Points are tuples of figures of which less is better. Returns a truth value a point: whether no other is at least
+    as good in all of them and better in one. A point with not-a-number is not on the front."""
+    return [not any(map(math.isnan, point)) and not any(all(map(operator.le, other, point)) and other != point
+                                                        for other in points)
             for point in points]
 
 
 def pareto(out, tables, *, error, costs, series=("series",), per=None):
-    """Puts the points of several tables together, with their fronts. Columns of `out`: series (these columns, joined by blanks), error,
-    each cost (divided by the column `per`), front of each cost (1 or 0), command."""
+    """Puts the points of several tables together, with their fronts. Columns of `out`: series (these columns, joined by
+    blanks), error, each cost (divided by the column `per`), front of each cost (1 or 0), command."""
     points = []
     for row in (row for table in tables for row in rows_of(table)):
         share = float(row[per]) if per else 1
-        points.append((" ".join(row[column] for column in series), float(row[error]), [float(row[cost]) / share for cost in costs], row["command"]))
+        points.append((" ".join(row[column] for column in series), float(row[error]),
+                       [float(row[cost]) / share for cost in costs], row["command"]))
     fronts = [on_front([(each[2][i], each[1]) for each in points]) for i in range(len(costs))]
     rows = [[name, cell(miss), *map(cell, paid), *(int(front[i]) for front in fronts), command]
             for i, (name, miss, paid, command) in enumerate(points)]

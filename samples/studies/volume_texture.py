@@ -9,12 +9,13 @@ BUSES = ("pci33", "agp1x", "agp2x", "agp4x")
 
 
 def measured(bus, samples, size="128x128", fidelity="cycle"):
-    """Of a picture after the first: pixels that the texture covers, host rays of all of them, milliseconds, and those in which the bus
-    was busy."""
+    """Of a picture after the first: pixels that the texture covers, host rays of all of them, milliseconds, and those
+    in which the bus was busy."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run(folder, "gicube-compose",
-            f"{KNOT} --size {size} --samples {samples} --board emu:?bus={bus} --fidelity {fidelity} --quiet --stats @stats.json")
+            f"{KNOT} --size {size} --samples {samples} --board emu:?bus={bus} --fidelity {fidelity} --quiet --stats "
+            f"@stats.json")
         stats = statistics(folder / "stats.json")
     (hair,) = stats["volumes"]
     return {"pixels": hair["rays"] / samples ** 2, "rays": hair["segments"], "ms": stats["further_frame_ms"]}
@@ -23,10 +24,12 @@ def measured(bus, samples, size="128x128", fidelity="cycle"):
 def rows(found):
     for name, each in found:
         _, bus, samples = name.split("/")
-        yield name, [bus, samples, f"{each['pixels']:.0f}", each["rays"], f"{each['rays'] / each['pixels']:.4g}", f"{each['ms']:.4f}",
+        yield name, [bus, samples, f"{each['pixels']:.0f}", each["rays"], f"{each['rays'] / each['pixels']:.4g}",
+                     f"{each['ms']:.4f}",
                      f"{1000 / each['ms']:.4g}"]
 
 
 def tables():
-    points = {f"texture/{bus}/{samples}": lambda _, each=(bus, samples): measured(*each) for bus in BUSES for samples in (1, 2, 4)}
+    points = {f"texture/{bus}/{samples}": lambda _, each=(bus, samples): measured(*each) for bus in BUSES
+              for samples in (1, 2, 4)}
     return [Table("volume_texture", ["bus", "samples", "pixels", "rays", "rays_a_pixel", "ms", "hz"], points, rows)]

@@ -1,9 +1,12 @@
-"""What Python costs, beside C++: a million host rays through each, in turns, and the memory that loading 256^3 float32 voxels takes.
+"""What Python costs, beside C++: a million host rays through each, in turns, and the memory that loading 256^3 float32
+voxels takes.
 
   cmake --build --preset release --target gicube_python gicube_bench gicube-board
-  PYTHONPATH=build/release/python GICUBE_BOARD=build/release/bin/gicube-board /usr/bin/python3 tests/bench/python_bench.py [TURNS]
+  PYTHONPATH=build/release/python GICUBE_BOARD=build/release/bin/gicube-board /usr/bin/python3
+  tests/bench/python_bench.py [TURNS]
 
-The C++ case is host_rays/262144 of tests/bench/host_ray_bench.cpp; this is the same in Python. On a machine that does nothing else.
+The C++ case is host_rays/262144 of tests/bench/host_ray_bench.cpp; this is the same in Python. On a machine that does
+nothing else.
 """
 
 import json
@@ -49,8 +52,10 @@ def python_rate(out):
 
 def cpp_rate():
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
-        command = [ROOT / "build/release/tests/gicube_bench", f"--benchmark_filter=^host_rays/{RAYS}/", f"--benchmark_out={out.name}"]
-        subprocess.run([*command, "--benchmark_out_format=json", "--benchmark_min_time=2"], check=True, stdout=subprocess.DEVNULL)
+        command = [ROOT / "build/release/tests/gicube_bench", f"--benchmark_filter=^host_rays/{RAYS}/",
+                   f"--benchmark_out={out.name}"]
+        subprocess.run([*command, "--benchmark_out_format=json", "--benchmark_min_time=2"], check=True,
+                       stdout=subprocess.DEVNULL)
         return json.load(open(out.name))["benchmarks"][0]["items_per_second"]
 
 
@@ -78,12 +83,15 @@ def main():
         cpp, own, fresh = cpp_rate(), python_rate(out), python_rate(None)
         into.append(own / cpp)
         new.append(fresh / cpp)
-        print(f"turn {turn + 1}: C++ {cpp / 1e6:.3f}, Python {own / 1e6:.3f}, into new arrays {fresh / 1e6:.3f} million rays a second", flush=True)
+        print(f"turn {turn + 1}: C++ {cpp / 1e6:.3f}, Python {own / 1e6:.3f}, into new arrays {fresh / 1e6:.3f} "
+              f"million rays a second", flush=True)
     for what, ratios in (("receive(out=...)", into), ("receive()", new)):
         print(f"{what}: {statistics.median(ratios):.3f} of the C++ rate ({min(ratios):.3f} to {max(ratios):.3f})")
     for layout in ("samples", "samples.T"):
-        before, peak = map(float, subprocess.check_output([sys.executable, "-c", LOAD.format(layout=layout)], text=True).split())
-        print(f"load_volume({layout}), {256**3 * 4 / 2**20:.0f} MiB: {before:.1f} MiB before, {peak:.1f} at most, {peak - before:.1f} more")
+        before, peak = map(float, subprocess.check_output([sys.executable, "-c", LOAD.format(layout=layout)],
+                                                          text=True).split())
+        print(f"load_volume({layout}), {256**3 * 4 / 2**20:.0f} MiB: {before:.1f} MiB before, {peak:.1f} at most, "
+              f"{peak - before:.1f} more")
 
 
 main()

@@ -1,7 +1,9 @@
-"""How fast gicube-view turns: plays a drag over the WebSocket as the page does, one picture under way and the newest view after it.
+"""How fast gicube-view turns: plays a drag over the WebSocket as the page does, one picture under way and the newest
+view after it.
 
-Usage: view_drag.py [ADDRESS]     without one it starts gicube-view itself, with a buckyball of 256^3 at 512^2 and the functional level
-Prints pictures a second, and the time from a move to the picture that has it: median, 95th of 100, worst. In milliseconds of this machine.
+Usage: view_drag.py [ADDRESS]     without one it starts gicube-view itself, with a buckyball of 256^3 at 512^2 and the
+functional level Prints pictures a second, and the time from a move to the picture that has it: median, 95th of 100,
+worst. In milliseconds of this machine.
 """
 
 from __future__ import annotations
@@ -48,7 +50,8 @@ def play(page: Page) -> tuple[list[float], float]:
         angle += sum(DRAG[played:due])
         if asked_at is None and due > shown:
             number += 1
-            page.send({"do": "picture", "id": number, "moving": True, "settings": {"eye": turned(hello["settings"], angle)}})
+            page.send({"do": "picture", "id": number, "moving": True,
+                       "settings": {"eye": turned(hello["settings"], angle)}})
             asked_at, shown = begin + (due - 1) / 60, due
         played = due
         if page.readable(max(0.0, begin + played / 60 - time.monotonic()) if played < len(DRAG) else 10.0):
@@ -61,12 +64,14 @@ def play(page: Page) -> tuple[list[float], float]:
 
 def main(address: str | None) -> None:
     with contextlib.ExitStack() as stack:
-        program = Running(address) if address else stack.enter_context(Program("builtin:buckyball", "--fix", "size=512x512"))
+        program = Running(address) if address else stack.enter_context(Program("builtin:buckyball", "--fix",
+            "size=512x512"))
         latencies, seconds = play(stack.enter_context(Page(program)))
     ordered = sorted(1000 * latency for latency in latencies)
     print(
         f"{len(ordered) / seconds:.1f} pictures a second; latency {statistics.median(ordered):.0f} ms at the median, "
-        f"{ordered[len(ordered) * 95 // 100]:.0f} ms at 95 of 100, {ordered[-1]:.0f} ms at worst; load {os.getloadavg()[0]:.1f}"
+        f"{ordered[len(ordered) * 95 // 100]:.0f} ms at 95 of 100, {ordered[-1]:.0f} ms at worst; load "
+        f"{os.getloadavg()[0]:.1f}"
     )
 
 

@@ -1,5 +1,5 @@
-"""Compares a bill of materials (driver/cmake/sbom.py) with what ldd, readelf and dpkg say of the unpacked package, and with
-docs/design/dependencies.md.
+"""Compares a bill of materials (driver/cmake/sbom.py) with what ldd, readelf and dpkg say of the unpacked package, and
+with docs/design/dependencies.md.
 
 Usage: check_bill.py BILL.json ROOT SOURCE_FOLDER
 """
@@ -42,11 +42,15 @@ def of_metapackages(names):
 bill = json.loads(Path(sys.argv[1]).read_text())
 root, tree = Path(sys.argv[2]), Path(sys.argv[3])
 packages = {each["SPDXID"]: each for each in bill["packages"]}
-related = lambda kind: {packages[each["relatedSpdxElement"]]["name"] for each in bill["relationships"] if each["relationshipType"] == kind}  # noqa: E731
+# noqa: E731
+related = lambda kind: {packages[each["relatedSpdxElement"]]["name"]
+                        for each in bill["relationships"] if each["relationshipType"] == kind}
 
 # Every program and library, byte by byte.
-elves = [file for file in root.rglob("*") if file.is_file() and not file.is_symlink() and file.read_bytes()[:4] == b"\x7fELF"]
-expect_equal("files", {"./" + str(file.relative_to(root)) for file in elves}, {each["fileName"] for each in bill["files"]})
+elves = [file for file in root.rglob("*") if file.is_file() and not file.is_symlink()
+         and file.read_bytes()[:4] == b"\x7fELF"]
+expect_equal("files", {"./" + str(file.relative_to(root)) for file in elves},
+             {each["fileName"] for each in bill["files"]})
 for each in bill["files"]:
     sums = {one["algorithm"]: one["checksumValue"] for one in each["checksums"]}
     if hashlib.sha256((root / each["fileName"]).read_bytes()).hexdigest() != sums["SHA256"]:
@@ -56,11 +60,16 @@ for each in bill["files"]:
 paths = set()
 for elf in elves:
     names = set(re.findall(r"\(NEEDED\).*\[(.*)\]", said("readelf", "-d", elf)))
-    found = dict(re.findall(r"^\s*(\S+) => (\S+)", said("ldd", elf, env={**os.environ, "LD_LIBRARY_PATH": str(root / "usr/lib")}), re.MULTILINE))
-    paths |= {os.path.realpath(found[name]) for name in names if name in found and not found[name].startswith(str(root))}
-owner = {line.split(":")[0] for path in paths for line in said("dpkg", "-S", "*" + path.removeprefix("/usr")).splitlines() if line.endswith(path)
+    found = dict(re.findall(r"^\s*(\S+) => (\S+)",
+                            said("ldd", elf, env={**os.environ, "LD_LIBRARY_PATH": str(root / "usr/lib")}),
+                            re.MULTILINE))
+    paths |= {os.path.realpath(found[name]) for name in names if name in found
+              and not found[name].startswith(str(root))}
+owner = {line.split(":")[0] for path in paths
+         for line in said("dpkg", "-S", "*" + path.removeprefix("/usr")).splitlines() if line.endswith(path)
          or line.endswith(" " + path.removeprefix("/usr"))}  # fmt: skip
-expect_equal("packages linked", owner | {"libc6"}, related("DYNAMIC_LINK"))  # ldd names the loader, of libc6, in another form
+# ldd names the loader, of libc6, in another form
+expect_equal("packages linked", owner | {"libc6"}, related("DYNAMIC_LINK"))
 
 # Versions, and licences of all packages but the toolchain's, whose files are no machine readable ones.
 used = related("DYNAMIC_LINK") | related("STATIC_LINK")
@@ -75,7 +84,8 @@ for each in packages.values():
     declared = each["licenseDeclared"]
     if "no licence" in each["licenseComments"] and source[each["name"]] not in TOOLCHAIN:
         faults.append(f"{each['name']}: no licence")
-    if declared.startswith("LicenseRef-") and declared not in {one["licenseId"] for one in bill["hasExtractedLicensingInfos"]}:
+    if declared.startswith("LicenseRef-") and declared not in {one["licenseId"]
+        for one in bill["hasExtractedLicensingInfos"]}:
         faults.append(f"{each['name']}: {declared} is not explained")
 
 # What is used has its row in the table, and what script/packages.txt calls a library of the product is used.

@@ -28,7 +28,8 @@ class MutantsTestCase(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.folder.name)
         (folder / "mutant.h").write_text(mutants.HEADER)
-        (folder / "toy.cpp").write_bytes(mutants.write(cls.finder.source, cls.numbered, cls.finder.constexpr, b'#include "mutant.h"\n'))
+        (folder / "toy.cpp").write_bytes(mutants.write(cls.finder.source, cls.numbered, cls.finder.constexpr,
+                                                       b'#include "mutant.h"\n'))
         (folder / "main.cpp").write_text(MAIN)
         subprocess.run(["c++", "-std=c++20", "-w", "toy.cpp", "main.cpp", "-o", "toy"], cwd=folder, check=True)
 

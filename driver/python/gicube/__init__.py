@@ -16,7 +16,8 @@ Positions are (x, y, z) in voxels, arrays over voxels are indexed [z, y, x], tim
 from gicube._core import LightPlan as LightPlan, Plan as Plan, Scene as Scene, SceneSetup as SceneSetup
 from gicube._core import __version__ as __version__
 from gicube.arrays import *
-from gicube.board import NO_DEADLINE as NO_DEADLINE, Board as Board, RayExchange as RayExchange, enumerate as enumerate, open as open
+from gicube.board import (NO_DEADLINE as NO_DEADLINE, Board as Board, RayExchange as RayExchange,
+                          enumerate as enumerate, open as open)
 from gicube.board_group import BoardGroup as BoardGroup
 from gicube.counters import Counters as Counters, fidelity_report as fidelity_report
 from gicube.errors import *

@@ -14,7 +14,8 @@ from gicube.errors import BadArgument
 from gicube.records import Array, ElementKind
 
 __all__ = [
-    "ELEMENT", "ELEMENT_PAIR", "PAIR_FACTOR", "PIXEL", "RAY", "TRACED_RAY", "clip_to_volume", "elements", "pairs", "rays",
+    "ELEMENT", "ELEMENT_PAIR", "PAIR_FACTOR", "PIXEL", "RAY", "TRACED_RAY", "clip_to_volume", "elements", "pairs",
+    "rays",
     "rays_between",
 ]
 
@@ -36,7 +37,8 @@ Request = TypeVar("Request")
 
 
 def as_request(kind: Type[Request], request: Optional[Request], fields: Dict[str, Any]) -> Request:
-    """`request` with these fields changed; one of them alone if it is None. Raises BadArgument if it is of another kind."""
+    """`request` with these fields changed; one of them alone if it is None. Raises BadArgument if it is of another
+    kind."""
     if request is None:
         return kind(**fields)
     if not isinstance(request, kind):
@@ -76,8 +78,10 @@ def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[
     unmasked(value, field)
     array = np.asarray(value) if isinstance(value, np.ndarray) else np.asarray(value, dtype=wanted)
     native = array.dtype.newbyteorder("=")
-    if native != wanted and not (wanted.names is None and np.can_cast(native, wanted, "same_kind") and wanted.kind == "f"):
-        raise BadArgument(field, f"an array of {wanted.name if wanted.names is None else wanted.names}", str(array.dtype))
+    if native != wanted and not (wanted.names is None and np.can_cast(native, wanted, "same_kind")
+                                 and wanted.kind == "f"):
+        raise BadArgument(field, f"an array of {wanted.name if wanted.names is None else wanted.names}",
+                          str(array.dtype))
     if shape is not None:
         fits = len(shape) == array.ndim and all(want in (None, got) for want, got in zip(shape, array.shape))
         if not fits:
@@ -147,7 +151,8 @@ def elements(
 ) -> Array:
     """Elements for Board.pair_factors(): arrays (n, 3) in voxels, or single vectors for all. A kind is an ElementKind
     or its value, as "patch". Returns an array of ELEMENT."""
-    vectors = {name: as_array(value, name, "float64") for name, value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
+    vectors = {name: as_array(value, name, "float64") for name,
+               value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
     kinds = [kind] if isinstance(kind, (ElementKind, str)) else list(kind)
     count = max([len(kinds), *(len(value) for value in vectors.values() if value.ndim == 2)])
     out = np.zeros(count, ELEMENT)

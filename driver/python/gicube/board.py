@@ -19,7 +19,8 @@ from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
 from gicube.pending import Pending, readable
-from gicube.records import Array, BackPressure, BoardInfo, BrickDetail, FoundBoard, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
+from gicube.records import (Array, BackPressure, BoardInfo, BrickDetail, FoundBoard, Illumination, Light,
+                            LightingReport, Material, PairRequest, RayBatch)
 from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
 from gicube.records import ValueRange, View, VoxelBox
 from gicube.volume import Volume, VolumeStream, as_volume
@@ -60,8 +61,8 @@ def _close_boards() -> None:
 
 
 class RayExchange(Protocol):
-    """How the ranks of a job tell each other of rays (Board.share_blocks()). With mpi4py: COMM_WORLD's rank, size, alltoall() and
-    allreduce()."""
+    """How the ranks of a job tell each other of rays (Board.share_blocks()). With mpi4py: COMM_WORLD's rank, size,
+    alltoall() and allreduce()."""
 
     @property
     def rank(self) -> int:
@@ -81,9 +82,10 @@ class RayExchange(Protocol):
 class Board:
     """One session with one board, which ends with close(), the `with` statement or this object.
 
-    Several threads may use it: each call is one transaction, they take turns, and other threads of Python run meanwhile. Ctrl-C ends
-    a call that waits by KeyboardInterrupt. The board works on then and takes the next call: a picture is unknown, irradiance
-    incomplete, a loading volume lost; ray batches stay under way. A process that is forked from this one opens its own board.
+    Several threads may use it: each call is one transaction, they take turns, and other threads of Python run
+    meanwhile. Ctrl-C ends a call that waits by KeyboardInterrupt. The board works on then and takes the next call: a
+    picture is unknown, irradiance incomplete, a loading volume lost; ray batches stay under way. A process that is
+    forked from this one opens its own board.
 
     Every call but close() raises DeviceLost and TimedOut (see reopen()), Error in a forked process.
     """
@@ -107,8 +109,9 @@ class Board:
     ) -> None:
         """Opens a board and resets it.
 
-        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board that
-            listens. emu: takes options, as in "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8" (gicube/board.h).
+        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board
+            that listens. emu: takes options, as in "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8"
+            (gicube/board.h).
         watchdog: seconds of wall-clock time for one answer of the board, 0: no limit.
         max_rays, back_pressure: how many rays may be under way, 4096 or more, and what submit() does then.
         keep_volume: the volume stays in the host's memory for reopen(), 4.5 bytes per voxel.
@@ -116,15 +119,16 @@ class Board:
         force: takes the board from its owner. wait_for_board: seconds to wait in line for it.
         capture: file for every frame of the session (docs/guide/capture.md).
         token_file, ca_file: access over TCP and TLS (docs/reference/security.md).
-        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with (gicube-board
-            --restore); "emu:?restore=FILE" does the same.
-        max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card, as many
-            in the host's memory, others in a file in TMPDIR.
+        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with
+            (gicube-board --restore); "emu:?restore=FILE" does the same.
+        max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card,
+            as many in the host's memory, others in a file in TMPDIR.
 
         Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
         """
         self.uri = uri
-        options = {"watchdog": watchdog, "max_rays": max_rays, "back_pressure": back_pressure, "keep_volume": keep_volume}
+        options = {"watchdog": watchdog, "max_rays": max_rays, "back_pressure": back_pressure,
+                   "keep_volume": keep_volume}
         options |= {"reopen_attempts": reopen_attempts, "force": force, "wait_for_board": wait_for_board}
         options |= {"go_on": go_on, "max_waiting_rays": max_waiting_rays}
         options |= {"capture": os.fspath(capture), "token_file": os.fspath(token_file), "ca_file": os.fspath(ca_file)}
@@ -157,7 +161,8 @@ class Board:
             info = self.info
         except RuntimeError:
             return f"<gicube.Board {self.uri}, closed>"
-        return f"<gicube.Board {self.uri}: {info.fidelity.value}, {info.processors} processors, at {self.now * 1e-9:.6g} ms>"
+        return (f"<gicube.Board {self.uri}: {info.fidelity.value}, {info.processors} processors, at "
+                f"{self.now * 1e-9:.6g} ms>")
 
     @property
     def info(self) -> BoardInfo:
@@ -172,18 +177,19 @@ class Board:
     def reopen(self) -> Reopened:
         """After DeviceLost or TimedOut: connects again by the same URI.
 
-        If the board still has the session, it goes on, and the failed call may be made again. Else it is a new board: tables and
-        materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer are lost.
-        Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
+        If the board still has the session, it goes on, and the failed call may be made again. Else it is a new board:
+        tables and materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer are
+        lost. Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
         """
         return self._core.reopen()
 
     def save(self, file: Union[None, str, "os.PathLike[str]"] = None) -> Optional[bytes]:
-        """A checkpoint: all that the board is and that this object knows of it, ray batches under way included. To a file, which is
-        whole or not there, or as bytes.
+        """A checkpoint: all that the board is and that this object knows of it, ray batches under way included. To a
+        file, which is whole or not there, or as bytes.
 
-        A board that goes on from it finds the same bits, times and counters as this one. The scattering routine is not in it. It costs no
-        simulated time. Raises Rejected if it is larger than the board holds for a client, Error if the file can't be written.
+        A board that goes on from it finds the same bits, times and counters as this one. The scattering routine is not
+        in it. It costs no simulated time. Raises Rejected if it is larger than the board holds for a client, Error if
+        the file can't be written.
         """
         if file is None:
             return self._core.save().tobytes()
@@ -191,10 +197,11 @@ class Board:
         return None
 
     def restore(self, checkpoint: Union[bytes, str, "os.PathLike[str]"]) -> None:
-        """This board goes on from a checkpoint of save(): bytes, or a file's name. `now` is the clock that was saved, and its tickets
-        are valid. Set the scattering routine again.
+        """This board goes on from a checkpoint of save(): bytes, or a file's name. `now` is the clock that was saved,
+        and its tickets are valid. Set the scattering routine again.
 
-        Raises BadArgument (a damaged checkpoint, by its field), Rejected (of another configuration, or too large): nothing has changed.
+        Raises BadArgument (a damaged checkpoint, by its field), Rejected (of another configuration, or too large):
+        nothing has changed.
         """
         if isinstance(checkpoint, bytes):
             self._core.restore(np.frombuffer(checkpoint, "u1"))
@@ -204,14 +211,14 @@ class Board:
     # Volume.
 
     def load_volume(self, volume: Union[Volume, VolumeStream, ArrayLike], *, progress: ProgressLike = None) -> None:
-        """Replaces the volume: an array [z, y, x] of numbers (gicube.Volume says which are converted); a gicube.Volume, which has more to say; or a
-        gicube.VolumeStream, which is read in planes.
+        """Replaces the volume: an array [z, y, x] of numbers (gicube.Volume says which are converted); a gicube.Volume,
+        which has more to say; or a gicube.VolumeStream, which is read in planes.
 
-        Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
-        are kept. A volume with more blocks than the card stores is kept by the driver, a stream in a file, and its blocks are sent as
-        pictures, rays and light need them, with the same bits; what needs the whole volume raises Unsupported. Raises BadArgument, and
-        Error if a stream's file can't be written: the board keeps its volume. Raises Rejected if it needs more memory than the board
-        may take: there is no volume then.
+        Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer
+        functions are kept. A volume with more blocks than the card stores is kept by the driver, a stream in a file,
+        and its blocks are sent as pictures, rays and light need them, with the same bits; what needs the whole volume
+        raises Unsupported. Raises BadArgument, and Error if a stream's file can't be written: the board keeps its
+        volume. Raises Rejected if it needs more memory than the board may take: there is no volume then.
         """
         with shown(progress, "loading") as told:
             if isinstance(volume, VolumeStream):
@@ -230,7 +237,8 @@ class Board:
         where = VoxelBox((0, 0, 0), self.dims) if box is None else box
         return call(where).reshape(tuple(where.size)[::-1] + (words,) * (words > 1))
 
-    def _write(self, call: Callable[[VoxelBox, Array], object], values: ArrayLike, box: Optional[VoxelBox], words: int = 1) -> None:
+    def _write(self, call: Callable[[VoxelBox, Array], object], values: ArrayLike, box: Optional[VoxelBox],
+               words: int = 1) -> None:
         array = as_array(values, "values", "float32", (None, None, None) + (words,) * (words > 1))
         size = array.shape[2::-1]
         where = VoxelBox((0, 0, 0), size) if box is None else box
@@ -244,7 +252,8 @@ class Board:
         return self._core.dims()
 
     def read_volume(self, box: Optional[VoxelBox] = None) -> Array:
-        """The values of a box, or of all, as the board holds them, 12 bits each: float32 [z, y, x]. Raises Rejected, BadArgument."""
+        """The values of a box, or of all, as the board holds them, 12 bits each: float32 [z, y, x]. Raises Rejected,
+        BadArgument."""
         return self._read(self._core.read_volume, box)
 
     def write_volume(self, values: ArrayLike, box: Optional[VoxelBox] = None) -> None:
@@ -255,7 +264,8 @@ class Board:
         self._write(self._core.write_volume, values, box)
 
     def verify_volume(self) -> list[int]:
-        """The blocks that differ from what was written there, numbered as in empty_flags.ravel(). Raises Rejected, MemoryFault."""
+        """The blocks that differ from what was written there, numbered as in empty_flags.ravel(). Raises Rejected,
+        MemoryFault."""
         return self._core.verify_volume()
 
     @property
@@ -280,7 +290,8 @@ class Board:
         self._core.set_empty_flags(as_array(array.astype("u1") if array.dtype == bool else array, "flags", "uint8"))
 
     def set_gradient_codebook(self, directions: ArrayLike) -> None:
-        """Replaces the codebook: at most 2048 unit directions (n, 3), the first of them zero. Raises BadArgument, Rejected."""
+        """Replaces the codebook: at most 2048 unit directions (n, 3), the first of them zero. Raises BadArgument,
+        Rejected."""
         self._core.set_gradient_codebook(as_array(directions, "directions", "float64", (None, 3)))
 
     # Looks.
@@ -300,10 +311,12 @@ class Board:
     def set_scattering_routine(
         self, routine: Optional[Callable[[ScatterEvent], ScatterAnswer]], time_per_ray: int = 0
     ) -> None:
-        """Scatters the rays that meet a material with Bsdf.TRAP and HOST_ROUTINE; the simulated host takes `time_per_ray` for each.
+        """Scatters the rays that meet a material with Bsdf.TRAP and HOST_ROUTINE; the simulated host takes
+        `time_per_ray` for each.
 
-        It may ask this board for `now` and `info` only. What it raises leaves the call that needed it; an answer that no ray can
-        follow raises ScatteringFailed. The rays that had not ended are lost then, and the board is ready for the next call.
+        It may ask this board for `now` and `info` only. What it raises leaves the call that needed it; an answer that
+        no ray can follow raises ScatteringFailed. The rays that had not ended are lost then, and the board is ready for
+        the next call.
         """
         self._core.set_scattering_routine(routine, time_per_ray)
 
@@ -314,27 +327,30 @@ class Board:
     ) -> LightingReport:
         """Clears the irradiance and distributes the lights' energy by lighting rays. The simulated host waits.
 
-        Raises BadArgument (a light's index and field, settings), Rejected (no volume, no routine), DeadlinePassed: the irradiance
-        is incomplete.
+        Raises BadArgument (a light's index and field, settings), Rejected (no volume, no routine), DeadlinePassed: the
+        irradiance is incomplete.
         """
         with shown(progress, "lighting") as told:
             return self._core.illuminate(list(lights), settings, told)
 
-    def start_illuminate(self, lights: Sequence[Light], settings: Illumination = Illumination()) -> Pending[LightingReport]:
+    def start_illuminate(self, lights: Sequence[Light],
+                         settings: Illumination = Illumination()) -> Pending[LightingReport]:
         """illuminate(), started."""
         return Pending(self._core.start_illuminate(list(lights), settings))
 
     def read_irradiance(self, box: Optional[VoxelBox] = None) -> Array:
-        """float32 [z, y, x], in units of the lights' power, of a box or of all; with three irradiance words [z, y, x, 3].
-        Raises Rejected, BadArgument."""
+        """float32 [z, y, x], in units of the lights' power, of a box or of all; with three irradiance words [z, y, x,
+        3]. Raises Rejected, BadArgument."""
         return self._read(self._core.read_irradiance, box, self.info.irradiance_words)
 
     def write_irradiance(self, values: ArrayLike, box: Optional[VoxelBox] = None) -> None:
-        """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and saturate."""
+        """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and
+        saturate."""
         self._write(self._core.write_irradiance, values, box, self.info.irradiance_words)
 
     def clear_irradiance(self, unit: float) -> None:
-        """Zero everywhere; one unit of the words is `unit` of the lights' power: for DEPOSIT rays and write_irradiance()."""
+        """Zero everywhere; one unit of the words is `unit` of the lights' power: for DEPOSIT rays and
+        write_irradiance()."""
         self._core.clear_irradiance(unit)
 
     def clear_sums(self, unit: float) -> None:
@@ -348,10 +364,11 @@ class Board:
     # Pictures.
 
     def render(self, view: View, *, progress: ProgressLike = None) -> Image:
-        """Renders and reads the picture. The simulated host waits. A picture in which nothing is visible is warned of, with the likely
-        reason (UserWarning).
+        """Renders and reads the picture. The simulated host waits. A picture in which nothing is visible is warned of,
+        with the likely reason (UserWarning).
 
-        Raises BadArgument (the view's field), Rejected (no volume, light or routine): the framebuffer is unchanged; DeadlinePassed.
+        Raises BadArgument (the view's field), Rejected (no volume, light or routine): the framebuffer is unchanged;
+        DeadlinePassed.
         """
         self.render_to_framebuffer(view, progress=progress)
         return self._warned(self._core.read_framebuffer())
@@ -370,7 +387,8 @@ class Board:
         return self._warned(self._core.read_framebuffer())
 
     def why_invisible(self, image: Image) -> str:
-        """The likely reason, as a sentence, why nothing is visible in a picture of this board; empty if something is."""
+        """The likely reason, as a sentence, why nothing is visible in a picture of this board; empty if something
+        is."""
         return self._core.why_invisible(image.pixels)
 
     def _warned(self, image: Image) -> Image:
@@ -380,28 +398,31 @@ class Board:
 
     # Rays.
 
-    def submit(self, rays: Union[Array, Sequence[Array]], request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
-        """Sends rays as one batch: an array of gicube.RAY (gicube.rays() makes one), or a list of such arrays that lie in several
-        places. Returns at once unless too many are under way.
+    def submit(self, rays: Union[Array, Sequence[Array]], request: Optional[RayRequest] = None,
+               **fields: Any) -> Ticket:
+        """Sends rays as one batch: an array of gicube.RAY (gicube.rays() makes one), or a list of such arrays that lie
+        in several places. Returns at once unless too many are under way.
 
         What is asked of them is a RayRequest, or its fields: submit(rays, type=RayType.FIRST_HIT, opacity=0.5).
         Raises BadArgument (a ray's index and field, the request's fields), Rejected, WouldBlock: nothing was sent.
         """
         asked = as_request(RayRequest, request, fields)
-        places = [as_array(each, "rays", RAY, (None,)) for each in (rays if isinstance(rays, (list, tuple)) else [rays])]
+        places = [as_array(each, "rays", RAY, (None,))
+                  for each in (rays if isinstance(rays, (list, tuple)) else [rays])]
         none_return = as_choice(RayType, asked.type, "type") in (RayType.DEPOSIT, RayType.BACKPROJECT)
         return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
 
     def start_rays(self, rays: Array, request: Optional[RayRequest] = None, **fields: Any) -> Pending[RayBatch]:
         """submit() with a handle in place of a ticket: its result() is receive()."""
-        return Pending(self._core.start_rays(as_array(rays, "rays", RAY, (None,)), as_request(RayRequest, request, fields)))
+        return Pending(self._core.start_rays(as_array(rays, "rays", RAY, (None,)),
+                                             as_request(RayRequest, request, fields)))
 
     def receive(self, ticket: Ticket, *, out: Optional[Array] = None, deadline: int = NO_DEADLINE) -> RayBatch:
         """Waits until that batch has returned, and moves the simulated clock to its arrival.
 
         out: an array of gicube.TRACED_RAY for the rays, as many as were submitted; else a new one is made.
-        Raises BadArgument (unknown ticket, wrong size), Rejected, Unsupported (the batch is gone), DeadlinePassed if it has not
-        arrived by the simulated time `deadline`, picoseconds: the batch is still under way.
+        Raises BadArgument (unknown ticket, wrong size), Rejected, Unsupported (the batch is gone), DeadlinePassed if it
+        has not arrived by the simulated time `deadline`, picoseconds: the batch is still under way.
         """
         space = np.empty(ticket.rays, TRACED_RAY) if out is None else out
         if space.dtype != TRACED_RAY or not space.flags.c_contiguous:
@@ -414,7 +435,8 @@ class Board:
         return self.receive(ticket)
 
     def descriptor(self, ticket: Ticket) -> int:
-        """A file descriptor that becomes readable when receive() would no longer wait for the board's work. The caller closes it."""
+        """A file descriptor that becomes readable when receive() would no longer wait for the board's work. The caller
+        closes it."""
         return self._core.descriptor(ticket.id)
 
     def poll(self) -> list[RayBatch]:
@@ -434,21 +456,24 @@ class Board:
         progress: ProgressLike = None,
         **fields: Any,
     ) -> Array:
-        """How much light goes between pairs of elements: an array of gicube.PAIR_FACTOR, one factor a pair (gicube/pair.h).
+        """How much light goes between pairs of elements: an array of gicube.PAIR_FACTOR, one factor a pair
+        (gicube/pair.h).
 
         elements, pairs: by gicube.elements() and gicube.pairs(). The request is a PairRequest or its fields.
         Raises BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
         """
         asked = as_request(PairRequest, request, fields)
         with shown(progress, "pairs") as told:
-            all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
+            all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs",
+                ELEMENT_PAIR, (None,))
             return self._core.pair_factors(all_elements, all_pairs, asked, told)
 
     def start_pair_factors(
         self, elements: Array, pairs: Array, request: Optional[PairRequest] = None, **fields: Any
     ) -> Pending[Array]:
         """pair_factors(), started."""
-        all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
+        all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs",
+            ELEMENT_PAIR, (None,))
         return Pending(self._core.start_pair_factors(all_elements, all_pairs, as_request(PairRequest, request, fields)))
 
     # Time.
@@ -458,29 +483,31 @@ class Board:
         self._core.host_compute(duration)
 
     def share_blocks(self, exchange: RayExchange) -> None:
-        """Traces volumes together with the boards of other ranks of a job, which `exchange` reaches. Each rank's card is sent its own blocks,
-        and rays that come to others' blocks go there. From now on load_volume(), render(), render_to_framebuffer(), read_framebuffer(),
-        illuminate() and submit() are calls that all ranks make alike (gicube/board.h). What the exchange raises comes from the call; then the
-        job must end, since the others wait.
+        """Traces volumes together with the boards of other ranks of a job, which `exchange` reaches. Each rank's card
+        is sent its own blocks, and rays that come to others' blocks go there. From now on load_volume(), render(),
+        render_to_framebuffer(), read_framebuffer(), illuminate() and submit() are calls that all ranks make alike
+        (gicube/board.h). What the exchange raises comes from the call; then the job must end, since the others wait.
 
         Raises BadArgument (exchange), Rejected (a volume is loaded), Unsupported.
         """
         self._core.share_blocks(exchange)
 
     def set_brick_detail(self, detail: float) -> None:
-        """Blocks of a volume that the card does not store whole are sent in cells of 2, 4 or 8 voxels an edge, as their means, where these
-        are at most that many pixels wide. 0: as they are (gicube/board.h).
+        """Blocks of a volume that the card does not store whole are sent in cells of 2, 4 or 8 voxels an edge, as their
+        means, where these are at most that many pixels wide. 0: as they are (gicube/board.h).
 
         Raises BadArgument (detail: 0..64), Unsupported.
         """
         self._core.set_brick_detail(detail)
 
     def brick_detail(self) -> Optional[BrickDetail]:
-        """What the last picture had of it; None if the card stores the volume whole. Raises Rejected if there is no picture."""
+        """What the last picture had of it; None if the card stores the volume whole. Raises Rejected if there is no
+        picture."""
         return self._core.brick_detail()
 
     def set_time_limit(self, limit: int) -> None:
-        """From now on a picture or a lighting pass that takes longer, in simulated picoseconds, raises DeadlinePassed. 0: none."""
+        """From now on a picture or a lighting pass that takes longer, in simulated picoseconds, raises DeadlinePassed.
+        0: none."""
         self._core.set_time_limit(limit)
 
     @property
@@ -490,8 +517,8 @@ class Board:
 
 
 def enumerate() -> List[FoundBoard]:
-    """The boards on this machine that listen and are of this user. Private ones (emu:) of other programs are none. Raises Error if the
-    folder in which boards make themselves known can't be trusted."""
+    """The boards on this machine that listen and are of this user. Private ones (emu:) of other programs are none.
+    Raises Error if the folder in which boards make themselves known can't be trusted."""
     return _core.enumerate()
 
 

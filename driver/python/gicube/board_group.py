@@ -21,18 +21,19 @@ class BoardGroup:
             group.on_all(lambda board: board.load_volume(volume))
             image = group.render(view)
 
-    The simulated host begins a call at the same time on all boards, and goes on when the last is done. One caller at a time. What one
-    board raises, the caller gets once the others have done their part, with the board's number and address in its message; what the
-    others have is kept, and boards[i].reopen() brings a lost one back.
+    The simulated host begins a call at the same time on all boards, and goes on when the last is done. One caller at a
+    time. What one board raises, the caller gets once the others have done their part, with the board's number and
+    address in its message; what the others have is kept, and boards[i].reopen() brings a lost one back.
     """
 
     def __init__(
-        self, addresses: Union[str, Sequence[str]] = "emu:?boards=2", *, buses: HostBuses = HostBuses.SHARED, **options: Any
+        self, addresses: Union[str, Sequence[str]] = "emu:?boards=2", *, buses: HostBuses = HostBuses.SHARED,
+        **options: Any
     ) -> None:
         """Opens the boards and resets them.
 
-        addresses: one for each board, 1 to 64; or one of emulated boards with the options boards=N and buses=shared or own.
-        buses: whether they share one PCI bus, of a list of addresses. options: of each board, as of Board().
+        addresses: one for each board, 1 to 64; or one of emulated boards with the options boards=N and buses=shared or
+        own. buses: whether they share one PCI bus, of a list of addresses. options: of each board, as of Board().
 
         Raises what Board() raises; BadArgument too for boards of an AGP port that share a bus.
         """
@@ -69,13 +70,13 @@ class BoardGroup:
         return self._core.buses
 
     def on_all(self, work: Callable[[Board], object]) -> None:
-        """Has each board do the same: load a volume, take tables and materials, be lit. In simulated time at once, in this process
-        one after the other."""
+        """Has each board do the same: load a volume, take tables and materials, be lit. In simulated time at once, in
+        this process one after the other."""
         self._core.on_all(lambda index: work(self.boards[index]))
 
     def render(self, view: View, *, progress: ProgressLike = None) -> Image:
-        """The picture that each board would make of the view, if all have the same volume, tables and light: each makes rows of it.
-        Warns as Board.render().
+        """The picture that each board would make of the view, if all have the same volume, tables and light: each makes
+        rows of it. Warns as Board.render().
 
         Raises as Board.render(), and Unsupported if a board is older than protocol 2.3.
         """
@@ -83,8 +84,9 @@ class BoardGroup:
             return self.boards[0]._warned(self._core.render(view, told))
 
     def trace(self, rays: Array, request: Optional[RayRequest] = None, **fields: Any) -> RayBatch:
-        """Rays that come back are dealt to the boards and returned in their order; those that leave energy are traced by each board, so
-        that all have the same irradiance and sums. The request is a RayRequest or its fields. Raises as Board.submit() and receive().
+        """Rays that come back are dealt to the boards and returned in their order; those that leave energy are traced
+        by each board, so that all have the same irradiance and sums. The request is a RayRequest or its fields. Raises
+        as Board.submit() and receive().
         """
         asked = as_request(RayRequest, request, fields)
         return self._core.trace(as_array(rays, "rays", RAY, (None,)), asked)

@@ -12,8 +12,8 @@ from gicube.records import LevelReport
 class Counters(Mapping[str, int]):
     """Counters by name, as "bus.down.busy_ps"; docs/reference/counters.md lists them all.
 
-    Every counter only grows within a session: `end - begin` is what happened in between. A counter that is not there (another
-    fidelity level, or nothing of its kind has happened) raises KeyError; get(name, 0) is 0.
+    Every counter only grows within a session: `end - begin` is what happened in between. A counter that is not there
+    (another fidelity level, or nothing of its kind has happened) raises KeyError; get(name, 0) is 0.
     """
 
     def __init__(self, counters: Iterable[Tuple[str, str, int]]) -> None:

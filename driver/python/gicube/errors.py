@@ -11,7 +11,8 @@ from typing import Any
 from gicube.records import Loss
 
 __all__ = [
-    "BadArgument", "BoardBusy", "Cancelled", "DeadlinePassed", "DeviceLost", "Error", "Fault", "FileError", "InputError", "MemoryFault",
+    "BadArgument", "BoardBusy", "Cancelled", "DeadlinePassed", "DeviceLost", "Error", "Fault", "FileError",
+    "InputError", "MemoryFault",
     "OpenFailed", "Rejected", "ScatteringFailed", "TimedOut", "Unsupported", "VersionMismatch", "WouldBlock",
 ]
 
@@ -27,7 +28,8 @@ class BadArgument(Error, ValueError):
         super().__init__(f"{field}: expected {expected}, got {got}")
         self.field, self.expected, self.got = field, expected, got
 
-    def __reduce__(self) -> tuple[Any, ...]:  # what other processes make it of, of each class that carries more than its text
+    # what other processes make it of, of each class that carries more than its text
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.field, self.expected, self.got)
 
 
@@ -52,7 +54,8 @@ class ScatteringFailed(Error):
 
 
 class MemoryFault(Error):
-    """The board's memory reported an error that it could not correct. Nothing has changed; the call may be made again."""
+    """The board's memory reported an error that it could not correct. Nothing has changed; the call may be made
+    again."""
 
 
 class Unsupported(Error):
@@ -75,15 +78,18 @@ class DeadlinePassed(Error):
 
 
 class Cancelled(Error):
-    """The call was cancelled by Pending.cancel(). A picture is unknown, irradiance incomplete, a loading volume lost."""
+    """The call was cancelled by Pending.cancel(). A picture is unknown, irradiance incomplete, a loading volume
+    lost."""
 
 
 class WouldBlock(Error, BlockingIOError):
-    """As many rays are under way as open(max_rays=...) allows. Nothing was sent: receive or poll before the next try."""
+    """As many rays are under way as open(max_rays=...) allows. Nothing was sent: receive or poll before the next
+    try."""
 
 
 class TimedOut(Error, TimeoutError):
-    """No answer came within the wall-clock watchdog. As after DeviceLost, the board takes no calls until Board.reopen()."""
+    """No answer came within the wall-clock watchdog. As after DeviceLost, the board takes no calls until
+    Board.reopen()."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +105,8 @@ class Fault:
 
 
 class InputError(Error, ValueError):
-    """Something that a user wrote, in a file or as a value, is wrong: `faults` says what, all of it. No board was touched."""
+    """Something that a user wrote, in a file or as a value, is wrong: `faults` says what, all of it. No board was
+    touched."""
 
     def __init__(self, text: str, faults: list[Fault]) -> None:
         super().__init__(text)

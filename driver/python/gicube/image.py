@@ -60,7 +60,8 @@ class Image:
                 return file.read()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Image) and np.array_equal(self.rgb, other.rgb) and np.array_equal(self.alpha, other.alpha)
+        return isinstance(other, Image) and np.array_equal(self.rgb, other.rgb) and np.array_equal(self.alpha,
+            other.alpha)
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -1,4 +1,5 @@
-"""Volumes of other packages' images, with their geometry. None of these packages is imported: an image brings its own."""
+"""Volumes of other packages' images, with their geometry. None of these packages is imported: an image brings its
+own."""
 
 from __future__ import annotations
 
@@ -35,16 +36,19 @@ def _of_vtk(image: Any) -> Parts:
 
     scalars = image.GetPointData().GetScalars()
     if scalars is None or scalars.GetNumberOfComponents() != 1:
-        raise BadArgument("image", "point data with scalars of one component", "none" if scalars is None else "several components")
+        raise BadArgument("image", "point data with scalars of one component",
+                          "none" if scalars is None else "several components")
     matrix = image.GetDirectionMatrix()
     directions = np.array([[matrix.GetElement(row, column) for row in range(3)] for column in range(3)])
     low = np.array(image.GetExtent()[::2])
     origin = np.array(image.GetOrigin()) + (low * image.GetSpacing()) @ directions
-    return vtk_to_numpy(scalars).reshape(image.GetDimensions()[::-1]), image.GetSpacing(), directions, origin, WorldAxes.WORLD
+    return vtk_to_numpy(scalars).reshape(
+        image.GetDimensions()[::-1]), image.GetSpacing(), directions, origin, WorldAxes.WORLD
 
 
 def volume_from(image: Any) -> Volume:
-    """The volume of an image of SimpleITK, nibabel, VTK or PyVista, its axes brought to the nearest of its world, as read_volume() does.
+    """The volume of an image of SimpleITK, nibabel, VTK or PyVista, its axes brought to the nearest of its world, as
+    read_volume() does.
 
     Images of more than three axes are refused, as are types that Volume does not take. Raises BadArgument.
     """
@@ -71,7 +75,8 @@ def volume_from(image: Any) -> Volume:
     for axis, sign in zip(order, signs):
         if sign < 0:
             first = first + (samples.shape[2 - axis] - 1) * spacing[axis] * np.asarray(directions[axis])
-    turned = samples.transpose([2 - axis for axis in order[::-1]])[tuple(slice(None, None, sign) for sign in signs[::-1])]
+    turned = samples.transpose([2 - axis for axis in order[::-1]])[tuple(slice(None, None, sign)
+        for sign in signs[::-1])]
     world = WorldPlacement(
         axes,
         [tuple(float(sign * part) for part in directions[axis]) for axis, sign in zip(order, signs)],

@@ -27,10 +27,11 @@ Event = Dict[str, Any]
 def events(take: Callable[[Event], object], of: str) -> Iterator[str]:
     """Options of a URI "emu:?fidelity=cycle&..." with which the board of that URI tells `take` of its events.
 
-    take: called with each event, a dict as in docs/guide/observation.md, in their order, on a thread of its own; what a command does
-        comes at its end at the latest. If it raises, it is called no more, and this raises the same at the end.
-    of: which events, as of gicube-board --events-of: "pixel=32:32", "rays=0:10,parts=sorter", "counters=1000". The board's opening
-        refuses a faulty text.
+    take: called with each event, a dict as in docs/guide/observation.md, in their order, on a thread of its own; what a
+        command does comes at its end at the latest. If it raises, it is called no more, and this raises the same at the
+        end.
+    of: which events, as of gicube-board --events-of: "pixel=32:32", "rays=0:10,parts=sorter", "counters=1000". The
+        board's opening refuses a faulty text.
 
     Open one board with it, and close that before the end. Time on the board does not depend on `take`.
     """
@@ -69,7 +70,8 @@ class Debugger:
     """
 
     def __init__(self, management: str, board: int = 0, program: str = "gicube-smi") -> None:
-        """Attaches to board number `board` of the process whose management plane is at `management` ("unix:PATH", "tcp:HOST:PORT").
+        """Attaches to board number `board` of the process whose management plane is at `management` ("unix:PATH",
+        "tcp:HOST:PORT").
 
         program: of the SDK, if it is not on the PATH.
         """
@@ -90,8 +92,8 @@ class Debugger:
     def say(self, line: str) -> str:
         """The board's answer to a line, as "break pixel 32 32", "continue 20" or "why".
 
-        Raises Error with what was expected if the line can't be carried out, and nothing has changed then; or if there is no board, or
-        no right to debug it.
+        Raises Error with what was expected if the line can't be carried out, and nothing has changed then; or if there
+        is no board, or no right to debug it.
         """
         if self._smi is None or self._smi.stdin is None or self._smi.stdout is None:
             raise Error("the debugger is closed")

@@ -26,9 +26,10 @@ async def readable(descriptor: int) -> None:
 
 
 class Pending(Generic[Result]):
-    """A call that was started: Board.start_render() and others. It does what the blocking call does, with the same bits and simulated
-    times, in its place in the order of calls: later calls to the board, `now` included, wait until it has ended. Ray batches alone go on
-    beside other calls. It may be awaited, and may outlive its board: it ends with DeviceLost then."""
+    """A call that was started: Board.start_render() and others. It does what the blocking call does, with the same bits
+    and simulated times, in its place in the order of calls: later calls to the board, `now` included, wait until it has
+    ended. Ray batches alone go on beside other calls. It may be awaited, and may outlive its board: it ends with
+    DeviceLost then."""
 
     def __init__(self, core: "_core.Started[Result]") -> None:
         self._core = core
@@ -39,17 +40,19 @@ class Pending(Generic[Result]):
         return self.wait(0.0)
 
     def wait(self, timeout: Optional[float] = None) -> bool:
-        """Waits for that, for at most so many seconds of wall-clock time; returns `ready`. No simulated time passes by it."""
+        """Waits for that, for at most so many seconds of wall-clock time; returns `ready`. No simulated time passes by
+        it."""
         return self._core.wait(timeout)
 
     def result(self, deadline: int = 2**64 - 1) -> Result:
-        """What the call returns, once, or raises. Raises DeadlinePassed if it came after the simulated time `deadline`, picoseconds, or
-        has not come by then: it can be asked for again. Raises Cancelled after cancel(), BadArgument if it was taken before."""
+        """What the call returns, once, or raises. Raises DeadlinePassed if it came after the simulated time `deadline`,
+        picoseconds, or has not come by then: it can be asked for again. Raises Cancelled after cancel(), BadArgument if
+        it was taken before."""
         return self._core.result(deadline)
 
     def cancel(self) -> bool:
-        """Asks the call to end: True if it does, or will; False if it had ended, or its rays are in work. A batch of rays comes back with
-        `cancelled` then."""
+        """Asks the call to end: True if it does, or will; False if it had ended, or its rays are in work. A batch of
+        rays comes back with `cancelled` then."""
         return self._core.cancel()
 
     @property

@@ -90,11 +90,13 @@ def energy_by_part(counters: Counters) -> dict[str, tuple[float, float, float]]:
 
     Raises BadArgument: the counters have no energy, as those of other fidelities.
     """
-    parts = [name for name in counters if name.startswith("energy.") and name.count(".") == 1 and name != "energy.total"]
+    parts = [name for name in counters if name.startswith("energy.") and name.count(".") == 1
+             and name != "energy.total"]
     if not parts:
         raise BadArgument("counters", "those of a board with fidelity=cycle", "none named energy.*")
     parts.sort(key=lambda name: -counters[name])
-    return {name.removeprefix("energy."): (counters[name] * 1e-12, counters[f"{name}.low"] * 1e-12, counters[f"{name}.high"] * 1e-12) for name in parts}
+    return {name.removeprefix("energy."): (counters[name] * 1e-12, counters[f"{name}.low"] * 1e-12,
+                                           counters[f"{name}.high"] * 1e-12) for name in parts}
 
 
 def energy(counters: Counters, axes: Optional[Axes] = None) -> Axes:
@@ -111,8 +113,9 @@ def energy(counters: Counters, axes: Optional[Axes] = None) -> Axes:
 
 
 def loads_over_time(trace: Union[str, "os.PathLike[str]"]) -> dict[str, tuple[Any, Any]]:
-    """What waits and moves on a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE" and closed: arrays of
-    simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory RDRAM 0 packets/us", "links rays on links".
+    """What waits and moves on a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE" and
+    closed: arrays of simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory RDRAM
+    0 packets/us", "links rays on links".
     """
     processes: dict[int, str] = {}
     points: dict[str, list[tuple[float, int]]] = {}
@@ -140,7 +143,8 @@ def _means(times: Any, values: Any, edges: Any) -> Any:
 
 
 def loads(trace: Union[str, "os.PathLike[str]"], axes: Optional[Sequence[Axes]] = None) -> Sequence[Axes]:
-    """How full the queues of each processor are and how much each memory reads, over simulated time: two maps with a row for each.
+    """How full the queues of each processor are and how much each memory reads, over simulated time: two maps with a
+    row for each.
 
     trace: as in loads_over_time(). Raises BadArgument: nothing waited or moved, as on boards of another fidelity.
     """
@@ -155,9 +159,11 @@ def loads(trace: Union[str, "os.PathLike[str]"], axes: Optional[Sequence[Axes]] 
     begin, end = min(times[0] for times in changes), max(times[-1] for times in changes)
     edges = np.linspace(begin, end, 201)  # chosen: bins that a figure's width can show
     for to, kind in zip(axes, ("rays waiting", "packets/us")):
-        rows = {name[: -len(kind)].removeprefix("memory "): _means(*each, edges) for name, each in found.items() if name.endswith(kind)}
+        rows = {name[: -len(kind)].removeprefix("memory "): _means(*each, edges) for name,
+                each in found.items() if name.endswith(kind)}
         extent = (begin * 1e-9, end * 1e-9, len(rows), 0)
-        image = to.imshow(list(rows.values()), aspect="auto", extent=extent, cmap="viridis", interpolation="nearest", vmin=0)
+        image = to.imshow(list(rows.values()), aspect="auto", extent=extent, cmap="viridis", interpolation="nearest",
+                          vmin=0)
         to.set_yticks(np.arange(len(rows)) + 0.5, list(rows))
         to.figure.colorbar(image, ax=to, label=kind)
     axes[-1].set_xlabel("simulated ms")

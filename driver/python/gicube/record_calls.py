@@ -14,7 +14,8 @@ from gicube import _core
 if TYPE_CHECKING:
     from gicube.records import DepositReport, LightingReport, Sampling, View
 
-__all__ = ["FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "RayBatch", "TABULATED_ROUTINE", "Ticket"]
+__all__ = ["FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "RayBatch",
+           "TABULATED_ROUTINE", "Ticket"]
 
 Array = NDArray[Any]
 Vec3 = Sequence[float]
@@ -46,7 +47,8 @@ class Record:
     def _without(cls, name: str) -> str:
         # A part of a name counts as near, as fov of fov_degrees.
         near = [known for known in cls._names() if name in known] or difflib.get_close_matches(name, cls._names(), 1)
-        return f"{cls.__name__} has no field {name!r}" + (f", the nearest is {near[0]!r}" if near else f": it has {', '.join(cls._names())}")
+        return f"{cls.__name__} has no field {name!r}" + (f", the nearest is {near[0]!r}" if near
+                                                          else f": it has {', '.join(cls._names())}")
 
 
 class TransferFunctionCalls:
@@ -72,7 +74,8 @@ class TransferFunctionCalls:
 
 class LightingReportCalls:
     def standard_error(self, irradiance: ArrayLike) -> Any:
-        """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""
+        """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of
+        an array of them."""
         of: Any = self
         return np.sqrt(np.asarray(irradiance) * (of.emitted / of.rays if of.rays else 0.0))
 

@@ -1,6 +1,7 @@
 """Records and enumerations of the driver, with the comments of the C++ headers that each class names.
 
-Positions are (x, y, z) in voxels, voxel (0, 0, 0) has its centre at the origin; arrays over voxels are indexed [z, y, x].
+Positions are (x, y, z) in voxels; voxel (0, 0, 0) has its centre at the origin. Arrays over voxels are indexed
+[z, y, x].
 Times are simulated, in picoseconds.
 """
 
@@ -14,7 +15,8 @@ from typing import Optional, Sequence, Tuple, Union
 
 from gicube import record_calls
 from gicube.record_calls import *
-from gicube.record_calls import Array as Array, Colour as Colour, LightingReportCalls, Record as Record, SamplingCalls, TransferFunctionCalls, Vec3 as Vec3
+from gicube.record_calls import Array as Array, Colour as Colour, Record as Record, Vec3 as Vec3
+from gicube.record_calls import LightingReportCalls, SamplingCalls, TransferFunctionCalls
 
 __all__ = [
     "Albedo", "AnsweredCommand", "BackPressure", "BoardInfo", "BoardTime", "BrickDetail", "Bsdf", "ColourPoint",

@@ -13,12 +13,14 @@ from gicube import _core
 from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
 from gicube.errors import BadArgument, Rejected
-from gicube.records import Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3, View
+from gicube.records import (Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3,
+                            View)
 from gicube.records import SampleType, VoxelBox, WorldAxes, WorldPlacement
 from gicube.volume import Volume, as_volume
 
 __all__ = [
-    "coarser", "cropped", "fit_view", "left_for_picture", "level_error", "level_for", "load_planned", "load_scene", "make_plan",
+    "coarser", "cropped", "fit_view", "left_for_picture", "level_error", "level_for", "load_planned", "load_scene",
+    "make_plan",
     "parse_scene", "placed_look", "placed_view", "plan_light", "presets", "read_scene", "read_volume", "share_of_light",
     "transfer_function", "value_range", "visible_box", "voxels_a_pixel", "why_look", "write_volume",
 ]
@@ -30,9 +32,11 @@ VolumeLike = Union[Volume, ArrayLike]  # a gicube.Volume, or an array [z, y, x] 
 def read_volume(
     path: Path, raw: Optional[RawLayout] = None, *, part: str = "", as_stored: bool = False, nan: Optional[float] = None
 ) -> Volume:
-    """A volume of a file or folder, in the formats of gicube/scene/volume_file.h (docs/guide/formats.md), or raw samples by `raw`.
+    """A volume of a file or folder, in the formats of gicube/scene/volume_file.h (docs/guide/formats.md), or raw
+    samples by `raw`.
 
-    Its axes run along the nearest of the patient's or the world's, if the file says where these are; Volume.world has what is left.
+    Its axes run along the nearest of the patient's or the world's, if the file says where these are; Volume.world has
+    what is left.
 
     part: which volume, if there are several: a name or number, as the error or warning says that lists them.
     as_stored: axes stay as the file has them.
@@ -71,11 +75,11 @@ def value_range(volume: VolumeLike) -> ValueRange:
 
 
 def transfer_function(name: Path, volume: Union[VolumeLike, ValueRange]) -> TransferFunction:
-    """A preset (see presets()) or a file of a transfer function, in the values of a volume. "auto" is the preset that its values suggest,
-    as gicube-render chooses it; why_look() says why.
+    """A preset (see presets()) or a file of a transfer function, in the values of a volume. "auto" is the preset that
+    its values suggest, as gicube-render chooses it; why_look() says why.
 
-    With a ValueRange alone, Hounsfield units count as the volume's values, and other presets go from its low to its high end.
-    Raises InputError; BadArgument for "auto" with a range alone.
+    With a ValueRange alone, Hounsfield units count as the volume's values, and other presets go from its low to its
+    high end. Raises InputError; BadArgument for "auto" with a range alone.
     """
     if isinstance(volume, ValueRange):
         if name == "auto":
@@ -108,9 +112,10 @@ def fit_view(
     name: str = "",
     **fields: Any,
 ) -> View:
-    """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's. `name`: front, back,
-    left, right, top, bottom or iso; of a patient (Volume.world) also anterior, posterior, superior, inferior. What is not given is
-    chosen: eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
+    """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's.
+    `name`: front, back, left, right, top, bottom or iso; of a patient (Volume.world) also anterior, posterior,
+    superior, inferior. What is not given is chosen: eye in front, a little to the left and above; up along z. Raises
+    InputError, BadArgument."""
     volume = as_volume(volume)
     looks = [looks] if isinstance(looks, TransferFunction) else looks
     if box is None:
@@ -141,7 +146,8 @@ def level_error(volume: VolumeLike, coarse: Volume, looks: Sequence[TransferFunc
 
 
 def voxels_a_pixel(view: View, box: VoxelBox, spacing: Vec3 = (1.0, 1.0, 1.0)) -> float:
-    """How many voxel edges one pixel is wide where the box is nearest; below one, a voxel has several. 0: it is beside the eye."""
+    """How many voxel edges one pixel is wide where the box is nearest; below one, a voxel has several. 0: it is beside
+    the eye."""
     return _core.voxels_a_pixel(view, box, spacing)
 
 
@@ -174,7 +180,8 @@ def parse_scene(text: str, name: str = "scene", folder: Path = ".", allow_outsid
 
 
 def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, progress: ProgressLike = None) -> View:
-    """Brings a board to a scene: voxels, looks, shading, materials and, unless `light` is False, light. Returns the scene's view.
+    """Brings a board to a scene: voxels, looks, shading, materials and, unless `light` is False, light. Returns the
+    scene's view.
 
     The first scene of a board brings its own codebook of gradients, and later volumes are coded by that.
     On a board of three irradiance words light has its colours if the scene's illumination asks for them.
@@ -189,7 +196,8 @@ def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, pro
     board.set_shading(setup.shading)
     coloured = setup.light_has_colours and board.info.irradiance_words > 1
     for tag, material in enumerate(setup.materials):
-        board.set_material(replace(material, scattering_colour=setup.scattering_colours[tag]) if coloured else material, tag)
+        board.set_material(replace(material, scattering_colour=setup.scattering_colours[tag]) if coloured else material,
+                           tag)
     lit = setup.is_lit and light
     if lit:
         settings = replace(setup.illumination, light_colours=setup.light_colours) if coloured else setup.illumination
@@ -235,7 +243,8 @@ def plan_light(
     pilot_pixels: int = 64,
     progress: ProgressLike = None,
 ) -> _core.LightPlan:
-    """The cheapest lighting for an error or a simulated time (gicube/light_plan.h): board.illuminate(lights, plan.settings(settings)).
+    """The cheapest lighting for an error or a simulated time (gicube/light_plan.h): board.illuminate(lights,
+    plan.settings(settings)).
 
     The board needs volume, looks and materials. Raises BadArgument, Rejected.
     """

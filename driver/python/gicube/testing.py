@@ -1,5 +1,5 @@
-"""Tests of an application against a board with a given bus, configuration and fault plan: on simulated time and on bytes, so that they
-hold on every machine. gicube/testing.h is the same for C++.
+"""Tests of an application against a board with a given bus, configuration and fault plan: on simulated time and on
+bytes, so that they hold on every machine. gicube/testing.h is the same for C++.
 
 With pytest:
 
@@ -43,7 +43,8 @@ class BoardSetup:
     def from_environment(cls, environment: Optional[Mapping[str, str]] = None) -> "BoardSetup":
         """What gicube_add_test() says by GICUBE_TEST_BUS and so on. Raises BadArgument: a seed that is no number."""
         given = os.environ if environment is None else environment
-        texts = {name: given.get("GICUBE_TEST_" + name.upper(), "") for name in ("board", "bus", "fidelity", "config", "faults")}
+        texts = {name: given.get("GICUBE_TEST_" + name.upper(), "")
+                 for name in ("board", "bus", "fidelity", "config", "faults")}
         seed = given.get("GICUBE_TEST_SEED", "") or "1"
         if not seed.isdecimal():
             raise BadArgument("GICUBE_TEST_SEED", "a number from 0 to 2^64 - 1", repr(seed))
@@ -71,7 +72,8 @@ class BoardSetup:
 
 
 class Window:
-    """What happened between two points of simulated time: from its begin to the end of the `with` statement, or until now."""
+    """What happened between two points of simulated time: from its begin to the end of the `with` statement, or until
+    now."""
 
     def __init__(self, board: Board) -> None:
         self._board, self._begin, self._counters = board, board.now, board.counters
@@ -106,7 +108,8 @@ class Window:
 def _assert(what: str, got: float, expected: float, tolerance: float) -> None:
     within = "exactly" if tolerance == 0 else f"within {100 * tolerance:.3g}%"
     off = f" ({100 * (got - expected) / abs(expected):+.3f}%)" if expected else ""
-    assert abs(got - expected) <= tolerance * abs(expected), f"{what}: expected {expected:.12g} {within}, got {got:.12g}{off}"
+    assert abs(got - expected) <= tolerance * abs(
+        expected), f"{what}: expected {expected:.12g} {within}, got {got:.12g}{off}"
 
 
 def assert_time(window: Window, picoseconds: float, tolerance: float) -> None:
@@ -139,7 +142,8 @@ except ImportError:
 else:
 
     def pytest_configure(config: pytest.Config) -> None:
-        config.addinivalue_line("markers", "board(bus=, fidelity=, config=, set=, faults=): the boards that a test runs on")
+        config.addinivalue_line("markers",
+                                "board(bus=, fidelity=, config=, set=, faults=): the boards that a test runs on")
 
     def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         if "board_setup" not in metafunc.fixturenames:

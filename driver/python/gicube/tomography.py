@@ -38,10 +38,12 @@ class Projector:
         spacing: Sequence[float] = (1.0, 1.0, 1.0),
         step: float = 1.0,
     ) -> None:
-        """dims: voxels (x, y, z). spacing: their edges, in one unit with all lengths. columns, rows: pixels of the detectors.
+        """dims: voxels (x, y, z). spacing: their edges, in one unit with all lengths. columns, rows: pixels of the
+        detectors.
 
-        views: (n, 12) numbers, of each view the source, the detector's middle, and the steps from a pixel to the next in its row and in
-        its column, as ASTRA's cone_vec. The origin is the volume's middle. step: between samples, at most, 1/64..16 voxels.
+        views: (n, 12) numbers, of each view the source, the detector's middle, and the steps from a pixel to the next
+        in its row and in its column, as ASTRA's cone_vec. The origin is the volume's middle. step: between samples, at
+        most, 1/64..16 voxels.
 
         Raises BadArgument that names the field.
         """
@@ -57,23 +59,28 @@ class Projector:
         return chosen
 
     def project(self, volume: ArrayLike, views: Optional[Sequence[int]] = None) -> Array:
-        """Line integrals [view, row, column], float32, of a volume [z, y, x] from the source to each pixel; `views`: indices, None for all.
+        """Line integrals [view, row, column], float32, of a volume [z, y, x] from the source to each pixel; `views`:
+        indices, None for all.
 
-        Values lie between voxel centres by trilinear interpolation; outside of their box there is nothing. The board holds the volume in
-        12 bits between its least value, at most 0, and its greatest. Raises BadArgument (shape, values that are not finite).
+        Values lie between voxel centres by trilinear interpolation; outside of their box there is nothing. The board
+        holds the volume in 12 bits between its least value, at most 0, and its greatest. Raises BadArgument (shape,
+        values that are not finite).
         """
         values, chosen = as_array(volume, "volume", "float32", self._volume), self._indices(views)
         return self._core.project(values, chosen).reshape(len(chosen), *self._view)
 
     def backproject(self, values: ArrayLike, views: Optional[Sequence[int]] = None) -> Array:
-        """The transpose of project(): each ray of values [view, row, column] leaves its value, times its length in a voxel by the same
-        interpolation, in that voxel. Returns [z, y, x], float32. Raises BadArgument (shape, values that are not finite)."""
+        """The transpose of project(): each ray of values [view, row, column] leaves its value, times its length in a
+        voxel by the same interpolation, in that voxel. Returns [z, y, x], float32. Raises BadArgument (shape, values
+        that are not finite)."""
         chosen = self._indices(views)
-        return self._core.backproject(as_array(values, "values", "float32", (len(chosen), *self._view)), chosen).reshape(self._volume)
+        return self._core.backproject(as_array(values, "values", "float32", (len(chosen), *self._view)),
+                                      chosen).reshape(self._volume)
 
     @property
     def counts(self) -> Tuple[int, int, int]:
-        """Rays of both directions so far, deposits of backprojections, and sums that were full (values are wrong there)."""
+        """Rays of both directions so far, deposits of backprojections, and sums that were full (values are wrong
+        there)."""
         return self._core.counts()
 
 
@@ -86,13 +93,14 @@ def circular_views(
     offset: Sequence[float] = (0.0, 0.0),
     heights: ArrayLike = 0.0,
 ) -> Array:
-    """Views (n, 12) about the z axis, for Projector: at an angle b (radians) the source is at source_to_axis (cos b, sin b, 0), and the
-    detector faces it squarely; columns run along (-sin b, cos b, 0), rows along z.
+    """Views (n, 12) about the z axis, for Projector: at an angle b (radians) the source is at source_to_axis (cos b,
+    sin b, 0), and the detector faces it squarely; columns run along (-sin b, cos b, 0), rows along z.
 
-    pitch: of columns and rows, or one for both. offset: of the detector's middle from the ray through the axis. heights: along z of
-    source and detector, of each view or of all; angles that ascend with heights are a helix.
+    pitch: of columns and rows, or one for both. offset: of the detector's middle from the ray through the axis.
+    heights: along z of source and detector, of each view or of all; angles that ascend with heights are a helix.
     """
-    angles, heights = np.broadcast_arrays(as_array(np.atleast_1d(angles), "angles", "float64", (None,)), np.asarray(heights, "f8"))
+    angles, heights = np.broadcast_arrays(as_array(np.atleast_1d(angles), "angles", "float64", (None,)),
+                                          np.asarray(heights, "f8"))
     pitches = np.broadcast_to(np.asarray(pitch, "f8"), (2,))
     zero, one = np.zeros_like(angles), np.ones_like(angles)
     c, s = np.cos(angles), np.sin(angles)
@@ -119,9 +127,9 @@ def _about(axis: int, angles: Array) -> Array:
 def tigre_views(geo: Any, angles: ArrayLike) -> Array:
     """Views (n, 12) for Projector from a geometry of TIGRE (mode "cone") and its angles, (n,) or (n, 3), in radians.
 
-    Read are DSD, DSO, dDetector, offOrigin, offDetector, rotDetector and COR, each one value or one a view, in TIGRE's order (z, y, x)
-    and (v, u). Volumes are [z, y, x] and projections [view, v, u] in both: dims=geo.nVoxel[::-1], spacing=geo.dVoxel[::-1],
-    columns=geo.nDetector[1], rows=geo.nDetector[0].
+    Read are DSD, DSO, dDetector, offOrigin, offDetector, rotDetector and COR, each one value or one a view, in TIGRE's
+    order (z, y, x) and (v, u). Volumes are [z, y, x] and projections [view, v, u] in both: dims=geo.nVoxel[::-1],
+    spacing=geo.dVoxel[::-1], columns=geo.nDetector[1], rows=geo.nDetector[0].
     """
     turns = as_array(np.asarray(angles, "f8"), "angles", "float64")
     turns = np.column_stack([turns, np.zeros((len(turns), 2))]) if turns.ndim == 1 else turns
@@ -135,7 +143,8 @@ def tigre_views(geo: Any, angles: ArrayLike) -> Array:
         value = getattr(geo, name, None)
         array = np.asarray(otherwise if value is None else value, "f8")
         try:
-            return np.broadcast_to(array[:, None] if array.ndim == 1 and numbers == 1 else array, (count, numbers)).copy()
+            return np.broadcast_to(array[:, None] if array.ndim == 1 and numbers == 1 else array,
+                                   (count, numbers)).copy()
         except ValueError as error:
             raise BadArgument(f"geo.{name}", f"{numbers} numbers, or as many a view", str(array.shape)) from error
 
@@ -148,6 +157,7 @@ def tigre_views(geo: Any, angles: ArrayLike) -> Array:
     shift = given("offDetector", 2)
     centre = np.stack([to_axis - to_detector, shift[:, 1], shift[:, 0]], 1)
     rotation = _about(2, turns[:, 0]) @ _about(1, turns[:, 1]) @ _about(2, turns[:, 2])
-    beside = given("COR", 1) * np.stack([-np.sin(turns[:, 0]), np.cos(turns[:, 0]), zero], 1) - given("offOrigin", 3)[:, ::-1]
+    beside = given("COR", 1) * np.stack([-np.sin(turns[:, 0]), np.cos(turns[:, 0]), zero], 1) - given("offOrigin", 3)[:,
+        ::-1]
     source = _turned(rotation, np.stack([to_axis, zero, zero], 1)) + beside
     return np.hstack([source, _turned(rotation, centre) + beside, _turned(rotation, u), _turned(rotation, v)])

@@ -25,7 +25,8 @@ def _stacked(given: Any) -> Any:
 
 
 def _of_board(array: Any) -> Any:
-    """Of a type that boards take, with the same values. Integers become the smallest that holds them, or else float32."""
+    """Of a type that boards take, with the same values. Integers become the smallest that holds them, or else
+    float32."""
     kind = array.dtype
     if kind.name in ("uint8", "uint16", "int16", "float32"):
         return array
@@ -38,7 +39,8 @@ def _of_board(array: Any) -> Any:
         return array.astype("f4")
     if kind.kind in "iu":
         low, high = (int(array.min()), int(array.max())) if array.size else (0, 0)
-        fits = [name for name in ("uint8", "uint16", "int16") if np.iinfo(name).min <= low and high <= np.iinfo(name).max]
+        fits = [name for name in ("uint8", "uint16", "int16") if np.iinfo(name).min <= low
+                and high <= np.iinfo(name).max]
         return array.astype(fits[0] if fits and kind.itemsize > 1 else "int16" if fits else "float32")
     raise BadArgument("samples", "an array of numbers", str(kind))
 
@@ -47,18 +49,19 @@ def _of_board(array: Any) -> Any:
 class Volume(Record):
     """A volume in the host's memory (gicube/volume.h).
 
-    samples: array [z, y, x] of numbers. One of uint8, uint16, int16 or float32 is used where it lies if it is contiguous and in the
-        machine's byte order, and copied once if not. Others become one of these: float16 and float64 float32, bool uint8 with the range
-        0..1, other integers the smallest type that holds their values, or else float32, which rounds beyond 2^24. A masked array's
-        masked voxels get its least value, at which most looks are clear, and the range is that of the others. UINT12 is uint16 with
-        `sample_type`.
+    samples: array [z, y, x] of numbers. One of uint8, uint16, int16 or float32 is used where it lies if it is
+    contiguous and in the
+        machine's byte order, and copied once if not. Others become one of these: float16 and float64 float32, bool
+        uint8 with the range 0..1, other integers the smallest type that holds their values, or else float32, which
+        rounds beyond 2^24. A masked array's masked voxels get its least value, at which most looks are clear, and the
+        range is that of the others. UINT12 is uint16 with `sample_type`.
     spacing: physical voxel edges x, y, z; the ratios count, and for line integrals and backprojection the lengths too.
-    range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
-    gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
-    tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
+    range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and
+    greatest sample. gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the
+    value grows. tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
     colours: None: none. Else uint8 [z, y, x, 3], red, green, blue, 255 = 1, for a card whose voxels have colours
-        (BoardInfo.voxel_format): factors of the transfer function's. With VoxelFormat.RGBA the samples are the colours' alpha, and
-        colours are premultiplied by it before they are interpolated.
+        (BoardInfo.voxel_format): factors of the transfer function's. With VoxelFormat.RGBA the samples are the colours'
+        alpha, and colours are premultiplied by it before they are interpolated.
     find_gradients: False, without `gradients`: nothing is shaded, and loading takes a third less time.
 
     Raises BadArgument with the field.
@@ -123,9 +126,10 @@ class Volume(Record):
 class VolumeStream(Record):
     """A volume that is read while it is loaded, for one that does not fit into memory (gicube/volume.h).
 
-    read: called with the first plane and their number, returns these planes [z, y, x] of `sample_type`. It is asked for all of them in their
-        order; for those of uint16, int16 and float32 without a range twice. What it raises leaves load_volume(), and the board keeps its
-        volume.
+    read: called with the first plane and their number, returns these planes [z, y, x] of `sample_type`. It is asked for
+    all of them in their
+        order; for those of uint16, int16 and float32 without a range twice. What it raises leaves load_volume(), and
+        the board keeps its volume.
     dims: voxels along x, y, z.
     spacing, range, find_gradients: as Volume's.
     read_colours: None: no colours. Else it is asked after `read` for the same planes, and returns uint8 [z, y, x, 3].

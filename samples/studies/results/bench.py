@@ -1,7 +1,7 @@
 """What every section of the page works with: runs at the design point, and what was measured of them.
 
-The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty measurement;
-measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
+The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty
+measurement; measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
 import collections
 from dataclasses import dataclass, replace
 
@@ -35,7 +35,8 @@ IDEAL_DSP = {"ideal.dsp": 1}
 RUNS_OF_RAYS = {"dsp.run_rays": 64}
 WIDE_LINKS = {"link.bits": 256}
 IDEAL_FRONT_END = IDEAL_DSP | RUNS_OF_RAYS | WIDE_LINKS
-EVEN = SKEWED | {"asic.skew_y": 2, "asic.skew_z": 7}  # on an 8 x 8 x 8 grid for 16 processors (docs/reference/hardware.md)
+# on an 8 x 8 x 8 grid for 16 processors (docs/reference/hardware.md)
+EVEN = SKEWED | {"asic.skew_y": 2, "asic.skew_z": 7}
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Run:
     edge: int  # voxels: what the scene's lengths refer to
     width: int
     height: int
-    kind: str = "frame"  # or light: an illumination pass; host_rays: the view's, made by the host; fill_block: through one block
+    # or light: an illumination pass; host_rays: the view's, made by the host; fill_block: through one block
+    kind: str = "frame"
     view: str = "oblique"
     step: float = 0.5  # voxels
     leap: bool = True
@@ -76,10 +78,12 @@ class Run:
     def board(self):
         """Runs of one board share its volume and its light."""
         own = self.step if self.kind == "fill_block" else None  # its cache must be cold
-        return (self.paper, self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own, self.settings)
+        return (self.paper, self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own,
+                self.settings)
 
     def name(self):
-        fields = [f"{field}={value}" for field, value in vars(self).items() if field not in ("scene", "settings") and value]
+        fields = [f"{field}={value}" for field, value in vars(self).items() if field not in ("scene", "settings")
+                  and value]
         return " ".join([self.scene, *fields, *(f"{field}={value}" for field, value in self.settings)])
 
 
@@ -88,8 +92,8 @@ def at_paper(runs):
 
 
 def scanline(run, queue):
-    """On the machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which they
-    come."""
+    """On the machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which
+    they come."""
     return run.on({"sorter.queues": "single", "cache.tags": "of_voxels", QUEUE: queue})
 
 
@@ -132,7 +136,8 @@ class Bench:
 
     def mirrors(self):
         """The paper's brain between mirrors, or a head if there is no scan."""
-        return self.lit("mirror-brain" if BRAIN.exists() and self.edge == DESIGN_EDGE else "mirror-head").but(light_rays=0)
+        return self.lit("mirror-brain" if BRAIN.exists()
+                        and self.edge == DESIGN_EDGE else "mirror-head").but(light_rays=0)
 
     def lit_scenes(self):
         return [self.lit(scene) for scene in LIT_SCENES]
@@ -156,7 +161,8 @@ class Bench:
         return mean_of(self.over(runs, figure))
 
     def lost_cycles(self, runs):
-        """The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency 5%"."""
+        """The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency
+        5%"."""
         shares = collections.Counter()
         for run in runs:
             shares.update({name: share / len(runs) for name, share in cause_shares(self.get(run)) if name != "busy"})
@@ -166,14 +172,15 @@ class Bench:
     def causes_table(self, name, columns, runs):
         """The runs' pipeline cycles by their cause, a column each."""
         of_causes = zip(*self.over(runs, cause_shares))
-        self.page.table(name, ["cause", *columns], [[each[0][0], *(percent(share, 1) for _, share in each)] for each in of_causes])
+        self.page.table(name, ["cause", *columns],
+                        [[each[0][0], *(percent(share, 1) for _, share in each)] for each in of_causes])
 
     def complete(self):
         return not self._wanted
 
     def measure(self, measured, quiet):
-        """Carries out what was noted; false if some of it is left to others. `measured`: yields (run, result) of lists of runs, a list for
-        each board."""
+        """Carries out what was noted; false if some of it is left to others. `measured`: yields (run, result) of lists
+        of runs, a list for each board."""
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)

@@ -9,7 +9,8 @@ VOXELS_A_SAMPLE = 8  # of a trilinear neighbourhood
 
 
 class Measurement:
-    """What one window, most often a frame, adds to a board's counters and clock. Without arguments nothing was measured."""
+    """What one window, most often a frame, adds to a board's counters and clock. Without arguments nothing was
+    measured."""
 
     def __init__(self, counters=None, time_ps=0, processors=0, core_hz=0.0, clipped=0.0):
         self.counters = counters or {}  # in the board's order
@@ -83,23 +84,25 @@ def memory_clocks(m):
 
 
 memory_gb_s = over(seconds, "rdram.reads", "rdram.writes", factor=PACKET_BYTES * 1e-9)
-# Shares of the time, 0..1: the memories' data pins were busy; they stood still since reads followed writes, or writes reads.
+# Shares of the time, 0..1: the memories' data pins were busy; they stood still since reads followed writes, or writes
+# reads.
 memory_use = over(memory_clocks, "rdram.data_busy")
 memory_turnaround = over(memory_clocks, "rdram.turnaround")
 
 
 def memory_use_uncombined(m):
-    """memory_use() if each changed tile were written on its own and fetched first, a read and a write as [P §3.6] has it.
-    Above 1 the memory would hold the pipelines up."""
+    """memory_use() if each changed tile were written on its own and fetched first, a read and a write as [P §3.6] has
+    it. Above 1 the memory would hold the pipelines up."""
     more = 2 * m["processor.splat.tiles"] - m["rdram.writes"] - m["processor.splat.tiles_fetched"]
     return memory_use(m) + ratio(more, memory_clocks(m) / CLOCKS_PER_CYCLE)
 
 
 rays_sent = over(pipeline_cycles, "link.rays_sent", factor=100)  # a processor and 100 cycles
-links_busy = over(pipeline_cycles, "link.busy", factor=100 / 2)  # of 100 cycles, those in which one of its two links moved bits
+# of 100 cycles, those in which one of its two links moved bits
+links_busy = over(pipeline_cycles, "link.busy", factor=100 / 2)
 bisection_mb_s = over(seconds, "link.bisection_rays", factor=RAY_BYTES * 1e-6)  # rays over the cut that halves the ring
-# The mean over the processors of the part of the time in which one was busy [P §5.4]: it holds rays; it holds rays and no link stalls its
-# pipeline, as there; its pipeline has a sample or leap in hand.
+# The mean over the processors of the part of the time in which one was busy [P §5.4]: it holds rays; it holds rays and
+# no link stalls its pipeline, as there; its pipeline has a sample or leap in hand.
 balance_held = over(pipeline_cycles, "processor.rays_held")
 balance_working = over(pipeline_cycles, "processor.cycles.busy", "processor.cycles.leap")
 
@@ -109,8 +112,8 @@ def balance_busy(m):
 
 
 def work_balance(m):
-    """How evenly the samples lie, whatever the time: the processors' mean over the maximum of one, 0..1. It bounds the speed-up
-    of p such processors to p times this."""
+    """How evenly the samples lie, whatever the time: the processors' mean over the maximum of one, 0..1. It bounds the
+    speed-up of p such processors to p times this."""
     samples = spread_of([m[f"processor{i}.samples"] for i in range(m.processors)])
     return ratio(samples.mean, samples.max)
 
@@ -124,7 +127,8 @@ overflows_a_ray = over("dsp.rays_taken", "dsp.overflows")
 # Lighting passes.
 deposits_a_sample = over("processor.samples", "processor.splat.deposits")
 tiles_a_deposit = over("processor.splat.deposits", "processor.splat.tiles")  # changed tiles
-tiles_combined = over("processor.splat.tiles", "processor.splat.tiles_combined")  # share written with an earlier change, 0..1
+# share written with an earlier change, 0..1
+tiles_combined = over("processor.splat.tiles", "processor.splat.tiles_combined")
 scatterings_a_ray = over("dsp.rays_taken", "pipeline.scatterings")  # rays scattered a ray sent for the first time
 
 
@@ -159,11 +163,13 @@ def residencies(m):
     sizes = [1 << i for i in range(21)]
     activations = [m[f"processor.sorter.activations_of_rays.{size}"] for size in sizes]
     issued = [m[f"processor.sorter.issued_in_activations_of_rays.{size}"] for size in sizes]
-    return [Residency(size, ratio(a, sum(activations)), ratio(i, sum(issued))) for size, a, i in zip(sizes, activations, issued)]
+    return [Residency(size, ratio(a, sum(activations)), ratio(i, sum(issued))) for size, a,
+            i in zip(sizes, activations, issued)]
 
 
 def issued_in_short_residencies(m, steps=32):
-    """The share of steps in residencies of fewer. Those shorter than the pipeline end before a ray comes round [P §5.1]."""
+    """The share of steps in residencies of fewer. Those shorter than the pipeline end before a ray comes round [P
+    §5.1]."""
     return sum((each.issued for each in residencies(m) if each.steps < steps), 0.0)
 
 
@@ -174,10 +180,12 @@ class Millisecond(NamedTuple):
 
 def milliseconds(m):
     """Block loads and samples in each millisecond of the window."""
-    loads, samples = ({int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items() if value and name.startswith(prefix)}
+    loads, samples = ({int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items() if value
+                       and name.startswith(prefix)}
                       for prefix in ("asic.block_loads.ms", "asic.samples.ms"))
     times = loads.keys() | samples.keys()
-    return [Millisecond(loads.get(ms, 0.0), samples.get(ms, 0.0)) for ms in range(min(times), max(times) + 1)] if times else []
+    return [Millisecond(loads.get(ms, 0.0), samples.get(ms, 0.0))
+            for ms in range(min(times), max(times) + 1)] if times else []
 
 
 class Spread(NamedTuple):

@@ -60,16 +60,21 @@ def number_of(text, low, high):
 def options():
     parser = argparse.ArgumentParser(prog="gicube-results", description=__doc__)
     parser.add_argument("folder", metavar="FOLDER", type=folder_of,
-                        help="gets RESULTS.md, and its CSV files and pictures in results/; what a run that was ended had measured "
+                        help="gets RESULTS.md, and its CSV files and pictures in results/; what a run that was ended "
+                             "had measured "
                              "is there in measured/, and the next one goes on from it")
     parser.add_argument("--version", action="version", version=f"%(prog)s {gicube.__version__}")
-    parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256, help="voxels an edge of the volume (%(default)s)")
-    parser.add_argument("--image", type=functools.partial(number_of, low=8, high=1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
-    parser.add_argument("--jobs", type=functools.partial(number_of, low=1, high=64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
+    parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256,
+                        help="voxels an edge of the volume (%(default)s)")
+    parser.add_argument("--image", type=functools.partial(number_of, low=8, high=1024), default=256,
+                        help="pixels an edge of the image, 8 to 1024 (%(default)s)")
+    parser.add_argument("--jobs", type=functools.partial(number_of, low=1, high=64), default=os.cpu_count(),
+                        help="boards at a time, 1 to 64 (%(default)s)")
     parser.add_argument("--only", type=sections_of, default=list(SECTIONS), metavar="SECTION,...",
                         help="sections to measure, for a page of these alone (all)")
     parser.add_argument("--shard", type=shard_of, metavar="I/N",
-                        help="measure only this one of N parts of the boards, 1/N to N/N, and write no page: the same command without --shard does, "
+                        help="measure only this one of N parts of the boards, 1/N to N/N, and write no page: the same "
+                             "command without --shard does, "
                              "with what the shards left in measured/ and results/")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     return parser
@@ -96,13 +101,15 @@ def main():
             break
         if not bench.measure(measure, given.quiet):
             if not given.quiet:
-                print("gicube-results: this shard's part is done. What is left depends on other shards' parts: once these are done too, the same "
+                print("gicube-results: this shard's part is done. What is left depends on other shards' parts: once "
+                      "these are done too, the same "
                       "command measures it")
             return
     if given.shard:
         return
     introduction = filled(WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image))
-    (given.folder / "RESULTS.md").write_text(f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
+    (given.folder / "RESULTS.md").write_text(
+        f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
     bench.page.write_files(folder)
     shutil.rmtree(measured)
 

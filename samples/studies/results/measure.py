@@ -38,7 +38,8 @@ def window(board, work):
     """What `work` adds to the board's counters and clock: the arguments of figures.py's Measurement."""
     counters, begin = board.counters, board.now
     work()
-    return {"time_ps": board.now - begin, "counters": dict(board.counters - counters), "processors": board.info.processors,
+    return {"time_ps": board.now - begin, "counters": dict(board.counters - counters),
+            "processors": board.info.processors,
             "core_hz": 1e3 * board.info.core_khz}
 
 
@@ -59,7 +60,8 @@ def rays_of(view, dims):
 
 
 def trace(board, view, rays):
-    """Host rays, sampled as the view is. A view past the volume, no ray of which goes to the ASIC, sends registers and tables before."""
+    """Host rays, sampled as the view is. A view past the volume, no ray of which goes to the ASIC, sends registers and
+    tables before."""
     past = replace(view, width=1, height=1, look_at=tuple(2 * eye - at for eye, at in zip(view.eye, view.look_at)))
     board.render_to_framebuffer(past)
     sampling = gicube.Sampling.of(past)
@@ -81,7 +83,8 @@ def illuminate(board, run, scene):
 
 
 def measure_run(board, run, scene, is_lit, picture):
-    view = replace(make_view(scene, run.view, run.width, run.height, run.orthographic), step=run.step, opacity_threshold=0.98,
+    view = replace(make_view(scene, run.view, run.width, run.height, run.orthographic), step=run.step,
+                   opacity_threshold=0.98,
                    leap=run.leap, jitter=run.jitter, irradiance=run.light_rays > 0, scatter=scene.lit,
                    lamps=[])  # the scenes' work does not depend on what is outside of the volume
     if run.kind == "light":
@@ -129,8 +132,9 @@ def name_of(runs):
 
 
 def measure_boards(kept, jobs, pictures, boards):
-    """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. `pictures`: files of runs whose image is
-    kept. Raises as measure_board(); then, and on Ctrl-C, the boards under way end first and are kept."""
+    """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. `pictures`: files of
+    runs whose image is kept. Raises as measure_board(); then, and on Ctrl-C, the boards under way end first and are
+    kept."""
     def measured(runs):
         name = name_of(runs)
         if not all(pictures[run].exists() for run in runs if run in pictures):
@@ -141,8 +145,8 @@ def measure_boards(kept, jobs, pictures, boards):
 
 
 def measure_shard(kept, shard, measure, boards):
-    """Yields as measure(boards): of the lists that fall to shard (I, N), each to one by its name; and the others too once all of them
-    are kept, since what is asked for next depends on all."""
+    """Yields as measure(boards): of the lists that fall to shard (I, N), each to one by its name; and the others too
+    once all of them are kept, since what is asked for next depends on all."""
     number, shards = shard
     is_mine = [zlib.crc32(name_of(runs).encode()) % shards == number - 1 for runs in boards]
     yield from measure([runs for runs, mine in zip(boards, is_mine) if mine])

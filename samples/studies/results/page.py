@@ -12,7 +12,8 @@ FOLDER = "results"
 MOST_CELLS = 60  # larger tables are in their CSV files alone
 TEXT = pathlib.Path(__file__).with_name("words.md").read_text()
 # Lines of a list continue on indented lines.
-WORDS = {name: re.sub(r"\n  (?! )", " ", text) for name, text in re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", TEXT, re.M | re.S)}
+WORDS = {name: re.sub(r"\n  (?! )", " ", text) for name, text in re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", TEXT,
+    re.M | re.S)}
 
 
 class Claim(NamedTuple):
@@ -44,7 +45,8 @@ def filled(text, begin=""):
     """Paragraphs of at most 120 columns; headings and code stay as they are."""
     def paragraph(each):
         return each if each.startswith(("#", "    ")) else textwrap.fill(
-            " ".join(each.split()), 120, initial_indent=begin, subsequent_indent=" " * len(begin), break_long_words=False, break_on_hyphens=False)
+            " ".join(each.split()), 120, initial_indent=begin, subsequent_indent=" " * len(begin),
+            break_long_words=False, break_on_hyphens=False)
     return "\n\n".join(map(paragraph, text.split("\n\n")))
 
 
@@ -70,9 +72,11 @@ class Page:
         self.body += f"{to_markdown(columns, rows)}\n{link}" if small else f"Table of {len(rows)} rows: {link}"
 
     def chart(self, caption, name, title, x_label, y_label, x, series, **of_panel):
-        """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names, not-a-number where there
-        is none; `of_panel`: fields of draw.Panel."""
-        self._tables[name] = [[x_label, *series], *([f"{at:g}", *map(cell, map(float, values))] for at, *values in zip(x, *series.values()))]
+        """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names,
+        not-a-number where there is none; `of_panel`: fields of draw.Panel."""
+        self._tables[name] = [[x_label, *series],
+                              *([f"{at:g}", *map(cell, map(float, values))] for at,
+                                *values in zip(x, *series.values()))]
         look = "line" if len(x) > 60 else "both"
         lines = [draw.Series(label, x, values, look=look) for label, values in series.items()]
         self._charts[name] = (title, x_label, y_label, lines), of_panel
@@ -90,13 +94,16 @@ class Page:
     def claims(self):
         """All claims as a table, and a list of the reasons of those that differ."""
         names = ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"]
-        rows = [[str(each.number), each.claim, each.paper, each.ours, each.half, "no" if each.differs else "yes"] for each in self._claims]
+        rows = [[str(each.number), each.claim, each.paper, each.ours, each.half, "no" if each.differs else "yes"]
+                for each in self._claims]
         self._tables["claims"] = [names, *rows]
         def on_page(lines):
             return [[*line[:4], line[5]] for line in lines]
         shown = to_markdown(*on_page([names]), on_page(rows))
-        reasons = "".join(filled(f"**{each.number}, {each.claim}**: {each.why}", "- ") + "\n" for each in self._claims if each.differs)
-        return f"{shown}\n[{FOLDER}/claims.csv]({FOLDER}/claims.csv)\n\nDifferences of more than a quarter:\n\n{reasons}\n"
+        reasons = "".join(filled(f"**{each.number}, {each.claim}**: {each.why}", "- ") + "\n"
+                          for each in self._claims if each.differs)
+        return (f"{shown}\n[{FOLDER}/claims.csv]({FOLDER}/claims.csv)\n\nDifferences of more than a "
+                f"quarter:\n\n{reasons}\n")
 
     def write_files(self, folder):
         """The CSV files and charts. Raises OSError, FileError."""

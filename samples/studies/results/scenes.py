@@ -1,4 +1,5 @@
-"""The scenes that are measured: procedural ones, of which any size shows the same thing, and scans where they are at hand."""
+"""The scenes that are measured: procedural ones, of which any size shows the same thing, and scans where they are at
+hand."""
 import functools
 import math
 import pathlib
@@ -31,7 +32,8 @@ def lattice_values(x, y, z):
 
 
 class Noise:
-    """Lattice values joined by cubic weights, over a grid of positions x, y and z: first along x, then along y; slice() along z."""
+    """Lattice values joined by cubic weights, over a grid of positions x, y and z: first along x, then along y; slice()
+    along z."""
 
     def __init__(self, x, y, z):
         (x, u), (y, v), (self._z, self._w) = map(self._cells, (x, y, z))
@@ -82,8 +84,8 @@ def of_edge(opacity, edge):
 
 
 class SceneData:
-    """What a board is given: volume and looks of a tag each, or the setup of a scene file (with lights). `be_whole`: views
-    show the whole volume, not only what can be seen."""
+    """What a board is given: volume and looks of a tag each, or the setup of a scene file (with lights). `be_whole`:
+    views show the whole volume, not only what can be seen."""
 
     def __init__(self, volume, looks, setup=None, be_whole=True):
         self.volume, self.looks, self.setup = volume, looks, setup
@@ -95,7 +97,8 @@ class SceneData:
 def visible_box(volume, look):
     """The corners of the least box of voxels that can be seen, and one voxel more."""
     values, opacities = zip(*((point.value, point.opacity) for point in look.opacities))
-    seen = (np.interp(np.arange(4096), values, opacities) > 0.005)[volume.samples]  # chosen: as gicube-render's cameras do
+    # chosen: as gicube-render's cameras do
+    seen = (np.interp(np.arange(4096), values, opacities) > 0.005)[volume.samples]
     planes = [np.flatnonzero(seen.any(axis=others)) for others in ((0, 1), (0, 2), (1, 2))]
     low, high = (np.array([float(each[end]) for each in planes]) for end in (0, -1))
     return np.maximum(low - 1, 0), np.minimum(high + 1, np.array(volume.dims) - 1.0)
@@ -129,13 +132,15 @@ def make_head(dims, edge):
 def make_noise(dims, edge, low, high, dark, light):
     """Noise from end to end: no block is empty."""
     noise = CloudyNoise(dims, edge / 8)
-    look = gicube.TransferFunction([(1000, dark), (3000, light)], [(1000, of_edge(low, edge)), (3000, of_edge(high, edge))])
+    look = gicube.TransferFunction([(1000, dark), (3000, light)],
+                                   [(1000, of_edge(low, edge)), (3000, of_edge(high, edge))])
     return SceneData(voxelise(dims, lambda k: 0.1 + 0.8 * noise.slice(k)), [look])
 
 
 @functools.cache
 def load_scan(name):
-    """Samples of 0..255 [z, y, x]; of slices that have more than the design point's voxels along an edge every second."""
+    """Samples of 0..255 [z, y, x]; of slices that have more than the design point's voxels along an edge every
+    second."""
     samples = gicube.read_volume(SCANS[name][0]).samples
     return samples[:, ::2, ::2] if max(samples.shape) > DESIGN_EDGE else samples
 
@@ -148,9 +153,10 @@ def make_scan(name):
 
 
 def make_scene(name, dims, edge):
-    """`name`: buckyball, head, cloud, rock, one of SCANS, "mirror-brain", or that of a file of samples/scenes that has a world. `edge`: voxels to which lengths
-    refer, those along the longest edge of a world; all dims are equal to it but for boxes cut from a larger whole (cloud and rock
-    only, which look the same everywhere). Raises gicube.InputError (a size out of range), OSError (no such file)."""
+    """`name`: buckyball, head, cloud, rock, one of SCANS, "mirror-brain", or that of a file of samples/scenes that has
+    a world. `edge`: voxels to which lengths refer, those along the longest edge of a world; all dims are equal to it
+    but for boxes cut from a larger whole (cloud and rock only, which look the same everywhere). Raises
+    gicube.InputError (a size out of range), OSError (no such file)."""
     if name in SCANS:
         return make_scan(name)
     if name == "head":
@@ -163,7 +169,8 @@ def make_scene(name, dims, edge):
     if name == "buckyball":
         text = f'volume {{ builtin: "{name}" size: {edge} }}'
     else:
-        text = re.sub(r"(?m)^  size: \d+", f"  size: {edge}", (folder / f"{name.replace('-', '_')}.scene").read_text(), count=1)
+        text = re.sub(r"(?m)^  size: \d+", f"  size: {edge}", (folder / f"{name.replace('-', '_')}.scene").read_text(),
+                      count=1)
     setup = gicube.parse_scene(text, name, folder, allow_outside=True).set_up()
     return SceneData(setup.volume, setup.looks, setup)
 
@@ -184,8 +191,8 @@ def normalise(vector):
 
 
 def make_view(scene, name, width, height, orthographic=False):
-    """`name`: oblique or one of TOWARDS_THE_EYE. The scene's own camera, or one outside that sees all there is; parallel rays for
-    `orthographic`, one pixel a voxel along y."""
+    """`name`: oblique or one of TOWARDS_THE_EYE. The scene's own camera, or one outside that sees all there is;
+    parallel rays for `orthographic`, one pixel a voxel along y."""
     size = {"width": width, "height": height, "samples_per_axis": 1}
     if name == "oblique" and scene.setup is not None:
         return replace(scene.setup.view, **size)

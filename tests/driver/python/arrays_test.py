@@ -186,4 +186,5 @@ def test_factors_between_patches_are_the_analytic_ones(board, kind):
     squares = gicube.elements(kind, [[8, 8, 8], [8, 8, 18]], (10, 0, 0), [[0, 10, 0], [0, -10, 0]])
     squares["origin"][1] = (8, 18, 18)
     factor = board.pair_factors(squares, gicube.pairs(0, 1), rays=4096)[0]
-    assert factor["transported"] * 100 == pytest.approx(0.1998, abs=3 * factor["standard_error"] * 100 + 1e-3)  # unit cubes' faces
+    # unit cubes' faces
+    assert factor["transported"] * 100 == pytest.approx(0.1998, abs=3 * factor["standard_error"] * 100 + 1e-3)

@@ -67,10 +67,12 @@ def test_light_has_three_colours_on_a_board_of_three_irradiance_words():
         report = board.illuminate([gicube.PointLight((15.5, 15.5, 1))], settings)
         assert report.emitted == pytest.approx(sum(colour.emitted for colour in report.colours))
         red, green, blue = report.colours
-        assert green.emitted == pytest.approx(red.emitted / 2, rel=0.02) and blue.emitted == pytest.approx(red.emitted / 4, rel=0.02)
+        assert green.emitted == pytest.approx(red.emitted / 2,
+                                              rel=0.02) and blue.emitted == pytest.approx(red.emitted / 4, rel=0.02)
         irradiance = board.read_irradiance()
         assert irradiance.shape == (32, 32, 32, 3)
-        assert irradiance.sum(axis=(0, 1, 2)) == pytest.approx([colour.deposited for colour in report.colours], rel=1e-5)
+        assert irradiance.sum(axis=(0, 1, 2)) == pytest.approx([colour.deposited for colour in report.colours],
+            rel=1e-5)
         board.write_irradiance(irradiance[:, :, :, ::-1])
         assert (board.read_irradiance() == irradiance[:, :, :, ::-1]).all()
         with pytest.raises(gicube.BadArgument, match="values: expected"):
@@ -107,7 +109,8 @@ def test_a_routine_of_the_application_scatters(loaded):
         return gicube.ScatterAnswer(tuple(-x for x in event.direction), 0.5)
 
     loaded.set_material(
-        gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.HOST_ROUTINE, surface=True, parameters=[1, 2])
+        gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.HOST_ROUTINE, surface=True,
+                        parameters=[1, 2])
     )
     loaded.set_scattering_routine(back)
     report = loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))])
@@ -158,7 +161,8 @@ def test_a_bar_is_full_at_the_end_however_quick_the_call(loaded, monkeypatch, ca
     loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))], progress=True)
     loaded.load_volume(ball(), progress=True)
     loaded.set_transfer_function(LOOK)
-    loaded.pair_factors(gicube.elements(gicube.ElementKind.BOX, [[1, 1, 1], [30, 30, 30]], (1, 0, 0), (0, 1, 0), (0, 0, 1)), gicube.pairs(0, 1), progress=True)
+    loaded.pair_factors(gicube.elements(gicube.ElementKind.BOX, [[1, 1, 1], [30, 30, 30]], (1, 0, 0), (0, 1, 0),
+                                        (0, 0, 1)), gicube.pairs(0, 1), progress=True)
     assert [what for what, _, _ in bars] == ["rendering", "lighting", "loading", "pairs"]
     assert all(done == all > 0 for what, done, all in bars), bars
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)  # not installed
@@ -339,7 +343,8 @@ def test_a_plan_of_light_is_for_illuminate(loaded):
 def test_an_error_is_shared_between_light_and_picture(loaded):
     light = gicube.share_of_light(0.1)
     assert 0 < light < 0.1
-    plan = gicube.plan_light(loaded, [gicube.PointLight((15.5, 15.5, 1))], view=view_of_ball(), max_error=light, max_rays=2, pilot_pixels=16)
+    plan = gicube.plan_light(loaded, [gicube.PointLight((15.5, 15.5, 1))], view=view_of_ball(), max_error=light,
+                             max_rays=2, pilot_pixels=16)
     assert 0 <= gicube.left_for_picture(0.1, plan) <= 0.1
 
 
@@ -423,7 +428,8 @@ def test_a_scene_names_files_of_its_own_folder_unless_it_is_trusted(tmp_path):
 
 def test_a_lit_scene_keeps_its_exposure_and_may_be_loaded_without_light():
     path = Path(__file__).parents[3] / "samples/scenes/golden_ring.scene"
-    scene = gicube.parse_scene(path.read_text().replace("size: 128", "size: 32").replace("rays_per_face_voxel: 32", "")).set_up()
+    scene = gicube.parse_scene(path.read_text().replace("size: 128", "size: 32").replace("rays_per_face_voxel: 32",
+        "")).set_up()
     assert scene.is_lit and scene.view.exposure > 0
     with gicube.open() as board:
         assert not gicube.load_scene(board, scene, light=False).irradiance
@@ -461,7 +467,8 @@ def test_a_faster_bus_takes_less_time(board, board_setup):
 
 
 def test_a_setup_is_read_from_the_environment():
-    made = BoardSetup.from_environment({"GICUBE_TEST_BUS": "pci33", "GICUBE_TEST_SET": "a=1 b=2", "GICUBE_TEST_SEED": "7"})
+    made = BoardSetup.from_environment({"GICUBE_TEST_BUS": "pci33", "GICUBE_TEST_SET": "a=1 b=2",
+                                        "GICUBE_TEST_SEED": "7"})
     assert made.uri() == "emu:?bus=pci33&set=a=1&set=b=2" and made.seed == 7
 
 
@@ -576,11 +583,13 @@ def test_boards_that_share_blocks_make_the_picture_of_one():
 
 def test_a_request_of_another_kind_is_named(loaded):
     rays = gicube.rays_between([(1, 1, 1)], [(9, 9, 9)])
-    with pytest.raises(gicube.BadArgument, match="request: expected a RayRequest, or its fields by their names, got <RayType.DEPOSIT"):
+    with pytest.raises(gicube.BadArgument,
+                       match="request: expected a RayRequest, or its fields by their names, got <RayType.DEPOSIT"):
         loaded.submit(rays, gicube.RayType.DEPOSIT)
     request = gicube.RayRequest(gicube.RayType.OPACITY, step=1)
     one, other = (loaded.receive(loaded.submit(rays, *given, **fields)).rays
-                  for given, fields in (((request,), {}), ((gicube.RayRequest(),), {"type": gicube.RayType.OPACITY, "step": 1})))
+                  for given, fields in (((request,), {}),
+                                        ((gicube.RayRequest(),), {"type": gicube.RayType.OPACITY, "step": 1})))
     assert (one == other).all()
 
 

@@ -1,5 +1,5 @@
-"""A second count of a board's energy, in Python, from its prices as --explain-config prints them, its hardware as --hardware-cost does, and
-its counters."""
+"""A second count of a board's energy, in Python, from its prices as --explain-config prints them, its hardware as
+--hardware-cost does, and its counters."""
 
 import os
 import re
@@ -12,7 +12,8 @@ import gicube.plot
 
 from conftest import LOOK, ball, view_of_ball
 
-PARTS = {"memory", "memory_interface", "sdram", "dsp", "queues", "sorters", "cache", "tables", "pipelines", "links", "ray_bus", "clock", "leakage", "host_bus"}
+PARTS = {"memory", "memory_interface", "sdram", "dsp", "queues", "sorters", "cache", "tables", "pipelines", "links",
+         "ray_bus", "clock", "leakage", "host_bus"}
 
 
 def printed(option, settings):
@@ -22,12 +23,15 @@ def printed(option, settings):
 
 def recounted(settings, counters, now):
     """Joules by part."""
-    price = {name: int(value) for name, value in re.findall(r"^(\S+) +(\d+) ", printed("--explain-config", settings), re.MULTILINE)}
+    price = {name: int(value) for name, value in re.findall(r"^(\S+) +(\d+) ", printed("--explain-config", settings),
+                                                            re.MULTILINE)}
     explained = dict(re.findall(r"^(\S+) +(\S+) ", printed("--explain-config", settings), re.MULTILINE))
     hardware = printed("--hardware-cost", settings)
     bits = {name: int(each) for name, each in re.findall(r"^(\S.*?\S) {2,}.*?(\d+) bit", hardware, re.MULTILINE)}
-    each = {name: int(count) * int(of) for name, count, of in re.findall(r"^  (\S.*?\S) +(\d+) x (\d+) ", hardware, re.MULTILINE)}
-    held = sum(int(count) for name, count in re.findall(r"^  (bits .*?\S) +(\d+) x \d+ ", hardware, re.MULTILINE) if name != "bits of tags")
+    each = {name: int(count) * int(of) for name, count,
+            of in re.findall(r"^  (\S.*?\S) +(\d+) x (\d+) ", hardware, re.MULTILINE)}
+    held = sum(int(count) for name, count in re.findall(r"^  (bits .*?\S) +(\d+) x \d+ ", hardware,
+                                                        re.MULTILINE) if name != "bits of tags")
     p = price["asic.processors"]
     of = lambda name: price["energy." + name]
     seen = lambda name: counters.get(name, 0)
@@ -50,33 +54,46 @@ def recounted(settings, counters, now):
     logic = lambda names: sum(each[name] // 1 for name in names) // p * of("logic_aj") * 1e-18
     checks = seen("processor.cache.checks")
     return {
-        "memory": (standby * devices * seconds + (attention - standby) * seen(f"{kind}.data_busy") / (clocks * 1e3)) * 1e-6
-        + femto * (seen(f"{kind}.activates") * of(f"{kind}_activate_fj") + seen(f"{kind}.reads") * of(f"{kind}_read_fj"))
+        "memory": (standby * devices * seconds +
+                   (attention - standby) * seen(f"{kind}.data_busy") / (clocks * 1e3)) * 1e-6
+        + femto * (seen(f"{kind}.activates") * of(f"{kind}_activate_fj") +
+                   seen(f"{kind}.reads") * of(f"{kind}_read_fj"))
         + femto * (seen(f"{kind}.writes") * of(f"{kind}_write_fj") + refreshes * of(f"{kind}_refresh_fj")),
-        "memory_interface": femto * packets * of(f"{kind}_io_fj") + (0 if ddr else of("rdram_interface_uw") * 1e-6 * 4 * seconds),
+        "memory_interface": femto * packets * of(f"{kind}_io_fj") +
+        (0 if ddr else of("rdram_interface_uw") * 1e-6 * 4 * seconds),
         "sdram": of("sdram_rank_uw") * 1e-6 * ranks * seconds
-        + femto * (rows * of("sdram_activate_fj") + sdram * (of("sdram_burst_fj") + of("sdram_io_fj")) + sdram_refreshes * of("sdram_refresh_fj")),
+        + femto * (rows * of("sdram_activate_fj") + sdram * (of("sdram_burst_fj") + of("sdram_io_fj")) +
+                   sdram_refreshes * of("sdram_refresh_fj")),
         "dsp": mhz * 1e-6 * (busy * of("dsp_busy_uw_per_mhz") + (seconds - busy) * of("dsp_idle_uw_per_mhz")),
-        "queues": femto * (seen("processor.sorter.written") + seen("processor.sorter.issued")) * ray * of("edram_bit_fj"),
+        "queues": femto * (seen("processor.sorter.written") +
+                           seen("processor.sorter.issued")) * ray * of("edram_bit_fj"),
         "sorters": seen("processor.sorter.inserts") * logic(["ranks of the sorters"]),
-        "cache": femto * of("sram_bit_fj") * voxel * (8 * checks + 4 * (seen("processor.cache.packets") + seen("processor.splat.tiles")))
+        "cache": femto * of("sram_bit_fj") * voxel * (8 * checks +
+                                                      4 * (seen("processor.cache.packets") +
+                                                           seen("processor.splat.tiles")))
         + checks * logic(["comparators of eight voxels"]),
-        "tables": femto * of("sram_bit_fj") * ((8 * 30 + 84) * seen("processor.samples") + 4 * 8 * seen("pipeline.visible_samples")),
+        "tables": femto * of("sram_bit_fj") * ((8 * 30 + 84) * seen("processor.samples") +
+                                               4 * 8 * seen("pipeline.visible_samples")),
         "pipelines": seen("processor.samples") * logic(units)
         + seen("processor.cycles.leap") * logic(["steps and leaps"])
         + seen("processor.splat.deposits") * logic(["splats"])
         + seen("pipeline.deposits") * logic(["parts of lighting rays"]),
         "links": femto * seen("link.busy") * price["link.bits"] * of("link_bit_fj"),
-        "ray_bus": femto * (seen("dsp.rays_sent") + seen("dsp.rays_taken") + seen("dsp.overflows")) * ray * of("ray_bus_bit_fj"),
-        "clock": femto * (now * price["asic.core_khz"] // 10**9) * (p * bits["Registers, each processor"] + held) * of("clock_bit_fj"),
-        "leakage": 1e-6 * seconds * (bits["Total eDRAM"] * of("edram_uw_per_mbit") + bits["Total SRAM"] * of("sram_uw_per_mbit")) / 2**20,
-        "host_bus": femto * (seen("bus.down.bytes") + seen("bus.up.bytes")) * of("agp_byte_fj" if agp else "pci_byte_fj"),
+        "ray_bus": femto * (seen("dsp.rays_sent") + seen("dsp.rays_taken") +
+                            seen("dsp.overflows")) * ray * of("ray_bus_bit_fj"),
+        "clock": femto * (now * price["asic.core_khz"] // 10**9) * (p * bits["Registers, each processor"] +
+            held) * of("clock_bit_fj"),
+        "leakage": 1e-6 * seconds * (bits["Total eDRAM"] * of("edram_uw_per_mbit") +
+                                     bits["Total SRAM"] * of("sram_uw_per_mbit")) / 2**20,
+        "host_bus": femto * (seen("bus.down.bytes") + seen("bus.up.bytes")) * of("agp_byte_fj" if agp
+            else "pci_byte_fj"),
     }
 
 
 @pytest.mark.parametrize("more", [[], ["memory=ddr", "bus.model=agp2x", "link.bits=64"]])
 def test_a_second_count_finds_the_same_energy(more):
-    settings = ["fidelity=cycle", "asic.max_volume_voxels=64", "asic.block_voxels=8", "asic.partition=skewed_block", *more]
+    settings = ["fidelity=cycle", "asic.max_volume_voxels=64", "asic.block_voxels=8", "asic.partition=skewed_block",
+                *more]
     with gicube.open("emu:?" + "&".join(f"set={field}" for field in settings)) as board:
         board.load_volume(ball())
         board.set_transfer_function(LOOK)
@@ -106,7 +123,8 @@ def test_energy_of_a_window_is_its_end_minus_its_begin_and_goes_on_from_a_checkp
         board.restore(tmp_path / "half.ckpt")
         board.render(view_of_ball())
         again = board.counters
-    assert {name: again[name] for name in again if name.startswith("energy.")} == {name: end[name] for name in end if name.startswith("energy.")}
+    assert {name: again[name] for name in again if name.startswith("energy.")} == {name: end[name]
+        for name in end if name.startswith("energy.")}
 
 
 def test_the_power_of_a_trace_sums_up_to_the_energy(tmp_path):

@@ -12,7 +12,8 @@ import gicube
 z, y, x = np.mgrid[0:6, 0:5, 0:4]
 RAMP = (x + 7 * y + 40 * z).astype("i2")  # [z, y, x]; every voxel has a value of its own
 COS, SIN = float(np.cos(0.3)), float(np.sin(0.3))
-PLACED = gicube.WorldPlacement(gicube.WorldAxes.PATIENT, ((COS, SIN, 0.0), (-SIN, COS, 0.0), (0.0, 0.0, 1.0)), (10.0, 20.0, 30.0))
+PLACED = gicube.WorldPlacement(gicube.WorldAxes.PATIENT, ((COS, SIN, 0.0), (-SIN, COS, 0.0), (0.0, 0.0, 1.0)),
+                               (10.0, 20.0, 30.0))
 EDGES = (0.5, 1.0, 2.0)
 
 
@@ -146,7 +147,8 @@ def test_nibabel(tmp_path):
         image = nibabel.load(tmp_path / name)
         np.testing.assert_allclose(image.affine, np.diag([-1, -1, 1, 1]) @ to_world(PLACED, EDGES), atol=1e-6)
         np.testing.assert_array_equal(np.asarray(image.dataobj).T, RAMP)
-    stored = nibabel.Nifti1Image(np.ascontiguousarray(RAMP.T[::-1].transpose(2, 0, 1)), [[0, -1, 0, 3], [0, 0, 1, 0], [1, 0, 0, 0], [0, 0, 0, 1]])
+    stored = nibabel.Nifti1Image(np.ascontiguousarray(RAMP.T[::-1].transpose(2, 0, 1)),
+                                 [[0, -1, 0, 3], [0, 0, 1, 0], [1, 0, 0, 0], [0, 0, 0, 1]])
     nibabel.save(stored, tmp_path / "turned.nii")
     read, taken = gicube.read_volume(tmp_path / "turned.nii"), gicube.volume_from(stored)
     closest = nibabel.as_closest_canonical(stored)  # right, anterior, superior: ours with x and y the other way
@@ -202,8 +204,10 @@ def test_dicom(tmp_path):
     with pytest.warns(UserWarning, match="gantry tilt: expected .* got 14.0 degrees"):
         gicube.read_volume(tmp_path / "tilt")
     save_series(pydicom, tmp_path / "two", SeriesNumber=7, SeriesDescription="thorax")
-    save_series(pydicom, tmp_path / "two", order=[0, 1], SeriesNumber=8, SeriesDescription="scout", SeriesInstanceUID="1.2.4")
-    with pytest.warns(UserWarning, match="1 .CT thorax, 6 of 4 x 5., 2 .CT scout, 2 of 4 x 5., got none; the one of most slices, 1"):
+    save_series(pydicom, tmp_path / "two", order=[0, 1], SeriesNumber=8, SeriesDescription="scout",
+                SeriesInstanceUID="1.2.4")
+    with pytest.warns(UserWarning,
+                      match="1 .CT thorax, 6 of 4 x 5., 2 .CT scout, 2 of 4 x 5., got none; the one of most slices, 1"):
         expect(gicube.read_volume(tmp_path / "two"), samples=RAMP - 1024)
     assert gicube.read_volume(tmp_path / "two", part="scout").dims == (4, 5, 2)
     with pytest.raises(gicube.FileError, match="part: expected one series: 1 .CT thorax"):
@@ -232,10 +236,12 @@ def test_tiff_of_imagej_and_of_every_type(tmp_path):
         tifffile.imwrite(tmp_path / "t.tif", RAMP.clip(0, 127).astype(kind), photometric="minisblack")
         expect(gicube.read_volume(tmp_path / "t.tif"), (1, 1, 1), RAMP.clip(0, 127))
     samples = RAMP.astype("u2")
-    tifffile.imwrite(tmp_path / "z.tif", samples, imagej=True, resolution=(2, 1), metadata={"spacing": 2.0, "unit": "um", "axes": "ZYX"})
+    tifffile.imwrite(tmp_path / "z.tif", samples, imagej=True, resolution=(2, 1),
+                     metadata={"spacing": 2.0, "unit": "um", "axes": "ZYX"})
     expect(gicube.read_volume(tmp_path / "z.tif"))
     for axes, axis in (("ZCYX", 1), ("TZYX", 0)):
-        tifffile.imwrite(tmp_path / "h.tif", np.stack([samples, samples + 300], axis), imagej=True, metadata={"axes": axes})
+        tifffile.imwrite(tmp_path / "h.tif", np.stack([samples, samples + 300], axis), imagej=True,
+                         metadata={"axes": axes})
         with pytest.warns(UserWarning, match="expected a part, 1..2, got none; 1 is taken"):
             expect(gicube.read_volume(tmp_path / "h.tif"), (1, 1, 1))
         expect(gicube.read_volume(tmp_path / "h.tif", part="2"), (1, 1, 1), samples + 300)
@@ -250,7 +256,8 @@ def test_tiff_of_imagej_and_of_every_type(tmp_path):
 
 
 def test_what_is_no_image_is_named():
-    with pytest.raises(gicube.BadArgument, match="image: expected an image of SimpleITK, nibabel, VTK or PyVista, got int"):
+    with pytest.raises(gicube.BadArgument,
+                       match="image: expected an image of SimpleITK, nibabel, VTK or PyVista, got int"):
         gicube.volume_from(3)
 
 

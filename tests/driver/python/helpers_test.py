@@ -21,7 +21,8 @@ def ball(dtype="f8", scale=1.0):
 
 @pytest.mark.parametrize(
     "given, kind",
-    [("f8", "float32"), ("f2", "float32"), (">f4", "float32"), ("i1", "int16"), ("i4", "int16"), ("i8", "int16"), ("u4", "uint8"), ("u8", "uint8")],
+    [("f8", "float32"), ("f2", "float32"), (">f4", "float32"), ("i1", "int16"), ("i4", "int16"), ("i8", "int16"),
+     ("u4", "uint8"), ("u8", "uint8")],
 )
 def test_other_types_become_those_of_boards_with_their_values(given, kind):
     values = np.arange(64).reshape(4, 4, 4) - (20 if np.dtype(given).kind in "if" else 0)
@@ -102,7 +103,8 @@ def test_a_field_that_a_record_does_not_have_is_refused_with_the_nearest():
     view = gicube.View()
     with pytest.raises(AttributeError, match="View has no field 'lookat', the nearest is 'look_at'"):
         view.lookat = (1, 2, 3)
-    with pytest.raises(AttributeError, match="Phong has no field 'gloss': it has ambient, diffuse, specular, shininess"):
+    with pytest.raises(AttributeError,
+                       match="Phong has no field 'gloss': it has ambient, diffuse, specular, shininess"):
         gicube.Phong().gloss = 1
     with pytest.raises(TypeError, match="Volume has no field 'spacng', the nearest is 'spacing'"):
         gicube.Volume(ball("f4"), spacng=(1, 1, 2))

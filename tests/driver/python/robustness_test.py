@@ -24,7 +24,8 @@ def said(text):
 
 
 def start(program):
-    return subprocess.Popen([sys.executable, "-c", START + program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([sys.executable, "-c", START + program], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            text=True)
 
 
 def run(program, code=0, seconds=120):
@@ -120,7 +121,8 @@ for _ in range(10):
 
 
 def test_a_board_that_is_still_open_at_the_end_does_not_hang_or_complain():
-    assert run("board = gicube.open()\nscene(board)\nboard.submit(gicube.rays([[3, 3, 3]], (1, 1, 1)))\nsaid('end')") == "end\n"
+    assert (((((run("board = gicube.open()\nscene(board)\nboard.submit(gicube.rays([[3, 3, 3]], (1, 1, "
+                    "1)))\nsaid('end')") == "end\n")))))
 
 
 @pytest.mark.parametrize(
@@ -253,7 +255,8 @@ with gicube.open() as board:
 """
         )
     )
-    # chosen: in the middle between 42 MiB, which the driver's own densities and what is on its way take, and 64 more of a copy.
+    # chosen: in the middle between 42 MiB, which the driver's own densities and what is on its way take, and 64 more of
+    # a copy.
     assert (more > 74) == copied, more
 
 

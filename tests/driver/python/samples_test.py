@@ -107,9 +107,11 @@ def test_the_guides_programs(tmp_path, monkeypatch):
 def test_types_are_strict(tmp_path):
     for i, text in enumerate(GUIDE):
         (tmp_path / f"guide_{i}.py").write_text(text)
-    command = [sys.executable, "-m", "mypy", "--strict", "--config-file", str(Path(__file__).with_name("mypy.ini")), "--cache-dir", str(tmp_path)]
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file", str(Path(__file__).with_name("mypy.ini")),
+               "--cache-dir", str(tmp_path)]
     command += map(str, (ROOT / "driver/python/gicube", SAMPLES, *tmp_path.glob("guide_*.py")))
-    done = subprocess.run(command, capture_output=True, text=True, env={"MYPYPATH": str(ROOT / "driver/python"), "PATH": "/usr/bin"})
+    done = subprocess.run(command, capture_output=True, text=True,
+                          env={"MYPYPATH": str(ROOT / "driver/python"), "PATH": "/usr/bin"})
     assert done.returncode == 0, done.stdout
 
 
@@ -148,7 +150,8 @@ def test_loads_over_time_come_from_a_boards_trace(tmp_path):
     queues, memories = gicube.plot.loads(trace)
     assert len(queues.get_yticks()) == 4 and len(memories.get_yticks()) == len(packets)
     assert memories.images[0].get_array().max() > 0
-    with gicube.open(f"emu:?fidelity=cycle&trace={trace}") as board:  # one block: three processors have nothing to do, and are shown
+    # one block: three processors have nothing to do, and are shown
+    with gicube.open(f"emu:?fidelity=cycle&trace={trace}") as board:
         board.render(gicube.load_scene(board, setup))
     busy, *idle = gicube.plot.loads(trace)[0].images[0].get_array()
     assert busy.max() > 0 and len(idle) == 3 and not np.any(idle)
@@ -161,5 +164,6 @@ def test_phantoms(tmp_path, capsys):
     program("phantoms").main(str(tmp_path), 96)
     looks = dict(line.split(".nrrd: transfer function: ") for line in capsys.readouterr().out.splitlines())
     looks = {name.rsplit("/", 1)[1]: why.split(",")[0] for name, why in looks.items()}
-    assert looks == {"ct_head": "ct-bone", "mri_head": "mri-t2", "part": "ct-engine", "labels": "colours of labels", "cells": "colours of labels"}
+    assert looks == {"ct_head": "ct-bone", "mri_head": "mri-t2", "part": "ct-engine", "labels": "colours of labels",
+                     "cells": "colours of labels"}
     assert gicube.read_volume(tmp_path / "part.nrrd").dims == (96, 96, 96)

@@ -7,13 +7,15 @@ import pytest
 
 import gicube
 
-VIEWS = gicube.circular_views(60, 100, np.linspace(0, 2 * np.pi, 9, endpoint=False), pitch=(1.5, 2), offset=(1, -2), heights=np.arange(9) - 4.0)
+VIEWS = gicube.circular_views(60, 100, np.linspace(0, 2 * np.pi, 9, endpoint=False), pitch=(1.5, 2), offset=(1, -2),
+                              heights=np.arange(9) - 4.0)
 
 
 @pytest.fixture
 def projector():
     with gicube.open("emu:?set=asic.block_voxels=16") as board:
-        yield gicube.Projector(board, dims=(16, 14, 12), spacing=(1, 1, 1.5), columns=20, rows=30, views=VIEWS, step=0.5)
+        yield gicube.Projector(board, dims=(16, 14, 12), spacing=(1, 1, 1.5), columns=20, rows=30, views=VIEWS,
+                               step=0.5)
 
 
 def seen_at(view, place):
@@ -51,14 +53,18 @@ def test_circular_views_are_those_of_the_drawing():
 
 
 def test_tigre_puts_places_where_its_own_formulas_do():
-    # TIGRE's computeDeltas_Siddon for one view, step by step: a corner and its neighbours are turned and moved, then taken differences of.
-    geo = SimpleNamespace(mode="cone", DSD=900.0, DSO=600.0, dDetector=np.array([1.5, 2.0]), nDetector=np.array([10, 12]),
-                          offOrigin=np.array([3.0, -2.0, 1.0]), offDetector=np.array([4.0, -6.0]), rotDetector=np.array([0.1, -0.05, 0.2]), COR=1.5)
+    # TIGRE's computeDeltas_Siddon for one view, step by step: a corner and its neighbours are turned and moved, then
+    # taken differences of.
+    geo = SimpleNamespace(mode="cone", DSD=900.0, DSO=600.0, dDetector=np.array([1.5, 2.0]),
+                          nDetector=np.array([10, 12]),
+                          offOrigin=np.array([3.0, -2.0, 1.0]), offDetector=np.array([4.0, -6.0]),
+                          rotDetector=np.array([0.1, -0.05, 0.2]), COR=1.5)
     angles = np.array([[0.4, 0.1, -0.3], [1.0, 0.0, 0.0]])
     for view, (alpha, theta, psi) in zip(gicube.tigre_views(geo, angles), angles):
 
         def euler(p):
-            ca, sa, ct, st, cp, sp = np.cos(alpha), np.sin(alpha), np.cos(theta), np.sin(theta), np.cos(psi), np.sin(psi)
+            ca, sa, ct, st, cp, sp = np.cos(alpha), np.sin(alpha), np.cos(theta), np.sin(theta), np.cos(psi), np.sin(
+                psi)
             return np.array([[ca * ct * cp - sa * sp, -ca * ct * sp - sa * cp, ca * st],
                              [sa * ct * cp + ca * sp, -sa * ct * sp + ca * cp, sa * st], [-st * cp, st * sp, ct]]) @ p
 
@@ -73,7 +79,8 @@ def test_tigre_puts_places_where_its_own_formulas_do():
             moved = euler(flat + [-(900.0 - 600.0), -6.0, 4.0]) - geo.offOrigin[::-1]
             return moved + 1.5 * np.array([-np.sin(alpha), np.cos(alpha), 0])
 
-        source = euler(np.array([600.0, 0, 0])) - geo.offOrigin[::-1] + 1.5 * np.array([-np.sin(alpha), np.cos(alpha), 0])
+        source = euler(np.array([600.0, 0, 0])) - geo.offOrigin[::-1] + 1.5 * np.array([-np.sin(alpha), np.cos(alpha),
+            0])
         assert np.allclose(view[:3], source)
         for i, j in [(0, 0), (11, 0), (3, 9)]:
             mine = view[3:6] + (i - 5.5) * view[6:9] + (j - 4.5) * view[9:]
@@ -89,7 +96,8 @@ def test_what_is_wrong_is_named(projector):
         (lambda: projector.project(np.full((12, 14, 16), np.nan)), "volume: expected finite values"),
         (lambda: projector.backproject(np.zeros((9, 30, 19))), "values: expected the shape"),
         (lambda: projector.project(np.zeros((12, 14, 16)), [9]), r"views: expected indices of 0\.\.8"),
-        (lambda: gicube.Projector(None, dims=(4, 4, 4), columns=4, rows=4, views=np.zeros((2, 11))), "views: expected the shape"),
+        (lambda: gicube.Projector(None, dims=(4, 4, 4), columns=4, rows=4, views=np.zeros((2, 11))),
+         "views: expected the shape"),
         (lambda: gicube.tigre_views(SimpleNamespace(mode="parallel"), [0.0]), "geo.mode: expected \"cone\""),
     ]:
         with pytest.raises(gicube.BadArgument, match=words):

@@ -13,12 +13,14 @@ def test_points_of_several_tables_have_a_front_for_each_cost(tmp_path):
     (tmp_path / "a.csv").write_text("series,e,ms,bus,n,command\nx y,1,10,9,10,\"do, a\"\n\n\nx y,3,5,1,10,b\n")
     (tmp_path / "b.csv").write_text("series,e,ms,bus,n,command\nz,2,40,0.5,10,c\n")
     pareto(tmp_path / "out.csv", [tmp_path / "a.csv", tmp_path / "b.csv"], error="e", costs=["ms", "bus"], per="n")
-    assert (tmp_path / "out.csv").read_text() == ("series,error,ms,bus,front ms,front bus,command\nx y,1,1,0.9,1,1,\"do, a\"\n"
+    assert (tmp_path / "out.csv").read_text() == (
+        "series,error,ms,bus,front ms,front bus,command\nx y,1,1,0.9,1,1,\"do, a\"\n"
                                                   "x y,3,0.5,0.1,1,0,b\nz,2,4,0.05,0,1,c\n")
 
 
 def test_the_fronts_of_the_documents_are_those_of_their_tables(tmp_path):
-    pareto(tmp_path / "front.csv", [charts.CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
+    pareto(tmp_path / "front.csv", [charts.CHARTS / "form_factors_trade.csv"], error="error",
+           costs=["board_ms", "bus_ms"], per="pairs",
            series=("bus", "made"))
     assert (tmp_path / "front.csv").read_text() == (charts.CHARTS / "form_factors_front.csv").read_text()
 
@@ -41,7 +43,8 @@ def test_the_program_measures_and_draws_what_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", [*sys.path])
     monkeypatch.setenv("GICUBE_BOARD", "")
     monkeypatch.chdir(charts.ROOT)
-    for arguments, done in ((["boards", "--jobs", "3"], [("measured", 3), ("drawn", tmp_path)]), (["--draw", "boards"], [("drawn", tmp_path)])):
+    for arguments, done in ((["boards", "--jobs", "3"], [("measured", 3), ("drawn", tmp_path)]),
+                            (["--draw", "boards"], [("drawn", tmp_path)])):
         monkeypatch.setattr(sys, "argv", ["script/charts", *arguments])
         charts.main()
         assert log == done
@@ -50,7 +53,8 @@ def test_the_program_measures_and_draws_what_is_named(tmp_path, monkeypatch):
 
 def test_pairs_without_their_scans_are_left_out(tmp_path, monkeypatch, capsys):
     file = tmp_path / "pairs.txt"
-    file.write_text("# NAME PROGRAM ARGUMENTS\n\nball    render builtin:buckyball --set asic.queue_rays=64\nscan  render @head/a.nrrd --step 1\n")
+    file.write_text("# NAME PROGRAM ARGUMENTS\n\nball    render builtin:buckyball --set asic.queue_rays=64\nscan  "
+                    "render @head/a.nrrd --step 1\n")
     monkeypatch.setattr(levels, "DATA", tmp_path / "none")
     ball = ("ball", "render", "", "builtin:buckyball --set asic.queue_rays=64")
     assert list(levels.pairs_of(file)) == [ball]
@@ -86,7 +90,8 @@ if "--stats" in words:
 
 
 def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path):
-    with pytest.raises(FileError, match="none/a.csv: file: expected a place to write to, got No such file or directory"):
+    with pytest.raises(FileError,
+                       match="none/a.csv: file: expected a place to write to, got No such file or directory"):
         write_whole(tmp_path / "none/a.csv", "x")
     (tmp_path / "folder").mkdir()
     with pytest.raises(FileError, match="folder: file: expected a place to write to, got Is a directory"):
@@ -109,4 +114,5 @@ def test_a_link_is_followed_and_a_mode_kept_and_what_is_read_only_refused(tmp_pa
 def test_a_files_rights_are_those_that_the_user_gives_new_files(tmp_path):
     write_whole(tmp_path / "a", "ä\n")
     pathlib.Path(tmp_path / "b").touch()
-    assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode and (tmp_path / "a").read_bytes() == b"\xc3\xa4\n"
+    assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode and (tmp_path /
+        "a").read_bytes() == b"\xc3\xa4\n"

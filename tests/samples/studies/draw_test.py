@@ -29,7 +29,8 @@ def test_labels_of_lines_that_end_together_are_moved_apart(tmp_path):
 
 
 def test_a_missing_value_is_left_out_and_a_point_of_a_series_without_line_is_named_in_a_box(tmp_path):
-    text = drawn(tmp_path / "a.svg", "t", "x", "y", [draw.Series("runs", [1, 2, 3], [1.0, float("nan"), 2.0], look="points")])
+    text = drawn(tmp_path / "a.svg", "t", "x", "y",
+                 [draw.Series("runs", [1, 2, 3], [1.0, float("nan"), 2.0], look="points")])
     assert len(re.findall(rf"<use[^>]*{draw.COLOURS[0].lower()}", text)) == 3  # two runs and the box's
     assert ">runs</text>" in text
 
@@ -43,6 +44,7 @@ def test_an_eighth_series_is_refused(tmp_path):
 
 
 def test_bars_are_named_by_their_x(tmp_path):
-    text = drawn(tmp_path / "a.svg", "t", "x", "y", [draw.Series("a", ["few", "many"], [1, 2]), draw.Series("b", ["few", "many"], [2, 1])],
+    text = drawn(tmp_path / "a.svg", "t", "x", "y",
+                 [draw.Series("a", ["few", "many"], [1, 2]), draw.Series("b", ["few", "many"], [2, 1])],
                  bars=True)
     assert text.count(draw.COLOURS[0].lower()) == 3 and ">few</text>" in text and ">many</text>" in text

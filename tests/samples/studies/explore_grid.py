@@ -3,7 +3,8 @@
     gicube-explore tests/samples/studies/explore_space.toml --points 300 -o out
     PYTHONPATH=samples python3 tests/samples/studies/explore_grid.py out/explore.csv 20
 
-The hypervolume is that of the figures' logarithms, below the worst of each in the grid; and of the figures themselves, which is easier."""
+The hypervolume is that of the figures' logarithms, below the worst of each in the grid; and of the figures themselves,
+which is easier."""
 import math
 import pathlib
 import random
@@ -21,7 +22,8 @@ def read_grid(file):
     rows = [row for row in rows_of(file) if row["paper"] == "0"]
     fields = [name for name in rows[0] if name not in (*FIGURES, "front", "paper", "breaks", "command")]
     parameters = [(name, sorted({row[name] for row in rows}, key=lambda text: (len(text), text))) for name in fields]
-    return parameters, {tuple(row[name] for name in fields): [float(row[name]) for name in FIGURES if name in row] for row in rows}
+    return parameters, {tuple(row[name] for name in fields): [float(row[name]) for name in FIGURES if name in row]
+                        for row in rows}
 
 
 def scaled(figures, of):

@@ -1,4 +1,5 @@
-"""gicube-explore: its space, its search against an exhaustive grid, and the program as its users run it, on pictures of a few pixels."""
+"""gicube-explore: its space, its search against an exhaustive grid, and the program as its users run it, on pictures of
+a few pixels."""
 import csv
 import json
 import math
@@ -44,15 +45,18 @@ def read(folder, text):
 
 
 def test_a_space_has_scenes_beside_it_and_texts_for_values(tmp_path):
-    of = read(tmp_path, 'scenes = ["builtin:buckyball", "a.scene"]\nconstraints = ["power <= 25 W"]\n[fields]\n"asic.processors" = [1, 2]\n'
+    of = read(tmp_path, 'scenes = ["builtin:buckyball", "a.scene"]\nconstraints = ["power <= 25 '
+                        'W"]\n[fields]\n"asic.processors" = [1, 2]\n'
               '[fix]\njitter = true\nstep = 0.5\n')
     assert of.scenes == ["builtin:buckyball", str(tmp_path / "a.scene")] and of.objectives is None
-    assert of.parameters == [("asic.processors", ["1", "2"])] and of.fixed == [("jitter", "on"), ("step", "0.5"), ("threads", "1")]
+    assert of.parameters == [("asic.processors", ["1", "2"])] and of.fixed == [("jitter", "on"), ("step", "0.5"),
+        ("threads", "1")]
     assert of.constraints[0].holds(25) and not of.constraints[0].holds(25.1) and of.constraints[0].worst([1, 3]) == 3
 
 
 @pytest.mark.parametrize("text, why", [
-    ("scenes = 3", "scenes: expected a list, got 3"), ("scene = []", "scene: expected one of scenes"), ("[fields", "a TOML file"),
+    ("scenes = 3", "scenes: expected a list, got 3"), ("scene = []", "scene: expected one of scenes"),
+    ("[fields", "a TOML file"),
     ("scenes = ['builtin:buckyball']", "fields: expected at least one"),
     (SMALL.replace("asic.processors", "step"), "step: expected a field of the board's configuration"),
     (SMALL.replace("[1, 2, 4]", "[1, 1]"), "asic.processors: expected each value once"),
@@ -83,7 +87,8 @@ def test_the_paper_cards_costs_are_those_of_its_table():
 
 
 def test_a_front_in_many_figures_leaves_out_what_another_dominates():
-    assert on_front([(1, 9, 9), (9, 1, 9), (9, 9, 1), (9, 9, 9), (1, 9, 9), (0, 0, math.nan)]) == [True, True, True, False, True, False]
+    assert on_front([(1, 9, 9), (9, 1, 9), (9, 9, 1), (9, 9, 9), (1, 9, 9), (0, 0, math.nan)]) == [True, True, True,
+        False, True, False]
 
 
 # ---- search
@@ -96,7 +101,9 @@ def test_the_hypervolume_is_that_of_another_program():
     for dimensions in (2, 3, 4):
         points = [[chance.random() * 1.1 for _ in range(dimensions)] for _ in range(20)]
         inside = numpy.array([point for point in points if max(point) < 1])
-        assert search.hypervolume(points, [1.0] * dimensions) == pytest.approx(WFG().compute(inside, numpy.ones(dimensions)), rel=1e-12)
+        assert search.hypervolume(points,
+                                  [1.0] * dimensions) == pytest.approx(WFG().compute(inside, numpy.ones(dimensions)),
+                                      rel=1e-12)
     assert search.hypervolume([(0.5, 0.5), (0.25, 0.75)], (1, 1)) == 0.25 + 0.25 * 0.25
 
 
@@ -116,7 +123,8 @@ def test_a_search_is_the_same_again_and_goes_through_a_small_space_once():
 
         def measure(proposed):
             asked.extend(tuple(each.values()) for each in proposed)
-            return [None if each == {"a": "1", "b": "1"} else ([int(each["a"]) + 1, 9 - int(each["b"])], [int(each["b"]) > 3]) for each in proposed]
+            return [None if each == {"a": "1", "b": "1"} else ([int(each["a"]) + 1, 9 - int(each["b"])],
+                [int(each["b"]) > 3]) for each in proposed]
         assert search.search(parameters, count, 7, measure)
         return asked
     assert tried(11) == tried(11) and len(set(tried(11))) == len(tried(11)) == 12
@@ -128,7 +136,8 @@ def test_a_search_is_the_same_again_and_goes_through_a_small_space_once():
 
 def run(folder, arguments, text=SMALL):
     (folder / "space.toml").write_text(text)
-    return subprocess.run(f"{BIN}/gicube-explore space.toml {arguments}", shell=True, cwd=folder, stdin=subprocess.DEVNULL, text=True,
+    return subprocess.run(f"{BIN}/gicube-explore space.toml {arguments}", shell=True, cwd=folder,
+                          stdin=subprocess.DEVNULL, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
 
 
@@ -140,15 +149,18 @@ def test_a_front_a_chart_and_the_command_for_each_point(tmp_path):
     done = run(tmp_path, "-o out --points 4 --chart --jobs 2")
     assert done.returncode == 0, done.stderr
     whole = json.loads((tmp_path / "out/explore.json").read_text())
-    assert len(whole["points"]) == 5 and whole["points"][0]["paper"] and any(point["front"] for point in whole["points"])
+    assert len(whole["points"]) == 5 and whole["points"][0]["paper"] and any(point["front"]
+        for point in whole["points"])
     # With or without energy: it is an objective, or it is said that it is none.
-    assert ("energy" in whole["objectives"]) == ("energy is no objective: the runs have no counter energy.total" not in done.stderr)
+    assert ("energy" in whole["objectives"]) == ("energy is no objective: the runs have no counter energy.total"
+                                                 not in done.stderr)
     assert "the paper's card" in (tmp_path / "out/explore.svg").read_text() and "the paper's card" in done.stdout
     rows = list(csv.DictReader((tmp_path / "out/explore.csv").read_text().splitlines()))
     assert len(rows) == 5 and rows[0]["paper"] == "1" and "--set memory=" in rows[1]["command"]
     subprocess.run(rows[1]["command"], shell=True, check=True, cwd=tmp_path, stdout=subprocess.DEVNULL,
                    env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
-    assert json.loads((tmp_path / "run.json").read_text())["frame_ms"] == pytest.approx(float(rows[1]["frame_ms"]), rel=1e-5)
+    assert json.loads((tmp_path / "run.json").read_text())["frame_ms"] == pytest.approx(float(rows[1]["frame_ms"]),
+        rel=1e-5)
 
     # Again after a kill: only what is lost is run.
     before, table = runs(tmp_path), (tmp_path / "out/explore.csv").read_bytes()
@@ -156,7 +168,8 @@ def test_a_front_a_chart_and_the_command_for_each_point(tmp_path):
     (tmp_path / "out/runs" / lost).unlink()
     assert run(tmp_path, "-o out --points 4 --jobs 2").returncode == 0
     after = runs(tmp_path)
-    assert {name for name in before if before[name] != after[name]} == {lost} and (tmp_path / "out/explore.csv").read_bytes() == table
+    assert {name for name in before if before[name] != after[name]} == {lost} and (tmp_path /
+        "out/explore.csv").read_bytes() == table
 
 
 def test_energy_is_an_objective_and_power_a_constraint_where_runs_have_the_counter(tmp_path):
@@ -188,7 +201,9 @@ def test_shards_do_each_run_once_and_round_by_round_come_to_the_same_table(tmp_p
 
 def test_constraints_over_several_scenes_are_marked_or_cost_no_run(tmp_path):
     (tmp_path / "ball.scene").write_text('volume { builtin: "buckyball" size: 16 }\n')
-    text = SMALL.replace('["builtin:buckyball"]', '["builtin:buckyball", "ball.scene"]\nconstraints = ["frame_ms < 0.0001 ms", "transistors < 4e6"]')
+    text = SMALL.replace('["builtin:buckyball"]',
+                         '["builtin:buckyball", "ball.scene"]\nconstraints = ["frame_ms < 0.0001 ms", "transistors < '
+                         '4e6"]')
     done = run(tmp_path, "-o out --points 4 --jobs 2", text)
     assert done.returncode == 0, done.stderr
     whole = json.loads((tmp_path / "out/explore.json").read_text())
@@ -201,9 +216,11 @@ def test_constraints_over_several_scenes_are_marked_or_cost_no_run(tmp_path):
 
 def test_what_can_not_be_measured_is_an_error_and_named(tmp_path):
     done = run(tmp_path, "-o out --points 1", 'objectives = ["frame_ms", "nothing"]' + SMALL)
-    assert done.returncode == 1 and done.stderr.startswith("gicube-explore: nothing: expected a number in the run's statistics")
+    assert done.returncode == 1 and done.stderr.startswith(
+        "gicube-explore: nothing: expected a number in the run's statistics")
     done = run(tmp_path, "-o out --points 13")
-    assert done.returncode == 1 and done.stderr == "gicube-explore: --points: expected 1 to 12, the configurations of the space, got 13\n"
+    assert (done.returncode == 1
+            and done.stderr == "gicube-explore: --points: expected 1 to 12, the configurations of the space, got 13\n")
     functional = SMALL.replace('"cycle"', '"functional"')
     done = run(tmp_path, "-o out --points 1", 'constraints = ["power < 25 W"]' + functional)
     assert done.returncode == 1 and "power < 25 W: expected counter energy.total in the run's statistics" in done.stderr
@@ -214,4 +231,5 @@ def test_a_configuration_that_the_board_refuses_is_listed_and_not_run(tmp_path):
     done = run(tmp_path, "-o out --points 2 --quiet", SMALL.replace("[1, 2, 4]", "[1, 99]"))
     assert done.returncode == 0, done.stderr
     whole = json.loads((tmp_path / "out/explore.json").read_text())
-    assert whole["refused"] and all("asic.processors" in each["why"] for each in whole["refused"]) and len(whole["points"]) == 3
+    assert whole["refused"] and all("asic.processors" in each["why"]
+                                    for each in whole["refused"]) and len(whole["points"]) == 3

@@ -13,7 +13,8 @@ os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 from studies import boards, charts, cone_beam, form_factors, light, lighting, points, volume_texture  # noqa: E402
 from studies.points import Kept, Table, measure, text_of  # noqa: E402
 
-MODULES = {"boards": boards, "lighting": lighting, "light": light, "cone_beam": cone_beam, "form_factors": form_factors, "volume_texture": volume_texture}
+MODULES = {"boards": boards, "lighting": lighting, "light": light, "cone_beam": cone_beam, "form_factors": form_factors,
+           "volume_texture": volume_texture}
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +45,8 @@ def counted(log, fails=()):
                 raise RuntimeError(name)
             return len(name)
         return measured
-    return Table("t", ["name", "length"], {name: make(name) for name in ("t/a", "t/bb", "t/ccc")}, lambda found: ((name, [name, n]) for name, n in found))
+    return Table("t", ["name", "length"], {name: make(name) for name in ("t/a", "t/bb", "t/ccc")},
+                 lambda found: ((name, [name, n]) for name, n in found))
 
 
 def test_a_table_that_was_interrupted_goes_on_where_it_was(kept, tmp_path):
@@ -55,7 +57,8 @@ def test_a_table_that_was_interrupted_goes_on_where_it_was(kept, tmp_path):
     measure([counted(log)], kept, tmp_path, jobs=1)
     assert log == ["t/a", "t/bb", "t/bb", "t/ccc"]
     assert (tmp_path / "t.csv").read_text() == ("name,length,command\nt/a,3,script/charts --point t/a\n"
-                                                "t/bb,4,script/charts --point t/bb\nt/ccc,5,script/charts --point t/ccc\n")
+                                                "t/bb,4,script/charts --point t/bb\nt/ccc,5,script/charts --point "
+                                                "t/ccc\n")
 
 
 def test_what_another_board_measured_counts_no_more_and_nothing_is_kept_of_whole_tables(monkeypatch, tmp_path):
@@ -90,7 +93,8 @@ def test_points_are_measured_at_once_and_what_several_need_once(kept, tmp_path):
     def measured(on_file):
         together.wait()
         return on_file.of("what both need", lambda: made.append(1) or 7)
-    measure([Table("t", ["n"], {"t/a": measured, "t/b": measured}, lambda found: ((name, [n]) for name, n in found), again=False)], kept, tmp_path, jobs=2)
+    measure([Table("t", ["n"], {"t/a": measured, "t/b": measured}, lambda found: ((name, [n]) for name, n in found),
+                   again=False)], kept, tmp_path, jobs=2)
     assert (tmp_path / "t.csv").read_text() == "n\n7\n7\n" and made == [1]
 
 
@@ -146,12 +150,14 @@ def test_the_shares_of_the_light_are_those_of_the_closed_form():
     exact = lighting.closed_form()
     n = np.arange(200_000) + 0.5  # all that does not leave the box on even ways over the sphere
     height, around = 1 - 2 * n / len(n), np.pi * (1 + 5 ** 0.5) * n
-    ways = np.column_stack([np.sqrt(1 - height * height) * np.cos(around), np.sqrt(1 - height * height) * np.sin(around), height])
+    ways = np.column_stack([np.sqrt(1 - height * height) * np.cos(around),
+                            np.sqrt(1 - height * height) * np.sin(around), height])
     ends = (np.where(ways > 0, 24, 0) - lighting.LAMP) / ways
     assert exact.sum() == pytest.approx((1 - np.exp(-lighting.EXTINCTION * ends.min(axis=1))).mean(), abs=1e-5)
     x, y, z = 3, 20, 7  # far from the lamp and the faces a voxel's share is the density there
     r = np.linalg.norm((x, y, z) - lighting.LAMP)
-    assert exact[z, y, x] == pytest.approx(lighting.EXTINCTION * np.exp(-lighting.EXTINCTION * r) / (4 * np.pi * r * r), rel=0.01)
+    assert exact[z, y, x] == pytest.approx(lighting.EXTINCTION * np.exp(-lighting.EXTINCTION * r) / (4 * np.pi * r * r),
+                                           rel=0.01)
     assert exact[12, 11, 12] > 5 * exact[12, 11, 14]
 
 
@@ -165,7 +171,8 @@ def test_closed_forms_are_those_of_the_table():
     assert form_factors.parallel_squares(0.1) == pytest.approx(0.1789, abs=1e-4)
     assert form_factors.parallel_squares(1) == pytest.approx(0.0662, abs=5e-5)
     assert form_factors.parallel_squares(3) == pytest.approx(0.0074, abs=5e-5)
-    assert form_factors.parallel_squares(1e-12) == pytest.approx(form_factors.parallel_squares(0), abs=1e-8)  # quadrature and closed form
+    # quadrature and closed form
+    assert form_factors.parallel_squares(1e-12) == pytest.approx(form_factors.parallel_squares(0), abs=1e-8)
     assert form_factors.mean_inverse_square(2) == pytest.approx(0.260, abs=5e-4)
     assert form_factors.mean_inverse_square(50) * 2500 == pytest.approx(1, abs=1e-3)
 
@@ -184,9 +191,11 @@ def rows_of_the_documents(name):
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"), (form_factors.trade_summary, "trade"), (form_factors.hierarchy_summary, "hierarchy")])
+@pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"), (form_factors.trade_summary, "trade"),
+                                          (form_factors.hierarchy_summary, "hierarchy")])
 def test_the_documents_tables_of_form_factors_are_those_of_their_points(summary, name):
-    assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT / "docs/studies/form_factors.md").read_text()
+    assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT /
+        "docs/studies/form_factors.md").read_text()
 
 
 def test_slopes_are_of_straight_lines():
@@ -204,7 +213,8 @@ def test_the_trade_of_rays_says_error_cost_and_bound(kept):
 
 
 def test_a_hierarchy_has_fewer_links_and_what_it_misplaces_is_measured(kept):
-    table = form_factors.hierarchy_table(scene="samples/scenes/radiosity/glowing_room.scene --volume-size 8", thresholds=(1e-2, 1e-4))
+    table = form_factors.hierarchy_table(scene="samples/scenes/radiosity/glowing_room.scene --volume-size 8",
+                                         thresholds=(1e-2, 1e-4))
     coarse, fine, full = rows_of(table, kept)
     assert [row["hierarchy"] for row in (coarse, fine, full)] == ["1", "1", "0"] and full["error"] == "1e-05"
     assert int(coarse["links"]) < int(fine["links"]) < int(full["links"]) <= int(full["all_pairs"])
@@ -228,7 +238,8 @@ def test_a_scan_keeps_its_angles_in_degrees():
 
 
 def test_a_reconstruction_is_compared_with_its_phantom_and_simulated_whole(kept):
-    head = cone_beam.Case("builtin:shepp-logan-high-contrast --radius 42 --value 0.05", cone_beam.chart_scan(16, 24, 12), cone_beam.PLAIN)
+    head = cone_beam.Case("builtin:shepp-logan-high-contrast --radius 42 --value 0.05",
+                          cone_beam.chart_scan(16, 24, 12), cone_beam.PLAIN)
     plain = head.measured(kept)
     assert 0.1 < plain["relative_l2"] < 1 and plain["residuals"] == [] and plain["rays"] > 0
     whole = head.reconstruct("cycle", head.compare)
@@ -256,7 +267,8 @@ def test_a_volumetric_texture_is_bound_by_the_bus_that_its_rays_cross_twice():
 
 
 def test_several_boards_divide_a_picture_and_wait_for_a_shared_bus():
-    one, own, shared = (boards.measured("strong", buses, count, "functional", 32, 64) for buses, count in (("own", 1), ("own", 4), ("shared", 4)))
+    one, own, shared = (boards.measured("strong", buses, count, "functional", 32, 64) for buses,
+                        count in (("own", 1), ("own", 4), ("shared", 4)))
     assert own["bus_wait_ms"] == 0 < shared["bus_wait_ms"]
     assert one["frame_ms"] / 4 < own["frame_ms"] < 0.5 * one["frame_ms"]
     assert shared["frame_ms"] > own["frame_ms"]
@@ -291,7 +303,8 @@ def room(tmp_path):
 
 def test_all_methods_see_one_light_in_a_judged_scene(room):
     text = light.judged(room, rays_per_face_voxel=8, lifetime=3)
-    assert "colour { red: 0.5 green: 0.25 blue: 0 }" in text and "scattering_colour { red: 1 green: 0.5 blue: 0 }" in text
+    assert ("colour { red: 0.5 green: 0.25 blue: 0 }" in text
+            and "scattering_colour { red: 1 green: 0.5 blue: 0 }" in text)
     assert f"sphere {{ centre {{ x: 0.5 z: 2 }} radius: {light.LAMP} }}" in text and "point {" not in text
     assert "ambient: 0 " in text and "background" not in text
     assert "opacity: 0.5" in text and "opacity: 1 " in light.judged(room, opacity=1)
@@ -316,14 +329,16 @@ def test_the_error_of_a_picture_leaves_out_the_truths_own_and_what_is_beyond_whi
 
 
 def test_the_board_and_paths_come_near_the_truth_of_a_floor_under_a_lamp(kept, room):
-    found = {method: light.measured(kept, "room", method, room, "32x32", 16, 200, "functional") for method in ("low-k4", "eye-16", "photons-4")}
+    found = {method: light.measured(kept, "room", method, room, "32x32", 16, 200, "functional")
+             for method in ("low-k4", "eye-16", "photons-4")}
     assert found["eye-16"]["errors"][0] < 0.1
     assert found["photons-4"]["errors"][0] < 0.3
     assert found["low-k4"]["errors"][0] < 0.6 and found["low-k4"]["light_ms"] > 0
 
 
 def test_a_soft_floor_and_fog_show_the_light_that_is_in_them_and_an_opaque_floor_what_falls_on_it(kept):
-    ratios = {name: float(row["shown_over_truth"]) for name in ("light_laws/0.5/80", "light_laws/0.5/20", "light_laws/1/80", "light_laws/fog/80")
+    ratios = {name: float(row["shown_over_truth"])
+              for name in ("light_laws/0.5/80", "light_laws/0.5/20", "light_laws/1/80", "light_laws/fog/80")
               for row in rows_of(light.tables()[1], kept, name)}
     assert ratios["light_laws/0.5/80"] < 0.8 < 0.95 < ratios["light_laws/0.5/20"]
     assert ratios["light_laws/fog/80"] == pytest.approx(4, rel=0.1)

@@ -26,7 +26,8 @@ def test_shards_have_each_run_once_and_the_sweep_after_them_has_nothing_left_to_
     assert not [file for i in (1, 2, 3) for file in (tmp_path / f"part{i}").iterdir() if file.name != "runs"]
 
     # At the same time in one folder, as a batch system has them.
-    shards = [subprocess.Popen([SWEEP, *SMALL.split(), "-o", tmp_path / "shared", "--shard", f"{i}/3"]) for i in (1, 2, 3)]
+    shards = [subprocess.Popen([SWEEP, *SMALL.split(), "-o", tmp_path / "shared", "--shard", f"{i}/3"])
+              for i in (1, 2, 3)]
     assert [shard.wait() for shard in shards] == [0, 0, 0]
     before = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "shared/runs").glob("*.json")}
     assert run(tmp_path / "shared") == before

@@ -14,7 +14,8 @@ BALL = "builtin:buckyball --volume-size 32 --size 40x30"
 def run(tmp_path):
     """Of the programs beside the tests, or those of the product."""
     def of(program, arguments, folder=f"{BIN}/../tests"):
-        return subprocess.run([f"{folder}/{program}", *arguments.split()], cwd=tmp_path, capture_output=True, text=True, check=False)
+        return subprocess.run([f"{folder}/{program}", *arguments.split()], cwd=tmp_path, capture_output=True, text=True,
+                              check=False)
     return of
 
 

@@ -20,13 +20,17 @@ def scenes(bench, page):
         about.append([run.scene, SCENES[run.scene], "yes" if m["pipeline.leaps"] > 0 else "none",
                       percent(ratio(m["pipeline.visible_samples"], m["pipeline.samples"]))])
         page.picture(f"scene-{run.scene}.png", run.scene)
-    page.table("scenes", ["scene", "what it is there for", "blocks without anything visible", "samples that show something"], about)
+    page.table("scenes", ["scene", "what it is there for", "blocks without anything visible",
+                          "samples that show something"], about)
     page.say("scenes")
-    others = {"M samples": lambda m: number(m["processor.samples"] * 1e-6, 2), "rays sent /100 cycles": lambda m: number(rays_sent(m), 2),
+    others = {"M samples": lambda m: number(m["processor.samples"] * 1e-6, 2),
+              "rays sent /100 cycles": lambda m: number(rays_sent(m), 2),
               "balance": lambda m: percent(balance_held(m))}
-    columns = ["frame ms", "Hz", "ASIC ms", "M samples", "M samples/s", "throughput", "memory GB/s", "memory in use", "hit ratio",
+    columns = ["frame ms", "Hz", "ASIC ms", "M samples", "M samples/s", "throughput", "memory GB/s", "memory in use",
+               "hit ratio",
                "rays sent /100 cycles", "balance", "DSP busy", "overflows a ray"]
-    page.table("design-point", ["scene", "view", *columns], [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
+    page.table("design-point", ["scene", "view", *columns],
+               [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
     memory_claims(bench, page)
     rate_claim(bench, page)
 
@@ -35,11 +39,16 @@ def memory_claims(bench, page):
     ours, half = ([bench.spread(runs, figure) for figure in (memory_gb_s, memory_use, samples_per_second)]
                   for runs in (at_paper(bench.all()), bench.all()))
     (memory, use, samples), (half_memory, half_use, half_samples) = ours, half
-    page.claim("2 rendering", differs(samples.mean, 231e6), samples=samples.text(1e6, 0), half_samples=half_samples.text(1e6, 0))
-    figures = {"paper_bytes": 2.8e9 / 231e6, "bytes": ratio(memory.mean * 1e9, samples.mean), "half_bytes": ratio(half_memory.mean * 1e9, half_samples.mean),
-               "oblique": bench.mean(at_paper(bench.oblique()), memory_gb_s), "oblique_use": bench.mean(at_paper(bench.oblique()), memory_use)}
-    page.claim("5 rendering", differs(memory.mean, 2.8), memory=memory.text(1, 1), half_memory=half_memory.text(1, 1), **figures)
-    page.claim("6 rendering", differs(use.mean, 0.375), use=use.text(0.01, 0), half_use=half_use.text(0.01, 0), **figures)
+    page.claim("2 rendering", differs(samples.mean, 231e6), samples=samples.text(1e6, 0),
+               half_samples=half_samples.text(1e6, 0))
+    figures = {"paper_bytes": 2.8e9 / 231e6, "bytes": ratio(memory.mean * 1e9, samples.mean),
+               "half_bytes": ratio(half_memory.mean * 1e9, half_samples.mean),
+               "oblique": bench.mean(at_paper(bench.oblique()), memory_gb_s),
+               "oblique_use": bench.mean(at_paper(bench.oblique()), memory_use)}
+    page.claim("5 rendering", differs(memory.mean, 2.8), memory=memory.text(1, 1), half_memory=half_memory.text(1, 1),
+               **figures)
+    page.claim("6 rendering", differs(use.mean, 0.375), use=use.text(0.01, 0), half_use=half_use.text(0.01, 0),
+               **figures)
 
 
 def rate_claim(bench, page):
@@ -50,9 +59,11 @@ def rate_claim(bench, page):
         samples = m["processor.samples"]
         if rate_hz(m) < REAL_TIME:
             slow.append(WORDS["row 23 slow"].format(
-                scene=run.scene, samples=samples * 1e-6, alone=ratio(samples, m.processors * m.core_hz) * 1e3, bus=frame_ms(m) - asic_ms(m)))
+                scene=run.scene, samples=samples * 1e-6, alone=ratio(samples, m.processors * m.core_hz) * 1e3,
+                bus=frame_ms(m) - asic_ms(m)))
     scanned = f"; {names_of(bench.scans())} {bench.spread(bench.scans(), rate_hz).text(1, 1)}" if bench.scans() else ""
-    page.claim(23, differs(min(rate.min, REAL_TIME), REAL_TIME), rate=rate.text(1, 1), scanned=scanned, half=half.text(1, 1), slow="; ".join(slow))
+    page.claim(23, differs(min(rate.min, REAL_TIME), REAL_TIME), rate=rate.text(1, 1), scanned=scanned,
+               half=half.text(1, 1), slow="; ".join(slow))
 
 
 def names_of(scans):
@@ -71,7 +82,8 @@ def bounds(bench, page):
             bound = asic_ms(bench.get(run.on(settings)))
             row.append(f"{bound:.1f} ({100 * (ratio(bound, own) - 1):+.0f}%)")
         rows.append(row)
-    page.table("bounds", ["scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three", "sharing an RDRAM"], rows)
+    page.table("bounds", ["scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three",
+                          "sharing an RDRAM"], rows)
     page.say("causes")
     bench.causes_table("causes", SCENES, bench.oblique())
 
@@ -82,10 +94,13 @@ def gains(bench, page):
     page.say("gains")
     (leap, end, worth), rows = gains_of(bench, at_paper(bench.all()))
     (half_leap, half_end, half_worth), half_rows = gains_of(bench, bench.all())
-    columns = ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s", "worth, M samples/s"]
+    columns = ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s",
+               "worth, M samples/s"]
     scans = bench.scans()
     (scan_leap, scan_end, _), scan_rows = gains_of(bench, scans)
-    page.table("gains", ["steps", *columns], [[steps, *row] for steps, of_steps in (("paper", rows + scan_rows), ("half", half_rows)) for row in of_steps])
+    page.table("gains", ["steps", *columns],
+               [[steps, *row] for steps, of_steps in (("paper", rows + scan_rows), ("half", half_rows))
+                for row in of_steps])
 
     def text(leap, end):
         return f"{leap.min:.0f} / {leap.mean:.0f} / {leap.max:.0f}%; {end.min:.0f} / {end.mean:.0f} / {end.max:.0f}%"
@@ -96,7 +111,9 @@ def gains(bench, page):
 
     leap, end = leap.times(100), end.times(100)
     page.claim(11, differs(leap.mean, 21) or differs(leap.max, 34) or differs(end.mean, 12) or differs(end.max, 24),
-               gains=text(leap, end), scanned=f"; {names_of(scans)} {text(scan_leap.times(100), scan_end.times(100))}" if scans else "", half=text(half_leap.times(100), half_end.times(100)), most_leaps=most(4), most_ends=most(6))
+               gains=text(leap, end),
+               scanned=f"; {names_of(scans)} {text(scan_leap.times(100), scan_end.times(100))}" if scans else "",
+               half=text(half_leap.times(100), half_end.times(100)), most_leaps=most(4), most_ends=most(6))
     page.claim(20, worth.mean < volume_pro, worth=worth.text(1e6, 0), half=half_worth.text(1e6, 0))
 
 
@@ -110,7 +127,8 @@ def gains_of(bench, runs):
         ends.append(ratio(asic_ms(no_end), asic_ms(both)) - 1)
         worths.append(ratio(neither["processor.samples"], asic_ms(both) * 1e-3))
         rows.append([run.scene, run.view, number(asic_ms(both)), number(asic_ms(no_leaps)), percent(leaps[-1]),
-                     number(asic_ms(no_end)), percent(ends[-1]), CELLS["M samples/s"](both), number(worths[-1] * 1e-6, 0)])
+                     number(asic_ms(no_end)), percent(ends[-1]), CELLS["M samples/s"](both),
+                     number(worths[-1] * 1e-6, 0)])
     return list(map(spread_of, (leaps, ends, worths))), rows
 
 
@@ -119,11 +137,13 @@ def parameters(bench, page):
     paper = 231e6 / 400e6  # throughput [P §5.1]
     variants = {"design point": {}}
     for prefetch, compute in ((4, 28), (8, 24), (24, 8), (28, 4), (16, 48), (48, 16)):
-        variants[f"pipeline split {prefetch} + {compute}"] = {"pipeline.prefetch_stages": prefetch, "pipeline.compute_stages": compute}
+        variants[f"pipeline split {prefetch} + {compute}"] = {"pipeline.prefetch_stages": prefetch,
+            "pipeline.compute_stages": compute}
     variants |= {f"{n} packets asked for at a time": {"cache.miss_packets": n} for n in (8, 16, 64, 256)}
     variants |= {f"cache of {n} ways": {"cache.ways": n} for n in (2, 4, 8)}
     variants |= {"cache banks of two ports": {"cache.ports": 2}, "tags of voxels": {"cache.tags": "of_voxels"}}
-    variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (50, 100, 400)} | {"ideal DSP": IDEAL_DSP}
+    variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz}
+                 for mhz in (50, 100, 400)} | {"ideal DSP": IDEAL_DSP}
     variants |= {f"runs of {n} rays": {"dsp.run_rays": n} for n in (4, 16, 64, 256)}
     variants |= {f"{n} rays under way": {"dsp.overflow_rays": n} for n in (1024, 2048)}
     variants["queues by contribution"] = {"sorter.policy": "most_contribution"}
@@ -134,11 +154,13 @@ def parameters(bench, page):
     for name, settings in variants.items():
         runs = [bench.run(scene).on(settings) for scene in swept]
         busy = bench.mean(runs, throughput)
-        rows.append([name, *(number(asic_ms(bench.get(run)), 2) for run in runs), percent(busy, 1), percent(bench.mean(runs, hit_ratio), 1),
+        rows.append([name, *(number(asic_ms(bench.get(run)), 2) for run in runs), percent(busy, 1),
+                     percent(bench.mean(runs, hit_ratio), 1),
                      number(bench.mean(runs, memory_gb_s), 2), percent(bench.mean(runs, dsp_use))])
         if differs(busy, paper):
             far.append(f"{name} ({percent(busy)})")
-    page.table("parameters", ["variant", *swept, "throughput, mean", "hit ratio, mean", "memory GB/s, mean", "DSP busy, mean"], rows)
+    page.table("parameters", ["variant", *swept, "throughput, mean", "hit ratio, mean", "memory GB/s, mean",
+                              "DSP busy, mean"], rows)
     page.say("parameters within", paper=paper, far=f" but {', '.join(far)}" if far else "")
 
 
@@ -152,7 +174,8 @@ def bus(bench, page):
         image_ms = to_ms(image["bus.image.time_ps"])
         rays_ms = to_ms(rays["bus.down.busy_ps"] + rays["bus.up.busy_ps"])
         share[name], rate[name] = image_ms * REAL_TIME * 1e-3, rate_hz(rays)
-        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]), number(rays["bus.rays.bytes"] * 1e-6, 1),
+        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]),
+                     number(rays["bus.rays.bytes"] * 1e-6, 1),
                      number(rays_ms, 1), number(ratio(1e3, rays_ms)), number(frame_ms(rays), 1), number(rate_hz(rays))])
     page.say("bus", size=design.width)
     page.table("bus", ["bus", "image, ms", f"share of the bus at {REAL_TIME} Hz", "host's rays", "MB down and up",
@@ -165,16 +188,19 @@ def cost(bench, page):
     """Row 22."""
     program = os.environ["GICUBE_BOARD"]
     text = subprocess.run([program, "--hardware-cost"], stdout=subprocess.PIPE, text=True).stdout
-    # Lines "NAME   FORMULA   BITS bit   3.0 Mb SRAM", and "  NAME   FORMULA   COUNT transistors", "NAME   1.8 M transistors".
+    # Lines "NAME   FORMULA BITS bit 3.0 Mb SRAM", and " NAME FORMULA COUNT transistors", "NAME 1.8 M transistors".
     items = re.findall(r"^(\S.*?)  +(\S.*?)? +(\d+) bit +(.+)$", text, re.MULTILINE)
     parts = re.findall(r"^(\S.*?)  +([\d.]+) M transistors$", text, re.MULTILINE)
     if not items or not parts:
         raise RuntimeError(f"{program} --hardware-cost: no table")
     page.say("cost")
-    page.table("hardware-cost", ["item", "bits", "total"], [[name, formula, total] for name, formula, _, total in items])
+    page.table("hardware-cost", ["item", "bits", "total"],
+               [[name, formula, total] for name, formula, _, total in items])
     page.say("logic")
-    page.table("hardware-logic", ["part", "paper, M transistors", "ours"], [[name, str(LOGIC[name]), millions] for name, millions in parts])
+    page.table("hardware-logic", ["part", "paper, M transistors", "ours"],
+               [[name, str(LOGIC[name]), millions] for name, millions in parts])
     megabits = {name: int(bits) / (1 << 20) for name, _, bits, _ in items}
     edram, sram, logic = megabits["Total eDRAM"], megabits["Total SRAM"], dict(parts)
-    page.claim(22, differs(edram, 32) or differs(sram, 15) or any(differs(float(logic[name]), of_paper) for name, of_paper in LOGIC.items()),
+    page.claim(22, differs(edram, 32) or differs(sram, 15)
+               or any(differs(float(logic[name]), of_paper) for name, of_paper in LOGIC.items()),
                edram=edram, sram=sram, logic=logic["All parts"])

@@ -34,7 +34,8 @@ class Grid:
         for name, title, label, log_y, figure in (("hit-ratio", hits_title, "hit ratio", False, self.hits),
                                                   ("time", ms_title, "ASIC ms", True, self.ms)):
             series = {f"n = {n}": [figure(n, queue) for queue in QUEUES] for n in self.blocks}
-            self.bench.page.chart(f"{title}.", f"{name}-{self.name}", title, "rays of a queue", label, QUEUES, series, log_x=True, log_y=log_y)
+            self.bench.page.chart(f"{title}.", f"{name}-{self.name}", title, "rays of a queue", label, QUEUES, series,
+                                  log_x=True, log_y=log_y)
         queue_table(self.bench, f"grid-{self.name}", {f"n = {n}": n for n in self.blocks}, self.get)
 
 
@@ -54,12 +55,14 @@ def cache(bench, page):
     grids = [Grid(bench, scene, bench.run(scene).at_paper()) for scene in ("buckyball", "head")]
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
-    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole).on({"asic.processors": 1}).at_paper())
+    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole,
+                                           height=whole).on({"asic.processors": 1}).at_paper())
     page.say("cache", whole=whole)
     for grid in grids:
         grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})",
                     f"Figure 14: large blocks n need long queues ({grid.name})")
-    small.report("Figure 13 with n = N: large blocks hit more often", "Figure 14 with n = N: large blocks need long queues")
+    small.report("Figure 13 with n = N: large blocks hit more often",
+                 "Figure 14 with n = N: large blocks need long queues")
 
     def of_ways(ways, queue):
         run = with_queue(grids[0].run, queue)
@@ -74,12 +77,13 @@ def cache(bench, page):
     least, most = small.ms(whole, 64), small.ms(whole, 1024)
     best = ", ".join(f"{name}: n = {n} ({bench.edge // n}^3 grid)" for name, n in fastest.items())
     # "In general, a wide variety of scenes" [P §5.1]: the mean decides, not each scene.
-    page.claim(16, of_mean != bench.block or differs(least, most), least=least, most=most, mean=mean, best=best, without_leaps=without_leaps)
+    page.claim(16, of_mean != bench.block or differs(least, most), least=least, most=most, mean=mean, best=best,
+               without_leaps=without_leaps)
 
 
 def blocks_table(bench, blocks):
-    """Which block is best, with and without leaps (what reordering alone prefers): of the scenes' geometric mean as a text and a number
-    of voxels with leaps, and of each scene as a text without."""
+    """Which block is best, with and without leaps (what reordering alone prefers): of the scenes' geometric mean as a
+    text and a number of voxels with leaps, and of each scene as a text without."""
     rows, best = [], []
     for leap in (True, False):
         times = [[Grid(bench, scene, bench.run(scene, leap=leap).at_paper()).ms(n) for n in blocks] for scene in SCENES]
@@ -90,14 +94,16 @@ def blocks_table(bench, blocks):
     bench.page.say("blocks")
     bench.page.table("blocks", ["scene", "leaps", *(f"n = {n}, ms" for n in blocks), "best n"], rows)
     of_mean = best[0][-1]
-    return (f"n = {of_mean} ({bench.edge // of_mean}^3 grid)", of_mean), ", ".join(f"{scene} {n}" for scene, n in zip(SCENES, best[1]))
+    return (f"n = {of_mean} ({bench.edge // of_mean}^3 grid)", of_mean), ", ".join(f"{scene} {n}" for scene,
+        n in zip(SCENES, best[1]))
 
 
 def hit_claim(bench, grids, whole):
     n, twice = bench.block, 2 * PIPELINE_LATENCY
     with_queues = all(grid.hits(n, 1) < grid.hits(n, 64) < grid.hits(n, 1024) for grid in grids)
     with_blocks = all(grid.hits(a) < grid.hits(b) for grid in grids for a, b in zip(grid.blocks, grid.blocks[1:]))
-    jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}" for grid in grids)
+    jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}"
+                      for grid in grids)
     bench.page.claim(15, not (with_queues and with_blocks and whole < 1), with_queues="yes" if with_queues else "no",
                      with_blocks="yes" if with_blocks else "no", jumps=jumps, whole=whole)
 
@@ -111,7 +117,8 @@ def sampling(bench, page):
     for scene in ("buckyball", "cloud"):
         shares = {f"step {step:g}": miss_histogram(bench.get(bench.run(scene, step=step))) for step in STEPS}
         page.chart("By distance of the samples in voxels.", f"misses-{scene}",
-                   f"Figure 9: the closer the samples, the more of them miss nothing ({scene})", "misses of a sample", "share of samples",
+                   f"Figure 9: the closer the samples, the more of them miss nothing ({scene})", "misses of a sample",
+                   "share of samples",
                    range(9), shares, bars=True)
     steps_table(bench)
     image_sizes(bench)
@@ -122,7 +129,8 @@ def sampling(bench, page):
 
     few, many = ([at_image(run, image) for run in bench.oblique()] for image in (bench.image // 8, 2 * bench.image))
     small, big = bench.mean(few, throughput), bench.mean(many, throughput)
-    page.claim(17, not second_hits or big < small, second="100%" if second_hits else "not always", one=without_miss(1), half=without_miss(0.5),
+    page.claim(17, not second_hits or big < small, second="100%" if second_hits else "not always", one=without_miss(1),
+               half=without_miss(0.5),
                quarter=without_miss(0.25), small=small, few=bench.image // 8, big=big, many=2 * bench.image)
     page.claim(19, not exact, words=words, fetched=words if exact else fetched)
 
@@ -144,15 +152,18 @@ def image_sizes(bench):
     images = [bench.image // 8, bench.image // 4, bench.image // 2, bench.image, 2 * bench.image]
     measured = {image: [bench.get(at_image(run, image)) for run in bench.oblique()] for image in images}
     busy = {scene: [throughput(measured[image][i]) for image in images] for i, scene in enumerate(SCENES)}
-    rows = [[f"{image}^2", *(cell for m in of_scenes for cell in cells(m, ["throughput", "hit ratio"]))] for image, of_scenes in measured.items()]
-    bench.page.chart("Oblique views.", "image-size", "Figure 17: larger images keep the pipelines busier", "pixels an edge", "throughput",
+    rows = [[f"{image}^2", *(cell for m in of_scenes for cell in cells(m, ["throughput", "hit ratio"]))] for image,
+            of_scenes in measured.items()]
+    bench.page.chart("Oblique views.", "image-size", "Figure 17: larger images keep the pipelines busier",
+                     "pixels an edge", "throughput",
                      images, busy, log_x=True)
-    bench.page.table("image-sizes", ["image", *(head for scene in SCENES for head in (f"{scene}: throughput", "hit ratio"))], rows)
+    bench.page.table("image-sizes",
+                     ["image", *(head for scene in SCENES for head in (f"{scene}: throughput", "hit ratio"))], rows)
 
 
 def one_block(bench):
-    """Rays through one block: whether its voxels are fetched once, whether second samples of a cell hit, the last number of
-    voxels fetched, and how many there are."""
+    """Rays through one block: whether its voxels are fetched once, whether second samples of a cell hit, the last
+    number of voxels fetched, and how many there are."""
     n = bench.block
     words = (n + 1) ** 3
     rows, exact, second_hits, fetched = [], True, True, 0
@@ -168,5 +179,6 @@ def one_block(bench):
             exact = exact and fetched == words
             rows.append([scene, f"{step:g}", str(samples), str(fetched), str(words), percent(ratio(hits, samples), 1)])
     bench.page.say("one block", n=n)
-    bench.page.table("one-block", ["scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3", "samples without a miss"], rows)
+    bench.page.table("one-block", ["scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3",
+                                   "samples without a miss"], rows)
     return exact, second_hits, fetched, words

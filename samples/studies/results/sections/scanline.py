@@ -9,7 +9,8 @@ PAPER_GAIN = 1.77
 def queue_chart(page, name, title, y_label, queues, scenes, time):
     """time(scene, queue): of the machine in scanline order."""
     times = {scene: [time(scene, queue) for queue in queues] for scene in scenes}
-    page.chart("The baseline's best queue is the lowest point.", name, title, "rays of the queue", y_label, queues, times, log_x=True, log_y=True)
+    page.chart("The baseline's best queue is the lowest point.", name, title, "rays of the queue", y_label, queues,
+               times, log_x=True, log_y=True)
 
 
 def in_turns(columns, ours, theirs):
@@ -25,31 +26,35 @@ def baseline(bench, page):
     def time(scene, queue):
         return asic_ms(bench.get(scanline(bench.run(scene), queue)))
 
-    queue_chart(page, "baseline-queue", "In scanline order a queue may be too short and too long", "ASIC ms", queues, SCENES, time)
+    queue_chart(page, "baseline-queue", "In scanline order a queue may be too short and too long", "ASIC ms", queues,
+                SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in SCENES}
     slow = [scanline(run, best[run.scene]) for run in bench.oblique()]
     ours, theirs = bench.over(bench.oblique(), lambda m: m), bench.over(slow, lambda m: m)
     gains = [ratio(rate_hz(a), rate_hz(b)) for a, b in zip(ours, theirs)]
-    page.table("baseline", ["scene", "best queue", "throughput, reordered", "scanline", "memory GB/s, reordered", "scanline",
+    page.table("baseline", ["scene", "best queue", "throughput, reordered", "scanline", "memory GB/s, reordered",
+                            "scanline",
                             "Hz, reordered", "scanline", "rate gained"],
                [[scene, str(best[scene]), *in_turns(["throughput", "memory GB/s", "Hz"], a, b), f"x {gain:.2f}"]
                 for scene, a, b, gain in zip(SCENES, ours, theirs, gains)])
 
     def text(ours, theirs):
-        ours, theirs = (", ".join((percent(bench.mean(runs, throughput)), f"{bench.mean(runs, memory_gb_s):.1f} GB/s", f"{bench.mean(runs, rate_hz):.1f} Hz"))
+        ours, theirs = (", ".join((percent(bench.mean(runs, throughput)), f"{bench.mean(runs, memory_gb_s):.1f} GB/s",
+                                   f"{bench.mean(runs, rate_hz):.1f} Hz"))
                         for runs in (ours, theirs))
         return f"{ours} against {theirs}"
 
     # The paper's exact simulator had one processor [P §4.2].
     alone, alone_slow = (at_paper([run.on({PROCESSORS: 1}) for run in runs]) for runs in (bench.oblique(), slow))
     gain = mean_of([ratio(a, b) for a, b in zip(bench.over(alone, rate_hz), bench.over(alone_slow, rate_hz))])
-    page.claim("1 rendering", differs(gain, PAPER_GAIN), ours=text(alone, alone_slow), gain=gain, half=text(bench.oblique(), slow), half_gain=mean_of(gains),
+    page.claim("1 rendering", differs(gain, PAPER_GAIN), ours=text(alone, alone_slow), gain=gain,
+               half=text(bench.oblique(), slow), half_gain=mean_of(gains),
                lost=bench.lost_cycles(alone_slow))
 
 
 class Whole:
-    """A lighting pass and its frame on one processor, at the paper's operating point, on volumes of the size of `sized`, a Bench.
-    `queue` None: on the reordering machine."""
+    """A lighting pass and its frame on one processor, at the paper's operating point, on volumes of the size of
+    `sized`, a Bench. `queue` None: on the reordering machine."""
 
     def __init__(self, bench, sized, scene, queue=None):
         runs = [run.on({PROCESSORS: 1}) for run in at_paper([sized.light(scene), sized.lit(scene)])]
@@ -67,8 +72,10 @@ def text_of(ours, theirs):
     def part(figure_of):
         ms, slow = (", ".join((percent(mean_of([throughput(figure_of(each)) for each in wholes])),
                                f"{mean_of([memory_gb_s(figure_of(each)) for each in wholes]):.1f} GB/s",
-                               f"{mean_of([rate_hz(figure_of(each)) for each in wholes]):.1f} Hz")) for wholes in (ours, theirs))
-        return f"{ms} against {slow}: x {mean_of([gain_of(figure_of(a), figure_of(b)) for a, b in zip(ours, theirs)]):.2f}"
+                               f"{mean_of([rate_hz(figure_of(each)) for each in wholes]):.1f} Hz"))
+                    for wholes in (ours, theirs))
+        return (f"{ms} against {slow}: x "
+                f"{mean_of([gain_of(figure_of(a), figure_of(b)) for a, b in zip(ours, theirs)]):.2f}")
     return f"frames {part(lambda each: each.frame)}; with a pass in each {part(lambda each: each.both)}"
 
 
@@ -86,7 +93,8 @@ def lit_baseline(bench, page):
     def time(scene, queue):
         return frame_ms(slow[scene, queue].both)
 
-    queue_chart(page, "lit-baseline-queue", "In scanline order a long queue takes longer (lighting pass and frame)", "simulated ms",
+    queue_chart(page, "lit-baseline-queue", "In scanline order a long queue takes longer (lighting pass and frame)",
+                "simulated ms",
                 queues, LIT_SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in LIT_SCENES}
     # Their 16.3 Hz leave no time for their pass of 361 ms: they are of frames.

@@ -13,7 +13,8 @@ from PIL import Image
 
 BIN = pathlib.Path(os.environ["GICUBE_BIN_DIR"])
 LAUNCHER = os.environ["GICUBE_MPIEXEC"]
-SMALL = "builtin:buckyball --volume-size 64 --size 48x40 --set asic.block_voxels=8 --set asic.max_volume_voxels=64 --threads 1"
+SMALL = ("builtin:buckyball --volume-size 64 --size 48x40 --set asic.block_voxels=8 --set asic.max_volume_voxels=64 "
+         "--threads 1")
 LONG = "builtin:buckyball --volume-size 128 --size 1024x1024 --fidelity cycle --threads 1"
 
 
@@ -23,7 +24,8 @@ def command(ranks, arguments, program=BIN / "gicube-render"):
 
 
 def run(folder, ranks, arguments):
-    return subprocess.run(command(ranks, arguments), cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=100)
+    return subprocess.run(command(ranks, arguments), cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, timeout=100)
 
 
 def pixels(file):
@@ -35,7 +37,8 @@ def said_by_program(text):
 
 
 @pytest.mark.parametrize("ranks, scene", [
-    (1, "--jitter --samples 2"), (3, "--threshold 1"), (2, "--filter tent --samples 2"), (3, "--illumination low --light-rays 1"), (4, "--jitter --threshold 0.9")])
+    (1, "--jitter --samples 2"), (3, "--threshold 1"), (2, "--filter tent --samples 2"),
+    (3, "--illumination low --light-rays 1"), (4, "--jitter --threshold 0.9")])
 def test_rays_go_between_ranks_and_bits_are_those_of_one_board(tmp_path, ranks, scene):
     assert run(tmp_path, 0, f"{SMALL} {scene} -o one.png").returncode == 0
     done = run(tmp_path, ranks, f"{SMALL} {scene} -o all.png --stats all.json --mpi=rays")
@@ -45,13 +48,15 @@ def test_rays_go_between_ranks_and_bits_are_those_of_one_board(tmp_path, ranks, 
     assert (pixels(tmp_path / "one.png") == pixels(tmp_path / "all.png")).all()
     each = json.loads((tmp_path / "all.json").read_text())["ranks"]["each"]
     assert len(each) == ranks and all(rank["samples"] > 0 and rank["work_ms"] > 0 for rank in each)
-    assert (sum(rank["rays_sent"] for rank in each) > 0) == (sum(rank["bytes_sent"] for rank in each) > 0) == (ranks > 1)
+    assert (sum(rank["rays_sent"] for rank in each) > 0) == (sum(rank["bytes_sent"] for rank in each) > 0) == (ranks >
+        1)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["all.json", "all.png", "one.png"]
 
 
 def test_ranks_make_an_animation(tmp_path):
     (tmp_path / "turn.scene").write_text(
-        'volume { builtin: "buckyball" size: 64 }\ncamera { eye { x: -150 y: -150 z: 20 } }\nimage { width: 32 height: 32 }\n'
+        'volume { builtin: "buckyball" size: 64 }\ncamera { eye { x: -150 y: -150 z: 20 } }\nimage { width: 32 height: '
+        '32 }\n'
         'engine { target: "camera.eye.x" start: -150 rate: 250 }\n')
     done = run(tmp_path, 2, "turn.scene --frames 2 --fps 1 -o a.png --stats a.json --mpi=rays")
     assert done.returncode == 0, done.stderr
@@ -63,7 +68,8 @@ def test_ranks_make_an_animation(tmp_path):
     ("--bogus", 2, "gicube-render: --bogus: no such option"),
     ("--mpi=pictures", 2, 'gicube-render: --mpi: expected rays, a picture with the bits of one board, got "pictures"'),
     ("--crop", 2, "gicube-render: --mpi: expected without --crop"),
-    ("--board emu: --board emu: --board emu:", 2, "gicube-render: --board: expected one for each of 2 ranks, or one emu: for all, got 3"),
+    ("--board emu: --board emu: --board emu:", 2,
+     "gicube-render: --board: expected one for each of 2 ranks, or one emu: for all, got 3"),
     ("--set asic.processors=-3", 2, "gicube-render: URI options: expected values that gicube-board takes"),
     ("-o none/picture.png", 1, "gicube-render: none/picture.png: expected a folder that is there, got none"),
 ])
@@ -75,9 +81,11 @@ def test_an_error_of_all_ranks_is_said_once(tmp_path, arguments, code, text):
 
 
 def test_each_rank_takes_its_board(tmp_path):
-    done = run(tmp_path, 2, f"builtin:buckyball --volume-size 32 --mpi=rays -o a.png --board emu: --board unix:{tmp_path}/none.sock")
+    done = run(tmp_path, 2, f"builtin:buckyball --volume-size 32 --mpi=rays -o a.png --board emu: --board "
+                            f"unix:{tmp_path}/none.sock")
     said = said_by_program(done.stderr)
-    assert done.returncode == 1 and len(said) == 1 and said[0].startswith("gicube-render: rank 1 of 2: ") and "none.sock" in said[0], done.stderr
+    assert done.returncode == 1 and len(said) == 1 and said[0].startswith(
+        "gicube-render: rank 1 of 2: ") and "none.sock" in said[0], done.stderr
 
 
 def environment(process):
@@ -124,7 +132,8 @@ def test_a_killed_rank_or_board_ends_the_job(tmp_path, victim):
     assert job.returncode != 0
     if victim == "board":
         said = said_by_program(error)
-        assert len(said) == 1 and said[0].startswith("gicube-render: rank 1 of 2: ") and "the board is lost" in said[0], error
+        assert len(said) == 1 and said[0].startswith("gicube-render: rank 1 of 2: ") and "the board is lost" in said[
+            0], error
     else:
         assert "rank 1" in error or "EXIT CODE: 9" in error, error
     assert not list(tmp_path.iterdir())
@@ -132,5 +141,6 @@ def test_a_killed_rank_or_board_ends_the_job(tmp_path, victim):
 
 def test_without_the_library_its_package_is_named(tmp_path):
     shutil.copy(BIN / "gicube-render", tmp_path)
-    done = subprocess.run([tmp_path / "gicube-render", *SMALL.split(), "--mpi=rays"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([tmp_path / "gicube-render", *SMALL.split(), "--mpi=rays"], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True)
     assert done.returncode == 1 and "which the package gicube-mpi has, got: libgicube-mpi.so" in done.stderr, done.stderr

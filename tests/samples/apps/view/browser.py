@@ -57,7 +57,8 @@ class Shown:
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
     def text(self, selector: str) -> str:
-        return str(self.browser.execute_script("return document.querySelector(arguments[0])?.textContent ?? ''", selector))
+        return str(self.browser.execute_script("return document.querySelector(arguments[0])?.textContent ?? ''",
+                                               selector))
 
     def settled(self) -> str | None:
         """Waits until no picture is under way; the number of the one that is shown."""

@@ -16,7 +16,8 @@ from view_program import Program, write_ball
 def chromium() -> Iterator[webdriver.Chrome]:
     options = webdriver.ChromeOptions()
     # Root has no sandbox; a small /dev/shm would end it.
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--hide-scrollbars", "--lang=en"):
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--hide-scrollbars",
+                     "--lang=en"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)

@@ -69,8 +69,10 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
     page.put("size", "768x768")  # a frame of seconds, so that it is looked at many times
     page.put("fidelity", "cycle")
     wait("a running frame", lambda: "a frame runs" in page.text("#machine-state"))
-    wait("its cycles", lambda: page.browser.find_elements(By.CSS_SELECTOR, "#machine [aria-label='cycles by cause'] rect"))
-    wait("more than a look at its time line", lambda: len(page.browser.find_elements(By.CSS_SELECTOR, "#timeline rect")) > 10)
+    wait("its cycles", lambda: page.browser.find_elements(By.CSS_SELECTOR,
+                                                          "#machine [aria-label='cycles by cause'] rect"))
+    wait("more than a look at its time line",
+         lambda: len(page.browser.find_elements(By.CSS_SELECTOR, "#timeline rect")) > 10)
     # Rays wait in some blocks, and banks serve: squares of colour among grey ones.
     for title in ("rays waiting by block", "packets by bank"):
         wait(title, lambda: coloured(page, f"#machine canvas[aria-label='{title}']"))
@@ -81,7 +83,8 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
     page.picture()
     wait("the end", lambda: "figures of the last frame" in page.text("#machine-state"))
     assert "pictures a second on the card" in page.text("#status")
-    for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes", "rdram0 to rdram3, banks 0 to 31 across"):
+    for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes",
+                  "rdram0 to rdram3, banks 0 to 31 across"):
         assert words in page.text("#machine")
 
 TWO_BOARDS = """
@@ -97,7 +100,8 @@ import("./machine.js").then(({ Machine }) => {
 
 def test_counts_of_the_board_before_are_not_taken_off_a_new_boards(page: Shown) -> None:
     page.picture()
-    page.browser.execute_script("document.querySelector('#machine-panel').open = true; document.querySelector('#machine').replaceChildren()")
+    page.browser.execute_script(
+        "document.querySelector('#machine-panel').open = true; document.querySelector('#machine').replaceChildren()")
     text = page.browser.execute_async_script(TWO_BOARDS)
     assert re.search(r"rays ended\s+30\b", text) and re.search(r"samples\s+300\b", text), text
 

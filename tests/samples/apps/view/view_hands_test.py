@@ -38,7 +38,8 @@ def test_a_slice_shows_its_voxels_and_no_others(page: Shown, ball: pathlib.Path,
     page.picture()
     at = 17
     page.browser.execute_script(
-        "const slider = document.getElementById(arguments[0]); slider.value = arguments[1]; slider.dispatchEvent(new Event('input'))",
+        "const slider = document.getElementById(arguments[0]); slider.value = arguments[1]; slider.dispatchEvent(new "
+        "Event('input'))",
         f"slice-{axis}",
         at,
     )
@@ -74,7 +75,8 @@ def test_window_and_level_follow_a_drag(page: Shown, ball: pathlib.Path) -> None
     keys = ActionChains(page.browser).key_down(Keys.SHIFT).move_to_element(canvas).click_and_hold()
     keys.move_by_offset(20, -10).release().key_up(Keys.SHIFT).perform()
     share = 20 / canvas.rect["width"]
-    wait("the window", lambda: abs(float(str(page.find("#window").get_attribute("value"))) - window * (1 + share)) < 0.02 * window)
+    wait("the window", lambda: abs(float(str(page.find("#window").get_attribute("value"))) - window * (1 +
+        share)) < 0.02 * window)
     assert abs(float(str(page.find("#level").get_attribute("value"))) - (level + window * share / 2)) < 0.02 * window
 
 

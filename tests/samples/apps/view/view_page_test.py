@@ -123,11 +123,13 @@ def test_the_python_lines_make_the_same_picture(page: Shown, tmp_path: pathlib.P
     assert np.array_equal(png(tmp_path / "picture.png")[..., :3], image[..., :3])
 
 
-def test_editing_the_transfer_function_changes_the_picture_and_can_be_undone(page: Shown, tmp_path: pathlib.Path) -> None:
+def test_editing_the_transfer_function_changes_the_picture_and_can_be_undone(page: Shown,
+    tmp_path: pathlib.Path) -> None:
     before = page.picture()
     assert page.find(".histogram").get_attribute("d").count("V") == 257
     last = page.browser.find_elements(By.CSS_SELECTOR, "[data-list=opacities]")[-1]
-    down = ActionChains(page.browser, duration=20).click_and_hold(last).move_by_offset(0, 60).move_by_offset(-20, 0).release()
+    down = ActionChains(page.browser, duration=20).click_and_hold(last).move_by_offset(0, 60).move_by_offset(-20,
+        0).release()
     after = page.after(down.perform)
     assert (before != after).any()
     assert Select(page.find("#preset")).first_selected_option.text == "own points"

@@ -22,7 +22,8 @@ BIN = pathlib.Path(os.environ["GICUBE_BIN_DIR"])
 
 
 def write_ball(path: pathlib.Path, size: int = 48, hole: bool = True) -> None:
-    """A NRRD of 8 bit: a ball that is dense in its middle, with a box cut out of it, so that no two of its sides look alike."""
+    """A NRRD of 8 bit: a ball that is dense in its middle, with a box cut out of it, so that no two of its sides look
+    alike."""
     z, y, x = np.meshgrid(*[np.linspace(-1, 1, size)] * 3, indexing="ij")
     values = np.clip(255 * (1.1 - np.sqrt(x * x + y * y + z * z) * 1.2), 0, 255)
     if hole:
@@ -37,7 +38,8 @@ class Running:
     def __init__(self, address: str, trust: Optional[pathlib.Path] = None) -> None:
         parts = urllib.parse.urlsplit(address)
         assert parts.port is not None
-        self.address, self.port, self.token, self.scheme = address, parts.port, parts.query.removeprefix("token="), parts.scheme
+        self.address, self.port, self.token, self.scheme = address, parts.port, parts.query.removeprefix(
+            "token="), parts.scheme
         self.tls = ssl.create_default_context(cafile=str(trust)) if trust else None
 
     def get(self, path: str, method: str = "GET", body: Optional[bytes] = None, **headers: str) -> tuple[int, bytes]:
@@ -55,7 +57,8 @@ class Program(Running):
 
     def __init__(self, *arguments: object, trust: Optional[pathlib.Path] = None, **how: Any) -> None:
         words = [str(word) for word in (BIN / "gicube-view", "--no-open", *arguments)]
-        self.process = subprocess.Popen(words, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **how})
+        self.process = subprocess.Popen(words, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True,
+                                                  **how})
         assert self.process.stdout is not None
         address = self.process.stdout.readline().strip()
         assert address, self.process.communicate()[1]

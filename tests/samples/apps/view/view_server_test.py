@@ -46,7 +46,8 @@ def test_a_hundred_pages_that_leave_in_mid_frame_leave_nothing_behind(ball: path
                     if i % 2 == 0:
                         page.wait_for("picture")
 
-        # Whole pictures at both levels, so that the program has the boards of both, or of the last one, whatever was stopped before.
+        # Whole pictures at both levels, so that the program has the boards of both, or of the last one, whatever was
+        # stopped before.
         def rest() -> None:
             with Page(program) as page:
                 page.wait_for("hello")
@@ -93,7 +94,8 @@ def test_a_moving_camera_never_waits_for_an_old_picture(ball: pathlib.Path) -> N
 
 
 def keeps_all(message: dict[str, Any]) -> int:
-    """Every ray that waits is in a block and a processor, every packet in a bank; returns the rays. A board's first look has none of it."""
+    """Every ray that waits is in a block and a processor, every packet in a bank; returns the rays. A board's first
+    look has none of it."""
     counters, look = message["counters"], message.get("look")
     if look is None:
         return 0
@@ -108,7 +110,8 @@ def keeps_all(message: dict[str, Any]) -> int:
 
 
 def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pathlib.Path) -> None:
-    with Program(ball, "--fidelity", "cycle", "--fix", "size=384x384") as program, Page(program) as page, Page(program) as other:
+    with Program(ball, "--fidelity", "cycle", "--fix",
+                 "size=384x384") as program, Page(program) as page, Page(program) as other:
         page.wait_for("hello")
         other.wait_for("hello")
         page.send({"do": "machine", "on": True})
@@ -142,7 +145,8 @@ def test_a_comparison_tells_what_differs_and_gives_way_to_its_page(ball: pathlib
         page.send({"do": "compare", "id": 7, "settings": small, "other": {**small, "asic.processors": "1"}})
         told, _ = page.wait_for("compared", id=7)
         assert told["same"] and [frame["settings"].get("asic.processors") for frame in told["frames"]] == [None, "1"]
-        assert "processor3.samples" in told["frames"][0]["counters"] and "processor1.samples" not in told["frames"][1]["counters"]
+        assert "processor3.samples" in told["frames"][0]["counters"] and "processor1.samples" not in told["frames"][1][
+            "counters"]
         page.send({"do": "compare", "id": 8, "settings": large, "other": large})
         page.send(MOVING)
         kinds = []
@@ -180,7 +184,8 @@ def test_a_board_that_is_not_there_is_told_and_found_once_it_is(ball: pathlib.Pa
             board.terminate()
 
 
-@pytest.mark.parametrize("message", [b"", b"{", b'{"do":"none"}', b'{"do":"slice","id":1,"axis":"w","at":0}', b'{"do":"open","names":["../x"]}'])
+@pytest.mark.parametrize("message", [b"", b"{", b'{"do":"none"}', b'{"do":"slice","id":1,"axis":"w","at":0}',
+                                     b'{"do":"open","names":["../x"]}'])
 def test_a_message_that_is_none_ends_the_connection_and_no_other(ball: pathlib.Path, message: bytes) -> None:
     with Program(ball, "--fix", "size=64x64") as program, Page(program) as page, Page(program) as other:
         page.wait_for("hello")

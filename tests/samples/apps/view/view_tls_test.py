@@ -30,7 +30,8 @@ def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[pathlib.Path,
 
 
 def refusal(*arguments: object) -> tuple[int, str]:
-    ran = subprocess.run([BIN / "gicube-view", "--no-open", *map(str, arguments)], capture_output=True, text=True, timeout=60)
+    ran = subprocess.run([BIN / "gicube-view", "--no-open", *map(str, arguments)], capture_output=True, text=True,
+                         timeout=60)
     return ran.returncode, ran.stderr.strip()
 
 
@@ -63,7 +64,8 @@ def test_host_is_a_name_of_the_certificate(ball: pathlib.Path, certificate: tupl
         assert program.get(f"/?token={program.token}", Host="view.example.org")[0] == 403  # of another port
 
 
-def test_plain_http_gets_nothing_from_a_port_of_tls(ball: pathlib.Path, certificate: tuple[pathlib.Path, pathlib.Path]) -> None:
+def test_plain_http_gets_nothing_from_a_port_of_tls(ball: pathlib.Path,
+                                                    certificate: tuple[pathlib.Path, pathlib.Path]) -> None:
     file, key = certificate
     with Program(ball, "--tls-cert", file, "--tls-key", key, trust=file) as program:
         for _ in range(40):  # more than there may be connections

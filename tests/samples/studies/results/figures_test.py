@@ -50,13 +50,15 @@ class ResultFigures(unittest.TestCase):
         self.equal(figures.bisection_mb_s(m), 32)  # 320 bytes in 10 us
 
     def test_LoadBalanceIsTheMeanBusyPartOfTheTime(self):
-        m = of({"processor.rays_held": 1600, "processor.cycles.busy": 900, "processor.cycles.leap": 100, "processor.cycles.link": 400})
+        m = of({"processor.rays_held": 1600, "processor.cycles.busy": 900, "processor.cycles.leap": 100,
+                "processor.cycles.link": 400})
         self.equal(figures.balance_held(m), 0.8)
         self.equal(figures.balance_busy(m), 0.6)
         self.equal(figures.balance_working(m), 0.5)
 
     def test_WorkBalanceIsTheMeanOfTheMost(self):
-        self.equal(figures.work_balance(of({"processor0.samples": 100, "processor1.samples": 300, "processor.samples": 400})), 2 / 3)
+        self.equal(figures.work_balance(of({"processor0.samples": 100, "processor1.samples": 300,
+                                            "processor.samples": 400})), 2 / 3)
 
     def test_CauseSharesSumToOneAndLeaveOutSingleProcessors(self):
         m = of({"processor0.cycles.busy": 300, "processor.cycles.busy": 500, "processor.cycles.dsp": 1500})
@@ -78,7 +80,8 @@ class ResultFigures(unittest.TestCase):
 
     def test_StaysAreSharesOfActivationsAndOfTurns(self):
         m = of({"processor.sorter.activations_of_rays.1": 30, "processor.sorter.activations_of_rays.64": 10,
-                "processor.sorter.issued_in_activations_of_rays.1": 30, "processor.sorter.issued_in_activations_of_rays.64": 970})
+                "processor.sorter.issued_in_activations_of_rays.1": 30,
+                "processor.sorter.issued_in_activations_of_rays.64": 970})
         residencies = figures.residencies(m)
         self.equal(residencies[0].activations, 0.75)
         self.equal(residencies[6].steps, 64)
@@ -87,7 +90,8 @@ class ResultFigures(unittest.TestCase):
         self.equal(figures.issued_in_short_residencies(m, 128), 1)
 
     def test_MillisecondsBeginWithTheWindow(self):
-        m = of({"asic.block_loads.ms9": 0, "asic.block_loads.ms10": 7, "asic.samples.ms10": 100, "asic.samples.ms12": 5})
+        m = of({"asic.block_loads.ms9": 0, "asic.block_loads.ms10": 7, "asic.samples.ms10": 100,
+                "asic.samples.ms12": 5})
         times = figures.milliseconds(m)
         self.assertEqual(len(times), 3)
         self.assertEqual(times[0].loads, 7)
@@ -109,8 +113,10 @@ class ResultFigures(unittest.TestCase):
         self.equal(figures.overflows_a_ray(m), 0.25)
 
     def test_NothingMeasuredIsZeroEverywhere(self):
-        for name in ("rate_hz", "asic_ms", "samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_use", "rays_sent",
-                     "bisection_mb_s", "balance_held", "balance_busy", "work_balance", "dsp_use", "overflows_a_ray", "deposits_a_sample",
+        for name in ("rate_hz", "asic_ms", "samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_use",
+                     "rays_sent",
+                     "bisection_mb_s", "balance_held", "balance_busy", "work_balance", "dsp_use", "overflows_a_ray",
+                     "deposits_a_sample",
                      "tiles_a_deposit", "tiles_combined", "scatterings_a_ray", "memory_use_uncombined"):
             self.assertEqual(getattr(figures, name)(Measurement()), 0, name)
 

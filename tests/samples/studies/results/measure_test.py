@@ -80,7 +80,8 @@ def test_each_board_falls_to_one_shard_and_all_come_once_the_others_are_done(tmp
     second = dict(measure_shard(kept, (2, 2), measure, lists))
     assert set(second) == {runs[0] for runs in lists}
     mine = begun[len(first):len(lists)]
-    assert sorted(run.name() for run, in begun[:len(lists)]) == sorted(run.name() for run, in lists), "each began in one shard"
+    assert sorted(run.name() for run, in begun[:len(lists)]) == sorted(run.name() for run,
+        in lists), "each began in one shard"
     begun.clear()
     assert dict(measure_shard(kept, (2, 2), measure, lists[::-1])) == second
     assert begun[:len(mine)] == mine[::-1]

@@ -20,7 +20,9 @@ class ResultPage(unittest.TestCase):
     def test_TableHasTheSameCellsAsItsCsv(self):
         page = Page()
         page.table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
-        self.assertEqual(page.body, '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 |\n\n[results/t.csv](results/t.csv)\n\n')
+        self.assertEqual(page.body,
+                         '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 '
+                         '|\n\n[results/t.csv](results/t.csv)\n\n')
         with tempfile.TemporaryDirectory() as folder:
             page.write_files(pathlib.Path(folder))
             self.assertEqual((pathlib.Path(folder) / "t.csv").read_text(), 'name,value\n"a, b",1\n"say ""c""",2\n')
@@ -50,10 +52,12 @@ class ResultPage(unittest.TestCase):
         page.claim(22, False, edram=32, sram=15.1, logic=9.4)
         page.claim(10, True, times=Spread(1.5, 3, 4), half=Spread(1, 2, 3))
         claims = page.claims()
-        self.assertIn("| 22 | hardware cost (Table 1) | 32 Mb eDRAM, 15 Mb SRAM, 9.5 M transistors of logic | 32.0 Mb eDRAM, 15.1 Mb SRAM, 9.4 M transistors | yes |", claims)
+        self.assertIn("| 22 | hardware cost (Table 1) | 32 Mb eDRAM, 15 Mb SRAM, 9.5 M transistors of logic | 32.0 Mb "
+                      "eDRAM, 15.1 Mb SRAM, 9.4 M transistors | yes |", claims)
         self.assertIn("| about twice the time | 3.00 times (mean of scenes; 1.50 to 4.00) | no |", claims)
         self.assertLess(claims.index("| 10 |"), claims.index("| 22 |"))
-        self.assertIn("- **10, a view along which each ray crosses all slabs, against one across (5.4)**: the mean follows the scenes", claims)
+        self.assertIn("- **10, a view along which each ray crosses all slabs, against one across (5.4)**: the mean "
+                      "follows the scenes", claims)
         self.assertNotIn("- **22", claims)
 
     def test_EveryRowOfTheWordsHasItsLines(self):
@@ -61,7 +65,8 @@ class ResultPage(unittest.TestCase):
         self.assertGreaterEqual(len(rows), 27)
         for text in rows:
             if not text.startswith("{scene}"):
-                self.assertEqual([line[:7].split(":")[0] for line in text.splitlines()], ["- claim", "- paper", "- ours", *["- half"] * ("\n- half: " in text), "- why"])
+                self.assertEqual([line[:7].split(":")[0] for line in text.splitlines()],
+                                 ["- claim", "- paper", "- ours", *["- half"] * ("\n- half: " in text), "- why"])
 
     def test_TextNeedsItsFigures(self):
         page = Page()

@@ -18,8 +18,8 @@ def run(*arguments, **streams):
 
 
 def tables_of(page):
-    """Rows of the page's tables, that of the columns' names first, by the file that the line after them names. The claims'
-    file has a column more, and large tables are in their files alone."""
+    """Rows of the page's tables, that of the columns' names first, by the file that the line after them names. The
+    claims' file has a column more, and large tables are in their files alone."""
     tables = {}
     lines = []
     for line in page.splitlines():
@@ -45,9 +45,11 @@ class ResultsProgram(unittest.TestCase):
         self.assertNotRegex(page, "[^a-z](nan|inf)[^a-z]")
 
     def expect_the_claims_of_before(self, claims):
-        """Simulated figures are the same everywhere. Where they change on purpose, docs/studies/results.md has to be made anew too."""
+        """Simulated figures are the same everywhere. Where they change on purpose, docs/studies/results.md has to be
+        made anew too."""
         known = pathlib.Path(__file__).parent / "small_claims.csv"
-        self.assertEqual(claims.read_text(), known.read_text(), "run script/results, and let gicube-results --edge 32 --image 32 "
+        self.assertEqual(claims.read_text(), known.read_text(),
+                         "run script/results, and let gicube-results --edge 32 --image 32 "
                          f"write {known.name} anew")
 
     def expect_the_files_numbers(self, tables, folder):
@@ -104,7 +106,8 @@ class ResultsProgram(unittest.TestCase):
         size = ["--edge", "32", "--image", "8", "--only", "baseline", "--quiet"]
         with tempfile.TemporaryDirectory() as whole, tempfile.TemporaryDirectory() as parts:
             self.assertEqual(run(*size, whole), 0)
-            shards = [subprocess.Popen([sys.executable, PROGRAM, *size, "--jobs", "1", "--shard", f"{i}/2", parts]) for i in (1, 2)]
+            shards = [subprocess.Popen([sys.executable, PROGRAM, *size, "--jobs", "1", "--shard", f"{i}/2", parts])
+                      for i in (1, 2)]
             self.assertEqual([shard.wait() for shard in shards], [0, 0])
             for i in (1, 2):  # what depends on both parts
                 self.assertEqual(run(*size, "--shard", f"{i}/2", parts), 0)
@@ -113,7 +116,8 @@ class ResultsProgram(unittest.TestCase):
             self.assertFalse([name for name in files if name.endswith(".part")])
             self.assertFalse((pathlib.Path(parts) / "RESULTS.md").exists())
             self.assertEqual(run(*size, parts), 0)
-            self.assertEqual((pathlib.Path(parts) / "RESULTS.md").read_text(), (pathlib.Path(whole) / "RESULTS.md").read_text())
+            self.assertEqual((pathlib.Path(parts) / "RESULTS.md").read_text(),
+                             (pathlib.Path(whole) / "RESULTS.md").read_text())
 
     def test_RefusesWhatIsNoShard(self):
         for shard in ("0/2", "3/2", "2"):

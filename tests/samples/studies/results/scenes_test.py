@@ -42,7 +42,8 @@ def test_the_cloud_is_visible_everywhere_and_never_opaque():
     values = cloud.volume.samples
     assert values.size == EDGE**3
     assert opacity(cloud.looks[0], values.min()) > 0
-    assert depth(cloud, values.max(), math.sqrt(3) * EDGE) < -math.log(1 - 0.98)  # even its densest value on the diagonal
+    # even its densest value on the diagonal
+    assert depth(cloud, values.max(), math.sqrt(3) * EDGE) < -math.log(1 - 0.98)
 
 
 def test_the_rock_is_opaque_within_its_edge():
