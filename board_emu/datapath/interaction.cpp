@@ -1,5 +1,6 @@
 #include "interaction.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -65,18 +66,26 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
-// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its
-// depth.
-bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& share) {
+// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its depth. `all`: the
+// opacity of the whole interval. Where absorbed light is no part of `opacity`, it still thins what interacts further on.
+bool interacts(RayState& ray, std::uint32_t opacity, std::uint32_t all, const Frame& frame, double& share) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
   const std::uint32_t value = interaction_value(ray, frame);
   if (ray.interacted < value || ray.interacted == before) return false;
-  // Optical depth grows linearly along the step, opacity does not.
-  const auto depth = [before](std::uint32_t until) {
-    return std::log((wire::kOpacityOne - before + 0.5) / (wire::kOpacityOne - until + 0.5));
-  };
-  share = value > before ? depth(value) / depth(ray.interacted) : 0.0;
+  if (value <= before) {
+    share = 0;
+  } else if (opacity == all) {
+    // Optical depth grows linearly along the step, opacity does not.
+    const auto depth = [before](std::uint32_t until) {
+      return std::log((wire::kOpacityOne - before + 0.5) / (wire::kOpacityOne - until + 0.5));
+    };
+    share = depth(value) / depth(ray.interacted);
+  } else {
+    const double part = (value - before) / static_cast<double>(ray.interacted - before);
+    const double alpha = std::min<double>(all, wire::kOpacityOne - 0.5) / wire::kOpacityOne;
+    share = std::log1p(-part * alpha) / std::log1p(-alpha);
+  }
   return true;
 }
 
@@ -167,7 +176,7 @@ bool interact_photon(Interaction& interaction, RayState& ray, const RayInterval&
   const std::uint32_t a = interval.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
-  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return true;
+  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, a, frame, share)) return true;
   const bool scatters = !straight && draws_scattering(ray, material, frame);
   const EnergyUnits given = scatters ? keep_colour(ray, interval.tag(), frame) : all_units(ray, frame);
   deposit(interaction, ray, given, place_in(interval, share, ray, frame), frame);
@@ -205,7 +214,7 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterva
   }
   double share = 0;
   const bool scatters = any_left && material.bsdf != wire::Bsdf::kNone &&
-                        interacts(ray, printed ? a : scattering_opacity(a, material), frame, share);
+                        interacts(ray, printed ? a : scattering_opacity(a, material), a, frame, share);
   if (scatters && !printed && frame.light_words > 1) {
     const EnergyUnits absorbed = keep_colour(ray, interval.tag(), frame);
     for (std::size_t word = 0; word < frame.light_words; ++word) given[word] += absorbed[word];
@@ -263,7 +272,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double share = 0;
   if (frame.high_albedo) {
-    if (!interacts(ray, a, frame, share)) return true;
+    if (!interacts(ray, a, a, frame, share)) return true;
     if (scatters && draws_scattering(ray, material, frame)) {
       scatter(interaction, ray, interval, share, material, sample, frame, counters);
       return false;
@@ -278,7 +287,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
     return false;
   }
   absorb(ray, colour_of(ray, sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
-  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return true;
+  if (!scatters || !interacts(ray, scattering_opacity(a, material), a, frame, share)) return true;
   scatter(interaction, ray, interval, share, material, sample, frame, counters);
   return false;
 }
