@@ -66,8 +66,9 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
-// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its depth. `all`: the
-// opacity of the whole interval. Where absorbed light is no part of `opacity`, it still thins what interacts further on.
+// Accumulates `opacity`. Returns true if the ray interacts in this interval, at the fraction `share`, 0..1, of its
+// depth. `all`: the opacity of the whole interval. Where absorbed light is no part of `opacity`, it still thins what
+// interacts further on.
 bool interacts(RayState& ray, std::uint32_t opacity, std::uint32_t all, const Frame& frame, double& share) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
