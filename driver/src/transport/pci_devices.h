@@ -22,13 +22,11 @@ std::filesystem::path pci_folder(const std::string& address, const std::filesyst
 // The kernel driver that the function is bound to; empty: none.
 std::string kernel_driver_of(const std::filesystem::path& folder);
 
-inline constexpr const char* kUioDriver = "uio_pci_generic";
-
-// A condition for opening a function.
+// What has to hold before a function can be opened.
 struct PciCondition {
   bool holds;
   std::string question, answer;
-  std::string advice;  // empty: none
+  std::string advice;  // if it does not hold
 };
 
 // In the order in which they are needed, up to the first that does not hold.

@@ -14,6 +14,7 @@
 
 #include "event.h"
 #include "fd.h"
+#include "mapping.h"
 
 namespace gicube {
 
@@ -32,28 +33,11 @@ class PciFunction {
   Fd take_socket() { return std::move(link_end_); }
 
  private:
-  // A mapping with one owner.
-  class Mapping {
-   public:
-    Mapping() = default;
-    Mapping(Mapping&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
-    Mapping& operator=(Mapping&& other) noexcept {
-      std::swap(bytes_, other.bytes_);
-      return *this;
-    }
-    ~Mapping();
-    // Throws OpenFailed that says what `what` is.
-    Mapping(std::size_t bytes, int flags, int file, const std::string& what);
-    std::byte* data() const { return bytes_.data(); }
-
-   private:
-    std::span<std::byte> bytes_;
-  };
-
   std::uint32_t read(std::uint32_t offset) const;
   void write(std::uint32_t offset, std::uint32_t value) const;
-  // Throws OpenFailed if bits that are to be set can't be.
-  void set_command(std::uint16_t set, std::uint16_t clear) const;
+  std::uint32_t index(std::uint32_t of) const;
+  // False if bits can't be changed.
+  bool set_command(unsigned set, unsigned clear) const;
   std::uint64_t physical_address() const;
   void open_session();
 

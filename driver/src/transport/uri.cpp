@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <initializer_list>
 #include <optional>
+#include <regex>
 #include <set>
 #include <utility>
 
@@ -163,22 +165,17 @@ Uri parse_tcp(std::string_view rest, bool is_secure) {
 }
 
 Uri parse_pci(std::string_view rest) {
-  const auto part = [&rest](std::size_t digits, std::string_view end, unsigned most) {
-    const auto value = rest.size() >= digits ? parse_number<unsigned>(rest.substr(0, digits), 16) : std::nullopt;
-    const bool fits = value && *value <= most && rest.substr(digits).starts_with(end);
-    if (fits) rest.remove_prefix(digits + end.size());
-    return fits ? value : std::nullopt;
-  };
-  const std::string_view whole = rest;
-  const auto domain = rest.find(':') == 4 ? part(4, ":", 0xFFFF) : 0;
-  const auto bus = part(2, ":", 0xFF), slot = part(2, ".", 0x1F), function = part(1, "", 7);
-  if (!domain || !bus || !slot || !function || !rest.empty()) {
+  static const std::regex kAddress("([0-9a-f]{4}:)?[0-9a-f]{2}:[01][0-9a-f]\\.[0-7]", std::regex::icase);
+  std::string address(rest);
+  if (!std::regex_match(address, kAddress)) {
     throw BadArgument("URI", "pci:DOMAIN:BUS:SLOT.FUNCTION, as pci:0000:00:04.0 (lspci -D lists addresses)",
-                      in_quotes("pci:" + std::string(whole)));
+                      in_quotes("pci:" + address));
   }
+  if (address.size() < sizeof "0000:00:04.0" - 1) address = "0000:" + address;
+  std::ranges::transform(address, address.begin(), [](char c) { return c >= 'A' ? static_cast<char>(c | 0x20) : c; });
   Uri uri;
   uri.scheme = UriScheme::kPci;
-  uri.path = fmt::format("{:04x}:{:02x}:{:02x}.{:x}", *domain, *bus, *slot, *function);
+  uri.path = address;
   return uri;
 }
 

@@ -8,11 +8,6 @@
 #include <utility>
 
 namespace gicube::pci {
-namespace {
-
-constexpr std::uint64_t kNobody = ~std::uint64_t{0};  // what a bus reads where no device answers
-
-}  // namespace
 
 std::optional<std::uint64_t> Bridge::take(Message message) {
   std::optional<std::uint64_t> answer = 0;
@@ -30,31 +25,25 @@ std::optional<std::uint64_t> Bridge::take(Message message) {
       raised_ = false;
       answer.reset();
       break;
-    case MessageKind::kConfigRead:
-      answer = config_.read(static_cast<std::uint32_t>(message.address), static_cast<std::uint32_t>(message.size));
+    case MessageKind::kConfigRead: answer = config_.read(message.address, message.size); break;
+    case MessageKind::kConfigWrite:
+      if (config_.write(message.address, message.size, message.value)) function_.reset();
       break;
-    case MessageKind::kConfigWrite: take_config_write(message); break;
-    case MessageKind::kBarRead: answer = message.is_memory ? function_.read(in_bar, message.size) : kNobody; break;
+    case MessageKind::kBarRead:
+      answer = message.is_memory ? function_.read(in_bar, message.size) : ~std::uint64_t{0};  // no device answers
+      break;
     case MessageKind::kBarWrite:
       if (message.is_memory) function_.write(in_bar, message.size, message.value);
       break;
     case MessageKind::kReset:
       config_.reset();
       function_.reset();
-      function_.let_master_bus(false);
       break;
     case MessageKind::kAnswer: answer.reset(); break;
   }
+  function_.let_master_bus(config_.may_master_bus());
   update_interrupt();
   return answer;
-}
-
-void Bridge::take_config_write(const Message& message) {
-  const bool resets =
-      config_.write(static_cast<std::uint32_t>(message.address), static_cast<std::uint32_t>(message.size),
-                    static_cast<std::uint32_t>(message.value));
-  if (resets) function_.reset();
-  function_.let_master_bus(config_.may_master_bus());
 }
 
 // INTx is a level. KVM keeps it until the guest acknowledges it, and then asks whether it is still there.
@@ -79,7 +68,7 @@ bool Bridge::wait(int qemu, int milliseconds) {
   if (files[1].events == 0) files[1].fd = -1;
   if (::poll(files.data(), files.size(), milliseconds) <= 0) return false;
   if (files[2].revents != 0) function_.connection_is_made();
-  if (files[1].revents != 0) function_.board_is_ready();
+  if (files[1].revents != 0) function_.move();
   if (files[3].revents != 0) {
     std::uint64_t count = 0;
     if (::read(acknowledged_.get(), &count, sizeof count) != sizeof count) acknowledged_.reset();

@@ -27,7 +27,6 @@ class Bridge {
   void serve(int qemu);
 
  private:
-  void take_config_write(const Message& message);
   void update_interrupt();
 
   GuestMemory memory_;

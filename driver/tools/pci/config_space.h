@@ -17,9 +17,9 @@ class ConfigSpace {
   void reset();
 
   // `size` bytes from `offset` on; all ones beyond the 256 bytes.
-  std::uint32_t read(std::uint32_t offset, std::uint32_t size) const;
+  std::uint32_t read(std::uint64_t offset, std::uint64_t size) const;
   // True: the guest wants the function to be reset; this space has been.
-  bool write(std::uint32_t offset, std::uint32_t size, std::uint32_t value);
+  bool write(std::uint64_t offset, std::uint64_t size, std::uint64_t value);
 
   bool may_master_bus() const { return (bytes_[kCommand] & wire::pci::kCommandBusMaster) != 0 && power_state() == 0; }
   bool interrupts_are_disabled() const { return (bytes_[kCommand + 1] & 1u << 2) != 0 || power_state() != 0; }

@@ -3,13 +3,16 @@
 // Whatever a guest writes, an access returns, reads and writes only mapped memory, and moves at most the bytes of a ring each way.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <span>
 
 #include "gicube/wire/pci_function.h"
 #include "guest_memory.h"
+#include "transport/event.h"
 #include "transport/fd.h"
 
 namespace gicube::pci {
@@ -38,42 +41,44 @@ class Function {
   // GuestMemory::map() was called: its bytes have moved.
   void memory_changed();
 
-  bool interrupt_is_pending() const { return (interrupt_status_ & interrupt_mask_) != 0; }
+  bool interrupt_is_pending() const;
 
   // Descriptors to wait for: poll() events of the board's socket, -1 without one, and a file that is readable when a
   // connection is made.
   int board_socket() const { return board_.socket.get(); }
   short board_events() const;
-  int connected_event() const;
+  int connected_event() const { return connected_ ? connected_->get() : -1; }
   // One of the two has happened.
-  void board_is_ready();
+  void move();
   void connection_is_made();
 
  private:
-  struct Opening;
+  using Error = wire::function::Error;
+  using State = wire::function::State;
+
+  std::uint32_t& at(std::uint32_t offset) { return registers_[offset / 4]; }
+  std::uint32_t at(std::uint32_t offset) const { return registers_[offset / 4]; }
+  bool is_open() const { return at(wire::function::kState) == static_cast<std::uint32_t>(State::kOpen); }
+  void set_state(State state) { at(wire::function::kState) = static_cast<std::uint32_t>(state); }
 
   void open();
-  // Ends the session; the error is kept if it is the first.
-  void close(wire::function::State state, wire::function::Error error);
-  void fail(wire::function::Error error) { close(wire::function::State::kFailed, error); }
-  void note(wire::function::Error error);
-  void move();
+  // Ends the session.
+  void close(State state);
+  void fail(Error error);
+  // The error is kept if it is the first.
+  void note(Error error);
+  // False: the session has ended.
   bool move_down();
   bool move_up();
 
   const GuestMemory& memory_;
   const std::function<Connection()> connect_;
-
-  // Registers.
-  wire::function::State state_ = wire::function::State::kClosed;
-  wire::function::Error error_ = wire::function::Error::kNone;
-  std::uint64_t ring_address_ = 0;
-  std::uint32_t ring_bytes_ = 0;
-  std::uint32_t interrupt_status_ = 0, interrupt_mask_ = 0;
+  std::array<std::uint32_t, wire::function::kInterruptMask / 4 + 1> registers_{};  // as they are read
   bool may_master_bus_ = false;
 
   // The session.
-  std::shared_ptr<Opening> opening_;
+  std::shared_ptr<Event> connected_;  // happens when the connection is there, or an exception
+  std::future<Connection> connection_;
   Connection board_;
   std::span<std::byte> rings_;         // index page, down, up; empty without a session
   std::uint64_t session_address_ = 0;  // theirs

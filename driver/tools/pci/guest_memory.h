@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "transport/fd.h"
+#include "transport/mapping.h"
 
 namespace gicube::pci {
 
@@ -19,11 +20,6 @@ struct MemoryRegion {
 
 class GuestMemory {
  public:
-  GuestMemory() = default;
-  ~GuestMemory() { clear(); }
-  GuestMemory(const GuestMemory&) = delete;
-  GuestMemory& operator=(const GuestMemory&) = delete;
-
   // These regions in place of the former. What can't be mapped, or is not within its file, is left out.
   void map(std::span<const MemoryRegion> regions);
 
@@ -33,10 +29,8 @@ class GuestMemory {
  private:
   struct Mapped {
     std::uint64_t address;
-    std::span<std::byte> bytes;
+    Mapping bytes;
   };
-  void clear();
-
   std::vector<Mapped> mapped_;
 };
 

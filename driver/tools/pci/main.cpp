@@ -1,5 +1,6 @@
 // gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a board on the other.
 #include <fmt/format.h>
+#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -34,24 +35,19 @@ Connection connect_board(const Uri& uri) {
   return {child->take_socket(), child};
 }
 
-// Starts the command with its end of a socket pair as file `number`; returns the other end.
-Fd start(const std::vector<std::string>& command, int number, pid_t& process) {
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
-  Fd ours(ends[0]);
-  const Fd theirs(ends[1]);
-  std::vector<std::string> words = command;
+// Starts the command with `theirs` as file `number`.
+pid_t start(std::vector<std::string> command, const Fd& theirs, int number) {
   std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
+  for (std::string& word : command) argv.push_back(word.data());
   argv.push_back(nullptr);
-  process = ::fork();
-  if (process < 0) throw std::runtime_error(fmt::format("cannot start {}: {}", command[0], std::strerror(errno)));
-  if (process > 0) return ours;
-  // dup2() of a file to itself would leave it to be closed.
-  const int moved = theirs.get() == number ? ::dup(theirs.get()) : theirs.get();
-  if (::dup2(moved, number) == number) ::execvp(argv[0], argv.data());
-  fmt::print(stderr, "gicube-pci: cannot start {}: {}\n", command[0], std::strerror(errno));
-  ::_exit(127);
+  posix_spawn_file_actions_t files;
+  ::posix_spawn_file_actions_init(&files);
+  ::posix_spawn_file_actions_adddup2(&files, theirs.get(), number);
+  pid_t process = -1;
+  const int error = ::posix_spawnp(&process, argv[0], &files, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&files);
+  if (error != 0) throw std::runtime_error(fmt::format("cannot start {}: {}", command[0], std::strerror(error)));
+  return process;
 }
 
 int run(const std::string& board, int number, const std::vector<std::string>& command) {
@@ -68,7 +64,10 @@ int run(const std::string& board, int number, const std::vector<std::string>& co
     }
     qemu = Fd(number);
   } else {
-    qemu = start(command, number, process);
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
+    qemu = Fd(ends[0]);
+    process = start(command, Fd(ends[1]), number);
   }
   int code = 0;
   try {
@@ -79,12 +78,11 @@ int run(const std::string& board, int number, const std::vector<std::string>& co
     code = 1;
   }
   qemu.reset();
-  if (process < 0) return code;
   int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  while (process >= 0 && ::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  const int theirs = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return code != 0 ? code : theirs;
+  if (code != 0) return code;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace

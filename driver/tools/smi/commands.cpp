@@ -8,6 +8,7 @@
 #include "client.h"
 #include "local_boards.h"
 #include "output.h"
+#include "transport/pci_devices.h"
 
 namespace gicube::smi {
 namespace {
@@ -99,7 +100,8 @@ v1::TraceInfo set_trace(Client& client, const std::string& file) {
 
 int list(const Options& options) {
   // A guest has PCI functions and no board process.
-  if (options.management.empty() && local_processes().empty() && list_functions(options.json)) return 0;
+  const bool has_process = !options.management.empty() || !local_processes().empty();
+  if (!has_process && !pci_devices().empty()) return overview(options);
   return show(options, Client(options).call(&Stub::ListBoards), print_boards);
 }
 

@@ -9,8 +9,6 @@ namespace gicube::smi {
 
 struct Options;
 int overview(const Options& options);  // without a command
-// The PCI functions of this machine that are boards. False, and prints nothing, if there are none.
-bool list_functions(bool json);
 
 struct Options {
   // The command that was asked for. It prints to standard output and returns the exit code: 0 good, 1 not.

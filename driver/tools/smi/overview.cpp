@@ -10,8 +10,6 @@
 namespace gicube::smi {
 namespace {
 
-constexpr const char* kFunctionName = "GI-Cube (PCI function)";
-
 // A private board has no place where others could open it.
 std::string place_of(const v1::BoardInfo& board) {
   return board.bus_endpoint().starts_with("fd:") ? "private" : board.bus_endpoint();
@@ -46,16 +44,10 @@ void print_table(const std::vector<LocalProcess>& processes, const std::vector<P
     }
   }
   for (const auto& [address, in_use] : functions) {
-    table.add({"", "", kFunctionName, "pci:" + address, "", "", "", "", "none", in_use ? "in use" : "free"});
+    table.add({"", "", "GI-Cube (PCI function)", "pci:" + address, "", "", "", "", "none", in_use ? "in use" : "free"});
   }
   if (table.empty()) return fmt::print("no board of this user runs on this machine ({})\n", registry_folder());
   fmt::print("{}", table.text());
-}
-
-nlohmann::ordered_json functions_json(const std::vector<PciDevice>& functions) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const auto& [address, in_use] : functions) list.push_back({{"uri", "pci:" + address}, {"in_use", in_use}});
-  return list;
 }
 
 void print_json(const std::vector<LocalProcess>& processes, const std::vector<PciDevice>& functions) {
@@ -70,7 +62,9 @@ void print_json(const std::vector<LocalProcess>& processes, const std::vector<Pc
     }
     list.push_back(std::move(entry));
   }
-  print({{"registry", registry_folder()}, {"processes", std::move(list)}, {"functions", functions_json(functions)}});
+  nlohmann::ordered_json pci = nlohmann::ordered_json::array();
+  for (const auto& [address, in_use] : functions) pci.push_back({{"uri", "pci:" + address}, {"in_use", in_use}});
+  print({{"registry", registry_folder()}, {"processes", std::move(list)}, {"functions", std::move(pci)}});
 }
 
 }  // namespace
@@ -84,21 +78,6 @@ int overview(const Options& options) {
     print_table(processes, functions);
   }
   return 0;
-}
-
-bool list_functions(bool json) {
-  const std::vector<PciDevice> functions = pci_devices();
-  if (functions.empty()) return false;
-  if (json) {
-    print({{"functions", functions_json(functions)}});
-    return true;
-  }
-  Table table({{"NAME"}, {"OPEN WITH"}, {"STATE"}});
-  for (const auto& [address, in_use] : functions) {
-    table.add({kFunctionName, "pci:" + address, in_use ? "in use" : "free"});
-  }
-  fmt::print("{}", table.text());
-  return true;
 }
 
 }  // namespace gicube::smi

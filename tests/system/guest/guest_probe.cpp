@@ -4,9 +4,13 @@
 //   gicube-guest-probe hold URI            works until the board is lost; says why
 //   gicube-guest-probe found               gicube::enumerate()
 //   gicube-guest-probe speed URI           rates through the rings or the socket, in wall-clock time
+//   gicube-guest-probe doorbell [PCI]      how long one takes; without PCI a byte over a socket to another process and back
+//   gicube-guest-probe interrupts PCI      how many of 100 uio_pci_generic hands on
 //   gicube-guest-probe hostile PCI SEED N  does N things to the function that no driver does
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -202,6 +206,11 @@ class Raw {
     enable();
   }
 
+  void open_session() {
+    std::memset(memory_, 0, 4096);
+    open(physical_, 4096);
+  }
+
   // Memory accesses and bus mastering are on, and the function is not asleep.
   void enable() {
     constexpr std::uint16_t kOn = 6, kAwake = 0;
@@ -258,6 +267,64 @@ class Raw {
   std::uint64_t sink_ = 0;
 };
 
+template <typename Trip>
+void print_trips(const char* what, int count, const Trip& trip) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> trips;
+  for (int i = 0; i < count; ++i) {
+    const auto start = Clock::now();
+    trip();
+    trips.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+  }
+  std::ranges::sort(trips);
+  std::printf("%s %.1f us (median of %d; fastest %.1f)\n", what, trips[trips.size() / 2], count, trips.front());
+}
+
+int doorbell(const std::string& address) {
+  constexpr int kCount = 5000;
+  if (!address.empty()) {
+    Raw raw(address);
+    print_trips("doorbell", kCount, [&raw] { raw.write(fn::kBell, 1); });
+    print_trips("register read", kCount, [&raw] { raw.read(fn::kState); });
+    return 0;
+  }
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
+  char byte = 0;
+  if (::fork() == 0) {
+    ::close(ends[0]);
+    while (::read(ends[1], &byte, 1) == 1 && ::write(ends[1], &byte, 1) == 1) {
+    }
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  print_trips("socket", kCount, [&] {
+    if (::write(ends[0], &byte, 1) != 1 || ::read(ends[0], &byte, 1) != 1) throw std::runtime_error("no answer");
+  });
+  return 0;
+}
+
+// A session that is closed has ended, which raises INTx.
+int interrupts(const std::string& address) {
+  const int file = ::open("/dev/uio0", O_RDONLY | O_NONBLOCK);
+  Raw raw(address);
+  int raised = 0, received = 0;
+  for (int i = 0; i < 100; ++i) {
+    raw.enable();
+    raw.open_session();
+    raw.write(fn::kInterruptMask, fn::kEnded);
+    raw.write(fn::kControl, fn::kCloseSession);
+    raised += (raw.read(fn::kInterruptStatus) & fn::kEnded) != 0 ? 1 : 0;
+    pollfd waits{file, POLLIN, 0};
+    if (::poll(&waits, 1, 20) == 1) ++received;
+    std::uint32_t count = 0;
+    [[maybe_unused]] const auto got = ::read(file, &count, sizeof count);
+    raw.write(fn::kInterruptStatus, fn::kEnded);
+  }
+  std::printf("%d interrupts raised, %d received\n", raised, received);
+  return file < 0 ? 1 : 0;
+}
+
 int hostile(const std::string& address, std::uint64_t seed, int count) {
   Raw raw(address);
   std::mt19937_64 random(seed);
@@ -278,6 +345,8 @@ int run(const std::vector<std::string>& words) {
   if (command == "hold" && words.size() == 2) return hold(words[1]);
   if (command == "found" && words.size() == 1) return found();
   if (command == "speed" && words.size() == 2) return speed(words[1]);
+  if (command == "doorbell" && words.size() <= 2) return doorbell(words.size() == 2 ? words[1] : "");
+  if (command == "interrupts" && words.size() == 2) return interrupts(words[1]);
   if (command == "hostile" && words.size() == 4) return hostile(words[1], std::stoull(words[2]), std::stoi(words[3]));
   std::fputs("usage: the head of guest_probe.cpp\n", stderr);
   return 2;
