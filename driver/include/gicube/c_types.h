@@ -54,7 +54,7 @@ typedef struct gicube_open_options {
   int32_t reserved;           /* 0 */
   uint64_t wait_for_board_ms; /* in line while the board has an owner */
   const char* capture;        /* NULL, or the file that the session's frames are written to (docs/guide/capture.md) */
-  const char* token_file;     /* NULL, or a file with the access token, for tcp: and tls: */
+  const char* token_file;     /* NULL, or a file with the access token, for tcp:, tls:, pci: */
   const char* ca_file;  /* NULL, or a file with the certificates of those who may have signed the board's, for tls: */
   int32_t go_on;        /* the board goes on from the checkpoint that its process began with, instead of being reset */
   int32_t reserved_too; /* 0 */
