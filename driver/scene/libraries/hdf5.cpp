@@ -50,7 +50,7 @@ std::vector<hsize_t> sizes_of(hid_t data_set) {
   return sizes;
 }
 
-// All data sets of three axes and more.
+// All data sets with axes.
 struct Search {
   std::vector<Found> found;
   std::size_t objects = 0;
@@ -63,7 +63,7 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* search)
   const Id data_set(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
   if (!data_set.good()) return 0;
   std::vector<hsize_t> sizes = sizes_of(data_set);
-  if (sizes.size() >= 3) all.found.push_back({"/" + std::string(name), std::move(sizes)});
+  if (!sizes.empty()) all.found.push_back({"/" + std::string(name), std::move(sizes)});
   return 0;
 }
 
@@ -108,14 +108,16 @@ Found choose(const std::filesystem::path& file, hid_t id, const std::string& par
   Search search;
   H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &search, H5O_INFO_BASIC);
   const auto named = [&](const std::string& path) { return std::ranges::find(search.found, path, &Found::path); };
+  if (const auto found = named(part.starts_with('/') ? part : "/" + part); found != search.found.end()) {
+    // One of fewer axes is a row or a plane.
+    if (found->sizes.size() < 3) found->sizes.insert(found->sizes.begin(), 3 - found->sizes.size(), 1);
+    return *found;
+  }
+  std::erase_if(search.found, [](const Found& each) { return each.sizes.size() < 3; });
   std::string list;
   for (std::size_t i = 0; i < search.found.size() && i < kMaxListed; ++i)
     list += fmt::format("{}{} ({})", i > 0 ? ", " : "", search.found[i].path, fmt::join(search.found[i].sizes, " x "));
-  if (!part.empty()) {
-    const auto found = named(part.starts_with('/') ? part : "/" + part);
-    if (found == search.found.end()) fail(file, "part", "a data set of three axes: " + list, '"' + part + '"');
-    return *found;
-  }
+  if (!part.empty()) fail(file, "part", "a data set: " + list, '"' + part + '"');
   if (search.found.size() == 1) return search.found.front();
   // DXchange has projections, or a reconstruction, in /exchange/data.
   for (const std::string& path : {nexus_default(id), std::string("/exchange/data"), std::string("/entry/data/data")}) {

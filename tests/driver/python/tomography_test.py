@@ -1,5 +1,8 @@
 """The operator pair in Python, and the conventions of views."""
 
+import os
+import subprocess
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -110,3 +113,42 @@ def test_a_closed_board_is_named():
     board.close()
     with pytest.raises(gicube.DeviceLost):
         projector.project(np.zeros((8, 8, 8)))
+
+
+def test_a_scan_of_dxchange_shows_a_ball_where_it_is(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    degrees = np.arange(0, 360, 6.0)
+    place, radius, mu = np.array([6.0, -3.0, 4.0]), 4.0, 0.1
+    chords = []  # of the rays to all pixels through the ball, in closed form
+    for view in gicube.circular_views(200, 400, np.radians(degrees), pitch=2):
+        source, centre, u, v = view.reshape(4, 3)
+        rows, columns = np.mgrid[0:26, 0:30]
+        ray = centre + (columns - 14.5)[..., None] * u + (rows - 12.5)[..., None] * v - source
+        ray /= np.linalg.norm(ray, axis=-1, keepdims=True)
+        beside = np.linalg.norm(np.cross(ray, place - source), axis=-1)
+        chords.append(2 * np.sqrt(np.maximum(radius**2 - beside**2, 0)))
+    lines = mu * np.array(chords)
+    scan = tmp_path / "scan.textproto"
+    scan.write_text('dxchange: "tomo.h5" source_to_axis: 200 source_to_detector: 400 detector { pitch_u: 2 } volume { size: [30, 30, 26] }')
+
+    def reconstructed(**data_sets):
+        with h5py.File(tmp_path / "tomo.h5", "w") as file:
+            for name, values in data_sets.items():
+                file["exchange/" + name] = values
+        program = Path(os.environ["GICUBE_BOARD"]).parent / "gicube-cone-beam"
+        done = subprocess.run([program, "reconstruct", scan, "-o", "v.nrrd", "--quiet"], cwd=tmp_path, capture_output=True, text=True)
+        return gicube.read_volume(tmp_path / "v.nrrd").samples if done.returncode == 0 else done.stderr
+
+    def expect_the_ball(volume):
+        weight = volume.clip(0)
+        z, y, x = ((weight * index).sum() / weight.sum() for index in np.mgrid[0:26, 0:30, 0:30])
+        assert (x - 14.5, y - 14.5, z - 12.5) == pytest.approx(tuple(place), abs=0.3)
+        assert volume[16:18, 11:13, 20:22].mean() == pytest.approx(mu, rel=0.03)
+        assert abs(volume[8:10, 17:19, 8:10].mean()) < 0.02 * mu  # through the middle from there
+
+    counts = np.round(100 + 60000 * np.exp(-lines)).astype("u2")
+    flat = {"data_white": np.full((3, 26, 30), 60100, "u2"), "data_dark": np.full((2, 26, 30), 100, "u2")}
+    expect_the_ball(reconstructed(data=counts, theta=degrees, **flat))
+    expect_the_ball(reconstructed(data=lines[::-1].astype("f4"), theta=degrees[::-1]))
+    assert "views: expected 59, one an angle, got 60" in reconstructed(data=lines, theta=degrees[1:])
+    assert '"/exchange/theta"' in reconstructed(data=lines)

@@ -26,6 +26,7 @@ struct StackFiles {
   std::vector<std::filesystem::path> files;
   std::optional<RawLayout> raw;  // of files without a header; dims: columns, rows, and 0 for the views
   bool allow_outside = false;    // as that of VolumeSource
+  std::string part{};            // of files of HDF5: the data set
 
   bool empty() const { return files.empty(); }
 };
@@ -64,10 +65,11 @@ struct ScanDescription {
   bool columns_reversed = false;  // the files' first column is that of the greatest u
   bool rows_reversed = false;     // the files' first row is that of the greatest v, as where rows run downwards
   StackFiles projections;
-  bool intensities = false;  // of the projections: else they are line integrals
-  StackFiles flats, darks;   // averaged; only with intensities
-  StackFiles dead;           // one picture, whose pixels are not 0 where they are dead
-  double full = 0;           // the intensity of a ray that met nothing, where there is no flat
+  bool intensities = false;        // of the projections: else they are line integrals
+  StackFiles flats, darks;         // averaged; only with intensities
+  StackFiles dead;                 // one picture, whose pixels are not 0 where they are dead
+  double full = 0;                 // the intensity of a ray that met nothing, where there is no flat
+  std::filesystem::path dxchange;  // take_dxchange(): or empty
 
   std::vector<std::filesystem::path> inputs() const;  // the files that it was read from, and those that it names
 };

@@ -14,8 +14,7 @@ using namespace std::string_view_literals;
 // Files that people hold for a scan's description, by their first bytes; where there is none the file extension is asked.
 constexpr std::array kOthers{
     std::pair{"\x89HDF\r\n\x1a\n"sv,
-              "an HDF5 file, as DXchange's: not read; its projections can be written as .nrrd, its angles into a "
-              "scan file"},
+              "an HDF5 file; one of DXchange's layout belongs into a scan file, as dxchange, with distances and pitch"},
     std::pair{"\x93NUMPY"sv, "an array of numpy: numpy.savetxt() writes vectors as text"},
     std::pair{"MATLAB 5.0"sv, "a MATLAB file"},
     std::pair{"II*\0"sv, "a TIFF picture: views belong to a scan's projections"},

@@ -33,6 +33,7 @@ struct Translator {
     out.darks = stack("dark", source.dark(), geometry.detector);
     out.dead = stack("dead", source.dead(), geometry.detector);
     out.intensities = source.intensities();
+    if (source.has_dxchange()) dxchange(source, out);
     if (source.has_full_intensity()) out.full = positive("full_intensity", true, source.full_intensity());
     const bool corrects = !out.flats.empty() || !out.darks.empty() || source.has_full_intensity();
     faults.check(out.intensities || !corrects, "intensities", "true where there are flats, darks or a full_intensity",
@@ -42,15 +43,26 @@ struct Translator {
     return out;
   }
 
+  // The rest of the description is there when the file has been read.
+  void dxchange(const v1::ConeScan& source, ScanDescription& out) {
+    const bool twice = source.view_size() > 0 || source.angle_size() > 0 || source.has_even_angles() ||
+                       source.has_projections() || source.intensities() || source.has_flat() || source.has_dark() ||
+                       source.has_full_intensity() || source.detector().has_columns() || source.detector().has_rows();
+    faults.check(!twice, "dxchange",
+                 "no views, angles, columns, rows, projections, intensities, flat and dark beside it, which it has",
+                 "some");
+    out.dxchange = folder / source.dxchange();
+  }
+
   void circle(const v1::ConeScan& source, ScanDescription& out) {
     ConeGeometry& geometry = out.geometry;
     geometry.source_to_axis = positive("source_to_axis", source.has_source_to_axis(), source.source_to_axis());
     geometry.source_to_detector =
         positive("source_to_detector", source.has_source_to_detector(), source.source_to_detector());
-    geometry.detector = detector(source.detector());
+    geometry.detector = detector(source.detector(), !source.has_dxchange());
     out.columns_reversed = source.detector().columns_reversed();
     out.rows_reversed = source.detector().rows_reversed();
-    geometry.angles = angles(source);
+    if (!source.has_dxchange()) geometry.angles = angles(source);
   }
 
   void views(const v1::ConeScan& source, ScanDescription& out) {
@@ -106,10 +118,10 @@ struct Translator {
     return static_cast<int>(std::min(value, static_cast<std::uint32_t>(kMaxPixels)));
   }
 
-  Detector detector(const v1::ConeDetector& source) {
+  Detector detector(const v1::ConeDetector& source, bool has_pixels) {
     Detector out;
-    out.columns = pixels("detector.columns", source.has_columns(), source.columns(), 2);
-    out.rows = pixels("detector.rows", source.has_rows(), source.rows(), 1);
+    if (has_pixels) out.columns = pixels("detector.columns", source.has_columns(), source.columns(), 2);
+    if (has_pixels) out.rows = pixels("detector.rows", source.has_rows(), source.rows(), 1);
     out.pitch_u = positive("detector.pitch_u", source.has_pitch_u(), source.pitch_u());
     out.pitch_v = source.has_pitch_v() ? positive("detector.pitch_v", true, source.pitch_v()) : out.pitch_u;
     out.offset_u = finite("detector.offset_u", source.offset_u());
@@ -185,10 +197,12 @@ struct Translator {
   }
 };
 
+std::string name_in(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  return file.parent_path() == folder ? file.filename().string() : std::filesystem::absolute(file).string();
+}
+
 void put(const StackFiles& files, const std::filesystem::path& folder, v1::StackOfViews& out) {
-  for (const auto& file : files.files) {
-    out.add_file(file.parent_path() == folder ? file.filename().string() : std::filesystem::absolute(file).string());
-  }
+  for (const auto& file : files.files) out.add_file(name_in(folder, file));
   if (!files.raw) return;
   for (const auto& [name, type] : kRawTypes) {
     if (type == files.raw->type) out.set_type(name);
@@ -222,7 +236,9 @@ ScanDescription parse_scan(const std::string& text, const std::string& name, con
 }
 
 ScanDescription read_scan_file(const std::filesystem::path& path) {
-  return parse_scan(read_text(path, "a scan file", kMaxMib), path.string(), path.parent_path());
+  ScanDescription out = parse_scan(read_text(path, "a scan file", kMaxMib), path.string(), path.parent_path());
+  if (!out.dxchange.empty()) take_dxchange(out);
+  return out;
 }
 
 std::string scan_text(const ScanDescription& description, const std::filesystem::path& folder) {
@@ -261,10 +277,17 @@ std::string scan_text(const ScanDescription& description, const std::filesystem:
   if (length(centre) > 0) {
     for (const double part : {centre.x, centre.y, centre.z}) volume.add_centre(part);
   }
-  if (!description.projections.empty()) put(description.projections, folder, *message.mutable_projections());
-  if (description.intensities) message.set_intensities(true);
-  if (!description.flats.empty()) put(description.flats, folder, *message.mutable_flat());
-  if (!description.darks.empty()) put(description.darks, folder, *message.mutable_dark());
+  if (!description.dxchange.empty()) {  // has these itself
+    message.set_dxchange(name_in(folder, description.dxchange));
+    message.clear_angle();
+    detector.clear_columns();
+    detector.clear_rows();
+  } else {
+    if (!description.projections.empty()) put(description.projections, folder, *message.mutable_projections());
+    if (description.intensities) message.set_intensities(true);
+    if (!description.flats.empty()) put(description.flats, folder, *message.mutable_flat());
+    if (!description.darks.empty()) put(description.darks, folder, *message.mutable_dark());
+  }
   if (!description.dead.empty()) put(description.dead, folder, *message.mutable_dead());
   if (description.full > 0) message.set_full_intensity(description.full);
   std::string text;

@@ -55,6 +55,7 @@ Stack read_one(const std::filesystem::path& file, const StackFiles& files) {
   source.file = file;
   source.spacing = Vec3{1, 1, 1};  // the scan has its own
   source.allow_outside = files.allow_outside;
+  source.part = files.part;
   source.as_stored = true;  // columns, rows and views are no axes of space
   return stack_of(read_volume(source));
 }
@@ -118,6 +119,7 @@ Stack read_stack(const StackFiles& files) {
     check_finite(file, stack);
     if (out.values.empty()) {
       out = std::move(stack);
+      out.values.reserve(out.values.size() * files.files.size());  // a file a view, most often
       continue;
     }
     expect(stack.columns == out.columns && stack.rows == out.rows, file, "size",
