@@ -33,8 +33,8 @@ constexpr unsigned kInterruptsOff = 1u << 10;  // of the command register: INTx 
 constexpr auto kHandOver = 1s;                 // chosen: for the thread of a lost session to let go of the function
 constexpr auto kOpenPatience = 10s;            // chosen: twice what gicube-pci takes to give up on a board
 constexpr auto kGoodbye = 1s;                  // chosen: for a board to take the last frames
-// An interrupt may never come: only KVM delivers it. So memory is looked at, at first often, then in proportion to the time that it has
-// been quiet, which makes what comes late by a sixteenth at most.
+// An interrupt may never come: only KVM delivers it. So memory is looked at, at first often, then in proportion to the
+// time that it has been quiet, which makes what comes late by a sixteenth at most.
 constexpr std::chrono::nanoseconds kFirstLook = 20us, kLastLook = 10ms;
 constexpr auto kSignOfLife =
     10ms;  // chosen: between reads of a register, of 16 us, which tell that the function was removed
@@ -70,7 +70,8 @@ void enable(const std::string& address, const fs::path& folder) {
   expect(::pwrite(file.get(), "1", 1, 0) == 1, address, "it cannot be enabled");
 }
 
-// The file that uio_pci_generic has for the function: tells of interrupts, and takes the bus from the function when this process ends.
+// The file that uio_pci_generic has for the function: tells of interrupts, and takes the bus from the function when
+// this process ends.
 Fd open_uio(const std::string& address, const fs::path& folder) {
   std::error_code error;
   const fs::directory_iterator first(folder / "uio", error);

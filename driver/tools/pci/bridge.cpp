@@ -64,7 +64,8 @@ bool Bridge::wait(int qemu, int milliseconds) {
                                {function_.board_socket(), function_.board_events(), 0},
                                {function_.connected_event(), POLLIN, 0},
                                {acknowledged_.get(), POLLIN, 0}}};
-  // While the guest's ring is full and the board takes bytes, only a bell goes on: a closed peer would be reported without end.
+  // While the guest's ring is full and the board takes bytes, only a bell goes on: a closed peer would be reported
+  // without end.
   if (files[1].events == 0) files[1].fd = -1;
   if (::poll(files.data(), files.size(), milliseconds) <= 0) return false;
   if (files[2].revents != 0) function_.connection_is_made();

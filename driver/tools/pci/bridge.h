@@ -19,8 +19,8 @@ class Bridge {
   // The value of the answer; nothing where QEMU waits for none.
   std::optional<std::uint64_t> take(Message message);
 
-  // Waits for the board, INTx's acknowledgement or, if it is not -1, the socket of QEMU, at most so long (-1: without end). True: there is
-  // a message of QEMU.
+  // Waits for the board, INTx's acknowledgement or, if it is not -1, the socket of QEMU, at most so long (-1: without
+  // end). True: there is a message of QEMU.
   bool wait(int qemu, int milliseconds);
 
   // Serves QEMU until it closes the socket. Throws what receive() does.

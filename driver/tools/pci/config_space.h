@@ -1,4 +1,5 @@
-// The configuration space of the function in the guest: the board's ids and class (pci_config.h), with what is true of this function.
+// The configuration space of the function in the guest: the board's ids and class (pci_config.h), with what is true of
+// this function.
 #pragma once
 
 #include <array>
@@ -8,9 +9,10 @@
 
 namespace gicube::pci {
 
-// Capabilities: power management, whose way from D3hot to D0 is a reset, and Advanced Features with function-level reset (PCI ECN
-// "Advanced Capabilities for Conventional PCI", 2006). BAR 0 has the registers. There is no BAR 2: QEMU gives at most 1 GiB, and the
-// board's memory map ends at 34 GiB. There is no AGP capability, because the function is on the guest's PCI bus.
+// Capabilities: power management, whose way from D3hot to D0 is a reset, and Advanced Features with function-level
+// reset (PCI ECN "Advanced Capabilities for Conventional PCI", 2006). BAR 0 has the registers. There is no BAR 2: QEMU
+// gives at most 1 GiB, and the board's memory map ends at 34 GiB. There is no AGP capability, because the function is
+// on the guest's PCI bus.
 class ConfigSpace {
  public:
   ConfigSpace() { reset(); }

@@ -1,6 +1,8 @@
-// The registers and rings of the function, and the connection to its board: moves bytes between the two, and looks at none of them.
+// The registers and rings of the function, and the connection to its board: moves bytes between the two, and looks at
+// none of them.
 //
-// Whatever a guest writes, an access returns, reads and writes only mapped memory, and moves at most the bytes of a ring each way.
+// Whatever a guest writes, an access returns, reads and writes only mapped memory, and moves at most the bytes of a
+// ring each way.
 #pragma once
 
 #include <array>
@@ -25,7 +27,8 @@ struct Connection {
 
 class Function {
  public:
-  // `connect` is called on a thread of its own for each session, and throws if the board can't be connected. `memory` outlives this.
+  // `connect` is called on a thread of its own for each session, and throws if the board can't be connected. `memory`
+  // outlives this.
   Function(const GuestMemory& memory, std::function<Connection()> connect);
   ~Function() { reset(); }
   Function(const Function&) = delete;

@@ -1,4 +1,5 @@
-// gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a board on the other.
+// gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a
+// board on the other.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/socket.h>

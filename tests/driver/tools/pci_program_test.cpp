@@ -1,6 +1,6 @@
-// gicube-pci with this process in QEMU's place, byte by byte: its messages with their files, and KVM's side of the two eventfds that carry
-// INTx. A guest under TCG never gets one, and KVM is not everywhere. Records after QEMU 7.2, include/hw/remote/mpqemu-link.h and
-// include/hw/remote/proxy.h, written down here once more.
+// gicube-pci with this process in QEMU's place, byte by byte: its messages with their files, and KVM's side of the two
+// eventfds that carry INTx. A guest under TCG never gets one, and KVM is not everywhere. Records after QEMU 7.2,
+// include/hw/remote/mpqemu-link.h and include/hw/remote/proxy.h, written down here once more.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -11,7 +11,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// Files that people hold for a scan's description, by their first bytes; where there is none the file extension is asked.
+// Files that people hold for a scan's description, by their first bytes; where there is none the file extension is
+// asked.
 constexpr std::array kOthers{
     std::pair{"\x89HDF\r\n\x1a\n"sv,
               "an HDF5 file; one of DXchange's layout belongs into a scan file, as dxchange, with distances and pitch"},

@@ -67,7 +67,8 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out)
 
 void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
   OptionGroup group(app, "Board and run");
-  const std::string addresses = "emu: (a private emulated board), unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS";
+  const std::string addresses =
+      "emu: (a private emulated board), unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS";
   if (several) {
     const auto take = [&options](const std::vector<std::string>& texts) {
       options.board = texts.front();
