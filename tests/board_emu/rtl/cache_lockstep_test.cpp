@@ -1,4 +1,5 @@
-// Tags, miss scheduler, pipeline stages and splat unit in SystemVerilog against asic/cache and cycle, register by register.
+// Tags, miss scheduler, pipeline stages and splat unit in SystemVerilog against asic/cache and cycle, register by
+// register.
 #include <Vmiss_scheduler.h>
 #include <Vsplat_unit.h>
 #include <Vstages.h>
@@ -104,7 +105,8 @@ TEST(MissSchedulerInLockstep, OrdersReadsAndWrites) {
   std::uint64_t reads_first = 0, writes_first = 0;
   for (Cycle now = 1; now < cycles(); ++now) {
     chance.next_cycle(now);
-    // The pipeline: what has been sent leaves, waiting writes are requested, a packet is taken, tiles change and are requested.
+    // The pipeline: what has been sent leaves, waiting writes are requested, a packet is taken, tiles change and are
+    // requested.
     const bool all = chance.happens(0), combines = now / 4096 % 4 != 3;
     writes.settle(now);
     writes.ask(now, all);

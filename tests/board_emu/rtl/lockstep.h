@@ -1,5 +1,5 @@
-// Runs a part of the board and its description in SystemVerilog (board_emu/rtl) side by side, and compares all registers of the part
-// in every cycle. The part lists its registers itself, as for a checkpoint.
+// Runs a part of the board and its description in SystemVerilog (board_emu/rtl) side by side, and compares all
+// registers of the part in every cycle. The part lists its registers itself, as for a checkpoint.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,8 @@ using Numbers = std::vector<std::uint64_t>;
 // The registers of a part, by name.
 class Registers final : public Archive {
  public:
-  // Lists a copy, because listing may bring deferred work up to date; or the part itself, where std::ref() says that it does not.
+  // Lists a copy, because listing may bring deferred work up to date; or the part itself, where std::ref() says that it
+  // does not.
   template <typename Part>
   explicit Registers(Part part) : Archive(false) {
     set_in_run(true);
