@@ -2,7 +2,7 @@
 #pragma once
 
 #define GICUBE_VERSION_MAJOR 0
-#define GICUBE_VERSION_MINOR 2
+#define GICUBE_VERSION_MINOR 3
 #define GICUBE_VERSION_PATCH 0
 
 // 0x00MMmmpp, as gicube_version() of the C interface returns that of the library in use.
