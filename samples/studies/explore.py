@@ -5,15 +5,14 @@ import functools
 import math
 import pathlib
 import re
-import subprocess
 import sys
 from types import SimpleNamespace
 
 sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
-# noqa: E402
-from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted
+from studies.hardware_cost import Refused, hardware_cost  # noqa: E402
+from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted  # noqa: E402
 from studies.search import check_count, search, size_of  # noqa: E402
 from studies.sensitivity import board_arguments  # noqa: E402
 from studies.space import KNOWN, OBJECTIVES, mean, read_space  # noqa: E402
@@ -67,17 +66,6 @@ def whole_number(text):
     return int(text)
 
 
-def read_cost(text):
-    """The figures of KNOWN, of what gicube-board --hardware-cost says."""
-    transistors = re.findall(r" (\d+) transistors$", text, re.MULTILINE)
-    bits = re.findall(r"^Total \w+ .*?(\d+) bit ", text, re.MULTILINE)
-    pins = re.search(r" = (\d+) pins;", text)
-    if not transistors or len(bits) != 2 or not pins:
-        raise RunFailed("gicube-board --hardware-cost: no table")
-    return {"transistors": float(sum(map(int, transistors))), "memory_bits": float(sum(map(int, bits))),
-            "pins": float(pins[1])}
-
-
 def figure_of(name, statistics, known):
     """Energy is that of the picture, and power its mean over the picture's simulated time; not-a-number where the run
     has none."""
@@ -99,17 +87,16 @@ class Explorer:
 
     def describe(self, settings):
         """A point whose runs are not made yet. One that the board refuses has a reason instead of costs."""
-        words = board_arguments([*settings.items(), *self.space.fixed])
-        done = subprocess.run([program("gicube-board"), *words, "--hardware-cost"], stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True)
         runs = [Run(arguments_of({"input": scene} | settings | dict(self.space.fixed))) for scene in self.space.scenes]
-        point = SimpleNamespace(settings=settings, runs=runs, known=None, reason=done.stderr.strip(), broken=[])
-        if done.returncode == 0:
-            point.known, point.reason = read_cost(done.stdout), ""
-            broken = [each for each in self.space.constraints if each.name in KNOWN
-                      and not each.holds(point.known[each.name])]
-            point.reason = broken[0].text if broken else ""
+        point = SimpleNamespace(settings=settings, runs=runs, known=None, reason="", broken=[])
+        try:
+            cost = hardware_cost(program("gicube-board"), board_arguments([*settings.items(), *self.space.fixed]))
+            point.known = {name: getattr(cost, name) for name in KNOWN}
+        except Refused as refused:
+            point.reason = str(refused)
+            return point
+        broken = [each for each in self.space.constraints if each.name in KNOWN and not each.holds(point.known[each.name])]
+        point.reason = broken[0].text if broken else ""
         return point
 
     def carry_out(self, points):

@@ -5,10 +5,12 @@ import random
 import warnings
 
 from studies.runs import InputError, RunFailed
+from studies.table import on_front
 
 ROUND = 10  # chosen: points whose runs can be made at once; more of them learn less from each other
-START = 20  # chosen: by the measurement of docs/guide/explore.md, as the two below
+START = 20  # chosen: by the measurement of docs/guide/explore.md, as those below
 CANDIDATES = 8
+NEIGHBOURS = 5  # of a round, beside points of the front; the sampler proposes the others
 GOOD = 18  # the share of points that count as good is 0.3, up to this many: their hypervolumes take the sampler's time
 
 
@@ -41,8 +43,9 @@ def search(parameters, count, seed, measure):
     corners = [{name: 0 for name, _ in parameters}, {name: len(values) - 1 for name, values in parameters}]
     accepted = 0
     while accepted < count and len(found) < size_of(parameters):
-        asked, known = {}, 0
-        while len(asked) < min(ROUND, count - accepted) and len(found) + len(asked) < size_of(parameters):
+        wanted = min(ROUND, count - accepted)
+        asked, known = dict.fromkeys(neighbours(parameters, found, chance)[:min(NEIGHBOURS, wanted)] if study is not None else []), 0
+        while len(asked) < wanted and len(found) + len(asked) < size_of(parameters):
             if study is None:  # before the first figures
                 place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name,
                     values in parameters}).values())
@@ -80,6 +83,29 @@ def search(parameters, count, seed, measure):
                     params={name: i for (name, _), i in zip(parameters, place)}, distributions=space, values=values,
                     user_attrs={"violations": violations}, system_attrs={"constraints": violations}))
     return True
+
+
+def neighbours(parameters, found, chance):
+    """Configurations that were not proposed, one step of one field beside the front of those that were measured, in an order by chance: the
+    sooner the more of the hypervolume the front would lose without the points that they are beside. A front of those that break least
+    stands in where all break a constraint."""
+    measured = {place: result for place, result in found.items() if result is not None}
+    least = min((sum(violations) for _, violations in measured.values()), default=0)
+    valid = {place: told(result)[0] for place, result in measured.items() if sum(result[1]) <= least}
+    front = {place: values for (place, values), on in zip(valid.items(), on_front(list(map(tuple, valid.values())))) if on}
+    ranges = [(min(each), max(each)) for each in zip(*valid.values())]
+    scaled = {place: [(value - low) / ((high - low) or 1) for value, (low, high) in zip(values, ranges)] for place, values in front.items()}
+    worst = [1.01] * len(ranges)  # the ends of the front count too
+    whole = hypervolume(list(scaled.values()), worst)
+    weights = {}
+    for place in front:
+        share = whole - hypervolume([values for other, values in scaled.items() if other != place], worst)
+        for axis, (_, values) in enumerate(parameters):
+            for step in (-1, 1):
+                beside = (*place[:axis], place[axis] + step, *place[axis + 1:])
+                if 0 <= beside[axis] < len(values) and beside not in found:
+                    weights[beside] = weights.get(beside, 0) + share + 1e-9
+    return sorted(weights, key=lambda place: -weights[place] * chance.random())
 
 
 def told(result):

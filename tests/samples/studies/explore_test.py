@@ -14,6 +14,7 @@ import pytest
 
 pytest.importorskip("optuna")
 from studies import explore, search, space  # noqa: E402
+from studies.hardware_cost import hardware_cost  # noqa: E402
 from studies.runs import InputError, RunFolder  # noqa: E402
 from studies.table import on_front  # noqa: E402
 
@@ -81,9 +82,9 @@ def test_energy_is_in_joules_and_power_over_the_pictures_time_and_both_may_be_ab
 
 
 def test_the_paper_cards_costs_are_those_of_its_table():
-    cost = explore.read_cost(subprocess.check_output([BIN / "gicube-board", "--hardware-cost"], text=True))
-    assert cost["memory_bits"] == 33554432 + 15828928  # [P Table 1]: docs/guide/observation.md
-    assert 9.35e6 < cost["transistors"] < 9.45e6 and cost["pins"] == 4 * 34
+    cost = hardware_cost(BIN / "gicube-board")
+    assert cost.memory_bits == 33554432 + 15828928  # [P Table 1]: docs/guide/observation.md
+    assert 9.35e6 < cost.transistors < 9.45e6 and cost.pins == 4 * 34
 
 
 def test_a_front_in_many_figures_leaves_out_what_another_dominates():

@@ -1,12 +1,11 @@
 """The board of the paper as it is: its scenes, what bounds them, its free parameters, its bus and its hardware cost."""
 import os
-import re
-import subprocess
 
 from bench import CELLS, IDEAL_DSP, SCENES, SHARED_MEMORY, at_paper, cells
 from figures import (asic_ms, balance_held, dsp_use, frame_ms, hit_ratio, memory_gb_s, memory_use, rate_hz, ratio,
                      rays_sent, samples_per_second, spread_of, throughput, to_ms)
 from page import WORDS, differs, number, percent
+from studies.hardware_cost import hardware_cost
 
 REAL_TIME = 30  # Hz
 LOGIC = {"Queues": 2, "Volume cache": 2, "Pipeline": 4, "Control": 1.5, "All parts": 9.5}  # M transistors [P Table 1]
@@ -186,13 +185,8 @@ def bus(bench, page):
 
 def cost(bench, page):
     """Row 22."""
-    program = os.environ["GICUBE_BOARD"]
-    text = subprocess.run([program, "--hardware-cost"], stdout=subprocess.PIPE, text=True).stdout
-    # Lines "NAME   FORMULA BITS bit 3.0 Mb SRAM", and " NAME FORMULA COUNT transistors", "NAME 1.8 M transistors".
-    items = re.findall(r"^(\S.*?)  +(\S.*?)? +(\d+) bit +(.+)$", text, re.MULTILINE)
-    parts = re.findall(r"^(\S.*?)  +([\d.]+) M transistors$", text, re.MULTILINE)
-    if not items or not parts:
-        raise RuntimeError(f"{program} --hardware-cost: no table")
+    built = hardware_cost(os.environ["GICUBE_BOARD"])
+    items, parts = built.items, built.parts
     page.say("cost")
     page.table("hardware-cost", ["item", "bits", "total"],
                [[name, formula, total] for name, formula, _, total in items])
