@@ -25,16 +25,17 @@ struct PageStack {
   Vec3 spacing{1, 1, 1};
 };
 
-// `description`: of the first page. Nothing if it is no OME document. Warns of a missing length along z. Throws FileError that names the
-// attribute: the image has lengths in different units, or planes in other files or in another order than it says.
+// `description`: of the first page. Nothing if it is no OME document. Warns of a missing length along z. Throws
+// FileError that names the attribute: the image has lengths in different units, or planes in other files or in another
+// order than it says.
 std::optional<PageStack> ome_pixels(const std::filesystem::path& file, const std::string& description);
 
 // The same of ImageJ, whose descriptions begin with "ImageJ=". `edges`: of a pixel, by the file's resolution.
 std::optional<PageStack> imagej_stack(const std::filesystem::path& file, const std::string& description, int pages,
                                       const std::array<double, 2>& edges);
 
-// Where the samples of the first page begin, and their order of bytes: of a TIFF that is not compressed. ImageJ writes files above 4 GB with
-// one page for all planes, which follow each other.
+// Where the samples of the first page begin, and their order of bytes: of a TIFF that is not compressed. ImageJ writes
+// files above 4 GB with one page for all planes, which follow each other.
 struct FirstStrip {
   std::uint64_t offset = 0;
   bool big_endian = false;

@@ -15,7 +15,8 @@ std::filesystem::path own_file() {
   return ::dladdr(&here, &found) != 0 && found.dli_fname != nullptr ? found.dli_fname : "";
 }
 
-// Beside libgicube-scene.so, or where a program's libraries are, installed or in the build tree; else where the system looks.
+// Beside libgicube-scene.so, or where a program's libraries are, installed or in the build tree; else where the system
+// looks.
 void* load(const std::string& library) {
   for (const std::filesystem::path& own : {own_file(), std::filesystem::path("/proc/self/exe")}) {
     for (const char* const folder : {".", GICUBE_PROGRAMS_TO_LIBRARIES, "../lib"}) {

@@ -1,6 +1,6 @@
-// OpenImageIO, as this library knows it: in a shared object of its own (driver/scene/pictures), which is loaded when a picture is first
-// asked for that only OpenImageIO can read or write. It brings some 250 other shared objects, and loading them takes 0.15 s of a
-// program's processor time.
+// OpenImageIO, as this library knows it: in a shared object of its own (driver/scene/pictures), which is loaded when a
+// picture is first asked for that only OpenImageIO can read or write. It brings some 250 other shared objects, and
+// loading them takes 0.15 s of a program's processor time.
 #pragma once
 
 #include <cstddef>
@@ -50,7 +50,8 @@ class PictureLibrary {
   virtual ~PictureLibrary() = default;
   // Null: `error` says why.
   virtual std::unique_ptr<PictureReader> open(const std::filesystem::path& file, std::string& error) const = 0;
-  // The bytes of a file. Empty: `error` says why. OpenImageIO would write the file itself, but does not check each of its writes.
+  // The bytes of a file. Empty: `error` says why. OpenImageIO would write the file itself, but does not check each of
+  // its writes.
   virtual std::vector<std::uint8_t> encode(const std::filesystem::path& file, const PictureToWrite& picture,
                                            std::string& error) const = 0;
 };
