@@ -1,3 +1,7 @@
+#include <string_view>
+
+#include "gicube/error.h"
+#include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
 
 namespace gicube::scene {
@@ -7,20 +11,36 @@ void set_own_codebook(Board& board, const SceneSetup& setup) {
   if (codebook.size() > 1) board.set_gradient_codebook(codebook);
 }
 
+namespace {
+
+constexpr std::string_view kSamplesAt = "samples at ";  // of Board::load_volume(): a voxel
+
+// The samples to the board. A value of a file that no board takes names the file, and what can be done.
+void load_samples(Board& board, const SceneSetup& setup, bool gradients, const Progress& progress) {
+  try {
+    if (setup.volume.planes) {
+      VolumeStream stream = setup.volume.stream();
+      stream.find_gradients = gradients;
+      board.load_volume(stream, progress);
+      return;
+    }
+    VolumeView volume = setup.volume_view();
+    volume.find_gradients = gradients;
+    if (!gradients) volume.gradients = {};
+    board.load_volume(volume, progress);
+  } catch (const BadArgument& error) {
+    if (setup.volume.source.empty() || !error.field().starts_with(kSamplesAt)) throw;
+    throw FileError(setup.volume.source, error.field(),
+                    error.expected() + ", or a number in its place (--nan VALUE; in Python nan=VALUE)", error.got());
+  }
+}
+
+}  // namespace
+
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress) {
   if (own_codebook) set_own_codebook(board, setup);
-  VolumeView volume = setup.volume_view();
   // Only light asks for gradients: the reflectance map, scattering, and lighting rays.
-  const bool gradients = setup.view.shade || setup.view.scatter || setup.lighting.on;
-  volume.find_gradients = gradients;
-  if (!gradients) volume.gradients = {};
-  if (setup.volume.planes) {
-    VolumeStream stream = setup.volume.stream();
-    stream.find_gradients = gradients;
-    board.load_volume(stream, progress);
-  } else {
-    board.load_volume(volume, progress);
-  }
+  load_samples(board, setup, setup.view.shade || setup.view.scatter || setup.lighting.on, progress);
   const ValueRange range = board.value_range();
   for (std::size_t tag = 0; tag < setup.materials.size(); ++tag) {
     board.set_transfer_function(in_values_of(range, setup.materials[tag]), static_cast<int>(tag));

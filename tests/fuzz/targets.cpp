@@ -13,6 +13,8 @@ const std::vector<Target>& targets() {
       {"cone_scan", cone_scan},
       {"config", config},
       {"ctsimu", ctsimu},
+      {"dicom", dicom},
+      {"hdf5", hdf5},
       {"legacy_vtk", legacy_vtk},
       {"link", link},
       {"mesh", mesh},
@@ -20,6 +22,7 @@ const std::vector<Target>& targets() {
       {"nifti", nifti},
       {"nrrd", nrrd},
       {"numpy", numpy},
+      {"openvdb", openvdb},
       {"orbit", orbit},
       {"pci", pci},
       {"pfm", pfm},
@@ -29,6 +32,7 @@ const std::vector<Target>& targets() {
       {"uri", uri},
       {"view_http", view_http},
       {"view_message", view_message},
+      {"vti", vti},
   };
   return list;
 }

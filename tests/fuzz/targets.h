@@ -21,18 +21,22 @@ void composition(Bytes input);
 void cone_scan(Bytes input);
 void config(Bytes input);
 void ctsimu(Bytes input);
+void dicom(Bytes input);
+void hdf5(Bytes input);
 void mesh(Bytes input);
 void meta_image(Bytes input);
 void nifti(Bytes input);
 void numpy(Bytes input);
 void legacy_vtk(Bytes input);
 void nrrd(Bytes input);
+void openvdb(Bytes input);
 void pfm(Bytes input);
 void orbit(Bytes input);
 void projection_matrix(Bytes input);
 void scene(Bytes input);
 void transfer_function(Bytes input);
 void uri(Bytes input);
+void vti(Bytes input);
 
 // The board and the bus.
 void board(Bytes input);

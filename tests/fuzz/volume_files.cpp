@@ -3,6 +3,7 @@
 
 #include "memory_file.h"
 #include "scene/formats/readers.h"
+#include "scene/formats/volume_library.h"
 #include "scene/names.h"
 
 namespace gicube::fuzz {
@@ -18,20 +19,24 @@ std::size_t sample_bytes(SampleType type) {
 
 using Find = samples::StoredFile (*)(const std::filesystem::path&);
 
+void expect_whole(const samples::Volume& volume) {
+  std::size_t samples = 1;
+  for (const int edge : volume.dims) {
+    expect(edge >= 1 && edge <= samples::kMaxFileDim, "each edge has 1 to kMaxFileDim voxels");
+    samples *= static_cast<std::size_t>(edge);
+  }
+  expect(volume.samples.size() == samples * sample_bytes(volume.type), "there are as many samples as voxels");
+  for (const double edge : {volume.spacing.x, volume.spacing.y, volume.spacing.z}) {
+    expect(edge > 0 && std::isfinite(edge), "spacing is positive and finite");
+  }
+}
+
 void read(Bytes input, Find find) {
   const MemoryFile file(input);
   try {
     const samples::StoredFile found = find(file.path());
     const samples::Volume volume = samples::with_spacing(samples::read_stored(found));
-    std::size_t samples = 1;
-    for (const int edge : volume.dims) {
-      expect(edge >= 1 && edge <= samples::kMaxFileDim, "each edge has 1 to kMaxFileDim voxels");
-      samples *= static_cast<std::size_t>(edge);
-    }
-    expect(volume.samples.size() == samples * sample_bytes(volume.type), "there are as many samples as voxels");
-    for (const double edge : {volume.spacing.x, volume.spacing.y, volume.spacing.z}) {
-      expect(edge > 0 && std::isfinite(edge), "spacing is positive and finite");
-    }
+    expect_whole(volume);
     const samples::Volume opened = samples::open_stored(found);
     if (!opened.planes) return;
     std::vector<std::byte> samples_in_planes(volume.samples.size());
@@ -41,8 +46,28 @@ void read(Bytes input, Find find) {
   }
 }
 
+// A file whose reader returns the volume itself.
+template <typename Read>
+void read_whole(Bytes input, const Read& read) {
+  const MemoryFile file(input);
+  try {
+    expect_whole(samples::with_spacing(read(file.path())));
+  } catch (const samples::FileError&) {
+  }
+}
+
+void read_with(Bytes input, const char* library) {
+  read_whole(input, [library](const std::filesystem::path& file) { return samples::read_by(library, file, ""); });
+}
+
 }  // namespace
 
+void dicom(Bytes input) { read_with(input, "dicom"); }
+void hdf5(Bytes input) { read_with(input, "hdf5"); }
+void openvdb(Bytes input) { read_with(input, "openvdb"); }
+void vti(Bytes input) {
+  read_whole(input, [](const std::filesystem::path& file) { return samples::read_vti(file); });
+}
 void nrrd(Bytes input) {
   read(input, [](const std::filesystem::path& file) { return samples::find_nrrd(file); });
 }

@@ -152,8 +152,8 @@ const std::vector<Rule>& rules() {
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
       {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
-      {"driver/scene/pictures", {"driver/scene/formats/picture_library.h", "driver/scene/formats/stored_samples.h"}, {"OpenImageIO"}},
-      {"driver/scene/libraries", {"driver/scene/formats/volume_library.h"}, {"dcmtk", "fmt", "hdf5.h", "openvdb"}},
+      {"driver/scene/pictures", {"driver/scene/formats/pictures/picture_library.h", "driver/scene/formats/stored_samples.h"}, {"OpenImageIO"}},
+      {"driver/scene/libraries", {"driver/scene/libraries", "driver/scene/formats/volume_library.h"}, {"dcmtk", "fmt", "hdf5.h", "openvdb"}},
       {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"},
                              {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},

@@ -21,6 +21,8 @@ Parts = Tuple[Array, Sequence[float], Array, Sequence[float], WorldAxes]
 def _of_simpleitk(image: Any) -> Parts:
     import SimpleITK  # type: ignore[import]  # which made the image
 
+    if image.GetDimension() != 3:
+        raise BadArgument("image", "three axes", str(image.GetDimension()))
     directions = np.reshape(image.GetDirection(), (3, 3)).T
     return SimpleITK.GetArrayFromImage(image), image.GetSpacing(), directions, image.GetOrigin(), WorldAxes.PATIENT
 

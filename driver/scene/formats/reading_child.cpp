@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,8 +25,6 @@ namespace {
 
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // chosen: bytes beside the samples
 constexpr std::uint64_t kMaxRatio = 16384;                 // chosen: bytes of memory for one of the file
-constexpr std::uint64_t kSeconds = 20,
-                        kBytesASecond = std::uint64_t{1} << 20;  // chosen: far beyond what good files take
 constexpr std::size_t kChunk = std::size_t{1} << 20;             // chosen
 
 // The numbers of a StoredLayout.
@@ -62,6 +61,14 @@ void send(int to, const FileFault& fault) {
   for (const std::string& text : {fault.file.string(), fault.field, fault.expected, fault.got}) send(to, text);
 }
 
+// The whole pages of these bytes, whose values are lost.
+void give_back(const std::byte* bytes, std::size_t count) {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(bytes) + page - 1) / page * page;
+  const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(bytes) + count) / page * page;
+  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+}
+
 // Of the address space that this process has already.
 std::uint64_t own_memory() {
   std::uint64_t pages = 0;
@@ -92,7 +99,7 @@ class Child {
       ::signal(SIGPIPE, SIG_DFL);
       for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) ::signal(signal, SIG_DFL);
       limit(RLIMIT_CORE, 0);
-      limit(RLIMIT_CPU, kSeconds + bytes / kBytesASecond);
+      limit(RLIMIT_CPU, kReadingSeconds + bytes / kBytesASecond);
       const std::uint64_t samples =
           std::min(kMaxVolumeBytes + kMaxVolumeBytes / 4, std::min(bytes, kMaxVolumeBytes) * kMaxRatio);
       limit(RLIMIT_AS, own_memory() + kMemory + samples);
@@ -155,7 +162,11 @@ class Child {
     send(to, &numbers, sizeof numbers);
     for (const FileFault& warning : volume.warnings) send(to, warning);
     if (volume.fault) send(to, *volume.fault);
-    send(to, volume.samples.data(), volume.samples.size());
+    // Both processes together hold the samples once: pages that were sent are given back.
+    for (std::size_t at = 0; at < volume.samples.size(); at += kChunk) {
+      send(to, volume.samples.data() + at, std::min(kChunk, volume.samples.size() - at));
+      give_back(volume.samples.data() + at, std::min(kChunk, volume.samples.size() - at));
+    }
   }
 
   void receive(void* bytes, std::size_t count) {

@@ -2,7 +2,11 @@
 // the library that loads it.
 #pragma once
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -32,9 +36,7 @@ class VolumeLibrary {
   // `part`: as VolumeSource has it.
   virtual LibraryVolume read(const std::filesystem::path& file, const std::string& part) const = 0;
   // Nothing: it is written.
-  virtual std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const {
-    return FileFault{file, "format", "one that can be written", std::to_string(volume.values.size())};
-  }
+  virtual std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const = 0;
 };
 
 // The bytes of the layout's samples; nothing if its sizes are impossible or above kMaxVolumeBytes.
@@ -45,6 +47,16 @@ inline std::optional<std::size_t> sane_bytes(const StoredLayout& layout, std::si
     bytes *= static_cast<std::uint64_t>(dim);
   }
   return bytes <= kMaxVolumeBytes ? std::optional<std::size_t>(bytes) : std::nullopt;
+}
+
+// Processor time that a child which reads (reading_child.h) may take: until it knows its volume, and by this many bytes of that a second more
+// from then on. A reader calls it before it fills the samples. Damaged files make libraries search for seconds before they give up.
+constexpr std::uint64_t kReadingSeconds = 2, kBytesASecond = std::uint64_t{4} << 20;  // chosen: far beyond good files
+inline void allow_time_for(std::uint64_t bytes) {
+  rlimit now{};
+  if (::getrlimit(RLIMIT_CPU, &now) != 0 || now.rlim_cur == RLIM_INFINITY) return;  // no such child
+  now.rlim_cur = std::min<rlim_t>(now.rlim_cur + bytes / kBytesASecond, now.rlim_max);
+  ::setrlimit(RLIMIT_CPU, &now);
 }
 
 bool is_dicom(const std::filesystem::path& path);  // a file, or a folder that has more of them than pictures

@@ -16,7 +16,7 @@
 #include <system_error>
 #include <tuple>
 
-#include "scene/formats/volume_library.h"
+#include "scene/libraries/each_library.h"
 
 namespace gicube::scene {
 namespace {
@@ -28,10 +28,6 @@ constexpr Uint32 kMaxReadBytes = 4096;      // chosen: longer values are read wh
 constexpr double kSaidDegrees = 0.1;        // chosen: of a tilt
 constexpr double kSameStep = 0.01;          // chosen: steps that differ by less of one are the same
 constexpr std::uint64_t kMaxPacked = 2000;  // chosen: bytes of samples for one of a compressed file
-
-[[noreturn]] void fail(const fs::path& file, std::string field, std::string expected, std::string got) {
-  throw FileFault{file, std::move(field), std::move(expected), std::move(got)};
-}
 
 // The number at `index` of an attribute, if it is there.
 std::optional<double> number(DcmItem& item, const DcmTagKey& tag, unsigned long index = 0) {
@@ -127,8 +123,13 @@ void add_file(const fs::path& file, std::map<Group, Series>& groups) {
     Slice each = slice;
     each.frame = frame;
     DcmItem* group = nullptr;
-    if (data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, group, frame).good() && group != nullptr)
+    if (data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, group, frame).good() && group != nullptr) {
       read_frame_group(*group, each);
+    } else if (frames > 1) {  // frames without places of their own follow each other, if the file says at which distance
+      const bool follows = each.row && each.column && each.position && each.thickness;
+      if (follows) each.position = *each.position + (frame * *each.thickness) * normalise(cross(*each.row, *each.column));
+      if (!follows) each.position.reset();
+    }
     std::string plane;
     if (each.row && each.column) {
       for (const Vec3& v : {*each.row, *each.column})
@@ -419,31 +420,18 @@ LibraryVolume read_series(const fs::path& path, const std::string& part) {
   return out;
 }
 
-class Library final : public VolumeLibrary {
- public:
-  Library() {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    DJDecoderRegistration::registerCodecs();
-    DJLSDecoderRegistration::registerCodecs();
-    DcmRLEDecoderRegistration::registerCodecs();
-  }
-  LibraryVolume read(const fs::path& path, const std::string& part) const override {
-    LibraryVolume out;
-    try {
-      return read_series(path, part);
-    } catch (const FileFault& fault) {
-      out.fault = fault;
-    } catch (const std::exception& error) {
-      out.fault = {path, "file", "one that DCMTK can read", error.what()};
-    }
-    return out;
-  }
-};
+void start() {
+  OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+  DJDecoderRegistration::registerCodecs();
+  DJLSDecoderRegistration::registerCodecs();
+  DcmRLEDecoderRegistration::registerCodecs();
+}
 
 }  // namespace
 }  // namespace gicube::scene
 
 extern "C" __attribute__((visibility("default"))) const gicube::scene::VolumeLibrary* gicube_dicom() {
-  static const gicube::scene::Library library;
+  using namespace gicube::scene;
+  static const EachLibrary library("DCMTK", start, read_series);
   return &library;
 }

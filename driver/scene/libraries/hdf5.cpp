@@ -8,7 +8,7 @@
 #include <exception>
 #include <utility>
 
-#include "scene/formats/volume_library.h"
+#include "scene/libraries/each_library.h"
 
 namespace gicube::scene {
 namespace {
@@ -32,10 +32,6 @@ class Id {
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
-
-[[noreturn]] void fail(const std::filesystem::path& file, std::string field, std::string expected, std::string got) {
-  throw FileFault{file, std::move(field), std::move(expected), std::move(got)};
-}
 
 struct Found {
   std::string path;
@@ -206,32 +202,20 @@ LibraryVolume read_data_set(const std::filesystem::path& file, const std::string
            fmt::format("{} \"{}\"", filter, name.data()));
   }
   out.layout.spacing = spacing_of(file, data_set);
+  allow_time_for(all);
   out.samples.resize(all);
   if (H5Dread(data_set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.samples.data()) < 0)
     fail(file, found.path, "whole samples", "damaged ones");
   return out;
 }
 
-class Library final : public VolumeLibrary {
- public:
-  Library() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
-  LibraryVolume read(const std::filesystem::path& file, const std::string& part) const override {
-    LibraryVolume out;
-    try {
-      return read_data_set(file, part);
-    } catch (const FileFault& fault) {
-      out.fault = fault;
-    } catch (const std::exception& error) {
-      out.fault = {file, "file", "one that HDF5 can read", error.what()};
-    }
-    return out;
-  }
-};
+void start() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 }  // namespace
 }  // namespace gicube::scene
 
 extern "C" __attribute__((visibility("default"))) const gicube::scene::VolumeLibrary* gicube_hdf5() {
-  static const gicube::scene::Library library;
+  using namespace gicube::scene;
+  static const EachLibrary library("HDF5", start, read_data_set);
   return &library;
 }

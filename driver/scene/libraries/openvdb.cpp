@@ -15,16 +15,12 @@
 #include <span>
 #include <utility>
 
-#include "scene/formats/volume_library.h"
+#include "scene/libraries/each_library.h"
 
 namespace gicube::scene {
 namespace {
 
 constexpr std::uint64_t kMaxRatio = 4096;  // chosen: voxels for a byte of the file; a tile of 4096^3 voxels takes some
-
-[[noreturn]] void fail(const std::filesystem::path& file, std::string field, std::string expected, std::string got) {
-  throw FileFault{file, std::move(field), std::move(expected), std::move(got)};
-}
 
 Vec3 vec(const openvdb::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -84,6 +80,7 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
   out.layout.spacing = {edges[0], edges[1], edges[2]};
   out.layout.placement.axes = WorldAxes::kWorld;
   out.layout.placement.origin = vec(origin);
+  allow_time_for(*bytes);
   out.samples.resize(*bytes);
   // Voxels that are not stored have the grid's background.
   openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, reinterpret_cast<float*>(out.samples.data()));
@@ -114,34 +111,11 @@ void write_grid(const FloatVolume& volume, const std::filesystem::path& file) {
   openvdb::io::File(file.string()).write({grid});
 }
 
-class Library final : public VolumeLibrary {
- public:
-  Library() { openvdb::initialize(); }
-  LibraryVolume read(const std::filesystem::path& file, const std::string& part) const override {
-    LibraryVolume out;
-    try {
-      return read_grid(file, part);
-    } catch (const FileFault& fault) {
-      out.fault = fault;
-    } catch (const std::exception& error) {
-      out.fault = {file, "file", "one that OpenVDB can read", error.what()};
-    }
-    return out;
-  }
-  std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const override {
-    try {
-      write_grid(volume, file);
-    } catch (const std::exception& error) {
-      return FileFault{file, "file", "a place to write to", error.what()};
-    }
-    return std::nullopt;
-  }
-};
-
 }  // namespace
 }  // namespace gicube::scene
 
 extern "C" __attribute__((visibility("default"))) const gicube::scene::VolumeLibrary* gicube_openvdb() {
-  static const gicube::scene::Library library;
+  using namespace gicube::scene;
+  static const EachLibrary library("OpenVDB", openvdb::initialize, read_grid, write_grid);
   return &library;
 }

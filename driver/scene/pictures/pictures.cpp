@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "scene/formats/picture_library.h"
+#include "scene/formats/pictures/picture_library.h"
 
 namespace gicube::scene {
 namespace {

@@ -93,9 +93,8 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
       "{:.1f} frames a second, {:.0f} M samples a second, hit ratio {:.1f}%, memory {:.2f} GB/s, DSP {:.0f}% busy\n",
       1e3 / frame_ms, json.at("samples_per_second").get<double>() * 1e-6, json.at("hit_ratio").get<double>() * 100,
       json.at("memory_gb_s").get<double>(), json.at("dsp_utilisation").get<double>() * 100);
-  if (const std::string energy = energy_line(statistics.counters, statistics.frame); !energy.empty()) {
-    fmt::print("{:.1f} mJ a frame: {}\n", json.at("energy").at("joules").at("value").get<double>() * 1e3, energy);
-  }
+  const std::string energy = energy_line(statistics.counters, statistics.frame, statistics.boards.size());
+  if (!energy.empty()) fmt::print("energy of the frame: {}\n", energy);
 }
 
 // Unless the picture before was made by the same.

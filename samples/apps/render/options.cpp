@@ -47,13 +47,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
                  }
                });
-  group
-      .value("--part", options.part,
-             "which volume of a file or folder that has several; without it, the error or a warning lists them")
-      ->type_name("NAME|N");
-  group.flag("--as-stored", options.as_stored,
-             "leave axes as the file stores them, whatever it says of left, back and up");
-  group.value("--nan", options.nan, "this value in place of samples that are no finite numbers")->type_name("VALUE");
+  add_volume_file_options(group, options.file);
   group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
 }
 
@@ -269,12 +263,7 @@ void set_volume(const RenderOptions& options, Scene& scene) {
     volume.raw = layout;
   }
   if (options.spacing) volume.spacing = options.spacing;
-  const bool of_files = !options.part.empty() || options.as_stored || options.nan;
-  if (of_files && (scene.world || !volume.builtin.empty()))
-    throw UsageError("--part, --as-stored, --nan: only for a volume's file");
-  if (!options.part.empty()) volume.part = options.part;
-  volume.as_stored = volume.as_stored || options.as_stored;
-  if (options.nan) volume.nan = options.nan;
+  set_volume_file(options.file, scene);
 }
 
 void set_camera(const CameraSettings& options, CameraSettings& camera) {
@@ -320,7 +309,7 @@ Scene input_scene(const RenderOptions& options) {
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out) {
   RenderOptions options;
   CLI::App app("Renders a volume on a GI-Cube board.", "gicube-render");
-  app.footer(kFooter);
+  app.footer("Presets of --transfer-function, and what they are for:\n" + preset_lines() + kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "

@@ -13,6 +13,7 @@
 #include "scene/names.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
+#include "scene/program/scene_input.h"
 
 namespace gicube::samples {
 
@@ -70,9 +71,8 @@ struct RenderOptions {
   bool big_endian = false;
   std::uint64_t skip_bytes = 0;
   std::optional<Vec3> spacing;
-  bool allow_outside = false, as_stored = false;
-  std::string part;           // as VolumeSource has it
-  std::optional<double> nan;  // the same
+  bool allow_outside = false;
+  VolumeFileOptions file;
   std::string transfer_function;
   std::optional<ValueRange> range;
   bool annotate = false;

@@ -169,7 +169,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["host_seconds"] = statistics.host_seconds;
   json["samples"] = counter_or_null(statistics.counters, "pipeline.samples");
   add_asic(statistics, json);
-  json["energy"] = energy_json(statistics.counters, statistics.frame);
+  json["energy"] = energy_json(statistics.counters, statistics.frame, statistics.boards.size());
   json["config_hash"] = fmt::format("{:016x}", statistics.board.config_hash);
   json["fidelity"] = name_of(statistics.board.fidelity);
   json["seed"] = statistics.seed;

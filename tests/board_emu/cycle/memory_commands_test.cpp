@@ -2,13 +2,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string_view>
 
 #include "bare_board.h"
+#include "config/energy.h"
 #include "cycle/machine.h"
+#include "cycle/machine_counters.h"
 #include "machine_rig.h"
 #include "rank_checker.h"
 #include "rdram_checker.h"
+#include "temporary_directory.h"
 
 namespace gicube::emu {
 namespace {
@@ -68,6 +78,55 @@ TEST(Machine, AWholeFramesDdrCommandsAreLegalAndTight) {
         std::find_if(counted.begin(), counted.end(), [](const auto& c) { return c.name == "ddr.reads"; });
     ASSERT_NE(reads, counted.end());
     EXPECT_GT(reads->value, 3000u);
+  }
+}
+
+// Joules of memory and memory_interface, as a script counts them from the commands alone.
+std::array<double, 2> recounted(const v1::BoardConfig& config, const Machine& machine, Picoseconds now,
+                                const std::vector<std::vector<rdram::IssuedCommand>>& traces) {
+  const reference::TemporaryDirectory folder;
+  std::ofstream out(folder.file("commands"));
+  int devices = 0;
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    devices += machine.memories()[i]->devices();
+    for (const rdram::IssuedCommand& each : traces[i])
+      out << i << ' ' << each.device << ' ' << dram::to_string(each.command) << '\n';
+  }
+  out.close();
+  const v1::EnergyConfig& prices = config.energy();
+  const std::string command = fmt::format(
+      "{} {}/tests/board_emu/cycle/memory_energy.py {} seconds={} clock_khz={} channels={} devices={} standby_uw={} "
+      "attention_uw={} activate_fj={} read_fj={} write_fj={} refresh_fj={} io_fj={} interface_uw={}",
+      GICUBE_PYTHON, GICUBE_SOURCE_DIR, folder.file("commands"), static_cast<double>(now) * 1e-12,
+      config.rdram().clock_khz(), traces.size(), devices, prices.rdram_standby_uw(), prices.rdram_attention_uw(),
+      prices.rdram_activate_fj(), prices.rdram_read_fj(), prices.rdram_write_fj(), prices.rdram_refresh_fj(),
+      prices.rdram_io_fj(), prices.rdram_interface_uw());
+  const std::unique_ptr<FILE, int (*)(FILE*)> script(::popen(command.c_str(), "r"), ::pclose);
+  std::array<double, 2> joules{};
+  EXPECT_EQ(std::fscanf(script.get(), "%lf %lf", &joules[0], &joules[1]), 2) << command;
+  return joules;
+}
+
+// Refreshes are priced by the clock, and a channel that nobody asks puts them off: they are left out of the exact count.
+TEST(Machine, AWholeFramesMemoryEnergyIsThatOfItsCommands) {
+  Scene scene({70, 70, 70}, 16);
+  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
+  for (auto& entry : scene.segmentation) entry.opacity = 500;
+  const v1::BoardConfig config = config_with({"fidelity=cycle", "asic.block_voxels=16", "rdram.refresh_interval=0"});
+  Machine machine(config, scene.volume.blocks());
+  std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
+  for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
+  cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
+  constexpr Picoseconds kNow = 100'000'000'000;  // later than the frame's end: a picojoule is less than 1e-10 of the sum
+  const std::array<double, 2> joules = recounted(config, machine, kNow, traces);
+  std::vector<wire::Counter> counted;
+  count(machine, counted);
+  const std::vector<PartEnergy> parts = EnergyModel(config).parts(counted, kNow);
+  for (std::size_t i = 0; i < joules.size(); ++i) {
+    const auto part = std::ranges::find(parts, std::string_view(std::array{"memory", "memory_interface"}[i]),
+                                        [](const PartEnergy& each) { return std::string_view(each.part); });
+    ASSERT_NE(part, parts.end());
+    EXPECT_NEAR(static_cast<double>(part->pj) * 1e-12, joules[i], 1e-9 * joules[i]) << part->part;
   }
 }
 

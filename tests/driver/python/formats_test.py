@@ -1,8 +1,12 @@
 """Files of other programs come in, and go out, with their samples and their geometry."""
 
 import os
+import pathlib
+import re
+import shutil
 import subprocess
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -230,6 +234,62 @@ def test_dicom_of_several_frames_and_packed_by_rle(tmp_path):
     expect(gicube.read_volume(tmp_path / "rle"), samples=RAMP - 1024)
 
 
+def test_frames_of_a_dicom_file_without_places_of_their_own_follow_each_other(tmp_path):
+    pydicom = pytest.importorskip("pydicom")
+    data = dicom_slice(pydicom, (1, 2, 3), RAMP[0], NumberOfFrames=6, SpacingBetweenSlices=2.0)
+    data.PixelData = RAMP.astype("<u2").tobytes()
+    data.save_as(tmp_path / "frames.dcm", write_like_original=False)
+    volume = gicube.read_volume(tmp_path / "frames.dcm")
+    expect(volume, samples=RAMP - 1024)
+    assert volume.world.axes is gicube.WorldAxes.PATIENT and tuple(volume.world.origin) == (1, 2, 3)
+
+
+@pytest.mark.parametrize("program, option", [("dcmcjpeg", "+e1"), ("dcmcjpeg", "+el"), ("dcmcjpls", "+el")])  # lossless JPEG and JPEG-LS
+def test_dicom_packed_by_jpeg(tmp_path, program, option):
+    pydicom = pytest.importorskip("pydicom")
+    if not shutil.which(program):
+        pytest.skip(f"no {program}: Debian package dcmtk")
+    save_series(pydicom, tmp_path / "plain")
+    (tmp_path / "packed").mkdir()
+    for file in (tmp_path / "plain").iterdir():
+        subprocess.run([program, option, file, tmp_path / "packed" / file.name], check=True)
+    syntax = {pydicom.dcmread(file).file_meta.TransferSyntaxUID.name for file in (tmp_path / "packed").iterdir()}
+    assert len(syntax) == 1 and "JPEG" in syntax.pop()
+    expect(gicube.read_volume(tmp_path / "packed"), samples=RAMP - 1024)
+
+
+def test_an_image_with_simpleitks_methods_is_taken_with_its_geometry(monkeypatch):
+    """A stand-in where the package is absent, as in Debian 12: its module, type and methods by its documentation."""
+    package = types.ModuleType("SimpleITK")
+
+    class Image:
+        __module__ = "SimpleITK.SimpleITK"
+
+        def GetPixelIDTypeAsString(self):
+            return "16-bit signed integer"
+
+        def GetDimension(self):
+            return 3
+
+        def GetSpacing(self):
+            return EDGES
+
+        def GetOrigin(self):
+            return PLACED.origin
+
+        def GetDirection(self):  # row by row; the columns are the directions of x, y, z
+            return tuple(np.array(PLACED.directions).T.ravel())
+
+    package.GetArrayFromImage = lambda image: RAMP  # [z, y, x]
+    monkeypatch.setitem(sys.modules, "SimpleITK", package)
+    volume = gicube.volume_from(Image())
+    expect(volume)
+    np.testing.assert_allclose(to_world(volume.world, EDGES), to_world(PLACED, EDGES), atol=1e-9)
+    Image.GetDimension = lambda self: 2
+    with pytest.raises(gicube.BadArgument, match="image: expected three axes, got 2"):
+        gicube.volume_from(Image())
+
+
 def test_tiff_of_imagej_and_of_every_type(tmp_path):
     tifffile = pytest.importorskip("tifffile")
     for kind in ("i1", "u1", "i2", "u2", "i4", "u4", "f2", "f4", "f8"):
@@ -268,3 +328,15 @@ def test_named_views_are_those_of_the_patient():
     assert view.eye[1] < 0 and view.eye[0] == view.look_at[0]
     with pytest.raises(gicube.InputError, match="view: expected one of front"):
         gicube.fit_view(gicube.Volume(RAMP), name="anterior")
+
+
+def test_samples_that_are_no_numbers_name_the_file_and_what_can_be_done(tmp_path):
+    samples = RAMP.astype("f4")
+    samples[1, 2, 3] = np.nan
+    np.save(tmp_path / "holes.npy", samples)
+    program = pathlib.Path(os.environ["GICUBE_BOARD"]).parent / "gicube-render"
+    command = [program, tmp_path / "holes.npy", "--size", "8x8", "-o", tmp_path / "o.png"]
+    refused = subprocess.run(command, capture_output=True, text=True)
+    assert refused.returncode == 1
+    assert re.search(r"holes\.npy: samples at voxel \(3, 2, 1\): expected a finite number, .*--nan VALUE.*got nan", refused.stderr), refused.stderr
+    assert subprocess.run([*command, "--nan", "0"]).returncode == 0

@@ -12,8 +12,8 @@
 
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
-#include "scene/formats/picture_library.h"
-#include "scene/formats/png_file.h"
+#include "scene/formats/pictures/picture_library.h"
+#include "scene/formats/pictures/png_file.h"
 
 namespace gicube::scene {
 namespace {

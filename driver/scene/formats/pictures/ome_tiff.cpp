@@ -1,4 +1,4 @@
-#include "scene/formats/ome_tiff.h"
+#include "scene/formats/pictures/ome_tiff.h"
 
 #include <fmt/format.h>
 

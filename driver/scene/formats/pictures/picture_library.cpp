@@ -1,4 +1,4 @@
-#include "scene/formats/picture_library.h"
+#include "scene/formats/pictures/picture_library.h"
 
 #include <dlfcn.h>
 

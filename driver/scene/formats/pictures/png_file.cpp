@@ -1,4 +1,4 @@
-#include "scene/formats/png_file.h"
+#include "scene/formats/pictures/png_file.h"
 
 #include <png.h>
 

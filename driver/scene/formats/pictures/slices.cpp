@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "scene/common/checks.h"
-#include "scene/formats/ome_tiff.h"
-#include "scene/formats/picture_library.h"
+#include "scene/formats/pictures/ome_tiff.h"
+#include "scene/formats/pictures/picture_library.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {

@@ -11,7 +11,7 @@
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/picture_library.h"
+#include "scene/formats/pictures/picture_library.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 

@@ -50,7 +50,9 @@ namespace {
 constexpr double kSlotWatts = 25;  // PCI 2.2, §4.4.2.2: the most that a board may take
 constexpr std::string_view kEnergy = "energy.", kEnergyTotal = "energy.total";
 
-// Parts of the ASIC. Its package of 2000 sheds some 3 W without a fan (docs/guide/energy.md).
+constexpr double kPackageWatts = 3;  // chosen: what a package of 2000 sheds without a fan (docs/guide/energy.md)
+
+// Parts of the ASIC. Of the other chips only the DSP comes near its package: a memory device takes at most 1.25 W.
 constexpr std::array<std::string_view, 9> kAsicParts{"memory_interface", "queues", "sorters", "cache",  "tables",
                                                      "pipelines",        "links",  "clock",   "leakage"};
 
@@ -78,33 +80,53 @@ std::vector<PartOfEnergy> energy_parts(const Counters& counters) {
 
 }  // namespace
 
-nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time) {
+nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards) {
   if (!counters.has(std::string(kEnergyTotal)) || time == 0) return nullptr;
   const double seconds = static_cast<double>(time) * 1e-12;
+  const double board_seconds = seconds * static_cast<double>(std::max<std::size_t>(boards, 1));
   const PartOfEnergy total = energy_of(counters, std::string(kEnergyTotal));
   const auto with_bounds = [](const PartOfEnergy& of, double scale) {
     return nlohmann::ordered_json{{"value", of.joules * scale}, {"low", of.low * scale}, {"high", of.high * scale}};
   };
   nlohmann::ordered_json json{{"joules", with_bounds(total, 1)}, {"watts", with_bounds(total, 1 / seconds)}};
-  json["within_slot"] = total.high / seconds <= kSlotWatts;
-  double asic = 0;
+  const auto of_each = [&](const char* count) {
+    const std::uint64_t all = counters.value(count);
+    return all > 0 ? nlohmann::ordered_json(total.joules / static_cast<double>(all)) : nullptr;
+  };
+  json["joules_per_sample"] = of_each("pipeline.samples");
+  json["joules_per_ray"] = of_each("pipeline.rays");
+  PartOfEnergy asic{"asic", 0, 0, 0}, dsp{"dsp", 0, 0, 0};
   for (const PartOfEnergy& part : energy_parts(counters)) {
     json["parts"][part.name] = with_bounds(part, 1 / seconds);
-    if (std::ranges::find(kAsicParts, part.name) != kAsicParts.end()) asic += part.joules / seconds;
+    const bool is_asic = std::ranges::find(kAsicParts, part.name) != kAsicParts.end();
+    if (!is_asic && part.name != dsp.name) continue;
+    PartOfEnergy& chip = is_asic ? asic : dsp;
+    chip.joules += part.joules, chip.low += part.low, chip.high += part.high;
   }
-  json["asic_watts"] = asic;
+  json["within_slot"] = total.high / board_seconds <= kSlotWatts;
+  json["within_packages"] = std::max(asic.high, dsp.high) / board_seconds <= kPackageWatts;
+  json["asic_watts"] = asic.joules / board_seconds;
+  json["asic_most_watts"] = asic.high / board_seconds;
   return json;
 }
 
-std::string energy_line(const Counters& counters, Picoseconds time) {
-  const auto json = energy_json(counters, time);
+std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards) {
+  const auto json = energy_json(counters, time, boards);
   if (json.is_null()) return {};
-  const auto& watts = json.at("watts");
+  const auto number = [&json](const char* path) { return json.at(nlohmann::json::json_pointer(path)).get<double>(); };
+  const auto nanojoules = [&json](const char* name, const char* what) {
+    const auto& each = json.at(name);
+    return each.is_null() ? std::string() : fmt::format(", {:.3g} nJ a {}", each.get<double>() * 1e9, what);
+  };
   const std::vector<PartOfEnergy> parts = energy_parts(counters);
-  return fmt::format("{:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W; the slot's {:.0f} W {}",
-                     watts.at("value").get<double>(), watts.at("low").get<double>(), watts.at("high").get<double>(),
-                     parts.at(0).name, parts.at(1).name, json.at("asic_watts").get<double>(), kSlotWatts,
-                     json.at("within_slot").get<bool>() ? "suffice" : "may not suffice");
+  return fmt::format(
+      "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's {:.0f} W "
+      "{}, packages without a fan ({:.0f} W) {}",
+      number("/joules/value") * 1e3, nanojoules("joules_per_sample", "sample"), nanojoules("joules_per_ray", "ray"),
+      number("/watts/value"), number("/watts/low"), number("/watts/high"), parts.at(0).name, parts.at(1).name,
+      number("/asic_watts"), number("/asic_most_watts"), kSlotWatts,
+      json.at("within_slot").get<bool>() ? "suffice" : "may not suffice", kPackageWatts,
+      json.at("within_packages").get<bool>() ? "suffice" : "may not suffice");
 }
 
 std::string memory_of(const Counters& counters) {

@@ -26,12 +26,12 @@ nlohmann::ordered_json fidelity_json(const Counters& counters);
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
 
-// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, within_slot, asic_watts, parts; each part
-// and the total with its value, low and high. Null where the level counts no energy.
-nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time);
-// For example "4.4 W (2.6 to 6.3), most of it sdram and memory_interface; ASIC 2.4 W; the slot's 25 W suffice". Empty
-// where the level counts no energy.
-std::string energy_line(const Counters& counters, Picoseconds time);
+// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, parts (of watts), each with its value, low and high;
+// joules_per_sample, joules_per_ray; of each of the `boards`, on average and with the high bounds: within_slot, within_packages, asic_watts,
+// asic_most_watts. Null where the level counts no energy.
+nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards = 1);
+// The same as a sentence, of a window; empty where the level counts no energy.
+std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards = 1);
 
 // The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all
 // channels are "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
