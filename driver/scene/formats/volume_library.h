@@ -1,5 +1,5 @@
-// Readers of volumes that are shared objects of their own (driver/scene/libraries): DICOM, HDF5, OpenVDB. Nothing is thrown from one to
-// the library that loads it.
+// Readers of volumes that are shared objects of their own (driver/scene/libraries): DICOM, HDF5, OpenVDB. Nothing is
+// thrown from one to the library that loads it.
 #pragma once
 
 #include <sys/resource.h>
@@ -49,8 +49,9 @@ inline std::optional<std::size_t> sane_bytes(const StoredLayout& layout, std::si
   return bytes <= kMaxVolumeBytes ? std::optional<std::size_t>(bytes) : std::nullopt;
 }
 
-// Processor time that a child which reads (reading_child.h) may take: until it knows its volume, and by this many bytes of that a second more
-// from then on. A reader calls it before it fills the samples. Damaged files make libraries search for seconds before they give up.
+// Processor time that a child which reads (reading_child.h) may take: until it knows its volume, and by this many bytes
+// of that a second more from then on. A reader calls it before it fills the samples. Damaged files make libraries
+// search for seconds before they give up.
 constexpr std::uint64_t kReadingSeconds = 2, kBytesASecond = std::uint64_t{4} << 20;  // chosen: far beyond good files
 inline void allow_time_for(std::uint64_t bytes) {
   rlimit now{};

@@ -125,9 +125,11 @@ void add_file(const fs::path& file, std::map<Group, Series>& groups) {
     DcmItem* group = nullptr;
     if (data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, group, frame).good() && group != nullptr) {
       read_frame_group(*group, each);
-    } else if (frames > 1) {  // frames without places of their own follow each other, if the file says at which distance
+    } else if (frames >
+               1) {  // frames without places of their own follow each other, if the file says at which distance
       const bool follows = each.row && each.column && each.position && each.thickness;
-      if (follows) each.position = *each.position + (frame * *each.thickness) * normalise(cross(*each.row, *each.column));
+      if (follows)
+        each.position = *each.position + (frame * *each.thickness) * normalise(cross(*each.row, *each.column));
       if (!follows) each.position.reset();
     }
     std::string plane;

@@ -1,4 +1,5 @@
-// The part that all libraries share: their functions throw, and no exception goes from a library to the program that loads it.
+// The part that all libraries share: their functions throw, and no exception goes from a library to the program that
+// loads it.
 #pragma once
 
 #include <exception>

@@ -107,7 +107,8 @@ std::array<double, 2> recounted(const v1::BoardConfig& config, const Machine& ma
   return joules;
 }
 
-// Refreshes are priced by the clock, and a channel that nobody asks puts them off: they are left out of the exact count.
+// Refreshes are priced by the clock, and a channel that nobody asks puts them off: they are left out of the exact
+// count.
 TEST(Machine, AWholeFramesMemoryEnergyIsThatOfItsCommands) {
   Scene scene({70, 70, 70}, 16);
   scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
@@ -117,7 +118,8 @@ TEST(Machine, AWholeFramesMemoryEnergyIsThatOfItsCommands) {
   std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
   for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
   cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
-  constexpr Picoseconds kNow = 100'000'000'000;  // later than the frame's end: a picojoule is less than 1e-10 of the sum
+  constexpr Picoseconds kNow =
+      100'000'000'000;  // later than the frame's end: a picojoule is less than 1e-10 of the sum
   const std::array<double, 2> joules = recounted(config, machine, kNow, traces);
   std::vector<wire::Counter> counted;
   count(machine, counted);

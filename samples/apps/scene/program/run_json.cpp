@@ -120,7 +120,8 @@ std::string energy_line(const Counters& counters, Picoseconds time, std::size_t 
   };
   const std::vector<PartOfEnergy> parts = energy_parts(counters);
   return fmt::format(
-      "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's {:.0f} W "
+      "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's "
+      "{:.0f} W "
       "{}, packages without a fan ({:.0f} W) {}",
       number("/joules/value") * 1e3, nanojoules("joules_per_sample", "sample"), nanojoules("joules_per_ray", "ray"),
       number("/watts/value"), number("/watts/low"), number("/watts/high"), parts.at(0).name, parts.at(1).name,

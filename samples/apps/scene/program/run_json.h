@@ -26,9 +26,9 @@ nlohmann::ordered_json fidelity_json(const Counters& counters);
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
 
-// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, parts (of watts), each with its value, low and high;
-// joules_per_sample, joules_per_ray; of each of the `boards`, on average and with the high bounds: within_slot, within_packages, asic_watts,
-// asic_most_watts. Null where the level counts no energy.
+// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, parts (of watts), each with its value,
+// low and high; joules_per_sample, joules_per_ray; of each of the `boards`, on average and with the high bounds:
+// within_slot, within_packages, asic_watts, asic_most_watts. Null where the level counts no energy.
 nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards = 1);
 // The same as a sentence, of a window; empty where the level counts no energy.
 std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards = 1);
