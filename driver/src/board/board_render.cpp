@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "encode/argument.h"
@@ -19,6 +20,22 @@ namespace gicube {
 namespace {
 
 namespace reg = wire::reg;
+
+constexpr int kThinMedium = 50;  // units of an opacity's word, of which half of one is 1%
+
+// Lighting rays take a table's whole units, on the wide datapath too.
+void warn_of_thin_media(std::span<const wire::SegmentationEntry> table, LightingReport& report) {
+  const std::size_t entries = table.size() / wire::kTags;
+  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+    const int most =
+        std::ranges::max(table.subspan(tag * entries, entries), {}, &wire::SegmentationEntry::opacity).opacity;
+    if (most == 0 || most >= kThinMedium) continue;
+    report.warnings.push_back(
+        fmt::format("tag {} has opacities of at most {:.2g}, which are rounded to 1/{}: the light that it takes is off "
+                    "by up to {:.2g}%",
+                    tag, most / double{wire::kClassifiedOpacityOne}, wire::kClassifiedOpacityOne, 50.0 / most));
+  }
+}
 
 // A face that a plane cuts shows what the volume holds: gradients there are those of noise.
 std::uint32_t pipeline_word(const View& view, std::uint16_t minor) {
@@ -401,6 +418,7 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
       report.scattered_away > 0.01 * report.emitted) {
     report.warnings.push_back("the printed rules of low albedo lost the energy that was scattered");
   }
+  warn_of_thin_media(state_->tables.segmentation(), report);
   return report;
 }
 

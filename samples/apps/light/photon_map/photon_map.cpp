@@ -52,13 +52,20 @@ void PhotonMapping::shoot() {
 }
 
 // Radiance towards the eye of what the photons bring, times the vertex's weight.
-Rgb PhotonMapping::gathered(const Vertex& vertex) const {
+Rgb PhotonMapping::gathered(const Vertex& vertex) {
   using std::numbers::pi;
   const Optics& optics = medium_.optics(vertex.tag);
   const bool surface = vertex.normal != Vec3{};
   const auto near = (surface ? surfaces_ : media_)
                         .nearest(vertex.place, static_cast<std::size_t>(settings_.neighbours), settings_.radius);
   const double r = near.radius;
+  if (!surface) {
+    const Dims& dims = medium_.dims();
+    const Vec3 low = vertex.place,
+               high = medium_.place_of({dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0}) - vertex.place;
+    ++statistics_.looks_in_media;
+    statistics_.beyond_faces += std::min({low.x, low.y, low.z, high.x, high.y, high.z}) < r ? 1 : 0;
+  }
   Rgb sum{};
   for (const Photon* photon : near.photons) {
     double share = density(optics, photon->direction, vertex.normal, -1.0 * vertex.direction);

@@ -55,6 +55,8 @@ struct PhotonSettings {
 struct PhotonStatistics {
   std::uint64_t emitted = 0, on_surfaces = 0, in_media = 0;  // kept
   std::uint64_t rays = 0;                                    // of the board, all kinds
+  // Densities of photons in media; those whose ball reaches beyond the volume, where no photons are, and that are too low.
+  std::uint64_t looks_in_media = 0, beyond_faces = 0;
 };
 
 class PhotonMapping {
@@ -71,7 +73,7 @@ class PhotonMapping {
  private:
   void shoot();
   void look(std::size_t first, std::size_t count, std::vector<Rgb>& pixels);
-  Rgb gathered(const Vertex& vertex) const;
+  Rgb gathered(const Vertex& vertex);
 
   const Medium& medium_;
   const Lights& lights_;

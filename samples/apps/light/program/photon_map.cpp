@@ -24,6 +24,12 @@ nlohmann::ordered_json photon_settings(const PhotonSettings& settings) {
 }
 
 LightCounts photon_counts(const PhotonStatistics& statistics) {
+  if (4 * statistics.beyond_faces > statistics.looks_in_media) {
+    warn(
+        fmt::format("{}% of the balls of neighbouring photons reach beyond the volume's faces, where no photons are: "
+                    "media are too dark there; more --photons and a smaller --radius help",
+                    100 * statistics.beyond_faces / statistics.looks_in_media));
+  }
   return {fmt::format("{} photons sent, {} kept on surfaces, {} in media; {} rays", statistics.emitted,
                       statistics.on_surfaces, statistics.in_media, statistics.rays),
           {{"photons", statistics.emitted},
