@@ -55,7 +55,8 @@ struct PhotonSettings {
 struct PhotonStatistics {
   std::uint64_t emitted = 0, on_surfaces = 0, in_media = 0;  // kept
   std::uint64_t rays = 0;                                    // of the board, all kinds
-  // Densities of photons in media; those whose ball reaches beyond the volume, where no photons are, and that are too low.
+  // Densities of photons in media; those whose ball reaches beyond the volume, where no photons are, and that are too
+  // low.
   std::uint64_t looks_in_media = 0, beyond_faces = 0;
 };
 
