@@ -1,5 +1,6 @@
-// Packets that were requested and not yet written into the cache (asic/cache/miss_queue.h, [P §3.3]), oldest first: some arrived, some
-// sent, the rest to be sent. Up to eight are requested in a cycle. `stamp` orders requests against writes (miss_scheduler.sv).
+// Packets that were requested and not yet written into the cache (asic/cache/miss_queue.h, [P §3.3]), oldest first:
+// some arrived, some sent, the rest to be sent. Up to eight are requested in a cycle. `stamp` orders requests against
+// writes (miss_scheduler.sv).
 module miss_queue #(
     parameter int unsigned PACKETS = 32,
     parameter int unsigned BLOCK_BITS = 9,

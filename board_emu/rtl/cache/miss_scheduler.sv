@@ -1,5 +1,6 @@
-// The miss scheduler [P §3.3, §3.4]: a processor's reads and writes of memory (MemoryClient in cycle/memory_port.h), in the order of
-// their requests, a read before a write of the same cycle. A read keeps the number of writes that were requested before it.
+// The miss scheduler [P §3.3, §3.4]: a processor's reads and writes of memory (MemoryClient in cycle/memory_port.h),
+// in the order of their requests, a read before a write of the same cycle. A read keeps the number of writes that
+// were requested before it.
 module miss_scheduler #(
     parameter int unsigned PACKETS = 32,
     parameter int unsigned TILES = 32,

@@ -1,6 +1,6 @@
-// Tags of the eight-way interleaved volume cache (asic/cache/volume_cache.h, [P §2.1, §3.3]): direct mapped by the place in the block,
-// one tag for each tile of 2 x 2 x 1 voxels. A neighbourhood's tiles lie in different banks, by the lowest bits of their places along
-// x, y and z, so all are checked in one cycle.
+// Tags of the eight-way interleaved volume cache (asic/cache/volume_cache.h, [P §2.1, §3.3]): direct mapped by the
+// place in the block, one tag for each tile of 2 x 2 x 1 voxels. A neighbourhood's tiles lie in different banks, by
+// the lowest bits of their places along x, y and z, so all are checked in one cycle.
 module volume_cache #(
     parameter int unsigned BLOCK_VOXELS = 32,
     parameter int unsigned BLOCK_BITS = 9,

@@ -1,6 +1,7 @@
-// Tiles on their way from the cache to memory (asic/cache/write_queue.h, [P §3.4]), oldest first: sent ones, requested ones, and ones that
-// wait until there are enough. A deposit changes up to eight tiles in a cycle. A tile that waits already absorbs the change; one that is
-// no longer in the cache is fetched first. Entries have running numbers.
+// Tiles on their way from the cache to memory (asic/cache/write_queue.h, [P §3.4]), oldest first: sent ones,
+// requested ones, and ones that wait until there are enough. A deposit changes up to eight tiles in a cycle. A tile
+// that waits already absorbs the change; one that is no longer in the cache is fetched first. Entries have running
+// numbers.
 module write_queue #(
     parameter int unsigned TILES = 32,  // a power of two
     parameter int unsigned BLOCK_BITS = 9,

@@ -1,5 +1,5 @@
-// A link to a neighbour, with its entry queue (asic/link/ring.h). A ray is on it for CYCLES cycles and is passed on in the last
-// of them, to the processor at its END or to the next link.
+// A link to a neighbour, with its entry queue (asic/link/ring.h). A ray is on it for CYCLES cycles and is passed on
+// in the last of them, to the processor at its END or to the next link.
 module link #(
     parameter int unsigned TOKEN = 64,
     parameter int unsigned PROCESSOR_AT = 0,  // first of the 8 bits of the ray's destination

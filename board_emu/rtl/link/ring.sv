@@ -1,5 +1,6 @@
-// The ring of links (asic/link/ring.h, [P §2.1, §3.6]): a ray takes the shorter way round, to the right if both are equally long. Rays
-// in transit precede those that enter, and one place of a direction stays free, so that the ring cannot deadlock.
+// The ring of links (asic/link/ring.h, [P §2.1, §3.6]): a ray takes the shorter way round, to the right if both are
+// equally long. Rays in transit precede those that enter, and one place of a direction stays free, so that the ring
+// cannot deadlock.
 module ring #(
     parameter int unsigned PROCESSORS = 4,  // at least 2
     parameter int unsigned TOKEN = 64,
@@ -49,9 +50,9 @@ module ring #(
 
     link #(.TOKEN(TOKEN), .PROCESSOR_AT(PROCESSOR_AT), .RAYS(RAYS), .CYCLES(CYCLES), .END(RIGHT)) to_right (
         .clk, .rst, .push(enters_right[i] || goes_on[LEFT]),
-        .push_token(goes_on[LEFT] ? fronts[LEFT*TOKEN +: TOKEN] : mine), .can_push(can_push[i]), .can_enter(can_enter[i]),
-        .arrival_ready(left_ready[RIGHT]), .next_ready(can_push[RIGHT]), .arrives(arrives[i]), .goes_on(goes_on[i]),
-        .front(fronts[i*TOKEN +: TOKEN]), .busy(busy[i]), .blocked(blocked[i]));
+        .push_token(goes_on[LEFT] ? fronts[LEFT*TOKEN +: TOKEN] : mine), .can_push(can_push[i]),
+        .can_enter(can_enter[i]), .arrival_ready(left_ready[RIGHT]), .next_ready(can_push[RIGHT]), .arrives(arrives[i]),
+        .goes_on(goes_on[i]), .front(fronts[i*TOKEN +: TOKEN]), .busy(busy[i]), .blocked(blocked[i]));
     link #(.TOKEN(TOKEN), .PROCESSOR_AT(PROCESSOR_AT), .RAYS(RAYS), .CYCLES(CYCLES), .END(LEFT)) to_left (
         .clk, .rst, .push(enters_left[i] || goes_on[P+RIGHT]),
         .push_token(goes_on[P+RIGHT] ? fronts[(P+RIGHT)*TOKEN +: TOKEN] : mine), .can_push(can_push[P+i]),

@@ -1,5 +1,5 @@
-// The prefetch stages (cycle/stages.h, [P §3.3]): a sample takes at least STAGES cycles, waits at the end for its packets, and those
-// behind it close up.
+// The prefetch stages (cycle/stages.h, [P §3.3]): a sample takes at least STAGES cycles, waits at the end for its
+// packets, and those behind it close up.
 module prefetch_line #(
     parameter int unsigned STAGES = 16,
     parameter int unsigned ENTRY = 64

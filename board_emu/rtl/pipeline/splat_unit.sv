@@ -1,5 +1,5 @@
-// The unit that adds deposits to the irradiance words (cycle/splat_unit.h, [P §3.4]): it takes the cache's banks for two cycles, and
-// sends the deposit's carriers one by one.
+// The unit that adds deposits to the irradiance words (cycle/splat_unit.h, [P §3.4]): it takes the cache's banks for
+// two cycles, and sends the deposit's carriers one by one.
 module splat_unit (
     input  logic       clk,
     input  logic       rst,

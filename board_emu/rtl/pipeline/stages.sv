@@ -1,5 +1,5 @@
-// The line of rays through the pipeline (cycle/stages.h and Processor::enter_compute()). A counter holds a sample until its packets have
-// come [P §3.3]; it goes on in the cycle of the last, by the bypass.
+// The line of rays through the pipeline (cycle/stages.h and Processor::enter_compute()). A counter holds a sample
+// until its packets have come [P §3.3]; it goes on in the cycle of the last, by the bypass.
 module stages #(
     parameter int unsigned PREFETCH = 16,
     parameter int unsigned COMPUTE = 16,

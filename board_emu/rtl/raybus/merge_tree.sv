@@ -1,5 +1,6 @@
-// The tree of merging nodes from the processors to the DSP (asic/raybus/merge_tree.h, [P §3.6]). LEAVES is a power of two. Streams are
-// numbered like a heap: 1 is the output, node n merges streams 2n and 2n + 1, leaf i is stream LEAVES + i.
+// The tree of merging nodes from the processors to the DSP (asic/raybus/merge_tree.h, [P §3.6]). LEAVES is a power of
+// two. Streams are numbered like a heap: 1 is the output, node n merges streams 2n and 2n + 1, leaf i is stream
+// LEAVES + i.
 module merge_tree #(
     parameter int unsigned LEAVES = 8,
     parameter int unsigned TOKEN = 64

@@ -1,4 +1,5 @@
-// The ray bus from the DSP to the processors (asic/raybus/ray_bus.h, [P §3.6]): one packet per cycle. A ray is one packet, a run two.
+// The ray bus from the DSP to the processors (asic/raybus/ray_bus.h, [P §3.6]): one packet per cycle. A ray is one
+// packet, a run two.
 module ray_bus #(
     parameter int unsigned PROCESSORS = 4,
     parameter int unsigned RUN_BITS = 8,

@@ -1,5 +1,5 @@
-// A processor's two buffers of runs (asic/raybus/ray_bus.h): it extrapolates its own rays of the older one, one per cycle. `own` marks
-// these among the run's rays.
+// A processor's two buffers of runs (asic/raybus/ray_bus.h): it extrapolates its own rays of the older one, one per
+// cycle. `own` marks these among the run's rays.
 module run_buffer #(
     parameter int unsigned RUN_BITS = 8,
     parameter int unsigned RUN_RAYS = 64,
@@ -7,7 +7,7 @@ module run_buffer #(
 ) (
     input  logic                  clk,
     input  logic                  rst,
-    input  logic                  takes_in,  // at the end of the cycle; ignored if no ray of the run is the processor's own
+    input  logic                  takes_in,  // at the cycle's end; ignored if no ray of the run is its own
     input  logic [RUN_BITS-1:0]   run,
     input  logic [RUN_RAYS-1:0]   own,
     input  logic                  ready,  // the processor's FIFO takes a ray

@@ -1,5 +1,5 @@
-// A registered FIFO between two parts (asic/sim/fifo.h): a push or pop takes effect at the clock edge that ends its cycle.
-// Place 0 is the front; a pop moves all items down by one place.
+// A registered FIFO between two parts (asic/sim/fifo.h): a push or pop takes effect at the clock edge that ends its
+// cycle. Place 0 is the front; a pop moves all items down by one place.
 module fifo #(
     parameter int unsigned WIDTH  = 32,
     parameter int unsigned PLACES = 2,

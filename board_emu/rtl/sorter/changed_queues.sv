@@ -1,5 +1,6 @@
-// Numbers of queues whose importance has changed, in the order of the changes, each once (the list in asic/sorter/sorter.h). A
-// cycle: the queue that becomes active leaves the list, two changed queues join it, its first is taken.
+// Numbers of queues whose importance has changed, in the order of the changes, each once (the list in
+// asic/sorter/sorter.h). A cycle: the queue that becomes active leaves the list, two changed queues join it, its
+// first is taken.
 module changed_queues #(
     parameter int unsigned QUEUES = 128,
     parameter int unsigned QUEUE_BITS = 7,
@@ -40,7 +41,8 @@ module changed_queues #(
     always_comb begin
       longer[i*QUEUE_BITS +: QUEUE_BITS] = kept[i*QUEUE_BITS +: QUEUE_BITS];
       if (joins_0 && kept_count == COUNT_BITS'(i)) longer[i*QUEUE_BITS +: QUEUE_BITS] = changed_0;
-      if (joins_1 && kept_count + COUNT_BITS'(joins_0) == COUNT_BITS'(i)) longer[i*QUEUE_BITS +: QUEUE_BITS] = changed_1;
+      if (joins_1 && kept_count + COUNT_BITS'(joins_0) == COUNT_BITS'(i))
+        longer[i*QUEUE_BITS +: QUEUE_BITS] = changed_1;
     end
   end
 

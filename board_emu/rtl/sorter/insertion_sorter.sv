@@ -1,9 +1,9 @@
-// The pipelined insertion sorter of [P Figure 7] (asic/sorter/insertion_sorter.h): one rank per queue, each with a selected and a
-// comparison buffer. An item is {importance, ~queue}, so that of equal importances the lower queue number is larger; importance
-// 0 is a hole, all ones is infinite.
+// The pipelined insertion sorter of [P Figure 7] (asic/sorter/insertion_sorter.h): one rank per queue, each with a
+// selected and a comparison buffer. An item is {importance, ~queue}, so that of equal importances the lower queue
+// number is larger; importance 0 is a hole, all ones is infinite.
 //
-// A cycle has four steps, one behind the other: all ranks compare; the top becomes active; all ranks move up by one; one item
-// enters the top's comparison buffer and its old copy is wiped.
+// A cycle has four steps, one behind the other: all ranks compare; the top becomes active; all ranks move up by one;
+// one item enters the top's comparison buffer and its old copy is wiped.
 module insertion_sorter #(
     parameter int unsigned QUEUES = 128,
     parameter int unsigned QUEUE_BITS = 7,
@@ -31,8 +31,8 @@ module insertion_sorter #(
   logic [ALL-1:0] next_selected, next_comparison;
   logic [QUEUES-1:0] holds;
 
-  // The larger of a rank's two items stays, the smaller goes to the rank below. Nothing falls out of the last rank, because there
-  // are no more items than ranks.
+  // The larger of a rank's two items stays, the smaller goes to the rank below. Nothing falls out of the last rank,
+  // because there are no more items than ranks.
   for (genvar r = 0; r < QUEUES; r++) begin : gen_rank
     logic [ITEM-1:0] mine, other;
     logic other_is_larger;

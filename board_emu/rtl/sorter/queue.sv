@@ -1,5 +1,5 @@
-// One ray queue with its own eDRAM, slots and importance (asic/sorter/queues.h, [P §3.2]). A cycle: a slot is released, a ray is
-// read, a ray is written; at most one of each.
+// One ray queue with its own eDRAM, slots and importance (asic/sorter/queues.h, [P §3.2]). A cycle: a slot is
+// released, a ray is read, a ray is written; at most one of each.
 module queue #(
     parameter int unsigned RAYS = 256,
     parameter int unsigned TOKEN = 256,

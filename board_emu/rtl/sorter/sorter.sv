@@ -1,5 +1,5 @@
-// One processor's sorter (asic/sorter/sorter.h, [P §3.2]): rays enter, wait in the queue of their block, and leave from the most
-// important queue. The steps of a cycle are those of Sorter::work().
+// One processor's sorter (asic/sorter/sorter.h, [P §3.2]): rays enter, wait in the queue of their block, and leave
+// from the most important queue. The steps of a cycle are those of Sorter::work().
 //
 // A token, from its lowest bit: queue, processor (8 bits), contribution (12), state (3), has_reserved_slot, the ray.
 module sorter #(
@@ -28,7 +28,8 @@ module sorter #(
     output logic                  overflows,
     output logic [TOKEN-1:0]      overflowed,  // a ray, or a reserved slot
     output logic                  moves,       // a ray, a slot or an importance moved
-    // What is counted: a second write lost; a ray without a slot; a slot reported; a queue activated, given up, inserted.
+    // What is counted: a second write lost; a ray without a slot; a slot reported; a queue activated, given up,
+    // inserted.
     output logic                  conflicts,
     output logic                  finds_no_slot,
     output logic                  reports_slot,
@@ -124,8 +125,8 @@ module sorter #(
     end
   end
 
-  // Slots that are reserved for overflowed rays, in the order of their release. The oldest is reported if no ray overflows; also one
-  // that was reserved in this cycle.
+  // Slots that are reserved for overflowed rays, in the order of their release. The oldest is reported if no ray
+  // overflows; also one that was reserved in this cycle.
   logic reserves_one, has_reserved;
   logic [$clog2(RESERVED+1)-1:0] reserved_size;
   logic [QUEUE_BITS-1:0] oldest_reserved;
@@ -172,9 +173,9 @@ module sorter #(
     assign fronts[q*TOKEN +: TOKEN] = front;
     queue #(.RAYS(RAYS), .TOKEN(TOKEN), .CONTRIBUTION_AT(CONTRIBUTION_AT), .POLICY(POLICY),
             .IMPORTANCE_BITS(IMPORTANCE_BITS)) one (
-        .clk, .rst, .released(is_released && released == QUEUE_BITS'(q)), .reserves(reserves[q]), .has_slot(has_slot[q]),
-        .has_two_slots(has_two_slots[q]), .read(issues && now_active == QUEUE_BITS'(q)), .front, .is_open(is_open[q]),
-        .overflows(finds_no_slot && lost[QUEUE_BITS-1:0] == QUEUE_BITS'(q)), .write(write_0 || write_1),
+        .clk, .rst, .released(is_released && released == QUEUE_BITS'(q)), .reserves(reserves[q]),
+        .has_slot(has_slot[q]), .has_two_slots(has_two_slots[q]), .read(issues && now_active == QUEUE_BITS'(q)), .front,
+        .is_open(is_open[q]), .overflows(finds_no_slot && lost[QUEUE_BITS-1:0] == QUEUE_BITS'(q)), .write(write_0 || write_1),
         .write_reserved(write_0 ? written_0[FLAG_AT] : written_1[FLAG_AT]), .write_token(written_here),
         .write_opening(write_0 ? opening_0 : opening_1), .is_empty(is_empty[q]),
         .importance(importances[q*IMPORTANCE_BITS +: IMPORTANCE_BITS]));
@@ -190,7 +191,8 @@ module sorter #(
   always_comb begin
     first_importance = '0;
     for (int unsigned q = 0; q < QUEUES; q++) begin
-      if (first == QUEUE_BITS'(q)) first_importance = first_importance | importances[q*IMPORTANCE_BITS +: IMPORTANCE_BITS];
+      if (first == QUEUE_BITS'(q))
+        first_importance = first_importance | importances[q*IMPORTANCE_BITS +: IMPORTANCE_BITS];
     end
   end
   changed_queues #(.QUEUES(QUEUES), .QUEUE_BITS(QUEUE_BITS)) changed (

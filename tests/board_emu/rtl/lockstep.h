@@ -36,8 +36,8 @@ using Numbers = std::vector<std::uint64_t>;
 // The registers of a part, by name.
 class Registers final : public Archive {
  public:
-  // Lists a copy, because listing may bring deferred work up to date; or the part itself, where std::ref() says that it
-  // does not.
+  // Lists a copy, because listing may bring deferred work up to date; or the part itself, where std::ref() says that
+  // it does not.
   template <typename Part>
   explicit Registers(Part part) : Archive(false) {
     set_in_run(true);
@@ -103,23 +103,24 @@ class Register {
   // Entry `i` of a memory.
   const std::uint8_t* entry(std::size_t i) const { return words_ + i * stride_; }
   std::uint64_t of_entry(std::size_t i) const { return bits_at(entry(i), 0, width_); }
-  void set_entry(std::size_t i, std::uint64_t value) { put_at(const_cast<std::uint8_t*>(entry(i)), 0, width_, value); }
 
  private:
   const std::uint8_t* words_ = nullptr;
   std::size_t stride_ = 0, width_ = 0;
 };
 
-// A verilated module with a clock.
+// A verilated module. Some have neither clock nor reset.
 template <typename Model>
 class Clocked {
  public:
   // `top`: name of the module.
   explicit Clocked(const std::string& top) : top_(top) {
-    model_.rst = 1;
-    cycle();
-    cycle();
-    model_.rst = 0;
+    if constexpr (requires { model_.rst; }) {
+      model_.rst = 1;
+      cycle();
+      cycle();
+      model_.rst = 0;
+    }
     settle();
   }
   ~Clocked() { model_.final(); }
@@ -139,13 +140,13 @@ class Clocked {
   }
   // Lets the outputs follow the inputs within a cycle.
   void settle() {
-    model_.clk = 0;
+    if constexpr (requires { model_.clk; }) model_.clk = 0;
     model_.eval();
   }
   // The clock edge that ends the cycle.
   void cycle() {
     settle();
-    model_.clk = 1;
+    if constexpr (requires { model_.clk; }) model_.clk = 1;
     model_.eval();
   }
 
