@@ -11,9 +11,15 @@ TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
 MOST_CELLS = 60  # larger tables are in their CSV files alone
 TEXT = pathlib.Path(__file__).with_name("words.md").read_text()
-# Lines of a list continue on indented lines.
-WORDS = {name: re.sub(r"\n  (?! )", " ", text) for name, text in re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", TEXT,
-    re.M | re.S)}
+
+
+def joined(text):
+    """Lines of a list continue on indented lines; a figure's words are one line."""
+    return re.sub(r"\n  (?! )", " ", text) if text.startswith("- ") else text.replace("\n", " ")
+
+
+WORDS = {name: joined(text) if name.startswith("row") else text
+         for name, text in re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", TEXT, re.M | re.S)}
 
 
 class Claim(NamedTuple):
