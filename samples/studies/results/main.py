@@ -107,7 +107,8 @@ def main():
             return
     if given.shard:
         return
-    introduction = filled(WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image))
+    introduction = filled(WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image,
+                                                       **bench.page.rows_within()))
     (given.folder / "RESULTS.md").write_text(
         f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
     bench.page.write_files(folder)

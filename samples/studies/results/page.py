@@ -97,6 +97,9 @@ class Page:
         self._claims.append(Claim(int(str(row).split()[0]), differs, **dict(lines)))
         self._claims.sort(key=lambda each: each.number)
 
+    def rows_within(self):
+        return {"within": sum(not each.differs for each in self._claims), "rows": len(self._claims)}
+
     def claims(self):
         """All claims as a table, and a list of the reasons of those that differ."""
         names = ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"]

@@ -55,6 +55,7 @@ class ResultPage(unittest.TestCase):
         self.assertIn("| 22 | hardware cost (Table 1) | 32 Mb eDRAM, 15 Mb SRAM, 9.5 M transistors of logic | 32.0 Mb "
                       "eDRAM, 15.1 Mb SRAM, 9.4 M transistors | yes |", claims)
         self.assertIn("| about twice the time | 3.00 times (mean of scenes; 1.50 to 4.00) | no |", claims)
+        self.assertEqual(page.rows_within(), {"within": 1, "rows": 2})
         self.assertLess(claims.index("| 10 |"), claims.index("| 22 |"))
         self.assertIn("- **10, a view along which each ray crosses all slabs, against one across (5.4)**: the mean "
                       "follows the scenes", claims)
