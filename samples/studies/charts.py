@@ -37,10 +37,16 @@ def tables_of(name):
     return importlib.import_module(f"studies.{name}").tables()
 
 
+def sources_of(name):
+    """Of a study: its module, or the modules of its folder."""
+    folder = ROOT / "samples/studies" / name
+    return sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+
+
 def by_points(name, jobs):
     tables = tables_of(name)
-    programs = [*(next(folder / program for folder in (BIN, TESTS) if (folder / program).exists())
-                  for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
+    programs = [next(folder / program for folder in (BIN, TESTS) if (folder / program).exists())
+                for program in ("gicube-board", *POINTS[name])] + sources_of(name)
     measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
         # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
@@ -100,9 +106,8 @@ def levels_of_pairs(_):
 
 
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
-          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"],
-          "volume_texture": ["gicube-compose"],
-          "boards": ["gicube-render"]}  # programs that they take
+          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
+          "boards": ["gicube-render"], "truths": ["gicube-light"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
             "levels": levels_of_pairs}
 

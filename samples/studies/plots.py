@@ -242,7 +242,21 @@ def cone_beam_host(folder):
     draw(folder, "cone_beam_trade", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards,
-                                            levels)} | {
-    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple,
-                  cone_beam_host]}
+def truths(folder):
+    for domain, rows in grouped(rows_of(folder / "truths_fronts.csv"), "domain").items():
+        parts = []
+        for cost, axis, mark in (("board_ms", "simulated ms", "front_ms"), ("host_s", "host seconds", "front_s")):
+            lines = []
+            for colour, (method, mine) in enumerate(grouped(rows, "method").items()):
+                by_words = grouped([row | {"words": "paper" if "datapath=paper" in row["settings"] else "wide"}
+                                    for row in mine], "words")
+                lines += [series(f"{method}, {words}" if len(by_words) > 1 else method, each, cost, "error",
+                                 look="points", colour=colour, hollow=words == "paper")
+                          for words, each in by_words.items()]
+            parts.append(Panel(axis, "root mean square of the relative errors",
+                               [*lines, front(rows, cost, "error", mark)], log_x=True, log_y=True))
+        panels(folder / f"truths_{domain}.svg", WORDS[f"truths_{domain}"][0], parts)
+
+
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels, truths)} | {
+    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host]}

@@ -1,0 +1,83 @@
+"""Published values and closed forms against a board: each a case of a domain, which measures numbers and says what they
+cost.
+
+`tables()`: the table of values, and the settings of each domain's chart, for studies.points."""
+import importlib
+import math
+
+from studies.points import Table
+from studies.table import on_front
+from studies.truths.case import Bench
+
+DOMAINS = ("absorption", "ducts", "scattering", "light", "exchange", "tomography", "rates")
+COLUMNS = ["domain", "case", "method", "quantity", "source", "truth", "truth_error", "found", "error", "limit", "off",
+           "holds", "board_ms", "host_s"]
+FRONT_COLUMNS = ["domain", "case", "method", "settings", "board_ms", "host_s", "error", "front_ms", "front_s"]
+FEW = 8  # chosen
+uri = "emu:"  # script/truths --board
+
+
+def all_cases():
+    return [case for domain in DOMAINS for case in importlib.import_module(f"studies.truths.{domain}").cases()]
+
+
+def measured(case, changes, fidelity="functional"):
+    """Its values, and the cost of all of them together."""
+    bench = Bench(uri, fidelity)
+    values = case.measure(bench, **{**case.settings, **changes})
+    ms, seconds = bench.cost()
+    numbers = ("truth", "truth_error", "found", "error", "limit", "off")
+    rows = [[each.quantity, *(float(getattr(each, name)) for name in numbers), int(each.holds)] for each in values]
+    return {"values": rows, "ms": float(ms), "seconds": seconds}
+
+
+def point_name(case):
+    return "truths/" + case.name.replace(" ", "_").replace(",", "")
+
+
+def value_rows(found):
+    cases = {point_name(case): case for case in all_cases()}
+    for name, each in found:
+        case = cases[name]
+        domain, what, method = case.name.split("/")
+        for quantity, truth, truth_error, value, error, limit, off, holds in each["values"]:
+            yield name, [domain, what, method, quantity, case.source,
+                         *(f"{part:.7g}" for part in (truth, truth_error, value)), f"{error:.3g}", f"{limit:g}",
+                         f"{off:.3g}", holds, f"{each['ms']:.4g}", f"{each['seconds']:.2g}"]
+
+
+def relative_error(each):
+    """Root mean square of the values' shares of the truth by which they are off; of those whose truth is 0 themselves.
+    Of few values one may be right by luck: its error bar counts then."""
+    few = len(each["values"]) < FEW
+    off = [max(abs(value - truth), few * error) / (truth or 1) for _, truth, _, value, error, *_ in each["values"]]
+    return math.sqrt(sum(part * part for part in off) / len(off))
+
+
+def front_points():
+    return {f"{point_name(case)}/{number}": (case, changes)
+            for case in all_cases() for number, changes in enumerate(case.sweep)}
+
+
+def front_rows(found):
+    points, domains = front_points(), {}
+    for name, each in found:
+        domains.setdefault(points[name][0].domain, []).append((name, each, relative_error(each)))
+    for domain, rows in domains.items():
+        fronts = [on_front([(each[cost], error) for _, each, error in rows]) for cost in ("ms", "seconds")]
+        for (name, each, error), *front in zip(rows, *fronts):
+            case, changes = points[name]
+            settings = " ".join(f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key,
+                                value in changes.items())
+            yield name, [domain, *case.name.split("/")[1:], settings, f"{each['ms']:.6g}", f"{each['seconds']:.3g}",
+                         f"{error:.4g}", *map(int, front)]
+
+
+def tables():
+    """What charts take is measured at the cycle level, the table at the functional one: the values have the same
+    bits."""
+    return [Table("truths", COLUMNS, {point_name(case): lambda _, case=case: measured(case, {})
+                                      for case in all_cases()}, value_rows),
+            Table("truths_fronts", FRONT_COLUMNS, {name: lambda _, case=case,
+                                                   changes=changes: measured(case, changes, "cycle")
+                                                   for name, (case, changes) in front_points().items()}, front_rows)]
