@@ -16,14 +16,14 @@ using std::numbers::pi;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-// The far side always reaches 100 at a detector of twice the magnification; the object has a radius of up to 44. 192
-// columns if the detector is not displaced.
+// The far side always reaches 100 at a detector of twice the magnification; the object has a radius of up to 44. 192 columns if the
+// detector is not displaced. All views see the end slices within 44 of the axis; 24 rows miss them from 31 on, where they are 2.5% low.
 ConeGeometry displaced_scan(double part, double side = 1) {
   constexpr double kReach = 100, kPitch = kReach / 96;
   const int columns = static_cast<int>(std::lround(kReach / (0.5 + part) / kPitch));
   return {.source_to_axis = 400,
           .source_to_detector = 800,
-          .detector = {columns, 24, kPitch, 1.5 * kPitch, side * part * columns * kPitch},
+          .detector = {columns, 28, kPitch, 1.5 * kPitch, side * part * columns * kPitch},
           .volume = {{64, 64, 10}, {1.5, 1.5, 1.5}},
           .angles = even_angles(240, 0.1, 2 * pi)};
 }
@@ -50,11 +50,12 @@ TEST_P(Displaced, AUniformCylindersMeanIsWithinAPercentAtEveryRadius) {
       for_each_in_slice(geometry.volume, z, [&](Vec3 at) {
         const auto ring = static_cast<std::size_t>(std::hypot(at.x, at.y));
         const double value = double{found.values[i++]};
-        if (ring >= sums.size() || z == 0 || z == 9) return;  // faces
+        if (ring >= sums.size()) return;
         sums[ring] += value;
         ++counts[ring];
       });
     }
+    EXPECT_EQ(counts[0], 0);  // the four voxels about the axis are 1.06 from it
     for (std::size_t ring = 1; ring < sums.size(); ++ring) EXPECT_NEAR(sums[ring] / counts[ring], 1, 0.01) << ring;
   }
 }
