@@ -72,7 +72,8 @@ std::vector<double> finer_view(std::vector<double> pixels, std::size_t columns, 
   return out;
 }
 
-// Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume; without the slant.
+// Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume; without
+// the slant.
 double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   const Vec3 edge = geometry.volume.spacing;
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
@@ -80,7 +81,8 @@ double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   return arc * area / (edge.x * edge.y * edge.z);
 }
 
-// That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more memory than the volume.
+// That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more
+// memory than the volume.
 double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter,
                    PixelRays rays, bool displaced) {
   const auto [least, most] = std::ranges::minmax(projections.values);
@@ -109,8 +111,9 @@ double voxels_of_a_pixel(const ConeGeometry& geometry) {
   return std::max({pixel.x, pixel.y, pixel.z});
 }
 
-// chosen: the fewest rays by which hardly any object is more than 1.05 times as wrong as in double precision, and what sharpens
-// them best (docs/guide/cone_beam.md). Errors along v, of which all views have the same, need rays closer together than those along u.
+// chosen: the fewest rays by which hardly any object is more than 1.05 times as wrong as in double precision, and what
+// sharpens them best (docs/guide/cone_beam.md). Errors along v, of which all views have the same, need rays closer
+// together than those along u.
 PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.rays > 0) return {settings.rays, settings.rays};
   constexpr double kOneAcross = 0.9, kOneDown = 0.55, kOneOfSmall = 0.7, kSpacing = 1.25;

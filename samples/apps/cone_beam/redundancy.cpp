@@ -82,8 +82,8 @@ WeightedRows::WeightedRows(const ConeGeometry& geometry, bool displaced)
   reach_ = near_ + 2 * std::abs(detector.offset_u);
 }
 
-// The line of column u is measured again at angle + pi - 2 atan(u / D), in column -u. Both cross the plane through the axis that is
-// square to them at the same height where they are in the same row.
+// The line of column u is measured again at angle + pi - 2 atan(u / D), in column -u. Both cross the plane through the
+// axis that is square to them at the same height where they are in the same row.
 double WeightedRows::from_opposite(const Projections& projections, std::size_t view, int row, double u) const {
   const auto& angles = geometry_.angles;
   const Detector& detector = geometry_.detector;

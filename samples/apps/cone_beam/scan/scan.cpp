@@ -64,7 +64,8 @@ Projections sorted(Stack stack, const ScanDescription& description, const Sorted
   return out;
 }
 
-// Whether the object reaches beyond the detector, and what follows from that; a displaced detector's near side is no fault.
+// Whether the object reaches beyond the detector, and what follows from that; a displaced detector's near side is no
+// fault.
 void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>& out) {
   const Detector& detector = scan.geometry.detector;
   const SidesSeen seen = sides_seen(scan.projections);
