@@ -117,7 +117,8 @@ def main():
         if commit and not ratio:
             ratio = "not there before"
         counters = "".join(f"  {name}={value:.4g}" for name, value in row["counters"].items())
-        print(f"{row['case']:{width}}  {scaled(row['seconds'], 's'):>9}  {scaled(row['per_second'], ''):>9}  {ratio}{counters}")
+        print(f"{row['case']:{width}}  {scaled(row['seconds'], 's'):>9}  {scaled(row['per_second'], ''):>9}  "
+              f"{ratio}{counters}")
     if options.json:
         with open(options.json, "w") as file:
             json.dump({"against": commit, "rounds": options.rounds, "cases": table}, file, indent=2)

@@ -287,8 +287,8 @@ def write(source, numbered, constexpr, first_line):
 
 MAX_NUMBER = 4096  # of a mutant, exclusive
 
-HEADER = ("""// Switches on the mutant that GICUBE_MUTANT names. With GICUBE_MUTANTS_REACHED, the name of a file, notes there which ones a
-// program comes by: in shared memory, so that a killed program's are kept.
+HEADER = ("""// Switches on the mutant that GICUBE_MUTANT names. With GICUBE_MUTANTS_REACHED, the name of a file,
+// notes there which ones a program reaches: in shared memory, so that a killed program's are kept.
 #pragma once
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -99,7 +99,8 @@ std::string to_json(const gicube_event& event) {
   if (event.is_carrier != 0) add(R"(,"carrier":true)");
   if (event.kind == GICUBE_EVENT_SAMPLED && event.is_carrier == 0) {
     constexpr std::array kEnds{"", "left", "opaque", "absorbed", "waits"};
-    add(R"(,"sample":{{"position":{},"density":{},"gradient":[{},{},{}],"tag":{},"colour":[{},{},{}],"opacity":{},"end":"{}"}})",
+    add(R"(,"sample":{{"position":{},"density":{},"gradient":[{},{},{}],"tag":{},)"
+        R"("colour":[{},{},{}],"opacity":{},"end":"{}"}})",
         position(event.sample_position), event.density / 8.0, event.gradient[0], event.gradient[1], event.gradient[2],
         event.tag, event.sample_colour[0], event.sample_colour[1], event.sample_colour[2], event.sample_opacity,
         kEnds[std::min<std::size_t>(event.end, kEnds.size() - 1)]);

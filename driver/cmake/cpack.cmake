@@ -1,6 +1,6 @@
 # script/package, for Debian 12: gicube (libraries, programs, their manual pages; gicube-scene too, since the
-# programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config), python3-gicube (the Python package, gicube-sweep,
-# gicube-explore),
+# programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config), python3-gicube (the Python package,
+# gicube-sweep, gicube-explore),
 # gicube-doc (documents, examples); where there is an MPI gicube-mpi (its library and header).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME gicube)
@@ -43,7 +43,9 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gicube)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 # The module is for one version of the interpreter.
 math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy, python3-openimageio, python3-tqdm")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "gicube (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), \
+python3-numpy, python3-openimageio, python3-tqdm")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-optuna, python3-pytest, python3-tqdm")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION

@@ -11,8 +11,8 @@
 #                 [BOARD uri]               # another board than one of its own; then without BUS .. FAULTS
 #                 [TIMEOUT seconds])        # wall clock, 300 if not given
 #
-# Adds a CTest test that opens its board by gicube::test::BoardSetup (gicube/testing.h): all of the above comes to it in the
-# environment, as GICUBE_TEST_BUS and so on, and GICUBE_BOARD names the board's program. The same program started by
+# Adds a CTest test that opens its board by gicube::test::BoardSetup (gicube/testing.h): all of the above comes to it in
+# the environment, as GICUBE_TEST_BUS and so on, and GICUBE_BOARD names the board's program. The same program started by
 # hand, without them, has the board's defaults. The executable is called name too.
 function(gicube_add_test)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;FIDELITY;CONFIG;FAULTS;SEED;BOARD;TIMEOUT"

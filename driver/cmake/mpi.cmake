@@ -1,5 +1,5 @@
-# libgicube-mpi.so, the component `mpi` of find_package(gicube): RayExchange over MPI, of driver/hosts. Built where there is an MPI; nothing
-# else of the SDK links one: gicube-render loads this library when it is told to.
+# libgicube-mpi.so, the component `mpi` of find_package(gicube): RayExchange over MPI, of driver/hosts. Built where
+# there is an MPI; nothing else of the SDK links one: gicube-render loads this library when it is told to.
 find_package(MPI COMPONENTS C)
 if(NOT MPI_C_FOUND)
   message(STATUS "no MPI (Debian's libopenmpi-dev or libmpich-dev): gicube-mpi is left out")

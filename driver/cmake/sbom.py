@@ -109,7 +109,8 @@ def entry(package, fact):
         "copyrightText": "NOASSERTION",
         **({"homepage": homepage} if homepage else {}),
         "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl",
-                          "referenceLocator": f"pkg:deb/debian/{package.replace('+', '%2B')}@{version.replace('+', '%2B')}?arch={architecture}"}],
+                          "referenceLocator": f"pkg:deb/debian/{package.replace('+', '%2B')}"
+                                              f"@{version.replace('+', '%2B')}?arch={architecture}"}],
     })  # fmt: skip
 
 

@@ -1,5 +1,5 @@
-# libgicube-scene.so, the component `scene` of find_package(gicube): from the objects of driver/scene. Its public headers name
-# the driver's, and no header of the libraries that it reads files with.
+# libgicube-scene.so, the component `scene` of find_package(gicube): from the objects of driver/scene. Its public
+# headers name the driver's, and no header of the libraries that it reads files with.
 add_library(gicube-scene SHARED)
 add_library(gicube::scene ALIAS gicube-scene)
 set(scene_script ${CMAKE_CURRENT_SOURCE_DIR}/gicube-scene.map)
@@ -11,7 +11,8 @@ target_sources(gicube-scene
 target_compile_features(gicube-scene INTERFACE cxx_std_20)
 target_link_libraries(gicube-scene
   PUBLIC gicube
-  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB BZip2::BZip2 ${MINIZIP_LIBRARY} pugixml::pugixml PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
+  PRIVATE gicube_scene_proto gicube_whole_file fmt::fmt ZLIB::ZLIB BZip2::BZip2 ${MINIZIP_LIBRARY} pugixml::pugixml
+      PNG::PNG ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
 target_link_options(gicube-scene PRIVATE
   LINKER:--version-script=${scene_script} LINKER:--exclude-libs,ALL LINKER:--as-needed)
 if(NOT GICUBE_SANITIZE AND NOT GICUBE_FUZZ)  # as libgicube.so
@@ -38,7 +39,8 @@ if(NOT GICUBE_PICTURES)
 endif()
 # libgicube-pictures.so, which they load when they need OpenImageIO (driver/scene/formats/pictures/picture_library.h). Nothing links it.
 add_library(gicube-pictures SHARED ${PROJECT_SOURCE_DIR}/driver/scene/pictures/pictures.cpp)
-target_include_directories(gicube-pictures PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include ${scene_include})
+target_include_directories(gicube-pictures PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include
+    ${scene_include})
 target_link_libraries(gicube-pictures PRIVATE gicube_options PkgConfig::OpenImageIO)
 target_link_options(gicube-pictures PRIVATE LINKER:--as-needed)
 set_target_properties(gicube-pictures PROPERTIES
@@ -48,11 +50,13 @@ set_target_properties(gicube-pictures PROPERTIES
 add_dependencies(gicube_scene gicube-pictures)  # whoever links that one may load this one
 install(TARGETS gicube-pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_SKIP)
 
-# libgicube-dicom.so, libgicube-hdf5.so and libgicube-openvdb.so, loaded the same way (driver/scene/formats/volume_library.h). Debian 12's
-# CMake configs of DCMTK and OpenVDB name parts that nothing here needs.
+# libgicube-dicom.so, libgicube-hdf5.so and libgicube-openvdb.so, loaded the same way
+# (driver/scene/formats/volume_library.h). Debian 12's CMake configs of DCMTK and OpenVDB name parts that nothing here
+# needs.
 function(gicube_volume_library name)
   add_library(gicube-${name} SHARED ${PROJECT_SOURCE_DIR}/driver/scene/libraries/${name}.cpp)
-  target_include_directories(gicube-${name} PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include ${scene_include})
+  target_include_directories(gicube-${name} PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include
+      ${scene_include})
   target_link_libraries(gicube-${name} PRIVATE gicube_options fmt::fmt ${ARGN})
   target_link_options(gicube-${name} PRIVATE LINKER:--as-needed)
   set_target_properties(gicube-${name} PROPERTIES

@@ -1,5 +1,5 @@
-/* Interface of scattering routines for the board's DSP, as shared objects that `gicube-board --bsdf FILE.so` loads. It is
- * plain C, and only this file is needed to build one:
+/* Interface of scattering routines for the board's DSP, as shared objects that `gicube-board --bsdf FILE.so` loads. It
+ * is plain C, and only this file is needed to build one:
  *
  *   cc -shared -fPIC -O2 -I proto my_bsdf.c -o my_bsdf.so -lm
  *   gicube-board --bsdf ./my_bsdf.so ...     (the first FILE.so is routine 8, the next 9, and so on)
@@ -8,7 +8,7 @@
  * "trap" with the routine's number call it. docs/guide/scattering_routines.md has an example, the rules and the limits.
  *
  * Units: directions are unit vectors in physical space (axes parallel to the voxel axes), positions are in voxels.
- */
+ * */
 #ifndef GICUBE_BSDF_H
 #define GICUBE_BSDF_H
 
@@ -41,7 +41,8 @@ typedef struct gicube_bsdf_event {
   uint32_t reserved;        /* always 0 */
 } gicube_bsdf_event;
 
-/* The result. Before the call, the board sets `passes` to 1, `cycles` to the declared cycles and `direction` to zero. */
+/* The result. Before the call, the board sets `passes` to 1, `cycles` to the declared cycles and `direction` to
+ * zero. */
 typedef struct gicube_bsdf_answer {
   double direction[3]; /* direction in which the ray continues; its length is 1e-6 to 1e6 */
   double passes;       /* the share of the ray's energy (or of what it can still gather) that continues, 0..1 */

@@ -1,11 +1,11 @@
-/* Event records of a board at fidelity=cycle. `gicube-board --events` writes them; an observer receives them. An observer
- * is a shared object that `gicube-board --observer FILE.so` loads. The interface is plain C, and
- * only this file is needed to build one:
+/* Event records of a board at fidelity=cycle. `gicube-board --events` writes them; an observer receives them. An
+ * observer is a shared object that `gicube-board --observer FILE.so` loads. The interface is plain C, and only this
+ * file is needed to build one:
  *
  *   cc -shared -fPIC -O2 -I proto my_observer.c -o my_observer.so
  *
  * docs/guide/observation.md has an example, the rules and the limits.
- */
+ * */
 #ifndef GICUBE_OBSERVER_H
 #define GICUBE_OBSERVER_H
 

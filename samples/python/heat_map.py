@@ -21,7 +21,8 @@ SCENE = 'volume { builtin: "buckyball" size: 64 } image { width: 64 height: 64 }
 def time_of(processors: int, queue_rays: int) -> float:
     """Of one picture, milliseconds."""
     setup = gicube.parse_scene(SCENE).set_up()
-    uri = (f"emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.processors={processors}&set=asic.queue_rays={queue_rays}")
+    uri = (f"emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.processors={processors}"
+           f"&set=asic.queue_rays={queue_rays}")
     with gicube.open(uri) as board:
         view = gicube.load_scene(board, setup)
         begin = board.now

@@ -75,7 +75,8 @@ def main(picture: str, iterations: int = 8) -> float:
         measured = integrals(board, rays)
         found = reconstruct(board, rays, measured, iterations)
         error = float(np.sqrt(((found - truth) ** 2).mean()))
-        print(f"{len(rays)} rays a pass, error {error:.4f} of 1, {board.now * 1e-12:.2f} s of simulated time, {picture}")
+        print(f"{len(rays)} rays a pass, error {error:.4f} of 1, {board.now * 1e-12:.2f} s of simulated time, "
+              f"{picture}")
     import matplotlib
 
     matplotlib.use("Agg")

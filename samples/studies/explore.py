@@ -54,7 +54,8 @@ def options_of(arguments):
     parser.option("--shard", metavar="I/N", type=shard_of,
                   help="do only each Nth of the runs that the search needs next, from the Ith on, and write no table "
                        "and no chart: start "
-                  "the shards again until they say that the search is at its end, then the same command without --shard")
+                  "the shards again until they say that the search is at its end, then the same command without "
+                  "--shard")
     parser.option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
     parser.option("--quiet", action="store_true", help="only errors")
     return parser.parse_args(arguments)

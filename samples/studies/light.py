@@ -146,7 +146,8 @@ def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fide
             "errors": error(picture, shown, noise)}
 
 
-LAW = ("""world {{ size: 48 node {{ material: "m" box {{ low {{ x: -1.3 y: -1.3 z: -1.3 }} high {{ x: 1.3 y: 1.3 z: {top} }} }} }} }}
+LAW = ("""world {{ size: 48
+  node {{ material: "m" box {{ low {{ x: -1.3 y: -1.3 z: -1.3 }} high {{ x: 1.3 y: 1.3 z: {top} }} }} }} }}
 material {{ name: "m" {look} scattering: 0.5 }}
 light {{ point {{ position {{ x: {x} z: {z} }} }} power: 100 }}
 illumination {{ albedo: "low" rays_per_face_voxel: 64 step: 0.5 exposure: 1 }}

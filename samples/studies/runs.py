@@ -81,7 +81,8 @@ class RunFolder:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise FileError(f"{folder}: folder: expected one that can be made, got {os.strerror(error.errno)}") from error
+            raise FileError(f"{folder}: folder: expected one that can be made, "
+                            f"got {os.strerror(error.errno)}") from error
 
     def picture(self, run):
         return self.folder / f"{run.key()}.exr"

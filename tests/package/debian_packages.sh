@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the Debian packages and their bill of materials, unpacks them into a scratch root and builds and runs a program there.
-# Usage: debian_packages.sh BUILD_DIR SOURCE_DIR
+# Makes the Debian packages and their bill of materials, unpacks them into a scratch root and builds and runs a program
+# there. Usage: debian_packages.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
 source=$2

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Programs and shared libraries are built so that a fault of memory is harder to use: each can be loaded at any address, its tables of
-# addresses are read-only and its stack can't be executed; returns are watched, and copies into buffers of known size.
-# Usage: hardened.sh BUILD_FOLDER
+# Programs and shared libraries are built so that a fault of memory is harder to use: each can be loaded at any address,
+# its tables of addresses are read-only and its stack can't be executed; returns are watched, and copies into buffers of
+# known size. Usage: hardened.sh BUILD_FOLDER
 set -euo pipefail
 build=$1
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the build into a scratch prefix and uses it as an outside project does: samples/installed and the installed samples/small
-# by find_package, their tests, a program by pkg-config, the board found beside the library.
+# Installs the build into a scratch prefix and uses it as an outside project does: samples/installed and the installed
+# samples/small by find_package, their tests, a program by pkg-config, the board found beside the library.
 # Usage: installed_files.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
@@ -20,7 +20,8 @@ mv "$scratch/prefix" "$prefix"
 
 for program in board compose cone-beam form-factors light render replay smi; do test -x "$prefix/bin/gicube-$program"; done
 
-# OpenImageIO is loaded where a picture needs it, from beside the program's libraries; without it PNGs are still written.
+# OpenImageIO is loaded where a picture needs it, from beside the program's libraries; without it PNGs are still
+# written.
 if objdump -p "$prefix/bin/gicube-render" | grep OpenImageIO; then exit 1; fi
 render() { "$prefix/bin/gicube-render" builtin:buckyball --volume-size 16 --size 8x8 --quiet -o "$scratch/$1" 2>&1; }
 render picture.exr
@@ -72,7 +73,8 @@ refuses "NAME x COMMAND y FAULTS no/plan" "FAULTS: expected a file, got $scratch
 refuses "NAME x COMMAND y CONFIG no.textproto" "CONFIG: expected a file, got $scratch/no.textproto"
 refuses "NAME x COMMAND y" "COMPONENTS: expected scene or mpi, got scenes" "COMPONENTS scenes"
 
-# Under an older standard each C++ header says first what it needs, and no more is said of it; the C interface and the version need none.
+# Under an older standard each C++ header says first what it needs, and no more is said of it; the C interface and the
+# version need none.
 while read -r header; do
   printf '#include <%s>\nint main() {}\n' "$header" >"$scratch/old.cpp"
   case $header in
@@ -101,7 +103,8 @@ libraries=$(pkg-config --variable=libdir gicube)
 c++ -std=c++20 "$source/samples/small/hello/main.cpp" "-Wl,-rpath,$libraries" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
-# gicube-scene, by pkg-config. Its headers name nothing of the libraries that it reads files with, and a fault has its parts.
+# gicube-scene, by pkg-config. Its headers name nothing of the libraries that it reads files with, and a fault has its
+# parts.
 if grep -E '#include [<"](teem|nifti|OpenImageIO|google|zlib|fmt)' "$prefix"/include/gicube/scene/*.h; then exit 1; fi
 # shellcheck disable=SC2046
 c++ -std=c++20 "$source"/samples/installed/turntable/{main,turntable}.cpp "-Wl,-rpath,$libraries" \

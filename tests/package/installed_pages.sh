@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What an installed SDK has to read: every page that a header or a program cites, links that lead somewhere, messages that protoc
-# takes, a manual page and a bash completion for each program with all of its options.
+# What an installed SDK has to read: every page that a header or a program cites, links that lead somewhere, messages
+# that protoc takes, a manual page and a bash completion for each program with all of its options.
 # Usage: installed_pages.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1

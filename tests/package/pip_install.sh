@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Has pip install the Python package from a build tree into an environment of its own, with no network, and renders a picture there.
-# Usage: pip_install.sh BUILD_DIR SOURCE_DIR
+# Has pip install the Python package from a build tree into an environment of its own, with no network, and renders a
+# picture there. Usage: pip_install.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

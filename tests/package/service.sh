@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The units of systemd: systemd takes them, they keep the service from what it does not need, and the service's command line serves a
-# board at a socket that was there first.
+# The units of systemd: systemd takes them, they keep the service from what it does not need, and the service's command
+# line serves a board at a socket that was there first.
 # Usage: service.sh UNIT_FOLDER PROGRAM_FOLDER
 set -euo pipefail
 units=$1

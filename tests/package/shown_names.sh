@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The shared libraries show names of their public API only, all with their version; libgicube.so needs neither Protobuf nor gRPC.
-# Usage: shown_names.sh libgicube.so libgicube-scene.so [libgicube-mpi.so]
+# The shared libraries show names of their public API only, all with their version; libgicube.so needs neither Protobuf
+# nor gRPC. Usage: shown_names.sh libgicube.so libgicube-scene.so [libgicube-mpi.so]
 set -euo pipefail
 library=$1
 scene=$2

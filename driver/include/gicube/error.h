@@ -67,8 +67,9 @@ enum class Loss {
   kCorrupted,  // a frame was damaged, or one is missing
   kTimedOut,   // the watchdog expired; the call that it ended has thrown TimedOut
   kTakenOver,  // another client took the board by force
-  kEnded,  // the board ended the session: it shuts down, was reset by management, or found a fault in what was sent; or the
-           // driver did, whose capture could not be written
+  // The board ended the session: it shuts down, was reset by management, or received a faulty frame. Or the driver
+  // ended it, because its capture could not be written.
+  kEnded,
 };
 
 // The connection to the board broke. Every waiting call throws this, and so do all later calls on the same Board until

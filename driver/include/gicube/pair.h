@@ -33,10 +33,11 @@ struct ElementPair {           // two elements between which light goes
   std::uint32_t id = 0;        // picks the points; pairs of different ids are independent experiments
 };
 
-// Who makes the rays. The results are the same to the bit; what crosses the bus is not.
+// Maker of the rays. The results have the same bits; the bytes on the bus differ.
 enum class PairRays {
-  kByBoard,  // the DSP: 12 bytes per pair and 56 per element down, 16 per pair up; as kByHost with boards of version 0.1
-  kByHost,   // the application's processor, as rays of type kOpacity: 32 bytes per ray each way
+  // The DSP: 12 bytes per pair and 56 per element down, 16 per pair up; like kByHost with boards of version 0.1.
+  kByBoard,
+  kByHost,  // the application's processor, as rays of type kOpacity: 32 bytes per ray each way
 };
 
 struct PairRequest {  // rays for each pair, and how they are sampled
@@ -70,12 +71,13 @@ struct PairFactor {
   // Standard error of `transported`: the truth is within three of them for at least 99 of 100 pairs. Infinite for fewer
   // than 8 rays of a far pair.
   // - Far: computed from the means of eight runs of the rays, and multiplied by 1.8 because they are so few. The runs
-  //   complement one another, so the true scatter is less: about a fifth with 64 rays through a homogeneous medium, about
-  //   an eighth with 1024. A term is added for features that no ray has hit: about 1.4 / (rays + 4) of the value, so that
-  //   few rays alone are never certain, and up to 1 / (rays + 4) of `geometric` where most rays end at something opaque.
-  // - Near: the largest variation of rays that either arrive or not, plus the error of the closed forms. It is wide, about
-  //   3 to 10 times the true scatter, through a homogeneous medium, between boxes that touch or overlap, and for fewer
-  //   than about 256 rays.
+  //   complement one another, so the true scatter is less: about a fifth with 64 rays through a homogeneous medium,
+  //   about an eighth with 1024. A term is added for features that no ray has hit: about 1.4 / (rays + 4) of the value,
+  //   so that few rays alone are never certain, and up to 1 / (rays + 4) of `geometric` where most rays end at
+  //   something opaque.
+  // - Near: the largest variation of rays that either arrive or not, plus the error of the closed forms. It is wide,
+  //   about 3 to 10 times the true scatter, through a homogeneous medium, between boxes that touch or overlap, and for
+  //   fewer than about 256 rays.
   // Rounding on the board (opacities, positions) is not included: docs/studies/accuracy.md.
   double standard_error = 0;
   // No ray was sent: the empty flags prove T = 1 for all of them. `transported` and `geometric` are the same bits as

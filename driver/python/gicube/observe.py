@@ -49,7 +49,7 @@ def events(take: Callable[[Event], object], of: str) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "events")
         os.mkfifo(path, 0o600)
-        # Both ends: so that opening the other one waits for nobody, and a board that never comes leaves no thread behind.
+        # Both ends, so that opening the other one does not wait, and a board that never comes leaves no thread.
         own = os.open(path, os.O_RDWR | os.O_CLOEXEC)
         with open(os.open(path, os.O_RDONLY | os.O_CLOEXEC), encoding="utf-8") as stream:
             thread = threading.Thread(target=read, args=(stream,), daemon=True)

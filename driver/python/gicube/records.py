@@ -160,9 +160,9 @@ class ElementKind(Enum):
 
 
 class PairRays(Enum):
-    """Who makes the rays. The results are the same to the bit; what crosses the bus is not. See gicube/pair.h."""
+    """Maker of the rays. The results have the same bits; the bytes on the bus differ. See gicube/pair.h."""
     BY_BOARD = "by_board"
-    """the DSP: 12 bytes per pair and 56 per element down, 16 per pair up; as BY_HOST with boards of version 0.1"""
+    """The DSP: 12 bytes per pair and 56 per element down, 16 per pair up; like BY_HOST with boards of version 0.1."""
     BY_HOST = "by_host"
     """the application's processor, as rays of type OPACITY: 32 bytes per ray each way"""
 
@@ -178,8 +178,8 @@ class Loss(Enum):
     TAKEN_OVER = "taken_over"
     """another client took the board by force"""
     ENDED = "ended"
-    """the board ended the session: it shuts down, was reset by management, or found a fault in what was sent; or the
-    driver did, whose capture could not be written"""
+    """The board ended the session: it shuts down, was reset by management, or received a faulty frame. Or the driver
+    ended it, because its capture could not be written."""
 
 
 class WorldAxes(Enum):

@@ -16,7 +16,8 @@ static const float kDefaults[6] = {1.0f, 0.0f, 0.0f, 0.2f, 0.02f, 0.9f};
 
 static double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* Takes the part along the unit vector `n` out of `a`, and makes a unit vector of the rest; returns 0 if there is none. */
+/* Takes the part along the unit vector `n` out of `a`, and makes a unit vector of the rest; returns 0 if there is
+ * none. */
 static int flatten(double* a, const double* n) {
   const double along = dot(a, n);
   for (int i = 0; i < 3; ++i) a[i] -= along * n[i];

@@ -1,5 +1,6 @@
-/* A host in C as it was compiled for a past release: this file is built with the headers of that release (released/VERSION), and runs on
- * the library of today. It hands over every record that has a size, and looks whether the library writes beyond one. */
+/* A host in C as it was compiled for a past release: this file is built with the headers of that release
+ * (released/VERSION), and runs on the library of today. It hands over every record that has a size, and looks whether
+ * the library writes beyond one. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

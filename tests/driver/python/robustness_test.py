@@ -233,7 +233,8 @@ def test_what_a_forked_process_has_printed_is_written():
     run(
         """
 import subprocess
-program = "import os, gicube; board = gicube.open(); child = os.fork(); print('child' if child == 0 else os.waitpid(child, 0)[1])"
+program = ("import os, gicube; board = gicube.open(); child = os.fork(); "
+           "print('child' if child == 0 else os.waitpid(child, 0)[1])")
 assert subprocess.check_output([sys.executable, "-c", program], text=True) == "child\\n0\\n"
 """
     )

@@ -19,7 +19,8 @@ using testing::Not;
 
 TEST(SceneFile, FillsEveryPartOfTheScene) {
   const Scene scene = parse_scene(R"(
-    volume { file: "head.raw" spacing: [1, 1, 2.5] raw { dims: [64, 32, 16] type: "int16" big_endian: true skip_bytes: 8 } }
+    volume { file: "head.raw" spacing: [1, 1, 2.5] raw { dims: [64, 32, 16] type: "int16" big_endian: true
+      skip_bytes: 8 } }
     transfer_function { colour { value: 10 colour { red: 1 green: 0.5 blue: 0 } } opacity { value: 5 opacity: 0 }
                         opacity { value: 20.25 opacity: 1 } }
     phong { ambient: 0.1 shininess: 50 }

@@ -311,7 +311,8 @@ def test_one_warm_board_serves_a_grid_of_configurations(program):
                    cwd=program.folder)
     grid = ("builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix restore=warm --reference bus.model=pci33 -o "
             "out")
-    assert program.run(f"{grid} --vary bus.model=pci33,agp4x --vary sorter.policy=most_rays,longest_wait") == 0, program.err
+    assert program.run(f"{grid} --vary bus.model=pci33,agp4x "
+                       f"--vary sorter.policy=most_rays,longest_wait") == 0, program.err
     points = program.json()["points"]
     times = {(each["settings"]["bus.model"], each["settings"]["sorter.policy"]): each["frame_ms"] for each in points}
     assert len(times) == 4 and all(times["pci33", policy] > times["agp4x", policy]
@@ -382,7 +383,8 @@ dsp.clock_khz                    200000         1000..2000000 kHz             ch
 bus.model                        pci33                                        chosen: a name is no number
 pipeline.prefetch_stages         16             1..256 core cycles            chosen: half
 memory                           ddr                                          default rdram: paper
-link.bits                        32             1..256 bits                   not modelled at this level; default 16: chosen: wide
+link.bits                        32             1..256 bits                   \
+not modelled at this level; default 16: chosen: wide
 rdram.rac_latency                4              0..255 tCYCLE                 chosen: one
 ddr.controller_latency           2              0..255 clocks                 default 1: chosen: one
 """

@@ -1,4 +1,5 @@
-// A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in physical lengths.
+// A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in
+// physical lengths.
 /** @typedef {import("./protocol.js").Vector} Vector */
 
 /** @param {string} text @returns {Vector} */
@@ -16,7 +17,8 @@ const unit = (a) => each((i) => a[i] / (Math.hypot(...a) || 1));
 /** Round the unit vector `axis`.
  * @param {Vector} v @param {Vector} axis @param {number} angle */
 const turned = (v, axis, angle) =>
-  plus(plus(each((i) => v[i] * Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis, dot(axis, v) * (1 - Math.cos(angle)));
+  plus(plus(each((i) => v[i] * Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis,
+    dot(axis, v) * (1 - Math.cos(angle)));
 /** @param {Vector} v */
 const text = (v) => v.map((x) => Number(x.toFixed(4))).join(",");
 
@@ -81,7 +83,8 @@ export class Camera {
     const away = plus(each((i) => point[i] * this.spacing[i]), target, -1);
     const depth = Math.hypot(...offset) - dot(away, towards);
     const parallel = Number(this.view.get("orthographic"));
-    const height = parallel ? parallel * Math.min(...this.spacing) : 2 * depth * Math.tan((Number(this.view.get("fov") || 30) * Math.PI) / 360);
+    const height = parallel ? parallel * Math.min(...this.spacing)
+      : 2 * depth * Math.tan((Number(this.view.get("fov") || 30) * Math.PI) / 360);
     if (height <= 0) return null;
     return { x: 0.5 + dot(away, across) / (height * ratio), y: 0.5 - dot(away, upward) / height };
   }

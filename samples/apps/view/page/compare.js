@@ -16,9 +16,13 @@ export const kFirstId = 2 ** 40; // those of pictures are smaller
 
 export class Compare {
   #id = kFirstId;
-  #field = element("input", { type: "text", list: "fields", value: "asic.processors", id: "compare-field", autocomplete: "off" });
-  #values = ["4", "8"].map((value, i) => element("input", { type: "text", class: "number", value, id: `compare-${i}`, "aria-label": `value ${i + 1}` }));
-  #size = element("select", { id: "compare-size" }, ...["64x64", "128x128", "256x256", "512x512"].map((size) => new Option(size, size, size === "128x128", size === "128x128")));
+  #field = element("input", { type: "text", list: "fields", value: "asic.processors", id: "compare-field",
+    autocomplete: "off" });
+  #values = ["4", "8"].map((value, i) => element("input", { type: "text", class: "number", value, id: `compare-${i}`,
+    "aria-label": `value ${i + 1}` }));
+  #size = element("select", { id: "compare-size" },
+    ...["64x64", "128x128", "256x256", "512x512"].map((size) => new Option(size, size, size === "128x128",
+    size === "128x128")));
   #run = element("button", { type: "button", id: "compare-run" }, "Compare");
   #result = element("div", { id: "compared", role: "status" });
 
@@ -27,9 +31,11 @@ export class Compare {
     this.connection = connection;
     this.view = view;
     const list = element("datalist", { id: "fields" }, ...Object.keys(kFields).map((name) => new Option(name)));
-    const form = element("div", { class: "row" }, list, element("label", { for: "compare-field" }, "Field"), this.#field, ...this.#values, this.#size, this.#run);
+    const form = element("div", { class: "row" }, list, element("label", { for: "compare-field" }, "Field"),
+      this.#field, ...this.#values, this.#size, this.#run);
     by("compare").append(form, this.#result);
-    this.#field.addEventListener("change", () => kFields[this.#field.value]?.forEach((value, i) => (this.#values[i].value = value)));
+    this.#field.addEventListener("change", () => kFields[this.#field.value]?.forEach((value, i) =>
+      (this.#values[i].value = value)));
     this.#run.addEventListener("click", () => this.#ask());
     connection.on("compared", (message) => message.id === this.#id && this.#show(message));
     connection.on("error", ({ id, text }) => id === this.#id && this.#end(text));
@@ -64,19 +70,22 @@ export class Compare {
     this.#end("");
     const field = this.#field.value.trim();
     const names = frames.map(({ settings }) => settings[field]);
-    const [a, b] = frames.map((frame) => /** @type {[string, number, string][]} */ ([["frame, simulated ms", frame.frame_ms ?? NaN, frame.frame_ms?.toFixed(3) ?? "–"], ...figures(frame.counters)]));
+    const [a, b] = frames.map((frame) => /** @type {[string, number, string][]} */ (
+      [["frame, simulated ms", frame.frame_ms ?? NaN, frame.frame_ms?.toFixed(3) ?? "–"], ...figures(frame.counters)]));
     const rows = a.map(([label, value, text]) => {
       const other = b.find(([name]) => name === label);
       const ratio = other ? other[1] / value : NaN;
       const cells = [text, other?.[2] ?? "–", Number.isFinite(ratio) ? `× ${ratio.toPrecision(3)}` : "–"];
-      return element("tr", {}, element("td", {}, label), ...cells.map((cell, i) => element("td", i === 2 && cell !== "× 1.00" ? { class: "differs" } : {}, cell)));
+      return element("tr", {}, element("td", {}, label),
+        ...cells.map((cell, i) => element("td", i === 2 && cell !== "× 1.00" ? { class: "differs" } : {}, cell)));
     });
     const cycles = frames.map(({ counters }) => cycles_of(counters));
     this.#result.replaceChildren(
       element("p", {}, same ? "The pictures are the same, bit for bit." : "The pictures differ."),
       stacked(names.map((name, i) => [String(name), cycles[i]]), `cycles by cause of both, ${field}`),
       legend(cycles[0].map((value, i) => value + cycles[1][i])),
-      element("table", {}, element("tr", {}, ...[field, ...names, "second to first"].map((text) => element("th", {}, String(text)))), ...rows),
+      element("table", {}, element("tr", {}, ...[field, ...names, "second to first"].map((text) => element("th", {},
+        String(text)))), ...rows),
     );
   }
 }

@@ -1,6 +1,7 @@
 // Elements of the page.
 
-/** @template {keyof HTMLElementTagNameMap} T @param {T} name @param {Record<string, string>} [attributes] @param {...(Node | string)} inside
+/** @template {keyof HTMLElementTagNameMap} T @param {T} name @param {Record<string, string>} [attributes] @param
+ * {...(Node | string)} inside
  * @returns {HTMLElementTagNameMap[T]} */
 export function element(name, attributes = {}, ...inside) {
   const made = document.createElement(name);
@@ -34,6 +35,7 @@ export function save(name, text) {
 export function short(value) {
   if (!Number.isFinite(value)) return "–";
   const steps = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];
-  const [by, unit] = /** @type {[number, string]} */ (steps.find(([size]) => Math.abs(value) >= Number(size)) ?? [1, ""]);
+  const [by, unit] = /** @type {[number, string]} */ (steps.find(([size]) => Math.abs(value) >= Number(size)) ?? [1,
+    ""]);
   return `${Number((value / by).toPrecision(3))}${unit ? ` ${unit}` : ""}`;
 }

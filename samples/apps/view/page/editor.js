@@ -19,7 +19,8 @@ export class Editor {
   /** @type {{list: "colours" | "opacities", index: number}} */ #selected = { list: "opacities", index: 0 };
   #look = ""; // of the program's choice
   #why = "";
-  #svg = shape("svg", { viewBox: `0 0 ${kWidth} ${kTotal}`, role: "group", "aria-label": "transfer function: opacity over value" });
+  #svg = shape("svg", { viewBox: `0 0 ${kWidth} ${kTotal}`, role: "group",
+    "aria-label": "transfer function: opacity over value" });
   #bars = shape("path", { class: "histogram" });
   #curve = shape("path", { class: "curve" });
   #gradient = shape("linearGradient", { id: "strip" });
@@ -31,7 +32,8 @@ export class Editor {
     this.#svg.append(
       shape("defs", {}, this.#gradient),
       this.#bars,
-      shape("rect", { x: kEdge, y: kStrip - 8, width: kWidth - 2 * kEdge, height: 16, fill: "url(#strip)", class: "strip" }),
+      shape("rect", { x: kEdge, y: kStrip - 8, width: kWidth - 2 * kEdge, height: 16, fill: "url(#strip)",
+        class: "strip" }),
       this.#curve,
       this.#points,
     );
@@ -48,7 +50,8 @@ export class Editor {
     by("preset").addEventListener("change", () => this.#choose(by("preset").value));
     by("point-at").addEventListener("change", () => this.#change({ at: Number(by("point-at").value) }));
     by("point-opacity").addEventListener("change", () => this.#change({ opacity: Number(by("point-opacity").value) }));
-    by("point-colour").addEventListener("input", () => this.#change({ colour: from_hex(by("point-colour").value) }, true));
+    by("point-colour").addEventListener("input", () => this.#change({ colour: from_hex(by("point-colour").value) },
+      true));
     by("point-colour").addEventListener("change", () => this.#change({}));
   }
 
@@ -61,14 +64,16 @@ export class Editor {
     this.#look = hello.volume?.look ?? "";
     this.#why = hello.volume?.look_why ?? "";
     const names = [...hello.presets.map((p) => p.name), ...hello.transfer_functions];
-    by("preset").replaceChildren(...own, new Option("own points", kOwn), ...names.map((name) => new Option(name, name)));
+    by("preset").replaceChildren(...own, new Option("own points", kOwn),
+      ...names.map((name) => new Option(name, name)));
     this.load();
   }
 
   /** Takes up what the view says. */
   load() {
     const value = this.view.get("transfer-function");
-    const text = value === "" ? this.#look : value.includes("\n") ? value : (this.#presets.find((p) => p.name === value)?.text ?? "");
+    const text = value === "" ? this.#look : value.includes("\n") ? value
+      : (this.#presets.find((p) => p.name === value)?.text ?? "");
     by("look-why").textContent = value === "" ? this.#why : "";
     by("preset").value = value.includes("\n") ? kOwn : value;
     by("editor").hidden = by("points").hidden = !text; // a file whose points the page does not have
@@ -144,7 +149,8 @@ export class Editor {
     if (point) this.#select(/** @type {any} */ (point.dataset.list), Number(point.dataset.index));
     else {
       const list = place.strip ? "colours" : "opacities";
-      const made = { at: place.at, ...(place.strip ? { colour: colour_at(this.#transfer, place.at) } : { opacity: place.opacity }) };
+      const made = { at: place.at, ...(place.strip ? { colour: colour_at(this.#transfer, place.at) }
+        : { opacity: place.opacity }) };
       const points = /** @type {any[]} */ (this.#transfer[list]);
       const before = points.findIndex((p) => p.at > place.at);
       const index = before === -1 ? points.length : before;
@@ -180,8 +186,10 @@ export class Editor {
     const [low, high] = this.#ends(), step = (event.shiftKey ? 10 : 1) * 0.005;
     if (event.key === "ArrowLeft") this.#change({ at: now.at - step * (high - low) });
     else if (event.key === "ArrowRight") this.#change({ at: now.at + step * (high - low) });
-    else if (event.key === "ArrowUp" && list === "opacities") this.#change({ opacity: Math.min(1, now.opacity + step) });
-    else if (event.key === "ArrowDown" && list === "opacities") this.#change({ opacity: Math.max(0, now.opacity - step) });
+    else if (event.key === "ArrowUp" && list === "opacities") this.#change(
+      { opacity: Math.min(1, now.opacity + step) });
+    else if (event.key === "ArrowDown" && list === "opacities") this.#change(
+      { opacity: Math.max(0, now.opacity - step) });
     else if (event.key === "Delete" || event.key === "Backspace") this.#remove();
     else if (is_undo) this.#travel(event.shiftKey ? "redo" : "undo");
     else return;
@@ -216,23 +224,27 @@ export class Editor {
   }
   #focus() {
     const { list, index } = this.#selected;
-    /** @type {SVGElement | null} */ (this.#points.querySelector(`[data-list=${list}][data-index="${index}"]`))?.focus();
+    /** @type {SVGElement | null} */ (
+      this.#points.querySelector(`[data-list=${list}][data-index="${index}"]`))?.focus();
   }
 
   #draw() {
     const { colours, opacities } = this.#transfer;
     const [first, last] = [opacities[0], opacities.at(-1)];
     const line = opacities.map((p) => `L${this.#x(p.at)},${this.#y(p.opacity)}`).join("");
-    if (first && last) this.#curve.setAttribute("d", `M${kEdge},${this.#y(first.opacity)}${line}L${kWidth - kEdge},${this.#y(last.opacity)}`);
+    if (first && last) this.#curve.setAttribute("d",
+      `M${kEdge},${this.#y(first.opacity)}${line}L${kWidth - kEdge},${this.#y(last.opacity)}`);
     const [low, high] = this.#ends();
-    this.#gradient.replaceChildren(...colours.map((p) => shape("stop", { offset: (p.at - low) / (high - low || 1), "stop-color": hex(p.colour) })));
+    this.#gradient.replaceChildren(...colours.map((p) => shape("stop",
+      { offset: (p.at - low) / (high - low || 1), "stop-color": hex(p.colour) })));
     const dot = (/** @type {"colours" | "opacities"} */ list) => (/** @type {any} */ p, /** @type {number} */ index) =>
       shape("circle", {
         cx: this.#x(p.at), cy: list === "opacities" ? this.#y(p.opacity) : kStrip, r: 6,
         fill: list === "opacities" ? hex(colour_at(this.#transfer, p.at)) : hex(p.colour),
         class: this.#selected.list === list && this.#selected.index === index ? "point selected" : "point",
         tabindex: 0, role: "button", "data-list": list, "data-index": index,
-        "aria-label": list === "opacities" ? `opacity ${p.opacity.toFixed(3)} at ${p.at.toPrecision(4)}` : `colour ${hex(p.colour)} at ${p.at.toPrecision(4)}`,
+        "aria-label": list === "opacities" ? `opacity ${p.opacity.toFixed(3)} at ${p.at.toPrecision(4)}`
+          : `colour ${hex(p.colour)} at ${p.at.toPrecision(4)}`,
       });
     this.#points.replaceChildren(...opacities.map(dot("opacities")), ...colours.map(dot("colours")));
     const point = /** @type {any} */ (this.#transfer[this.#selected.list][this.#selected.index]);

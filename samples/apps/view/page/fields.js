@@ -3,17 +3,21 @@
 /** @typedef {import("./protocol.js").Hello} Hello */
 import { by, element } from "./dom.js";
 
-/** @typedef {{name: string, label: string, hint?: string, options?: string[], flag?: boolean, range?: [number, number, number], wide?: boolean}} Field */
+/** @typedef {{name: string, label: string, hint?: string, options?: string[], flag?: boolean, range?: [number, number,
+ * number], wide?: boolean}} Field */
 
 const on = { flag: true };
 /** @type {[string, Field[]][]} */
 const kGroups = [
   ["Picture", [
-    { name: "size", label: "Size", options: ["256x256", "384x384", "512x512", "768x768", "1024x1024", "640x480", "1280x720"] },
+    { name: "size", label: "Size", options: ["256x256", "384x384", "512x512", "768x768", "1024x1024", "640x480",
+      "1280x720"] },
     { name: "samples", label: "Samples of a pixel", options: ["1", "2", "4"], hint: "1" },
     { name: "background", label: "Background", hint: "r,g,b or none" },
-    { name: "fov", label: "Field of view", hint: "degrees" }, { name: "orthographic", label: "Parallel, height", hint: "off" },
-    { name: "camera", label: "Camera of the scene", hint: "the first" }, { name: "time", label: "Time of the scene", hint: "seconds" },
+    { name: "fov", label: "Field of view", hint: "degrees" }, { name: "orthographic", label: "Parallel, height",
+      hint: "off" },
+    { name: "camera", label: "Camera of the scene", hint: "the first" },
+      { name: "time", label: "Time of the scene", hint: "seconds" },
   ]],
   ["Sampling", [
     { name: "step", label: "Step, voxels", range: [0.125, 4, 0.125] },
@@ -22,10 +26,13 @@ const kGroups = [
   ]],
   ["Light and material", [
     { name: "no-shade", label: "Without shading", ...on }, { name: "light", label: "Towards the light", hint: "x,y,z" },
-    { name: "ambient", label: "Ambient" }, { name: "diffuse", label: "Diffuse" }, { name: "specular", label: "Specular" }, { name: "shininess", label: "Shininess" },
+    { name: "ambient", label: "Ambient" }, { name: "diffuse", label: "Diffuse" },
+      { name: "specular", label: "Specular" }, { name: "shininess", label: "Shininess" },
     { name: "illumination", label: "Global illumination", options: ["none", "low", "high"], hint: "the scene's" },
-    { name: "light-rays", label: "Light rays", hint: "1" }, { name: "lifetime", label: "Scatterings, at most", hint: "32" },
-    { name: "exposure", label: "Exposure", hint: "chosen" }, { name: "colour-passes", label: "Light in three colours", ...on },
+    { name: "light-rays", label: "Light rays", hint: "1" }, { name: "lifetime", label: "Scatterings, at most",
+      hint: "32" },
+    { name: "exposure", label: "Exposure", hint: "chosen" }, { name: "colour-passes", label: "Light in three colours",
+      ...on },
   ]],
   ["Board", [
     { name: "fidelity", label: "Level", options: ["functional", "cycle"], hint: "the board's" },
@@ -67,7 +74,8 @@ export class Fields {
       const value = this.view.get(name);
       if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = value === "on";
       else {
-        if (input instanceof HTMLSelectElement && value && ![...input.options].some((o) => o.value === value)) input.add(new Option(value, value));
+        if (input instanceof HTMLSelectElement && value &&
+          ![...input.options].some((o) => o.value === value)) input.add(new Option(value, value));
         input.value = value;
       }
       const range = document.getElementById(`range-${name}`);
@@ -104,16 +112,19 @@ export class Fields {
       input = element("select", { id });
       if (field.hint) input.add(new Option(field.hint, ""));
       for (const option of field.options) input.add(new Option(option, option));
-    } else input = element("input", field.flag ? { id, type: "checkbox" } : { id, type: "text", placeholder: field.hint ?? "", autocomplete: "off" });
+    } else input = element("input", field.flag ? { id, type: "checkbox" } : { id, type: "text",
+      placeholder: field.hint ?? "", autocomplete: "off" });
     this.#inputs.set(field.name, input);
     input.addEventListener("change", () => {
-      const value = input instanceof HTMLInputElement && input.type === "checkbox" ? (input.checked ? "on" : "") : input.value.trim();
+      const value = input instanceof HTMLInputElement && input.type === "checkbox" ? (input.checked ? "on" : "")
+        : input.value.trim();
       this.view.set({ [field.name]: value });
     });
     const row = element("div", { class: field.flag ? "field flag" : "field" }, label, input);
     if (field.range) {
       const [min, max, step] = field.range.map(String);
-      const range = element("input", { type: "range", id: `range-${field.name}`, min, max, step, "aria-label": field.label });
+      const range = element("input", { type: "range", id: `range-${field.name}`, min, max, step,
+        "aria-label": field.label });
       range.addEventListener("input", () => this.view.set({ [field.name]: range.value }, true));
       input.classList.add("number");
       row.insertBefore(range, input);

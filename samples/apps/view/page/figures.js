@@ -8,10 +8,13 @@ export const kGroups = [
   { name: "leaps", causes: ["leap"], colour: "#56b4e9", why: "a ray jumped over an empty block" },
   { name: "cache", causes: ["cache_fill", "cache_miss"], colour: "#e69f00", why: "waits for the volume cache" },
   { name: "memory", causes: ["memory_bank", "refresh"], colour: "#d55e00", why: "waits for the memory's banks" },
-  { name: "latency", causes: ["latency"], colour: "#f0e442", why: "all its rays are on their way through the pipeline" },
+  { name: "latency", causes: ["latency"], colour: "#f0e442",
+    why: "all its rays are on their way through the pipeline" },
   { name: "sorter", causes: ["sorter"], colour: "#0072b2", why: "rays wait in queues for the sorter" },
-  { name: "no rays", causes: ["queue_empty", "dsp_compute", "sdram"], colour: "#cc79a7", why: "others have the rays, or the DSP has not made them yet" },
-  { name: "ray bus, links", causes: ["ray_bus", "link"], colour: "#5b5b5b", why: "a ray waits for the ray bus or a link" },
+  { name: "no rays", causes: ["queue_empty", "dsp_compute", "sdram"], colour: "#cc79a7",
+    why: "others have the rays, or the DSP has not made them yet" },
+  { name: "ray bus, links", causes: ["ray_bus", "link"], colour: "#5b5b5b",
+    why: "a ray waits for the ray bus or a link" },
   { name: "deposits", causes: ["splat"], colour: "#999999", why: "the cache is busy with deposits" },
 ];
 
@@ -22,7 +25,8 @@ export const cycles_of = (counters, part = "processor") =>
 
 /** What was counted between two states.
  * @param {Counters} end @param {Counters} begin @returns {Counters} */
-export const between = (end, begin) => Object.fromEntries(Object.entries(end).map(([name, value]) => [name, value - (begin[name] ?? 0)]));
+export const between = (end, begin) => Object.fromEntries(Object.entries(end).map(([name, value]) => [name,
+  value - (begin[name] ?? 0)]));
 
 /** As many parts as the board has, by a counter that each has.
  * @param {Counters} counters @param {string} kind @param {string} counter */
@@ -37,15 +41,18 @@ const kLabel = 74, kBar = 320, kRow = 16;
 /** Bars of shares, one a row: label, cycles of each group.
  * @param {[string, number[]][]} rows @param {string} title */
 export function stacked(rows, title) {
-  const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img", "aria-label": title });
+  const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img",
+    "aria-label": title });
   rows.forEach(([label, cycles], row) => {
     svg.append(shape("text", { x: 0, y: row * kRow + 11 }, label));
     const sum = cycles.reduce((a, b) => a + b, 0);
     let x = kLabel;
     cycles.forEach((value, group) => {
       const width = sum > 0 ? (value / sum) * kBar : 0;
-      const text = `${label}: ${kGroups[group].name} ${((100 * value) / (sum || 1)).toFixed(1)}%, ${kGroups[group].why}`;
-      if (width > 0) svg.append(shape("rect", { x, y: row * kRow + 1, width, height: kRow - 3, fill: kGroups[group].colour }, shape("title", {}, text)));
+      const percent = ((100 * value) / (sum || 1)).toFixed(1);
+      const text = `${label}: ${kGroups[group].name} ${percent}%, ${kGroups[group].why}`;
+      if (width > 0) svg.append(shape("rect", { x, y: row * kRow + 1, width, height: kRow - 3,
+        fill: kGroups[group].colour }, shape("title", {}, text)));
       x += width;
     });
   });
@@ -54,8 +61,10 @@ export function stacked(rows, title) {
 
 /** Bars of one share each: label, 0..1, text.
  * @param {[string, number, string][]} rows @param {string} title */
-export const bars = (rows, title) => element("table", { class: "bars", "aria-label": title }, ...rows.map(([label, share, text]) =>
-  element("tr", {}, element("td", {}, label), element("td", {}, element("progress", { value: String(share || 0), "aria-label": label })), element("td", {}, text))));
+export const bars = (rows, title) => element("table", { class: "bars", "aria-label": title },
+  ...rows.map(([label, share, text]) =>
+  element("tr", {}, element("td", {}, label), element("td", {},
+    element("progress", { value: String(share || 0), "aria-label": label })), element("td", {}, text))));
 
 /** The groups that are there, with their shares.
  * @param {number[]} cycles */
@@ -63,7 +72,8 @@ export function legend(cycles) {
   const sum = cycles.reduce((a, b) => a + b, 0);
   return element("ul", { class: "legend" }, ...kGroups.flatMap(({ name, colour, why }, group) => {
     if (!cycles[group]) return [];
-    const mark = shape("svg", { viewBox: "0 0 10 10", "aria-hidden": "true" }, shape("rect", { width: 10, height: 10, fill: colour }));
+    const mark = shape("svg", { viewBox: "0 0 10 10", "aria-hidden": "true" },
+      shape("rect", { width: 10, height: 10, fill: colour }));
     return [element("li", { title: why }, mark, `${name} ${((100 * cycles[group]) / sum).toFixed(1)}%`)];
   }));
 }

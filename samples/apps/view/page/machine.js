@@ -41,7 +41,8 @@ export class Machine {
     const { counters, running } = message;
     if (message.units) this.#units = message.units;
     const last = this.#looks.at(-1);
-    if (last && (message.simulated_ms < last.simulated_ms || (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0))) {
+    if (last && (message.simulated_ms < last.simulated_ms ||
+      (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0))) {
       this.#looks = []; // a new board, which has counted from nothing
       this.#begin = { ...message, counters: {}, look: undefined };
       this.#most = 1;
@@ -63,17 +64,21 @@ export class Machine {
     const since = running ? this.#looks[0] : this.#begin;
     const window = between(counters, since?.counters ?? {});
     const cycles = window["asic.cycles"] ?? 0;
-    const what = running ? "a frame runs; figures of the last second" : "idle; figures of the last frame, and of what had to be loaded for it";
-    this.#head.textContent = `${what} · ${simulated_ms.toFixed(3)} ms simulated since the board's start · ${short(cycles)} core cycles`;
+    const what = running ? "a frame runs; figures of the last second"
+      : "idle; figures of the last frame, and of what had to be loaded for it";
+    const since_start = `${simulated_ms.toFixed(3)} ms simulated since the board's start`;
+    this.#head.textContent = `${what} · ${since_start} · ${short(cycles)} core cycles`;
     const processors = parts_of(counters, "processor", "cycles.busy");
     if (processors.length === 0) {
-      this.#charts.replaceChildren(element("p", { class: "quiet" }, "The functional level keeps no cycles: choose the level cycle, below Board."));
+      this.#charts.replaceChildren(element("p", { class: "quiet" },
+        "The functional level keeps no cycles: choose the level cycle, below Board."));
     } else {
       const sums = cycles_of(window);
       const memory = "rdram.cycles" in counters ? "rdram" : "ddr";
       this.#charts.replaceChildren(
         element("h2", {}, "Cycles by cause: what each processor does, or waits for"),
-        stacked([["all", sums], ...processors.map((part, i) => /** @type {[string, number[]]} */ ([`processor ${i}`, cycles_of(window, part)]))], "cycles by cause"),
+        stacked([["all", sums], ...processors.map((part, i) => /** @type {[string, number[]]} */ ([`processor ${i}`,
+          cycles_of(window, part)]))], "cycles by cause"),
         legend(sums),
         ...this.#queues(counters, look),
         element("h2", {}, `Bandwidth used of each ${memory} channel`),
@@ -82,26 +87,31 @@ export class Machine {
           return [part, share, `${(100 * share).toFixed(1)}%`];
         }), "bandwidth used"),
         ...this.#energy(window),
-        ...(look?.memories.length ? [element("h2", {}, "Packets of each bank"), ...banks_map(packets_between(look, since?.look), look.banks, memory)] : []),
+        ...(look?.memories.length ? [element("h2", {}, "Packets of each bank"),
+          ...banks_map(packets_between(look, since?.look), look.banks, memory)] : []),
       );
     }
-    this.#table.replaceChildren(...figures(window).map(([label, , text]) => element("tr", {}, element("td", {}, label), element("td", {}, text))));
+    this.#table.replaceChildren(...figures(window).map(([label, , text]) => element("tr", {}, element("td", {}, label),
+      element("td", {}, text))));
     if (!this.#raw.open) return;
     this.#all.replaceChildren(...Object.entries(counters).map(([name, value]) =>
-      element("tr", {}, element("td", {}, name), element("td", {}, String(value)), element("td", {}, String(this.#units[name] ?? "")))));
+      element("tr", {}, element("td", {}, name), element("td", {}, String(value)),
+        element("td", {}, String(this.#units[name] ?? "")))));
   }
 
   /** Energy by part of the card, the largest first.
    * @param {Message["counters"]} window */
   #energy(window) {
-    const parts = Object.keys(window).map((name) => /^energy\.(\w+)$/.exec(name)?.[1]).filter((part) => part !== undefined && part !== "total");
+    const parts = Object.keys(window).map((name) => /^energy\.(\w+)$/.exec(name)?.[1])
+      .filter((part) => part !== undefined && part !== "total");
     const total = window["energy.total"];
     if (!total) return [];
     const of = (/** @type {string} */ part) => window[`energy.${part}`] ?? 0;
     const bounds = `${short(window["energy.total.low"] / 1e9)} to ${short(window["energy.total.high"] / 1e9)}`;
     return [
       element("h2", {}, `Energy: ${short(total / 1e9)} mJ (${bounds}), by part`),
-      bars(/** @type {string[]} */ (parts).sort((a, b) => of(b) - of(a)).map((part) => [part, of(part) / total, `${short(of(part) / 1e9)} mJ`]), "energy by part"),
+      bars(/** @type {string[]} */ (parts).sort((a, b) => of(b) - of(a)).map((part) => [part, of(part) / total,
+        `${short(of(part) / 1e9)} mJ`]), "energy by part"),
     ];
   }
 

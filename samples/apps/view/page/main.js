@@ -67,7 +67,8 @@ let is_first = true;
 connection.on("hello", (/** @type {Hello} */ hello) => {
   const { input } = hello.settings;
   // Another page, or a dropped file, has opened another input: this page follows.
-  if (is_first ? view.own.input && !hello.inputs.includes(view.own.input) : input !== view.chosen.input && input !== view.own.input)
+  if (is_first ? view.own.input && !hello.inputs.includes(view.own.input) : input !== view.chosen.input &&
+    input !== view.own.input)
     view.own = view.kept();
   is_first = false;
   view.chosen = hello.volume ? hello.settings : {};
@@ -93,8 +94,10 @@ connection.on("open", () => {
 connection.on("close", (/** @type {number} */ code) => {
   picture.forget();
   by("progress").hidden = true;
-  const why = code === 1008 ? "gicube-view refused a message of this page." : "The connection to gicube-view has ended.";
-  notice("connection", `${why} Is the program still running? It prints a new address at each start.`, ["Connect again", () => connection.open()]);
+  const why = code === 1008 ? "gicube-view refused a message of this page."
+    : "The connection to gicube-view has ended.";
+  notice("connection", `${why} Is the program still running? It prints a new address at each start.`,
+    ["Connect again", () => connection.open()]);
 });
 connection.on("board", ({ state, text }) => {
   if (state === "ready") return notice("board", "");
@@ -125,14 +128,18 @@ picture.addEventListener("shown", (event) => {
   notice("error", header.invisible ?? "");
   by("progress").hidden = true;
   const time = header.frame_ms === null ? ""
-    : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
+    : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ` +
+      `${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
   const what = header.final ? "whole picture" : "coarse picture";
-  by("status").textContent = `${what} ${header.width} × ${header.height} · ${header.level}${time} · ${Math.ceil(header.host_ms)} ms here`;
+  by("status").textContent =
+    `${what} ${header.width} × ${header.height} · ${header.level}${time} · ${Math.ceil(header.host_ms)} ms here`;
   if (!header.final) return;
   by("command").textContent = header.command ?? "";
-  by("python").textContent = header.python ?? "Only gicube-render makes this one: its options of light have no Python call.";
+  by("python").textContent = header.python ??
+    "Only gicube-render makes this one: its options of light have no Python call.";
   by("copy-python").disabled = !header.python;
-  for (const what of ["png", "exr", "stats", "tf"]) by(`get-${what}`).setAttribute("href", address("download", { what, number: String(header.number) }));
+  for (const what of ["png", "exr", "stats", "tf"]) by(`get-${what}`).setAttribute("href",
+    address("download", { what, number: String(header.number) }));
 });
 
 /** @param {string} button @param {() => string} text */

@@ -12,8 +12,10 @@ function colour(share) {
   return [...kRamp[low].map((value, i) => Math.round(value + (at - low) * (kRamp[low + 1][i] - value))), 255];
 }
 
-/** Grids of width x height numbers, `across` of them side by side; a square is a pixel, which the page's style enlarges.
- * @param {number[]} values @param {number} most @param {[number, number, number]} shape width, height, across @param {string} title */
+/** Grids of width x height numbers, `across` of them side by side; a square is a pixel, which the page's style
+ * enlarges.
+ * @param {number[]} values @param {number} most @param {[number, number, number]} shape width, height, across @param
+ * {string} title */
 function squares(values, most, [width, height, across], title) {
   const grids = Math.ceil(values.length / (width * height)), columns = Math.min(across, grids);
   const canvas = element("canvas", { class: "map", role: "img", "aria-label": title });
@@ -34,7 +36,8 @@ function squares(values, most, [width, height, across], title) {
  * @param {HTMLElement} map @param {number} most @param {string} unit @param {string} text */
 function explained(map, most, unit, text) {
   const ramp = squares(Array.from({ length: 24 }, (_, i) => i + 1), 24, [24, 1, 1], "colours from few to many");
-  return [map, element("p", { class: "scale" }, "grey: none · 1 ", ramp, ` ${short(most)} ${unit}`), element("p", { class: "quiet" }, text)];
+  return [map, element("p", { class: "scale" }, "grey: none · 1 ", ramp, ` ${short(most)} ${unit}`),
+    element("p", { class: "quiet" }, text)];
 }
 
 /** @param {number[]} values */
@@ -45,9 +48,11 @@ export function blocks_map({ blocks_a_side, cells: [x, y, z], waiting }, most) {
   if (waiting.length === 0) return [element("p", { class: "quiet" }, "One queue has the rays of all blocks.")];
   const cell = blocks_a_side === 1 ? "block" : `cube of ${blocks_a_side}³ blocks`;
   const at = fullest(waiting), used = waiting.filter((rays) => rays > 0).length;
-  const where = used ? `most in ${cell} ${at % x} ${Math.floor(at / x) % y} ${Math.floor(at / (x * y))}: ${waiting[at]}` : "in none";
+  const place = `${at % x} ${Math.floor(at / x) % y} ${Math.floor(at / (x * y))}`;
+  const where = used ? `most in ${cell} ${place}: ${waiting[at]}` : "in none";
   const map = squares(waiting, most, [x, y, Math.ceil(Math.sqrt((4 * z * y) / x))], `rays waiting by ${cell}`);
-  return explained(map, most, `rays waiting for a ${cell}`, `${z} layers from z = 0 on, x across, y down. Rays wait in ${used} of ${waiting.length}, ${where}.`);
+  return explained(map, most, `rays waiting for a ${cell}`,
+    `${z} layers from z = 0 on, x across, y down. Rays wait in ${used} of ${waiting.length}, ${where}.`);
 }
 
 /** Packets of each bank between two looks; all, if the first is of another machine or none.
@@ -62,6 +67,8 @@ export function banks_map(packets, banks, memory) {
   const all = packets.flat(), at = fullest(all), most = Math.max(all[at], 1), channel = packets[0].length;
   const device = channel > banks ? `device ${Math.floor((at % channel) / banks)}, ` : "";
   const mean = all.reduce((sum, value) => sum + value, 0) / all.length;
-  const text = `A row for each device of ${memory}0 to ${memory}${packets.length - 1}, banks 0 to ${banks - 1} across. Most: ${memory}${Math.floor(at / channel)}, ${device}bank ${at % banks}; the mean is ${short(mean)}.`;
+  const text = `A row for each device of ${memory}0 to ${memory}${packets.length - 1}, ` +
+    `banks 0 to ${banks - 1} across. ` +
+    `Most: ${memory}${Math.floor(at / channel)}, ${device}bank ${at % banks}; the mean is ${short(mean)}.`;
   return explained(squares(all, most, [banks, channel / banks, 1], "packets by bank"), most, "packets of a bank", text);
 }

@@ -15,11 +15,14 @@ export function draw_marks(camera, volume, point) {
   Object.assign(svg.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   const y0 = height - kMiddle;
-  const ends = camera.axes().flatMap(({ x, y, near }, axis) => [-1, 1].map((side) => ({ x: side * x, y: side * y, near: side * near, text: volume.marks[2 * axis + (side + 1) / 2], side })));
+  const ends = camera.axes().flatMap(({ x, y, near }, axis) => [-1,
+    1].map((side) => ({ x: side * x, y: side * y, near: side * near, text: volume.marks[2 * axis + (side + 1) / 2],
+    side })));
   for (const end of ends.sort((a, b) => a.near - b.near)) {
     if (!volume.patient && end.side < 0) continue;
     const faint = end.near < -0.3 ? { class: "far" } : {};
-    svg.append(shape("line", { x1: kMiddle, y1: y0, x2: kMiddle + 0.75 * kArm * end.x, y2: y0 - 0.75 * kArm * end.y, ...faint }),
+    svg.append(shape("line", { x1: kMiddle, y1: y0, x2: kMiddle + 0.75 * kArm * end.x, y2: y0 - 0.75 * kArm * end.y,
+      ...faint }),
       shape("text", { x: kMiddle + kArm * end.x, y: y0 - kArm * end.y, ...faint }, end.text));
   }
   const at = point && camera.project(point, width / height);

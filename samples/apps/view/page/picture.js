@@ -11,7 +11,8 @@ export class Picture extends EventTarget {
   #wanted = false;
   #rest = 0; // of the timer that asks for the whole picture after a move; 0: none waits
 
-  /** @param {HTMLCanvasElement} canvas @param {import("./socket.js").Connection} connection @param {import("./view.js").ViewState} view */
+  /** @param {HTMLCanvasElement} canvas @param {import("./socket.js").Connection} connection @param
+   * {import("./view.js").ViewState} view */
   constructor(canvas, connection, view) {
     super();
     this.canvas = canvas;

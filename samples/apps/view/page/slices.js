@@ -1,14 +1,17 @@
-// Slices along the axes beside the picture: linked by one point, with a window of values, or projections of the whole volume.
+// Slices along the axes beside the picture: linked by one point, with a window of values, or projections of the whole
+// volume.
 /** @typedef {import("./socket.js").Connection} Connection */
 /** @typedef {import("./protocol.js").SliceHeader} SliceHeader */
 /** @typedef {import("./protocol.js").Volume} Volume */
 /** @typedef {"x" | "y" | "z"} Axis */
-/** @typedef {{axis: Axis, figure: HTMLElement, canvas: HTMLCanvasElement, cross: SVGElement, slider: HTMLInputElement, text: HTMLElement,
+/** @typedef {{axis: Axis, figure: HTMLElement, canvas: HTMLCanvasElement, cross: SVGElement, slider: HTMLInputElement,
+ * text: HTMLElement,
  *   flying: boolean, at: number, words: Uint16Array, width: number, height: number}} Slice */
 import { by, element, shape } from "./dom.js";
 
 const kMost = 4095; // of a slice's words
-/** Axes across and upwards. Along x and y the picture stands with z up; along z rows go down, as a radiologist sees a patient from below. */
+/** Axes across and upwards. Along x and y the picture stands with z up; along z rows go down, as a radiologist sees a
+ * patient from below. */
 const kPlanes = /** @type {const} */ ({ x: [1, 2], y: [0, 2], z: [0, 1] });
 
 export class Slices extends EventTarget {
@@ -26,14 +29,19 @@ export class Slices extends EventTarget {
     this.connection = connection;
     for (const axis of /** @type {const} */ (["z", "y", "x"])) {
       const canvas = element("canvas", { role: "img", tabindex: "0", width: "1", height: "1",
-        "aria-label": `slice along ${axis}`, "aria-description": "Arrow keys move the point, Page Up and Page Down change the slice." });
-      const cross = shape("svg", { class: "cross", "aria-hidden": "true", viewBox: "0 0 100 100", preserveAspectRatio: "none" });
-      const slider = element("input", { type: "range", min: "0", value: "0", "aria-label": `voxel along ${axis}`, id: `slice-${axis}` });
+        "aria-label": `slice along ${axis}`,
+        "aria-description": "Arrow keys move the point, Page Up and Page Down change the slice." });
+      const cross = shape("svg", { class: "cross", "aria-hidden": "true", viewBox: "0 0 100 100",
+        preserveAspectRatio: "none" });
+      const slider = element("input", { type: "range", min: "0", value: "0", "aria-label": `voxel along ${axis}`,
+        id: `slice-${axis}` });
       const text = element("output", { for: `slice-${axis}` });
       const larger = element("button", { type: "button", "aria-pressed": "false", class: "larger" }, "Larger");
-      const figure = element("figure", {}, element("div", { class: "plane" }, element("div", { class: "page" }, canvas, cross)),
+      const figure = element("figure", {}, element("div", { class: "plane" },
+        element("div", { class: "page" }, canvas, cross)),
         element("figcaption", {}, slider, element("div", { class: "row nowrap" }, text, larger)));
-      const slice = { axis, figure, canvas, cross, slider, text, flying: false, at: -1, words: new Uint16Array(), width: 1, height: 1 };
+      const slice = { axis, figure, canvas, cross, slider, text, flying: false, at: -1, words: new Uint16Array(),
+        width: 1, height: 1 };
       slider.addEventListener("input", () => this.#move(slice.axis, Number(slider.value)));
       larger.addEventListener("click", () => {
         const is = figure.classList.toggle("large");
@@ -112,7 +120,8 @@ export class Slices extends EventTarget {
     slice.text.textContent = this.#is_projection ? `along ${slice.axis}` : `${slice.axis} ${slice.slider.value}`;
     if (slice.flying || !this.#volume) return;
     slice.flying = true;
-    this.connection.send({ do: "slice", id: (this.#id += 1), axis: slice.axis, at: Number(slice.slider.value), show: by("projection").value });
+    this.connection.send({ do: "slice", id: (this.#id += 1), axis: slice.axis, at: Number(slice.slider.value),
+      show: by("projection").value });
   }
 
   /** @param {SliceHeader} header @param {Uint8Array} bytes */
@@ -143,7 +152,8 @@ export class Slices extends EventTarget {
     const colours = labels?.map(({ colour }) => 0xff000000 | (colour[2] << 16) | (colour[1] << 8) | colour[0]);
     for (let row = 0; row < height; ++row) {
       const from = (axis === "z" ? row : height - 1 - row) * width;
-      for (let i = 0; i < width; ++i) pixels[row * width + i] = colours ? (colours[words[from + i]] ?? 0xff000000) : grey(words[from + i]);
+      for (let i = 0; i < width; ++i) pixels[row * width + i] = colours ? (colours[words[from + i]] ?? 0xff000000)
+        : grey(words[from + i]);
     }
     canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
   }
@@ -168,7 +178,8 @@ export class Slices extends EventTarget {
     const [below, above] = slice.axis === "z" ? [2 * up + 1, 2 * up] : [2 * up, 2 * up + 1];
     const edges = { left: marks[2 * across], right: marks[2 * across + 1], bottom: marks[below], top: marks[above] };
     slice.canvas.parentElement?.querySelectorAll(".mark").forEach((mark) => mark.remove());
-    for (const [edge, text] of Object.entries(edges)) slice.canvas.parentElement?.append(element("span", { class: `mark ${edge}` }, text));
+    for (const [edge, text] of Object.entries(edges)) slice.canvas.parentElement?.append(element("span",
+      { class: `mark ${edge}` }, text));
   }
 
   /** The voxel under the pointer.
@@ -192,8 +203,10 @@ export class Slices extends EventTarget {
     const [across, up] = kPlanes[slice.axis];
     const word = slice.words[voxel[up] * slice.width + voxel[across]];
     const read = low + (word * (high - low)) / kMost;
-    const value = labels ? labels[word]?.value : whole && by("projection").value !== "mean" ? Math.round(read) : Number(read.toPrecision(4));
-    const place = voxel.map((at, i) => (this.#is_projection && "xyz"[i] === slice.axis ? "" : `${"xyz"[i]} ${at}`)).filter(Boolean).join(", ");
+    const value = labels ? labels[word]?.value : whole && by("projection").value !== "mean" ? Math.round(read)
+      : Number(read.toPrecision(4));
+    const place = voxel.map((at, i) => (this.#is_projection && "xyz"[i] === slice.axis ? ""
+      : `${"xyz"[i]} ${at}`)).filter(Boolean).join(", ");
     by("value").textContent = `${place}: ${labels ? "label " : ""}${value ?? ""} ${unit}`;
   }
 

@@ -8,18 +8,21 @@ const kWidth = 400, kHeight = 90, kMost = 600; // columns; chosen: more than the
 export class TimeLine {
   /** @type {Counters[]} */ #looks = [];
   /** @type {[number, number]} */ #shown = [0, 1];
-  #svg = shape("svg", { viewBox: `0 0 ${kWidth} ${kHeight + 14}`, class: "chart", role: "img", "aria-label": "time line of the last frame" });
+  #svg = shape("svg", { viewBox: `0 0 ${kWidth} ${kHeight + 14}`, class: "chart", role: "img",
+    "aria-label": "time line of the last frame" });
   #part = element("select", { "aria-label": "part" });
   place = element("div", { id: "timeline" }, element("h2", {}, "Time line of the last frame"));
 
   constructor() {
     const row = element("div", { class: "row" }, this.#part);
-    for (const [label, factor] of /** @type {[string, number][]} */ ([["Nearer", 0.5], ["Wider", 2], ["All", Infinity]])) {
+    for (const [label, factor] of /** @type {[string, number][]} */ ([["Nearer", 0.5], ["Wider", 2],
+      ["All", Infinity]])) {
       const button = element("button", { type: "button" }, label);
       button.addEventListener("click", () => this.#zoom(factor, 0.5));
       row.append(button);
     }
-    const note = element("p", { class: "quiet" }, "Ten looks a second; gicube-board --trace writes every cycle for ui.perfetto.dev.");
+    const note = element("p", { class: "quiet" },
+      "Ten looks a second; gicube-board --trace writes every cycle for ui.perfetto.dev.");
     this.place.append(row, this.#svg, note);
     this.#part.addEventListener("change", () => this.#draw());
     this.#svg.addEventListener("wheel", (event) => {
@@ -47,10 +50,12 @@ export class TimeLine {
   add(counters) {
     if (counters["asic.cycles"] === this.#looks.at(-1)?.["asic.cycles"]) return;
     this.#looks.push(counters);
-    if (this.#looks.length > kMost) this.#looks = this.#looks.filter((_, i) => i % 2 === 0 || i === this.#looks.length - 1);
+    if (this.#looks.length > kMost) this.#looks = this.#looks.filter((_, i) => i % 2 === 0 ||
+      i === this.#looks.length - 1);
     const parts = ["processor", ...parts_of(counters, "processor", "cycles.busy")];
     if (parts.length !== this.#part.length)
-      this.#part.replaceChildren(...parts.map((part) => new Option(part === "processor" ? "all processors" : part, part)));
+      this.#part.replaceChildren(...parts.map((part) => new Option(part === "processor" ? "all processors" : part,
+        part)));
     this.#draw();
   }
 
@@ -80,8 +85,10 @@ export class TimeLine {
       cycles.forEach((value, group) => {
         const height = (value / sum) * kHeight;
         y -= height;
-        const text = `${kGroups[group].name} ${((100 * value) / sum).toFixed(1)}%, core cycles ${short(cycle(i - 1) - first)} to ${short(cycle(i) - first)} of the frame`;
-        if (height > 0) this.#svg.append(shape("rect", { x: left, y, width: right - left, height, fill: kGroups[group].colour }, shape("title", {}, text)));
+        const cycles = `${short(cycle(i - 1) - first)} to ${short(cycle(i) - first)}`;
+        const text = `${kGroups[group].name} ${((100 * value) / sum).toFixed(1)}%, core cycles ${cycles} of the frame`;
+        if (height > 0) this.#svg.append(shape("rect",
+          { x: left, y, width: right - left, height, fill: kGroups[group].colour }, shape("title", {}, text)));
       });
     }
     this.#svg.append(shape("text", { x: 0, y: kHeight + 11 }, `cycle ${short(low * all)}`));

@@ -32,7 +32,8 @@ export function format(transfer) {
 /** @param {[number, number, number]} colour */
 export const hex = (colour) => `#${colour.map((c) => Math.round(c * 255).toString(16).padStart(2, "0")).join("")}`;
 /** @param {string} text @returns {[number, number, number]} */
-export const from_hex = (text) => /** @type {any} */ ([1, 3, 5].map((i) => Number((parseInt(text.slice(i, i + 2), 16) / 255).toFixed(3))));
+export const from_hex = (text) => /** @type {any} */ ([1, 3,
+  5].map((i) => Number((parseInt(text.slice(i, i + 2), 16) / 255).toFixed(3))));
 
 /** The colour between the points.
  * @param {Transfer} transfer @param {number} at @returns {[number, number, number]} */

@@ -36,10 +36,12 @@ export class ViewState extends EventTarget {
     this.#tell("other", false);
   }
 
-  /** What another input keeps: a look by its name, whose values are found anew, and what is no place or size of this input. */
+  /** What another input keeps: a look by its name, whose values are found anew, and what is no place or size of this
+   * input. */
   kept() {
     const names = ["transfer-function", "background", "size", "samples", "step", "threshold", "no-shade", "fidelity"];
-    return Object.fromEntries(Object.entries(this.own).filter(([name, value]) => names.includes(name) && !value.includes("\n")));
+    return Object.fromEntries(Object.entries(this.own).filter(([name, value]) => names.includes(name) &&
+      !value.includes("\n")));
   }
 
   /** Of this page, with the view as it is. */

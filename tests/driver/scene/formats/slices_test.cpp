@@ -322,7 +322,8 @@ TEST(OmeTiff, IsReadWholeOrInPlanesWithItsSpacing) {
   const TemporaryFolder folder;
   const auto file = write_ome(
       folder,
-      R"(SizeX="20" SizeY="18" SizeZ="4" SizeC="1" SizeT="1" PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2")",
+      R"(SizeX="20" SizeY="18" SizeZ="4" SizeC="1" SizeT="1" )"
+      R"(PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2")",
       R"(<ome:TiffData IFD="0" FirstZ="0"/><ome:TiffData IFD="3" FirstZ="3"/>)");
   const Volume whole = read_volume(file);
   EXPECT_EQ(whole.dims, (Dims{20, 18, 4}));

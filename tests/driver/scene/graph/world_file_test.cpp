@@ -31,8 +31,9 @@ TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
       node { name: "floor" material: "paper" box { low { x: -1 y: -1 z: 0 } high { x: 1 y: 1 z: 0.1 } rounding: 0.02 } }
       node { name: "scan" material: "bone" volume { file: "head.nrrd" spacing: [1, 1, 2] } }
       node { name: "haze" material: "air" box { } } }
-    material { name: "gold" solid { colour { red: 1 green: 0.8 blue: 0.3 } } scattering: 0.9 bsdf: "dull_reflection" gloss: 0.05
-               seen_through_scattering: true scattering_colour { red: 1 green: 0.8 blue: 0.4 }
+    material { name: "gold" solid { colour { red: 1 green: 0.8 blue: 0.3 } } scattering: 0.9
+               bsdf: "dull_reflection" gloss: 0.05 seen_through_scattering: true
+               scattering_colour { red: 1 green: 0.8 blue: 0.4 }
                emission: 2.5 emission_colour { red: 1 green: 0.5 blue: 0 } }
     material { name: "paper" tag: 3 scattering: 0.5 bsdf: "diffuse" }
     material { name: "bone" tag: 1 transfer_function { preset: "ct-bone" } }
@@ -42,8 +43,8 @@ TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
     light { towards { x: 1 } power: 2 }
     light { rectangle { corner { x: 1 } edge_u { y: 1 } edge_v { z: 1 } } }
     light { sphere { centre { x: 4 } radius: 0.25 } }
-    illumination { albedo: "high" rules: "as-printed" rays_per_face_voxel: 16 step: 0.25 jitter: true lifetime: 9 seed: 5
-                   exposure: 0.3 colour_passes: true }
+    illumination { albedo: "high" rules: "as-printed" rays_per_face_voxel: 16 step: 0.25 jitter: true
+                   lifetime: 9 seed: 5 exposure: 0.3 colour_passes: true }
     camera { name: "front" eye { y: -3 } } camera { name: "top" eye { z: 3 } up { y: 1 } }
     engine { target: "light[lamp].power" key { time: 0 value: 1 } key { time: 2 value: 3 } }
     engine { target: "camera[top].eye.z" start: 3 rate: 0.5 }
@@ -256,7 +257,8 @@ TEST(WorldFile, ReportsAllFaultsByTheirFields) {
     world { size: 4
       node { name: "a" sphere { radius: -1 } material: "steel" }
       node { name: "b" sphere { } torus { tube: 3 } material: "gold" }
-      node { transform { } transform { scale { x: 0 } } transform { scale { all: 1 y: 2 } } material: "gold" sphere { } }
+      node { transform { } transform { scale { x: 0 } } transform { scale { all: 1 y: 2 } }
+             material: "gold" sphere { } }
       node { name: "d" child { name: "e" builtin: "teapot" } material: "gold" transform { rotate { axis { } } } }
       node { name: "f" }
       node { name: "g" material: "gold" mesh { } }

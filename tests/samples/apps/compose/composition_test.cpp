@@ -29,7 +29,8 @@ TEST(Composition, PlacesVolumesAndSurfaces) {
   const Composition read = parsed_composition(R"(
     volume { name: "ball" input: "builtin:buckyball" volume_size: 32 transform { translate { x: 2 } } }
     volume { input: "golden_ring.scene" transfer_function: "ramp" transform { scale { all: 3 } } }
-    surface { file: "gem.obj" opacity: 0.5 colour { red: 0.5 } transform { scale { z: 2 } } transform { translate { y: 1 } } }
+    surface { file: "gem.obj" opacity: 0.5 colour { red: 0.5 } transform { scale { z: 2 } } transform { translate {
+      y: 1 } } }
     camera { eye { z: 5 } } image { width: 20 height: 10 samples_per_axis: 2 } step: 0.25 overlap_step: 3 light { x: 1 }
     opacity_threshold: 1 background { red: 0.5 green: 0.5 blue: 0.5 })");
   ASSERT_EQ(read.volumes.size(), 2u);
@@ -55,7 +56,8 @@ TEST(Composition, PlacesVolumesAndSurfaces) {
 
 TEST(Composition, CoversMeshesWithVolumes) {
   const Composition read = parsed_composition(R"(
-    shell { name: "hair" file: "compose/knot.obj" input: "compose/hairs.scene" volume_size: 24 thickness: 0.2 repeat_u: 30 repeat_v: 4
+    shell { name: "hair" file: "compose/knot.obj" input: "compose/hairs.scene" volume_size: 24 thickness: 0.2
+      repeat_u: 30 repeat_v: 4
             transform { scale { all: 2 } } })");
   ASSERT_EQ(read.shells.size(), 1u);
   const PlacedShell& shell = read.shells[0];
@@ -81,7 +83,8 @@ TEST(Composition, IsReadOrRefusedHoweverItIsDamaged) {
   const std::string whole =
       R"(volume { name: "a" input: "golden_ring.scene" volume_size: 32 transform { translate { x: 2 } } }
     surface { file: "gem.obj" opacity: 0.5 colour { red: 0.5 } transform { scale { z: 2 } } }
-    shell { file: "compose/knot.obj" input: "glass.scene" thickness: 0.1 repeat_u: 3 } camera { eye { z: 5 } } step: 0.25)";
+    shell { file: "compose/knot.obj" input: "glass.scene" thickness: 0.1 repeat_u: 3 } camera { eye { z: 5 } }
+      step: 0.25)";
   EXPECT_NO_THROW(parsed_composition(whole));
   std::mt19937 random(3);
   int refused = 0;

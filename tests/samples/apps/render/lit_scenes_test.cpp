@@ -98,7 +98,8 @@ TEST_F(LitScenes, ShowInAMirrorWhatStandsBeforeIt) {
 
 TEST_F(LitScenes, BleedInColourPassesOnly) {
   const std::string rest = R"(node { material: "wall" box { low { x: 0.7 y: -2 z: -1 } high { x: 3 y: 2 z: 3 } } } }
-      material { name: "wall" solid { opacity: 0.5 colour { red: 1 green: 0.1 blue: 0.1 } } bsdf: "diffuse" scattering: 0.8
+      material { name: "wall" solid { opacity: 0.5 colour { red: 1 green: 0.1 blue: 0.1 } } bsdf: "diffuse"
+        scattering: 0.8
                  scattering_colour { red: 1 green: 0.1 blue: 0.1 } }
       light { towards { x: -1 z: 0.4 } power: 1 } illumination { rays_per_face_voxel: 16 exposure: 1 colour_passes: )";
   const auto grey = pixel(draw("grey", from_above("", rest + "false }")), 30, 20);

@@ -143,4 +143,5 @@ def test_without_the_library_its_package_is_named(tmp_path):
     shutil.copy(BIN / "gicube-render", tmp_path)
     done = subprocess.run([tmp_path / "gicube-render", *SMALL.split(), "--mpi=rays"], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True)
-    assert done.returncode == 1 and "which the package gicube-mpi has, got: libgicube-mpi.so" in done.stderr, done.stderr
+    assert done.returncode == 1, done.stderr
+    assert "which the package gicube-mpi has, got: libgicube-mpi.so" in done.stderr, done.stderr

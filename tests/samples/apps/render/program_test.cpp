@@ -223,7 +223,8 @@ TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
 // Light that is known already is shown as colour times light times exposure: a white block in red and blue light.
 TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
   std::ofstream(path("block.scene")) << R"(
-    world { size: 16 node { name: "block" material: "chalk" box { low { x: -3 y: -3 z: -3 } high { x: 3 y: 3 z: 3 } } } }
+    world { size: 16 node { name: "block" material: "chalk" box { low { x: -3 y: -3 z: -3 } high { x: 3 y: 3
+      z: 3 } } } }
     material { name: "chalk" solid { colour { red: 0.5 green: 0.5 blue: 0.5 } } scattering: 0.9 bsdf: "diffuse" }
     light { point { position { x: 0 y: -3 z: 0 } } power: 100 }
     camera { eye { x: 0 y: -9 z: 0 } fov_degrees: 10 } illumination { exposure: 2 colour_passes: true })";

@@ -30,7 +30,8 @@ const [name, text, done] = arguments;
 const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const data = new DataTransfer();
 data.items.add(new File([bytes], name));
-for (const kind of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(new DragEvent(kind, {dataTransfer: data, bubbles: true, cancelable: true}));
+for (const kind of ["dragenter", "dragover", "drop"]) document.body.dispatchEvent(
+    new DragEvent(kind, {dataTransfer: data, bubbles: true, cancelable: true}));
 done();
 """
 

@@ -89,7 +89,8 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
 
 TWO_BOARDS = """
 const [done] = arguments, tell = {}, counted = (ms, rays, running) =>
-  tell.machine({ type: "machine", simulated_ms: ms, running, counters: { "pipeline.rays": rays, "pipeline.samples": 10 * rays } });
+  tell.machine({ type: "machine", simulated_ms: ms, running,
+    counters: { "pipeline.rays": rays, "pipeline.samples": 10 * rays } });
 import("./machine.js").then(({ Machine }) => {
   new Machine({ on: (kind, act) => (tell[kind] = act), send() {} });
   counted(9, 700, true); counted(1, 0, true); counted(2, 30, false);

@@ -46,7 +46,8 @@ def opened(page: Page, *names: str) -> dict[str, Any]:
     [
         ("volume.file", 'volume { file: "NAME" raw { dims: [2, 2, 2] type: "uint8" } }'),
         ("transfer_function.file", 'volume { builtin: "buckyball" size: 16 } transfer_function { file: "NAME" }'),
-        ("mesh.file", 'world { size: 16 node { name: "n" material: "m" mesh { file: "NAME" } } } material { name: "m" }'),
+        ("mesh.file", 'world { size: 16 node { name: "n" material: "m" mesh { file: "NAME" } } } '
+         'material { name: "m" }'),
         ("volume.file", 'world { node { name: "n" material: "m" volume { file: "NAME" } } } material { name: "m" }'),
     ],
     ids=["volume", "transfer_function", "mesh", "scan"],

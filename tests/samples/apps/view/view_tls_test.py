@@ -70,7 +70,8 @@ def test_plain_http_gets_nothing_from_a_port_of_tls(ball: pathlib.Path,
     with Program(ball, "--tls-cert", file, "--tls-key", key, trust=file) as program:
         for _ in range(40):  # more than there may be connections
             with socket.create_connection(("127.0.0.1", program.port), timeout=60) as plain:
-                plain.sendall(f"GET /?token={program.token} HTTP/1.1\r\nHost: 127.0.0.1:{program.port}\r\n\r\n".encode())
+                plain.sendall(f"GET /?token={program.token} HTTP/1.1\r\n"
+                              f"Host: 127.0.0.1:{program.port}\r\n\r\n".encode())
                 answer = b""
                 try:
                     while part := plain.recv(4096):

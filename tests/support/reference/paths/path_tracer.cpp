@@ -104,9 +104,9 @@ Vec3 PathTracer::go_on(const Material& material, const Collision& collision, Vec
 
 Rgb PathTracer::radiance(Vec3 origin, Vec3 direction, CounterRandom& random) const {
   Rgb sum{}, weight{1, 1, 1};
-  Rgb shares{
-      1, 1,
-      1};  // of the light that goes on; the weight without those of choices, which are small where much light comes from
+  // Shares of the light that continues: the weight without those of choices, which are small where much light comes
+  // from.
+  Rgb shares{1, 1, 1};
   Flight flight{extinction_.place_of(origin), normalise(direction)};
   bool sees_lights = scene_.sees_lights;
   double most_seen = scene_.max_seen;  // until the light has been scattered every way

@@ -25,8 +25,8 @@ struct Hypertexture {
   double softness = 0.2;  // > 0: width of the ramp from density 0 to 1, with the surface in its middle
   double frequency = 3;   // > 0: cells of the (first octave's) noise a unit of length
   int octaves = 4;        // 1..12, each with twice the frequency and half the amplitude; kTurbulence, kFlame
-  double amplitude =
-      0.3;  // >= 0: how far the (first octave's) noise moves the surface; kFlame: at the height 1 before it is drawn out
+  // >= 0: distance by which the (first octave's) noise moves the surface; kFlame: at the height 1 before stretching.
+  double amplitude = 0.3;
   double time = 0;         // the noise changes altogether in about one unit; flames rise a cell of it
   double length = 0.3;     // > 0: of the longest hairs; kFur
   double curl = 0;         // >= 0: how far their tips are moved sideways; kFur

@@ -19,7 +19,8 @@ inline const std::string kRoom = R"(
 
 inline const std::string kWalls = R"(
   material { name: "white" solid { } scattering: 0.7 bsdf: "diffuse" }
-  material { name: "red" solid { } scattering: 0.8 scattering_colour { red: 1 green: 0.2 blue: 0.1 } bsdf: "diffuse" } )";
+  material { name: "red" solid { } scattering: 0.8 scattering_colour { red: 1 green: 0.2 blue: 0.1 }
+    bsdf: "diffuse" } )";
 
 struct LightScene {
   std::string name, text;
