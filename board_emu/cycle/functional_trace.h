@@ -1,5 +1,5 @@
-// Trace of rays that only gather: the functional level computes their values when they are made, because their times do not
-// depend on their values. The machine then only advances them, and a ray ends with its last step.
+// Trace of rays that only gather: the functional level computes their values when they are made, because their times do
+// not depend on their values. The machine then only advances them, and a ray ends with its last step.
 //
 // A checkpoint needs the words of rays under way. They are computed by repeating the ray's steps from its start.
 #pragma once
@@ -36,8 +36,9 @@ class FunctionalTrace {
     wire::Ray made, ended;
     std::int32_t steps = 0;
   };
-  // Returns ray `i` with its trace, like RaySource::make(). Rays must be requested once each and in order. `ahead`: receives
-  // of_values() of the traced rays, which need not be requested yet. The machine counts the rest when it occurs.
+  // Returns ray `i` with its trace, like RaySource::make(). Rays must be requested once each and in order. `ahead`:
+  // receives of_values() of the traced rays, which need not be requested yet. The machine counts the rest when it
+  // occurs.
   std::optional<Ray> make(std::uint64_t i, RayCounters& making, RayCounters& ahead);
 
   // Returns the words of a ray after `steps` steps. Subtracts the values of its further steps from `ahead`.

@@ -1,5 +1,5 @@
-// Lookahead: processors that run ahead (Processor::lookahead_until()) are ticked later than their cycles, many at a time, when the
-// machine must know what they did. What a processor needs then stays in the host's cache.
+// Lookahead: processors that run ahead (Processor::lookahead_until()) are ticked later than their cycles, many at a
+// time, when the machine must know what they did. What a processor needs then stays in the host's cache.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,9 @@
-// The whole board at cycle level: DSP, ray bus, processors, links, merge tree and memories, and the clock that ticks them.
+// The whole board at cycle level: DSP, ray bus, processors, links, merge tree and memories, and the clock that ticks
+// them.
 //
-// All parts are connected by registered FIFOs, so the order in which they tick within a cycle does not matter. Time and the
-// contents of the caches persist from command to command. Cycles in which the ASIC is empty and the DSP works are counted
-// without ticking.
+// All parts are connected by registered FIFOs, so the order in which they tick within a cycle does not matter. Time and
+// the contents of the caches persist from command to command. Cycles in which the ASIC is empty and the DSP works are
+// counted without ticking.
 #pragma once
 
 #include <algorithm>
@@ -34,9 +35,9 @@ class Machine {
   // For volumes of `blocks` blocks along x, y, z.
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
-  // Traces the rays `which` of `work` to their ends. Progress is in rays that have returned. The result has the counters of
-  // making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or the trace of these
-  // rays, whose values the policy must not read.
+  // Traces the rays `which` of `work` to their ends. Progress is in rays that have returned. The result has the
+  // counters of making rays; all others are in machine_counters.h. Throws Stall, and RoutineFault. `ahead`: null, or
+  // the trace of these rays, whose values the policy must not read.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which,
                 FunctionalTrace* ahead = nullptr);
   // Continues the run of a checkpoint with the same source. Throws CheckpointFault if it was another one.
@@ -162,7 +163,8 @@ class Machine {
   std::unique_ptr<Ring> links_;
   std::unique_ptr<MergeTree> tree_;
   std::unique_ptr<RayEngine> dsp_;
-  // This close to an observed cycle, requests are not sent ahead. Chosen: far above the delay of a memory's queued requests.
+  // This close to an observed cycle, requests are not sent ahead. Chosen: far above the delay of a memory's queued
+  // requests.
   static constexpr Cycle kSeenSoon = 4096;
   Observer* observer_ = nullptr;
   bool is_observed_ = false;   // the rest of the run is observed

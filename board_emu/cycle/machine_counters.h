@@ -1,5 +1,5 @@
-// The machine's counters by name, for the host and for reports: per processor and memory, and sums over them; and the machine's
-// state at one moment.
+// The machine's counters by name, for the host and for reports: per processor and memory, and sums over them; and the
+// machine's state at one moment.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// One memory channel and the one or two processors that it serves [P §3.3]: sends their requests on in turn, one per core
-// cycle, and reports when each packet arrives.
+// One memory channel and the one or two processors that it serves [P §3.3]: sends their requests on in turn, one per
+// core cycle, and reports when each packet arrives.
 //
 // If only one processor uses the channel, arrival times can be computed at once, because no other requests intervene.
 #pragma once
@@ -16,8 +16,8 @@
 
 namespace gicube::emu {
 
-// Requests of one processor. Its reads and writes are served in the order of the requests, a read before a write of the same
-// cycle.
+// Requests of one processor. Its reads and writes are served in the order of the requests, a read before a write of the
+// same cycle.
 struct MemoryClient {
   MissQueue* misses;
   WriteQueue* writes;
@@ -42,14 +42,15 @@ class MemoryPort {
     }
     return false;
   }
-  // Like tick(), but may send all requests so far ahead, each at its own cycle. Also to be called in every cycle. The counters
-  // may then be ahead of the cycle.
+  // Like tick(), but may send all requests so far ahead, each at its own cycle. Also to be called in every cycle. The
+  // counters may then be ahead of the cycle.
   bool tick_ahead(Cycle now) {
     if (clients_.size() > 1) return tick(now);
     return !clients_.front().all_sent() && serve_ahead();
   }
 
-  // Requests a tile of a block for the only client, whose requests were all sent, and sends the request as tick_ahead() would.
+  // Requests a tile of a block for the only client, whose requests were all sent, and sends the request as tick_ahead()
+  // would.
   void fetch(Cycle now, std::uint32_t block, std::uint32_t tile) {
     latest_ = std::max(now, latest_) + 1;
     const Answer answer = read(block, tile, latest_);

@@ -112,8 +112,8 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   return true;
 }
 
-// For banks with two ports: writes an arrived packet into the cache while samples are read, unless it replaces words that an
-// older sample of another block must still read.
+// For banks with two ports: writes an arrived packet into the cache while samples are read, unless it replaces words
+// that an older sample of another block must still read.
 bool Processor::fill(Cycle now) {
   if (misses_.empty() || misses_.oldest().arrival > now || splats_.takes_write_port(now)) return false;
   std::size_t owner = 0;
@@ -162,8 +162,8 @@ inline std::uint8_t Processor::ask(Cycle now, const Misses& misses, std::uint32_
   return static_cast<std::uint8_t>(misses.count);
 }
 
-// One iteration of a ray: checks the tags, requests missing tiles, takes the sample, and determines the ray's next queue. The
-// sample can be taken here because values do not depend on the time.
+// One iteration of a ray: checks the tags, requests missing tiles, takes the sample, and determines the ray's next
+// queue. The sample can be taken here because values do not depend on the time.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
   constexpr std::size_t kMaxCarriers = 8;
   if (does_more_) rays_.make_room(kMaxCarriers);

@@ -1,13 +1,13 @@
 // One ray integration processor of the ASIC: sorter, pipeline and volume cache, and their connections [P §3.2-3.4].
 //
-// Input: rays from the ray bus and from the neighbours' links, and packets from the memory. Output: rays to the links, and
-// finished or overflowed rays to the merge tree. The pipeline takes one sample per cycle, in order:
+// Input: rays from the ray bus and from the neighbours' links, and packets from the memory. Output: rays to the links,
+// and finished or overflowed rays to the merge tree. The pipeline takes one sample per cycle, in order:
 //
 //   sorter -> [tag check] -> prefetch line -> (packets written, one a cycle) -> compute line -> sorter | link | tree
 //                  \-> miss queue -> memory -/
 //
-// Each of the cache's eight banks reads or writes one word per cycle [P §3.3], so a packet is written while no sample is read,
-// except for the last packet that a sample waits for: the bypass forwards it in the same cycle.
+// Each of the cache's eight banks reads or writes one word per cycle [P §3.3], so a packet is written while no sample
+// is read, except for the last packet that a sample waits for: the bypass forwards it in the same cycle.
 #pragma once
 
 #include <cstdint>
@@ -76,18 +76,20 @@ class Processor {
   }
   bool tick_pipeline(Cycle now);
 
-  // Lookahead: as long as nothing enters or leaves a processor, it may be ticked later than the parts around it. Returns the
-  // first cycle after `now` in which it may send something; the next cycle if it has sent something or is empty.
+  // Lookahead: as long as nothing enters or leaves a processor, it may be ticked later than the parts around it.
+  // Returns the first cycle after `now` in which it may send something; the next cycle if it has sent something or is
+  // empty.
   Cycle lookahead_until(Cycle now) const;
   // Whether it will hold rays in every cycle in which it runs ahead.
   bool holds_many_rays() const { return sorter_.waiting() + issue_.size() + stages_.size() >= kMany; }
   // Whether its ticks do nothing but account() until a ray arrives.
   bool sleeps() const { return idle() && misses_.empty() && !has_input(); }
   bool has_input() const { return (from_bus.size() | from_left.size() | from_right.size()) != 0; }
-  // Ticks it and its memory in the cycles from `from` to before `to`, all of them before lookahead_until(). Returns the last cycle
-  // in which something moved, or 0.
+  // Ticks it and its memory in the cycles from `from` to before `to`, all of them before lookahead_until(). Returns the
+  // last cycle in which something moved, or 0.
   Cycle run_ahead(Cycle from, Cycle to, MemoryPort& memory);
-  // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: the cause if there is no ray here.
+  // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: the cause if there is no ray
+  // here.
   void account(Cycle now, Cause upstream) {
     account(now, upstream, from_bus.size() | from_left.size() | from_right.size());
   }
@@ -158,7 +160,8 @@ class Processor {
   std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
   // Whether irradiance words have their own packets, and rays of this frame may read or change them.
   bool packs_irradiance() const { return cells_.has_value() && frame_->accumulators == nullptr; }
-  // Whether rays of this frame may do more than gather. With a trace, only reading irradiance from its own packets counts.
+  // Whether rays of this frame may do more than gather. With a trace, only reading irradiance from its own packets
+  // counts.
   bool does_more_than_gather() const {
     return has_trace_ ? frame_->lit_by_irradiance && packs_irradiance() : !frame_->plain();
   }
@@ -217,7 +220,8 @@ class Processor {
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, although it was neither stalled nor waiting
   Cause latest_ = Cause::kQueueEmpty;
-  // Causes if no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line has stages.
+  // Causes if no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line has
+  // stages.
   std::vector<Cause> unfed_;
   Cycle unfed_mask_;
   RayCounters counts_;

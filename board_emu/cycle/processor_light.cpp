@@ -9,8 +9,8 @@
 
 namespace gicube::emu {
 
-// Applies the effects of a sample at `position` of a ray that does more than gather: splats, a trap, the ray's end. `ray` is still
-// in the block of the sample.
+// Applies the effects of a sample at `position` of a ray that does more than gather: splats, a trap, the ray's end.
+// `ray` is still in the block of the sample.
 Termination Processor::after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry) {
   if (interaction.deposits) {
     splat_and_carry(interaction, ray, entry);

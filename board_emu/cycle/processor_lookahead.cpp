@@ -8,12 +8,13 @@
 
 namespace gicube::emu {
 
-// A ray that enters the pipeline from now on cannot leave it before the returned cycle. Therefore only the rays that are in it,
-// or have just left it, are examined.
+// A ray that enters the pipeline from now on cannot leave it before the returned cycle. Therefore only the rays that
+// are in it, or have just left it, are examined.
 Cycle Processor::lookahead_until(Cycle now) const {
   const Cycle next = now + 1;
   const Cycle line = stages_.prefetch_stages() + stages_.compute_stages();
-  // It must not become empty before then, because the cause of an empty cycle depends on other parts. Carriers end inside it.
+  // It must not become empty before then, because the cause of an empty cycle depends on other parts. Carriers end
+  // inside it.
   const std::size_t rays = sorter_.waiting() + issue_.size() + stages_.size() + returned_.size();
   const std::size_t outside = has_input() | out_links.size() | done.size() | overflow.size();
   if (rays < (does_more_ ? 2 * line + kMany : 1) || outside != 0 || sorter_.has_reserved_slots() ||
@@ -56,7 +57,8 @@ Cycle Processor::run_ahead(Cycle from, Cycle to, MemoryPort& memory) {
   return moved_at;
 }
 
-// In run_active_queue(), each FIFO between sorter and pipeline except `issue_` holds at most one item at the end of a cycle.
+// In run_active_queue(), each FIFO between sorter and pipeline except `issue_` holds at most one item at the end of a
+// cycle.
 bool Processor::can_run_active_queue() const {
   return returned_.size() <= 1 && released_.size() <= 1 && has_trace_ && !does_more_ && !two_ports_ && !ideal_memory_ &&
          sorter_.may_tick_active_queue() && cache_.is_plain() && write_policy_ != v1::write_back && !frame_->jitter &&

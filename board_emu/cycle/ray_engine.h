@@ -1,10 +1,10 @@
-// The DSP in a command at cycle level: makes rays and sends them down, takes finished rays back, and keeps overflowed rays in
-// its SDRAM until their queue has a slot for them [P §3.1, §3.2].
+// The DSP in a command at cycle level: makes rays and sends them down, takes finished rays back, and keeps overflowed
+// rays in its SDRAM until their queue has a slot for them [P §3.1, §3.2].
 //
-// It does one task at a time, each at its cost (dsp/dsp.h). Returning rays have priority, so the path up always drains; then
-// overflowed rays that have a slot; then new rays. Of either kind it sends up to Dsp::kBatch rays, or until the path up is
-// full, before it takes returning rays. At most dsp.overflow_rays rays are under way, so that all of them fit into the store,
-// and at most as many as their source allows.
+// It does one task at a time, each at its cost (dsp/dsp.h). Returning rays have priority, so the path up always drains;
+// then overflowed rays that have a slot; then new rays. Of either kind it sends up to Dsp::kBatch rays, or until the
+// path up is full, before it takes returning rays. At most dsp.overflow_rays rays are under way, so that all of them
+// fit into the store, and at most as many as their source allows.
 #pragma once
 
 #include <algorithm>
@@ -44,8 +44,8 @@ class RayEngine {
   RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, RayWatch& watch,
             const RayEnginePorts& ports);
 
-  // Starts with the rays `which` of `work` at core cycle `now`. `work` and `frame` must outlive the run. `ahead`: the trace of
-  // these rays, or null.
+  // Starts with the rays `which` of `work` at core cycle `now`. `work` and `frame` must outlive the run. `ahead`: the
+  // trace of these rays, or null.
   void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, FunctionalTrace* ahead);
   // Continues a run of a checkpoint. Throws CheckpointFault if it was another one.
   void go_on(RaySource& work, const Frame& frame, RayRange which);

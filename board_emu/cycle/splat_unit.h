@@ -1,8 +1,8 @@
-// Adds deposits from the pipeline's end to the irradiance words: it reads, adds and writes in the volume cache, sends changed
-// tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
+// Adds deposits from the pipeline's end to the irradiance words: it reads, adds and writes in the volume cache, sends
+// changed tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
 //
-// A bank reads or writes one word per cycle, so a deposit occupies the cache for two cycles, in which no sample is read. With
-// two ports it occupies the read port for one cycle, and then the write port.
+// A bank reads or writes one word per cycle, so a deposit occupies the cache for two cycles, in which no sample is
+// read. With two ports it occupies the read port for one cycle, and then the write port.
 #pragma once
 
 #include <array>
@@ -40,7 +40,8 @@ struct SplatCounters {
 
 class SplatUnit {
  public:
-  // A sample's splat is queued in parallel to its entry in the pipeline; entries leave in the order in which they entered.
+  // A sample's splat is queued in parallel to its entry in the pipeline; entries leave in the order in which they
+  // entered.
   explicit SplatUnit(std::size_t stages, unsigned ports = 1) : splats_(stages), cache_cycles_(ports == 1 ? 2 : 1) {}
 
   Splat& add() {

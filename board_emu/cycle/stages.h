@@ -1,5 +1,5 @@
-// The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for its
-// packets, and the compute stages, which all move or all stall [P §3.3, §3.4].
+// The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for
+// its packets, and the compute stages, which all move or all stall [P §3.3, §3.4].
 //
 //   enter() -> prefetch stages -> start_computing() -> compute stages -> leave()
 #pragma once
@@ -71,8 +71,8 @@ class Stages {
     record.at_most(computing_, ring_.size() - prefetch_stages_);
     for (std::size_t i = 0; i < size(); ++i) record(ring_[(head_ + i) & mask_]);
   }
-  // For inner loops that move rays for some cycles. Indices count without wrapping: rays compute from `out`, are prefetched
-  // from `middle`, and enter at `in`.
+  // For inner loops that move rays for some cycles. Indices count without wrapping: rays compute from `out`, are
+  // prefetched from `middle`, and enter at `in`.
   struct Line {
     InFlight* ring;
     std::size_t mask, out, middle, in;

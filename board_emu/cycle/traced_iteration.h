@@ -8,8 +8,8 @@
 
 namespace gicube::emu {
 
-// Advances a ray with a trace by one iteration: past its block if it `skips`, otherwise by one sample. `low` and `size`: the
-// block's lowest corner and its edge.
+// Advances a ray with a trace by one iteration: past its block if it `skips`, otherwise by one sample. `low` and
+// `size`: the block's lowest corner and its edge.
 inline void move_on(RayState& ray, const Point& low, std::int32_t size, bool skips, const Frame& frame,
                     RayCounters& counters) {
   const std::int32_t left = ray.steps_left();

@@ -76,10 +76,11 @@ std::string file_start(const std::filesystem::path& file, std::size_t max_bytes)
 
 bool starts_as_gzip(const std::filesystem::path& file);
 
-// A stream that stands at the first sample, once the file's size has shown that so many bytes can be there. Throws FileError.
+// A stream that stands at the first sample, once the file's size has shown that so many bytes can be there. Throws
+// FileError.
 std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes);
-// To be called behind the last byte: a compressed stream's checksum is checked, and that nothing follows where nothing may. Throws
-// FileError. Warns once.
+// To be called behind the last byte: a compressed stream's checksum is checked, and that nothing follows where nothing
+// may. Throws FileError. Warns once.
 void end_data(DataStream& stream, DataPlace& place, std::size_t bytes);
 [[noreturn]] void throw_truncated(const DataPlace& place, std::uint64_t bytes, const std::string& got);
 

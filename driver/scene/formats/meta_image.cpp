@@ -102,8 +102,8 @@ Vec3 spacing_of(const std::filesystem::path& file, const Header& header) {
   return {list[0], list[1], list[2]};
 }
 
-// TransformMatrix has the direction of each axis, one after another. MetaImage says of no file that it is a patient; ITK, whose format it is,
-// takes all as that.
+// TransformMatrix has the direction of each axis, one after another. MetaImage says of no file that it is a patient;
+// ITK, whose format it is, takes all as that.
 void place(const std::filesystem::path& file, const Header& header, StoredLayout& layout) {
   const auto given = [&](std::initializer_list<const char*> keys, std::size_t count) -> std::vector<double> {
     for (const char* const key : keys) {
@@ -146,8 +146,8 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   return layout;
 }
 
-// HeaderSize: 0, bytes of the data file before the data, or -1 for data at its end. In the header's own file they can't begin before its
-// last line ends.
+// HeaderSize: 0, bytes of the data file before the data, or -1 for data at its end. In the header's own file they can't
+// begin before its last line ends.
 DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes, bool allow_outside) {
   DataPlace place;
   if (header.flag("CompressedData", false)) place.compression = Compression::kGzip;

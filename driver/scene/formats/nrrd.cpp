@@ -93,7 +93,8 @@ bool is_key_value(std::string_view line) {
   return !field && line.find(":=") != std::string_view::npos;
 }
 
-// The names that "data file: FORMAT MIN MAX STEP [SUBDIM]" stands for. A FORMAT is one number of printf's, "%03d"; it is not given to printf.
+// The names that "data file: FORMAT MIN MAX STEP [SUBDIM]" stands for. A FORMAT is one number of printf's, "%03d"; it
+// is not given to printf.
 std::vector<std::string> numbered_names(const std::filesystem::path& file, const std::string& field,
                                         std::string_view pattern) {
   const auto fault = [&] {
@@ -342,7 +343,8 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, Comp
   return place;
 }
 
-// What the axis beside those of space is: colours, or one of its samples. `volumes`: of the layout's size, before the chosen one.
+// What the axis beside those of space is: colours, or one of its samples. `volumes`: of the layout's size, before the
+// chosen one.
 void choose(const std::filesystem::path& file, const Nrrd& nrrd, const Axes& axes, const std::string& part,
             StoredLayout& layout, std::size_t& volumes) {
   if (!axes.other) {

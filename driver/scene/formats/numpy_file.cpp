@@ -45,7 +45,8 @@ StoredType type_of(const std::filesystem::path& file, std::string_view descr) {
   throw FileError(file, "descr", "a bool, or a number of at most 64 bits that is no half float", std::string(descr));
 }
 
-// `read`: fills its bytes from the start of the .npy file; how many came. Where the samples are comes without the place.
+// `read`: fills its bytes from the start of the .npy file; how many came. Where the samples are comes without the
+// place.
 StoredFile find_array(const std::filesystem::path& file, const std::function<std::size_t(std::span<std::byte>)>& read,
                       const std::string& part) {
   std::array<unsigned char, 12> start{};

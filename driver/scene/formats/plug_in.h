@@ -1,5 +1,5 @@
-// Shared objects that are loaded when a file first needs them, since they bring other libraries of a size (driver/scene/pictures,
-// driver/scene/libraries).
+// Shared objects that are loaded when a file first needs them, since they bring other libraries of a size
+// (driver/scene/pictures, driver/scene/libraries).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
-// The readers of each volume format. Each finds out by a file's beginning whether it is one, and where its samples lie; all throw FileError. Spacing
-// is what the file says, 1 where it says nothing. `allow_outside` is that of a VolumeSource.
+// The readers of each volume format. Each finds out by a file's beginning whether it is one, and where its samples lie;
+// all throw FileError. Spacing is what the file says, 1 where it says nothing. `allow_outside` is that of a
+// VolumeSource.
 #pragma once
 
 #include <filesystem>
@@ -16,43 +17,47 @@
 namespace gicube::scene {
 
 // .mhd .mha, MetaImage; known by its contents if its first key is ObjectType or NDims; plain, zlib-compressed or text.
-// Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL), in one other, or in one for each
-// slice, LIST or a numbered name. Keys that say nothing of the samples' layout are ignored. MET_LONG has 4 bytes, as in MetaIO. HeaderSize
-// counts from the data file's first byte, also where that is this file. TransformMatrix says where the axes run, in the patient's
-// world as ITK has it. Three or four channels of bytes are colours, others need `part`, their number from 1, as do volumes along a
-// fourth axis.
+// Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL), in one other, or in
+// one for each slice, LIST or a numbered name. Keys that say nothing of the samples' layout are ignored. MET_LONG has 4
+// bytes, as in MetaIO. HeaderSize counts from the data file's first byte, also where that is this file. TransformMatrix
+// says where the axes run, in the patient's world as ITK has it. Three or four channels of bytes are colours, others
+// need `part`, their number from 1, as do volumes along a fourth axis.
 bool is_meta_image(const std::filesystem::path& file);
 StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside = false, const std::string& part = {});
 
-// .nii .nii.gz, NIfTI-1 and NIfTI-2, and .hdr with .img, which Analyze 7.5 has too; gzipped or not, of either byte order; libnifti gives the
-// header's layout and byte swapping. A scl_slope of 0 or NaN means "not scaled". sform says where the axes run, or else qform; Analyze says
-// nothing of them. `part`: which of several volumes (times), from 1. Refused: complex samples.
+// .nii .nii.gz, NIfTI-1 and NIfTI-2, and .hdr with .img, which Analyze 7.5 has too; gzipped or not, of either byte
+// order; libnifti gives the header's layout and byte swapping. A scl_slope of 0 or NaN means "not scaled". sform says
+// where the axes run, or else qform; Analyze says nothing of them. `part`: which of several volumes (times), from 1.
+// Refused: complex samples.
 bool is_nifti(const std::filesystem::path& file);
 StoredFile find_nifti(const std::filesystem::path& file, const std::string& part = {});
 
-// .nrrd .nhdr, NRRD; header attached or detached, encodings raw, gzip, bzip2, ascii, hex; data in one file or in one for each slice (LIST or a
-// numbered name). teem reads the header, from memory and without touching any data; the data are read here, once their size is known
-// to be there. One axis may be beside the three of space, told by its kind: colours, or `part` is a number on it, from 1. Refused, though NRRD
-// knows them: zrl encodings, block samples, byte skips below -1 (-1 = data at the file's end).
+// .nrrd .nhdr, NRRD; header attached or detached, encodings raw, gzip, bzip2, ascii, hex; data in one file or in one
+// for each slice (LIST or a numbered name). teem reads the header, from memory and without touching any data; the data
+// are read here, once their size is known to be there. One axis may be beside the three of space, told by its kind:
+// colours, or `part` is a number on it, from 1. Refused, though NRRD knows them: zrl encodings, block samples, byte
+// skips below -1 (-1 = data at the file's end).
 bool is_nrrd(const std::filesystem::path& file);
 StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside = false, const std::string& part = {});
-// The data files that a header names by `pattern`: "LIST", or a name with a %d, its first and last number and the step; `list`: the
-// lines behind the header. Throws FileError.
+// The data files that a header names by `pattern`: "LIST", or a name with a %d, its first and last number and the step;
+// `list`: the lines behind the header. Throws FileError.
 std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, const std::string& field,
                                              std::string_view pattern, std::span<const std::string> list,
                                              bool allow_outside);
-// Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other, as a
-// volume of three times as many voxels along x. `channels`: 1 or 3.
+// Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other,
+// as a volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
 
-// .npy, and .npz, whose array `part` names if there are several: bools and numbers of at least three axes, the last running fastest, or the
-// first of Fortran's order. Of an array of more axes `part` is a number, from 1, over those before the three.
+// .npy, and .npz, whose array `part` names if there are several: bools and numbers of at least three axes, the last
+// running fastest, or the first of Fortran's order. Of an array of more axes `part` is a number, from 1, over those
+// before the three.
 bool is_numpy(const std::filesystem::path& file);
 StoredFile find_numpy(const std::filesystem::path& file, const std::string& part = {});
 StoredFile find_numpy_archive(const std::filesystem::path& file, const std::string& part = {});
 
-// .vti, VTK's image data of one piece: ascii, raw or base64, zlib-compressed; `part`: an array's name. And legacy .vtk of structured points,
-// in text or big-endian: its first scalars. A volume's voxels are VTK's points, or else its cells.
+// .vti, VTK's image data of one piece: ascii, raw or base64, zlib-compressed; `part`: an array's name. And legacy .vtk
+// of structured points, in text or big-endian: its first scalars. A volume's voxels are VTK's points, or else its
+// cells.
 bool is_vti(const std::filesystem::path& file);
 Volume read_vti(const std::filesystem::path& file, const std::string& part = {});
 bool is_legacy_vtk(const std::filesystem::path& file);
@@ -69,17 +74,18 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
                                               std::initializer_list<std::string_view> extensions);
 
 // The folder's .png .tif .tiff .bmp .jpg .jpeg .pgm .exr files (any case) in natural order, the first at z = 0; x and y
-// run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are integers of 8, 16
-// or 32 bits, float32 or float64, the same in all slices, and so are width and height; spacing is 1. If no pixel has a colour (red = green = blue),
-// samples are grey and alpha is ignored. Else slices are of 8 or 16 bits, voxels have the pixels' colours, and samples are the
-// pixels' alpha if the first slice has one, or else their luma (ITU-R BT.709), of 8 bits. Throws FileError naming the slice.
+// run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are integers of
+// 8, 16 or 32 bits, float32 or float64, the same in all slices, and so are width and height; spacing is 1. If no pixel
+// has a colour (red = green = blue), samples are grey and alpha is ignored. Else slices are of 8 or 16 bits, voxels
+// have the pixels' colours, and samples are the pixels' alpha if the first slice has one, or else their luma (ITU-R
+// BT.709), of 8 bits. Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
 // The same, each slice when it is asked for.
 Volume open_slices(const std::filesystem::path& folder);
 
-// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF or ImageJ gives. They must be grey.
-// Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and times, from 1: all channels of the first time, then of
-// the next.
+// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF or ImageJ gives. They
+// must be grey. Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and times, from 1: all
+// channels of the first time, then of the next.
 Volume open_pages(const std::filesystem::path& file, const std::string& part = {});  // each page when it is asked for
 Volume read_pages(const std::filesystem::path& file, const std::string& part = {});
 

@@ -1,4 +1,5 @@
-// A process that reads a file for this one: of libraries that damaged files can crash, or make take any amount of memory (HDF5, OpenVDB).
+// A process that reads a file for this one: of libraries that damaged files can crash, or make take any amount of
+// memory (HDF5, OpenVDB).
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,8 @@
 
 namespace gicube::scene {
 
-// What `read` returns in a child of this process. A crash, and more memory or time than the file's size can mean, is a fault.
+// What `read` returns in a child of this process. A crash, and more memory or time than the file's size can mean, is a
+// fault.
 LibraryVolume read_in_child(const std::filesystem::path& file, const std::function<LibraryVolume()>& read);
 
 }  // namespace gicube::scene

@@ -70,13 +70,13 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
 
 constexpr int kMaxParts = 1 << 20;  // chosen: volumes in a file
 
-// The index of the one of `count` volumes (or channels; `what`) that `part` says, from 1 on. Says which is taken if there are
-// several and `part` is empty. Throws FileError.
+// The index of the one of `count` volumes (or channels; `what`) that `part` says, from 1 on. Says which is taken if
+// there are several and `part` is empty. Throws FileError.
 std::size_t chosen_part(const std::filesystem::path& file, const std::string& what, std::int64_t count,
                         const std::string& part);
 
-// The colours of `pixels`, of 8 or 16 bits, as VolumeView has them, and the samples beside them, of 8 bits: alpha if there are four
-// channels, else luma.
+// The colours of `pixels`, of 8 or 16 bits, as VolumeView has them, and the samples beside them, of 8 bits: alpha if
+// there are four channels, else luma.
 void take_colours(std::span<const std::byte> pixels, std::size_t channels, SampleType type,
                   std::vector<std::byte>& samples, std::vector<std::uint8_t>& colours);
 

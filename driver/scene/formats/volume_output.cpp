@@ -159,8 +159,8 @@ void add_comment(nifti_image* image, const Provenance& provenance) {
   }
 }
 
-// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes run to the right, to the front and upwards. sform
-// and qform say the same, since some programs read one and some the other.
+// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes run to the right, to
+// the front and upwards. sform and qform say the same, since some programs read one and some the other.
 void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, bool packed,
                  const Provenance& provenance) {
   const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};

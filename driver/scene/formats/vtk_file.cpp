@@ -1,5 +1,5 @@
-// VTK's image data: .vti, and legacy .vtk of structured points (VTK's file formats, Kitware). VTK's own reader would bring 100 MB of
-// libraries for two headers; XML is pugixml's and compression zlib's.
+// VTK's image data: .vti, and legacy .vtk of structured points (VTK's file formats, Kitware). VTK's own reader would
+// bring 100 MB of libraries for two headers; XML is pugixml's and compression zlib's.
 #include <fmt/format.h>
 
 #include <algorithm>

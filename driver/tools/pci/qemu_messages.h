@@ -1,8 +1,9 @@
 // The messages between QEMU's device x-pci-proxy-dev and the process that is the device.
 //
-// Source: QEMU 7.2, include/hw/remote/mpqemu-link.h (records and numbers), hw/remote/proxy.c and proxy-memory-listener.c (what is sent
-// when). A message is a header of 16 bytes (command, 4 bytes of padding, size of the data) and the data, in the machine's byte order;
-// files come beside the header. QEMU waits for an answer to configuration, BAR and reset messages, not to the other two.
+// Source: QEMU 7.2, include/hw/remote/mpqemu-link.h (records and numbers), hw/remote/proxy.c and
+// proxy-memory-listener.c (what is sent when). A message is a header of 16 bytes (command, 4 bytes of padding, size of
+// the data) and the data, in the machine's byte order; files come beside the header. QEMU waits for an answer to
+// configuration, BAR and reset messages, not to the other two.
 #pragma once
 
 #include <array>
@@ -52,7 +53,8 @@ std::optional<Message> decode(std::span<const std::uint8_t, kMessageHeaderBytes>
 // The answer with one value.
 std::array<std::uint8_t, kMessageHeaderBytes + 8> answer(std::uint64_t value);
 
-// Waits for the next message. Nothing at the end of the stream. Throws std::runtime_error for something that is no message.
+// Waits for the next message. Nothing at the end of the stream. Throws std::runtime_error for something that is no
+// message.
 std::optional<Message> receive(int socket);
 
 }  // namespace gicube::pci

@@ -117,8 +117,8 @@ struct Loop {
     if (!(after <= kGrown * before)) out.diverged = true;  // also of what is not a number
   }
 
-  // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected again
-  // after its correction: non-negative values may circle for ever without growing.
+  // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected
+  // again after its correction: non-negative values may circle for ever without growing.
   double iterate(int iteration, const Progress& progress) {
     const std::vector<float> before = settings.method == Method::kTv ? out.values : std::vector<float>();
     Missing missing;
@@ -140,8 +140,8 @@ struct Loop {
     return missing.relative();
   }
 
-  // What the views of a subset miss; and what each ray should have had more, by its length, or of kOsem how many times as much. Rays that
-  // cut a corner off are left out of it all, since they say next to nothing, and loudly.
+  // What the views of a subset miss; and what each ray should have had more, by its length, or of kOsem how many times
+  // as much. Rays that cut a corner off are left out of it all, since they say next to nothing, and loudly.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     constexpr double kDark = 1e-3;  // chosen: of a ray of the mean value, which no ratio is taken over less of
     densities.clear();

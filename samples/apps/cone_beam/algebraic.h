@@ -1,5 +1,6 @@
-// Iterative reconstruction: the volume is projected, and what its projections miss of the measured ones is backprojected
-// onto it, again and again. All methods are a few lines each on gicube::Projector, and take views on any orbit.
+// Iterative reconstruction: the volume is projected, and what its projections miss of the measured ones is
+// backprojected onto it, again and again. All methods are a few lines each on gicube::Projector, and take views on any
+// orbit.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +15,13 @@ enum class Method {
   kSart,
   kOsSart,
   kSirt,
-  kCgls,  // conjugate gradients of the normal equations (Hestenes and Stiefel 1952): the least residual of all in so many iterations
+  // Conjugate gradients of the normal equations (Hestenes and Stiefel 1952): the least residual for a number of
+  // iterations.
+  kCgls,
   kOsem,  // multiplies by the ratio of measured to projected, some views at a time (Hudson and Larkin 1994)
-  // kOsSart, and after each iteration steps down the total variation, at first of `tv_weight` times what the iteration has changed, less
-  // as soon as they change more than that (Sidky and Pan 2008): from few views, of objects with flat parts.
+  // kOsSart, and after each iteration steps down the total variation, at first of `tv_weight` times what the iteration
+  // has changed, less as soon as they change more than that (Sidky and Pan 2008): from few views, of objects with flat
+  // parts.
   kTv,
 };
 
@@ -32,8 +36,8 @@ struct AlgebraicSettings {
   Method method = Method::kSart;
   int iterations = 10;  // at most, each through all views; at least 1
   int subsets = 10;     // kOsSart, kOsem, kTv: 2..views; every subsets-th view belongs to one
-  // > 0: of a correction that would make the projections right if they were alone. Beyond 2 it diverges, sooner or later. Not of kCgls
-  // and kOsem.
+  // > 0: of a correction that would make the projections right if they were alone. Beyond 2 it diverges, sooner or
+  // later. Not of kCgls and kOsem.
   double relaxation = 0.5;
   ViewOrder order = ViewOrder::kGolden;
   bool non_negative = true;  // values below 0 become 0 after each correction; kCgls leaves them
@@ -43,8 +47,8 @@ struct AlgebraicSettings {
   double tv_weight = 0.05;  // kTv: of a step, 0..1
   // Ends once an iteration lowers the least residual by less than this part of it; 0: never.
   double stop = 0;
-  // Ends once a residual is no more than this, say the noise in the measured projections (Morozov's discrepancy principle):
-  // beyond it the volume only learns their noise. 0: never.
+  // Ends once a residual is no more than this, say the noise in the measured projections (Morozov's discrepancy
+  // principle): beyond it the volume only learns their noise. 0: never.
   double noise = 0;
   double step = 1;         // 1/64..16 voxels between samples, of both directions
   std::uint64_t seed = 0;  // of kRandom
@@ -54,13 +58,15 @@ struct AlgebraicSettings {
 std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const AlgebraicSettings& settings);
 std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration);
 
-// The gradient of the total variation (the sum of the lengths of differences to the next voxels on the axes) by each voxel.
+// The gradient of the total variation (the sum of the lengths of differences to the next voxels on the axes) by each
+// voxel.
 std::vector<float> tv_gradient(const std::vector<float>& values, const Dims& dims);
 
-// Begins with nothing, kOsem with one value everywhere. Divergence is a correction after which its own views' residual is 2% larger than before (looked at once an
-// iteration), a residual twice that of nothing, or three iterations in a row without a new least residual, one of them 2% above
-// it: it ends, and says so. What comes back is the volume after the iteration of the least residual; nothing if it diverged in the
-// first. A residual of kCgls is that after its iteration, and follows from the ones before.
+// Begins with nothing, kOsem with one value everywhere. Divergence is a correction after which its own views' residual
+// is 2% larger than before (looked at once an iteration), a residual twice that of nothing, or three iterations in a
+// row without a new least residual, one of them 2% above it: it ends, and says so. What comes back is the volume after
+// the iteration of the least residual; nothing if it diverged in the first. A residual of kCgls is that after its
+// iteration, and follows from the ones before.
 // Throws BadArgument (geometry, projections, settings), what the board throws.
 Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                      const AlgebraicSettings& settings = {}, const Progress& progress = {});

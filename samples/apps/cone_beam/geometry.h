@@ -1,9 +1,9 @@
-// Where source, detector and volume stand in cone-beam tomography. Lengths in one unit of the caller's, say millimetres;
-// angles in radians. The volume's middle is the origin.
+// Where source, detector and volume stand in cone-beam tomography. Lengths in one unit of the caller's, say
+// millimetres; angles in radians. The volume's middle is the origin.
 //
-// On a circle the axis of rotation is z. At angle b the source stands at source_to_axis (cos b, sin b, 0); a detector that faces it
-// squarely lies source_to_detector away from it, its columns run along (-sin b, cos b, 0) and its rows along z. Any other orbit has a
-// pose for each view. docs/guide/cone_beam_geometry.md draws both.
+// On a circle the axis of rotation is z. At angle b the source stands at source_to_axis (cos b, sin b, 0); a detector
+// that faces it squarely lies source_to_detector away from it, its columns run along (-sin b, cos b, 0) and its rows
+// along z. Any other orbit has a pose for each view. docs/guide/cone_beam_geometry.md draws both.
 #pragma once
 
 #include <cmath>
@@ -36,8 +36,8 @@ struct ConeGeometry {
   Detector detector;
   Grid volume;
   std::vector<double> angles;  // at least 2; on a circle ascending, within one turn
-  // Of views that lie on no circle, one an angle, which are then the sources' in any order. Distances and pitches are those of the
-  // mean view, for defaults; offsets count no more.
+  // Of views that lie on no circle, one an angle, which are then the sources' in any order. Distances and pitches are
+  // those of the mean view, for defaults; offsets count no more.
   std::vector<ViewPose> poses{};
 
   bool circular() const { return poses.empty(); }
@@ -60,8 +60,8 @@ struct SeenAt {
 };
 SeenAt seen_at(const ViewPose& view, Vec3 place);
 
-// The circle nearest to views with poses of their own whose sources go round z: mean distances, pitches and offsets, and the angles
-// of the sources, in the order of the views. Columns have to run as on a circle.
+// The circle nearest to views with poses of their own whose sources go round z: mean distances, pitches and offsets,
+// and the angles of the sources, in the order of the views. Columns have to run as on a circle.
 ConeGeometry circle_of(const ConeGeometry& geometry);
 // By how many pixels at most a view sees places in the field of `circle` elsewhere than a view of the circle does.
 double off_circle(const ConeGeometry& geometry, const ConeGeometry& circle, std::size_t view);
@@ -73,8 +73,8 @@ struct SortedViews {
 
   std::size_t repeated() const;  // places beyond the first of their angle
 };
-// Angles a whole number of turns apart are one [C: to 1e-6]. Where the angles leave a gap that is more than twice their second widest
-// [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
+// Angles a whole number of turns apart are one [C: to 1e-6]. Where the angles leave a gap that is more than twice their
+// second widest [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
 SortedViews sorted_views(const std::vector<double>& angles);
 
 // Of pixel centres; whole numbers are pixels.

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kPlaces = 4;  // chosen: of depths and radii in a voxel's edge
 
-// What the rows of a view's rays leave in voxels at a depth, over what rays everywhere would: docs/guide/cone_beam.md derives it.
+// What the rows of a view's rays leave in voxels at a depth, over what rays everywhere would: docs/guide/cone_beam.md
+// derives it.
 class RowRipples {
  public:
   RowRipples(const ConeGeometry& geometry, int fine) : geometry_(geometry) {
@@ -59,8 +60,8 @@ class RowRipples {
  private:
   std::size_t heights() const { return static_cast<std::size_t>(geometry_.volume.dims[2]); }
 
-  // Adds `part` of the hats that rows of rays meet at this depth, by the distance between them. A voxel on a face has rays on one
-  // side of it, and twice their sum.
+  // Adds `part` of the hats that rows of rays meet at this depth, by the distance between them. A voxel on a face has
+  // rays on one side of it, and twice their sum.
   void add_rows(double depth, int fine, double part, float* out) const {
     const Detector& detector = geometry_.detector;
     const double scale = depth / geometry_.source_to_detector;
@@ -84,7 +85,8 @@ class RowRipples {
   std::vector<float> ripples_;  // of the heights at each depth
 };
 
-// Within which height the hat of a voxel at this distance from the axis is within the detector's rays in any view; negative: nowhere.
+// Within which height the hat of a voxel at this distance from the axis is within the detector's rays in any view;
+// negative: nowhere.
 double height_seen_by_all(const ConeGeometry& geometry, double radius) {
   const Detector& d = geometry.detector;
   const Vec3 edge = geometry.volume.spacing;

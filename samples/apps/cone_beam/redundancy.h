@@ -13,9 +13,9 @@ std::vector<double> arc_weights(const ConeGeometry& geometry);
 double arc_of(const ConeGeometry& geometry);
 // Whether the angles don't make a whole turn: then short_scan_weight() shares twice measured rays out.
 bool is_short_scan(const ConeGeometry& geometry);
-// Parker's weight (1982) in a scan over `arc`, at least pi and twice the largest fan angle, of the rays at `fan` in the view
-// `angle` after the first. They are measured again at angle + pi + 2 fan, from -fan; the weights of both sum to one, and rise
-// and fall smoothly. Column u of a detector has fan = -atan(u / source_to_detector).
+// Parker's weight (1982) in a scan over `arc`, at least pi and twice the largest fan angle, of the rays at `fan` in the
+// view `angle` after the first. They are measured again at angle + pi + 2 fan, from -fan; the weights of both sum to
+// one, and rise and fall smoothly. Column u of a detector has fan = -atan(u / source_to_detector).
 double short_scan_weight(double angle, double fan, double arc);
 
 // What the detector's first and last column see, and the one that sees least, over the greatest mean of a column.
@@ -25,19 +25,20 @@ struct SidesSeen {
 };
 SidesSeen sides_seen(const Projections& projections);
 
-// Whether the object reaches beyond the near side of a whole turn's detector, which is off the ray through the axis by more than 1% of
-// its width, as to widen the field [C: what a calibration corrects is less]: lines far from the axis are measured once, and those near
-// it twice. Throws BadArgument: a detector beside the ray through the axis; a displaced one in a short scan, which misses lines.
+// Whether the object reaches beyond the near side of a whole turn's detector, which is off the ray through the axis by
+// more than 1% of its width, as to widen the field [C: what a calibration corrects is less]: lines far from the axis
+// are measured once, and those near it twice. Throws BadArgument: a detector beside the ray through the axis; a
+// displaced one in a short scan, which misses lines.
 bool is_displaced(const ConeGeometry& geometry, const Projections& projections);
 
-// The geometry whose rows are filtered and backprojected: that of the scan, with a displaced detector's columns continued on its
-// near side until both sides reach as far. Filtered values reach beyond the pixels that were measured.
+// The geometry whose rows are filtered and backprojected: that of the scan, with a displaced detector's columns
+// continued on its near side until both sides reach as far. Filtered values reach beyond the pixels that were measured.
 ConeGeometry widened(const ConeGeometry& geometry, bool displaced);
 
-// The rows of views with their weights: Parker's in a short scan, else 1; of a displaced detector those of Wang (2002), which here rise
-// over the whole width. Wang's own rise over what the near side measures, and where that is a few columns the ramp filter turns the
-// steep rise into rings. So what the near side misses is taken from the opposite views, which measure the same lines in the middle
-// plane and nearly the same beside it (after Cho, Wu and Hilal 1996).
+// The rows of views with their weights: Parker's in a short scan, else 1; of a displaced detector those of Wang (2002),
+// which here rise over the whole width. Wang's own rise over what the near side measures, and where that is a few
+// columns the ramp filter turns the steep rise into rings. So what the near side misses is taken from the opposite
+// views, which measure the same lines in the middle plane and nearly the same beside it (after Cho, Wu and Hilal 1996).
 class WeightedRows {
  public:
   WeightedRows(const ConeGeometry& geometry, bool displaced);  // the geometry must outlive it

@@ -11,7 +11,8 @@
 
 namespace gicube::samples {
 
-// Of all views, with so many rays a pixel: in place of a detector's pixels, finer ones. Throws BadArgument (geometry, step).
+// Of all views, with so many rays a pixel: in place of a detector's pixels, finer ones. Throws BadArgument (geometry,
+// step).
 Projector projector_of(Board& board, const ConeGeometry& geometry, double step, PixelRays of_pixel = {});
 
 // All views of a volume with geometry.volume's voxels, x fastest. What lies outside of it is nothing.
@@ -28,8 +29,8 @@ struct Reconstruction {
   double clipped = 0;  // of what was left in irradiance words, the share that full ones lost: values are wrong by it
   Picoseconds board_time = 0;  // simulated, from the first ray to the last value read
 
-  // Algebraic methods only. The root of the sum of (measured - projected)^2 over that of measured^2, one an iteration, of
-  // each view before it was corrected for.
+  // Algebraic methods only. The root of the sum of (measured - projected)^2 over that of measured^2, one an iteration,
+  // of each view before it was corrected for.
   std::vector<double> residuals{};
   std::vector<Picoseconds> iteration_ends{};  // simulated, from the first ray: when each of these iterations was done
   int iterations = 0;                         // whole ones; `values` are those after the one with the least residual
@@ -43,7 +44,8 @@ using ViewDensities = Projector::ViewValues;
 std::vector<float> backproject(Projector& projector, double max_density, const ViewDensities& densities,
                                Reconstruction& counts);
 
-// Doubles the sums of voxels on the volume's faces (edges, corners: 4, 8 times), which only rays on one side of them reach.
+// Doubles the sums of voxels on the volume's faces (edges, corners: 4, 8 times), which only rays on one side of them
+// reach.
 void make_up_for_faces(std::vector<float>& sums, const Dims& dims);
 
 }  // namespace gicube::samples

@@ -27,7 +27,8 @@ std::size_t SortedViews::repeated() const {
 SortedViews sorted_views(const std::vector<double>& angles) {
   SortedViews out;
   if (angles.empty()) return out;
-  // From the first of the list on, which so is the least. Whole turns go first: of very many of them little else would be left.
+  // From the first of the list on, which so is the least. Whole turns go first: of very many of them little else would
+  // be left.
   const double first = std::fmod(angles[0], kTurn);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < angles.size(); ++i) {

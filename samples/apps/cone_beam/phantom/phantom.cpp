@@ -66,7 +66,8 @@ double few(Engine& engine, double mean) {
   return count;
 }
 
-// Hoermann (1993), The transformed rejection method for generating Poisson random variables, algorithm PTRS: from mean 10 on.
+// Hoermann (1993), The transformed rejection method for generating Poisson random variables, algorithm PTRS: from mean
+// 10 on.
 double many(Engine& engine, double mean) {
   const double b = 0.931 + 2.53 * std::sqrt(mean), a = -0.059 + 0.02483 * b;
   const double inverse_alpha = 1.1239 + 1.1328 / (b - 3.4), quick = 0.9277 - 3.6224 / (b - 2);

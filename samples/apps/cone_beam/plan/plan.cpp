@@ -22,8 +22,8 @@ constexpr int kFaces = 2;                        // slices at a pilot's faces th
 constexpr int kTries = 12;                       // chosen
 constexpr int kParts = 24;                       // of the progress
 constexpr double kAgain = 1.01;                  // as of pictures: what the same volume may take more the next time
-// chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle does
-// (docs/guide/plan.md has what was measured).
+// chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle
+// does (docs/guide/plan.md has what was measured).
 constexpr double kMargin = 2;
 
 struct SlabError {
@@ -175,8 +175,8 @@ struct Planner {
     return all;
   }
 
-  // The cheapest of all pilots whose bound keeps the target. What promises to keep it and would be cheaper still is tried, cheapest
-  // first.
+  // The cheapest of all pilots whose bound keeps the target. What promises to keep it and would be cheaper still is
+  // tried, cheapest first.
   void choose_cheapest(std::vector<FdkPlanPoint> all) {
     const auto cost = [](const FdkPlanPoint& point) { return point.deposits; };
     const double max_error = plan.target.max_error;

@@ -1,11 +1,12 @@
-// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays a pixel and
-// their step.
+// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays
+// a pixel and their step.
 //
-// A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray a pixel along
-// each axis more than asked for, half a voxel) is compared with others: first each coarser one alone, then
-// combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell what settings cost in the
-// whole volume; for a time budget the chosen one is reconstructed, and another one taken if it misses the budget. "Error" is the
-// root of the mean square difference over that of the finest setting's values, of the voxels that all views see.
+// A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray
+// a pixel along each axis more than asked for, half a voxel) is compared with others: first each coarser one alone,
+// then combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell
+// what settings cost in the whole volume; for a time budget the chosen one is reconstructed, and another one taken if
+// it misses the budget. "Error" is the root of the mean square difference over that of the finest setting's values, of
+// the voxels that all views see.
 #pragma once
 
 #include <string>
@@ -42,9 +43,10 @@ struct FdkPlan {
   std::vector<std::string> explain() const;  // lines for people
 };
 
-// `settings`: what is not chosen; its rays are the least that leave no voxels out. Throws BadArgument (one of both targets; geometry,
-// projections, settings), what the board throws. The boards' volumes are lost.
-// `timed`: the board whose time counts, if pilots are made by another one (a functional board has the same bits much sooner).
+// `settings`: what is not chosen; its rays are the least that leave no voxels out. Throws BadArgument (one of both
+// targets; geometry, projections, settings), what the board throws. The boards' volumes are lost.
+// `timed`: the board whose time counts, if pilots are made by another one (a functional board has the same bits much
+// sooner).
 FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
                  const FdkSettings& settings, const PlanTarget& target, const Progress& progress = {},
                  Board* timed = nullptr);
@@ -56,8 +58,8 @@ Projections some_views(const Projections& projections, std::size_t views, int ev
 // The voxels that every view sees.
 FieldOfView field_seen(const ConeGeometry& geometry, bool displaced = false);
 
-// Of which views one in so many may be kept so that these are as evenly spread, of a short scan from the first to the last. Ascending,
-// from 2.
+// Of which views one in so many may be kept so that these are as evenly spread, of a short scan from the first to the
+// last. Ascending, from 2.
 std::vector<int> strides_of(const ConeGeometry& geometry, int max_stride);
 
 // Some slices around the middle plane, and the detector's rows whose rays run through them.

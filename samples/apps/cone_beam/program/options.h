@@ -83,13 +83,13 @@ struct SliceOptions {
 };
 void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what);
 
-// The plane of voxels `index` along `axis`, black at grey[0] and white at grey[1]. Across runs x (y where the axis is x) to the right,
-// up runs z (y where the axis is z).
+// The plane of voxels `index` along `axis`, black at grey[0] and white at grey[1]. Across runs x (y where the axis is
+// x) to the right, up runs z (y where the axis is z).
 Image slice_of(const Grid& grid, std::span<const float> values, int axis, int index, const std::array<double, 2>& grey);
 // From the thousandth part of the values that is the least to the one that is the greatest [C].
 std::array<double, 2> grey_range(std::span<const float> values);
-// Writes NAME_x.png and so on, or NAME_z75.png for planes that were asked for. Throws InputError (an index beyond the volume),
-// FileError.
+// Writes NAME_x.png and so on, or NAME_z75.png for planes that were asked for. Throws InputError (an index beyond the
+// volume), FileError.
 void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values,
                   const Provenance& provenance);
 

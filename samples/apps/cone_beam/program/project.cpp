@@ -57,7 +57,8 @@ void check(const ProjectOptions& options) {
 
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections,
                  const Provenance& provenance) {
-  // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows run downwards.
+  // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows
+  // run downwards.
   const bool matrices = options.extension() == ".pfm";
   description.columns_reversed = false;
   description.rows_reversed = matrices;

@@ -15,7 +15,8 @@ constexpr int kMaxViews = 1 << 16, kMaxPixels = 1 << 16;  // chosen
 constexpr double kMaxBytes = 1e15;                        // chosen: of a header
 constexpr double kDegree = std::numbers::pi / 180;
 
-// A JSON value that knows its own name. What is asked of it throws FileError if it is missing, of another type or out of range.
+// A JSON value that knows its own name. What is asked of it throws FileError if it is missing, of another type or out
+// of range.
 struct JsonPart {
   std::filesystem::path file;
   std::string name;

@@ -1,5 +1,5 @@
-// Facts of the format: CIL's NikonDataReader. The source is at the origin, y runs to the detector, z upwards; the object turns about an
-// axis beside y, by AngularStep a view.
+// Facts of the format: CIL's NikonDataReader. The source is at the origin, y runs to the detector, z upwards; the
+// object turns about an axis beside y, by AngularStep a view.
 #include <fmt/format.h>
 
 #include <algorithm>
