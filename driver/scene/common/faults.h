@@ -55,7 +55,7 @@ class Faults : public google::protobuf::io::ErrorCollector {
       for (Fault& fault : within(field, error, between)) add(std::move(fault));
     }
   }
-  // As above, for messages that contain the whole field.
+  // Overload for messages that contain the whole field.
   template <typename Call>
   void gather(const Call& call) {
     try {
@@ -64,7 +64,7 @@ class Faults : public google::protobuf::io::ErrorCollector {
       for (const Fault& fault : error.faults()) add(fault);
     }
   }
-  // As above, for messages that name a field of `field` itself: "FIELD.RADIUS: expected ...".
+  // Overload for messages that name a field of `field` itself: "FIELD.RADIUS: expected ...".
   template <typename Call>
   void gather_part(const std::string& field, const Call& call) {
     gather(field, call, ".");

@@ -7,7 +7,7 @@
 
 namespace gicube::scene {
 
-// As NRRD, compressed. Throws FileError.
+// Writes a compressed NRRD. Throws FileError.
 void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance);
 
 }  // namespace gicube::scene

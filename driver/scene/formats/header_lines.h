@@ -26,7 +26,7 @@ HeaderLines read_header_lines(const std::filesystem::path& file, const std::func
 std::filesystem::path beside(const std::filesystem::path& header, const std::string& field, std::string_view name,
                              bool allow_outside);
 
-// As long as one lives, this thread's C library reads and writes numbers with a point, whatever locale the application
+// During its lifetime, this thread's C library reads and writes numbers with a point, whatever locale the application
 // has set.
 class DecimalPoint {
  public:

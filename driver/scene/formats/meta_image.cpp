@@ -176,7 +176,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, std:
   return place;
 }
 
-// Of the file's first line; empty: that is none "Key = Value".
+// The key of the file's first line; empty if that is no "Key = Value".
 std::string first_key(const std::filesystem::path& file) {
   const std::string start = file_start(file, 64);
   const std::string_view line = std::string_view(start).substr(0, start.find('\n'));

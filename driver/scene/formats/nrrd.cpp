@@ -257,7 +257,7 @@ Axes axes_of(const std::filesystem::path& file, const Nrrd& nrrd) {
   return axes;
 }
 
-// Of the header's space in the world's.
+// Converts a vector from the header's space to the world's.
 Vec3 in_world(const Nrrd& nrrd, const double* v) {
   switch (nrrd.space) {
     case nrrdSpaceRightAnteriorSuperior:
@@ -343,8 +343,8 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, Comp
   return place;
 }
 
-// What the axis beside those of space is: colours, or one of its samples. `volumes`: of the layout's size, before the
-// chosen one.
+// Interprets the axis beside those of space: colours, or a list of volumes of which one is chosen. `volumes`: number of
+// volumes of the layout's size before the chosen one.
 void choose(const std::filesystem::path& file, const Nrrd& nrrd, const Axes& axes, const std::string& part,
             StoredLayout& layout, std::size_t& volumes) {
   if (!axes.other) {

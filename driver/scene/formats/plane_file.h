@@ -17,7 +17,8 @@ struct StoredFile {
 
 // Throws FileError.
 Volume read_stored(const StoredFile& file);
-// The same without its samples: Volume::planes reads them. Text is read whole. Throws FileError; the reader does, too.
+// Opens the file without its samples: Volume::planes reads them. Text is read whole. Throws FileError, as does the
+// reader.
 Volume open_stored(const StoredFile& file);
 
 // Reads all planes of a volume into memory.

@@ -7,7 +7,7 @@
 
 namespace gicube::scene {
 
-// What gicube_NAME() of libgicube-NAME.so returns. Throws FileError for `file` if there is none.
+// The result of gicube_NAME() of libgicube-NAME.so. Throws FileError for `file` if there is none.
 const void* plug_in(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace gicube::scene

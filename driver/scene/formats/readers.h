@@ -80,7 +80,7 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 // have the pixels' colours, and samples are the pixels' alpha if the first slice has one, or else their luma (ITU-R
 // BT.709), of 8 bits. Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
-// The same, each slice when it is asked for.
+// Opens a folder of slices; each slice is read when it is needed.
 Volume open_slices(const std::filesystem::path& folder);
 
 // One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF or ImageJ gives. They

@@ -9,8 +9,8 @@
 
 namespace gicube::scene {
 
-// What `read` returns in a child of this process. A crash, and more memory or time than the file's size can mean, is a
-// fault.
+// Returns the result of `read`, called in a child of this process. A crash, and more memory or time than the file's
+// size can explain, is a fault.
 LibraryVolume read_in_child(const std::filesystem::path& file, const std::function<LibraryVolume()>& read);
 
 }  // namespace gicube::scene

@@ -160,7 +160,7 @@ std::string library_of(const VolumeSource& source) {
   return is_hdf5(source.file) ? "hdf5" : is_openvdb(source.file) ? "openvdb" : "";
 }
 
-// Of pictures: a folder of them, or the pages of a TIFF.
+// Kinds of slices: a folder of pictures, or the pages of a TIFF.
 enum class Slices { kNone, kFolder, kPages };
 Slices slices_of(const VolumeSource& source) {
   std::error_code fault;
@@ -176,7 +176,7 @@ Slices slices_of(const VolumeSource& source) {
 
 namespace {
 
-// As the source asks for it: the right way round, with its own edges, and numbers for what is none.
+// Applies the source's options: orientation, edges, and numbers for missing values.
 Volume finished(Volume volume, const VolumeSource& source) {
   if (!source.as_stored) volume = oriented(std::move(volume));
   volume = with_spacing(std::move(volume), source.spacing);

@@ -17,7 +17,7 @@
 
 namespace gicube::scene {
 
-// As the arguments of FileError and warn().
+// Arguments of FileError and warn().
 struct FileFault {
   std::filesystem::path file;
   std::string field, expected, got;

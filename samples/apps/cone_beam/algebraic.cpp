@@ -140,8 +140,8 @@ struct Loop {
     return missing.relative();
   }
 
-  // What the views of a subset miss; and what each ray should have had more, by its length, or of kOsem how many times
-  // as much. Rays that cut a corner off are left out of it all, since they say next to nothing, and loudly.
+  // The residual of a subset's views; and the correction of each ray, per its length, or for kOsem its factor. Rays
+  // that only cut a corner are omitted, because they carry little information and much noise.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     constexpr double kDark = 1e-3;  // chosen: of a ray of the mean value, which no ratio is taken over less of
     densities.clear();
@@ -175,7 +175,7 @@ struct Loop {
     return projector.backproject(views, most, [&](std::size_t i) { return densities[i]; });
   }
 
-  // What a density of one on all rays leaves; 0 where rays say nothing of a voxel.
+  // The sums of a density of one on all rays; 0 where rays say nothing of a voxel.
   std::vector<float> weights_of(const std::vector<std::size_t>& views) {
     Densities ones;
     for (const std::size_t view : views) {

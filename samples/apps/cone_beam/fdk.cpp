@@ -72,8 +72,8 @@ std::vector<double> finer_view(std::vector<double> pixels, std::size_t columns, 
   return out;
 }
 
-// Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume; without
-// the slant.
+// Scale of a value: the arc, the area of a ray at the axis, and the ray's slant, divided by a voxel's volume; here
+// without the slant.
 double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   const Vec3 edge = geometry.volume.spacing;
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;

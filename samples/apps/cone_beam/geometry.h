@@ -36,8 +36,8 @@ struct ConeGeometry {
   Detector detector;
   Grid volume;
   std::vector<double> angles;  // at least 2; on a circle ascending, within one turn
-  // Of views that lie on no circle, one an angle, which are then the sources' in any order. Distances and pitches are
-  // those of the mean view, for defaults; offsets count no more.
+  // Poses of views that do not lie on a circle, one per angle, which are then the sources' in any order. Distances and
+  // pitches are those of the mean view, for defaults; offsets are not used.
   std::vector<ViewPose> poses{};
 
   bool circular() const { return poses.empty(); }
@@ -77,7 +77,7 @@ struct SortedViews {
 // second widest [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
 SortedViews sorted_views(const std::vector<double>& angles);
 
-// Of pixel centres; whole numbers are pixels.
+// Coordinates of pixel centres; whole numbers are pixels.
 inline double u_of(const Detector& detector, double column) {
   return (column - (detector.columns - 1) / 2.0) * detector.pitch_u + detector.offset_u;
 }

@@ -16,7 +16,7 @@ Reconstruction backproject_into_irradiance(Board& board, const Projector& projec
   Reconstruction out;
   out.values.resize(voxel_count(dims));
   double kept = 0, clipped = 0;
-  // What these views, from `first` on, leave of one sign.
+  // One pass: the sums of these views, from `first` on, with one sign.
   const auto pass = [&](std::size_t first, const std::vector<std::vector<double>>& views, double sign) {
     double most = 0, of_all = 0;
     for (std::size_t view = 0; view < views.size(); ++view) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPlaces = 4;  // chosen: of depths and radii in a voxel's edge
 
-// What the rows of a view's rays leave in voxels at a depth, over what rays everywhere would: docs/guide/cone_beam.md
+// Density that the rows of a view's rays give voxels at a depth, relative to uniform rays: docs/guide/cone_beam.md
 // derives it.
 class RowRipples {
  public:
@@ -32,7 +32,7 @@ class RowRipples {
     });
   }
 
-  // Of all heights at (x, y, 0): what should be left, over what is.
+  // For all heights at (x, y, 0): the ideal density over the actual one.
   std::vector<float> factors(double x, double y, const std::vector<double>& arcs) const {
     std::vector<double> weights(depths_);
     double wanted = 0;

@@ -16,7 +16,7 @@ using std::numbers::pi;
 constexpr double kDisplaced = 0.01;  // chosen: of the detector's width
 double width_of(const Detector& detector) { return detector.columns * detector.pitch_u; }
 
-// Of a half: 0 at -1, 1/2 at 0, 1 at 1.
+// A smooth step: 0 at -1, 1/2 at 0, 1 at 1.
 double smooth_rise(double part) {
   const double s = std::sin(pi / 4 * (1 + std::clamp(part, -1.0, 1.0)));
   return s * s;

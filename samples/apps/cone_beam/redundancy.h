@@ -18,7 +18,7 @@ bool is_short_scan(const ConeGeometry& geometry);
 // one, and rise and fall smoothly. Column u of a detector has fan = -atan(u / source_to_detector).
 double short_scan_weight(double angle, double fan, double arc);
 
-// What the detector's first and last column see, and the one that sees least, over the greatest mean of a column.
+// Means of the detector's first, last and lowest column, relative to the greatest mean of a column.
 struct SidesSeen {
   double first = 0, last = 0, least = 0;
   static constexpr double kSeen = 0.05;  // chosen: above noise and flat fields' errors

@@ -11,8 +11,8 @@
 
 namespace gicube::samples {
 
-// Of all views, with so many rays a pixel: in place of a detector's pixels, finer ones. Throws BadArgument (geometry,
-// step).
+// A projector of all views, with so many rays per pixel: the detector's pixels are replaced by finer ones. Throws
+// BadArgument (geometry, step).
 Projector projector_of(Board& board, const ConeGeometry& geometry, double step, PixelRays of_pixel = {});
 
 // All views of a volume with geometry.volume's voxels, x fastest. What lies outside of it is nothing.
@@ -20,7 +20,7 @@ Projector projector_of(Board& board, const ConeGeometry& geometry, double step, 
 Projections project_by_board(Board& board, const ConeGeometry& geometry, std::span<const float> volume,
                              double step = 0.5, const Progress& progress = {});
 
-// What a reconstruction brings back, by whichever method.
+// The result of a reconstruction, by any method.
 struct Reconstruction {
   std::vector<float> values;  // of geometry.volume, x fastest
   std::uint64_t rays = 0;     // of both directions

@@ -1,6 +1,6 @@
-// What the shown board counts, ten times a second while a page looks, also in the middle of a frame.
-//
-// A call to the board is under way then, so its process is asked beside it: by its socket in the user's registry
+// Counters of the shown board, ten times per second while a page shows them, also in the middle of a frame.
+// 
+// A call to the board is under way then, so its process is queried by its socket in the user's registry
 // (proto/gicube/registry.h). A board of another machine or user has none there: its counters come after each picture.
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace gicube::samples::view {
 
-// Of a board since its start.
+// State of a board since its start.
 struct BoardLook {
   Picoseconds simulated = 0;
   Counters counters;
@@ -43,7 +43,7 @@ class LiveCounters {
   void listen(std::uint64_t page, bool on);
   void show(const std::string& uri, std::uint64_t config_hash);  // empty: none
   void set_running(bool running);
-  // What the board has said itself; is told if its process can't be asked.
+  // Reports the board's own counters, if its process cannot be queried.
   void counted(const BoardLook& look);
 
  private:

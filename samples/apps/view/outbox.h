@@ -1,4 +1,4 @@
-// What waits for a page that reads slowly, or not at all.
+// Messages that wait for a page that reads slowly, or not at all.
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a file or of all in a folder; 0: there is none.
+// Bytes of a file or of all files in a folder; 0: there is none.
 std::uint64_t bytes_at(const fs::path& path) {
   std::error_code none;
   const std::uint64_t bytes = fs::is_regular_file(path, none) ? fs::file_size(path, none) : 0;

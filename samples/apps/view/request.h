@@ -1,4 +1,4 @@
-// What a page asks for (protocol.h), read from its message.
+// A page's request (protocol.h), read from its message.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ struct Listen {
   std::string certificate_file, key_file;  // PEM; empty: no TLS
 };
 
-// What the server asks of a viewer; calls come from the server's thread.
+// The server's interface to a viewer; calls come from the server's thread.
 struct Pages {
   std::function<void(Page)> come, leave;
   std::function<void(Page, Request)> ask;

@@ -21,7 +21,7 @@
 namespace gicube::samples::view {
 namespace {
 
-// What a page may say of a view. Files, other outputs, plans and other volumes than the whole are for command lines.
+// Settings that a page may give. Files, other outputs, plans and parts of a volume are for command lines.
 constexpr std::array kOptions{
     "ambient", "background", "big-endian",   "camera",     "colour-passes", "composite",
     "cut",     "diffuse",    "dims",         "exposure",   "eye",           "fidelity",
@@ -48,7 +48,7 @@ std::string path_of(const std::string& name, const Shelf& shelf) {
   return found->second;
 }
 
-// As people would type it: files that came from a page have their own names.
+// The path as people would type it: files that came from a page have their own names.
 std::string shown_path(const std::string& name, const Shelf& shelf) {
   std::string path = path_of(name, shelf);
   if (!path.starts_with(shelf.folder.string())) return path;
@@ -69,7 +69,7 @@ std::string function_path(const std::string& value, const Shelf& shelf) {
   return value;
 }
 
-// As gicube-render takes them; `shown`: for people, with names of their own for what only this run has.
+// Arguments for gicube-render; `shown`: for people, with other names for files that exist only in this run.
 std::vector<std::string> arguments_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board,
                                       bool shown) {
   const auto input = settings.find("input");

@@ -36,7 +36,7 @@ std::string command_of(const Settings& settings, const Shelf& shelf, const Board
 std::string python_of(const Settings& settings, const Shelf& shelf, const RenderOptions& options,
                       const SceneSetup& setup, const std::optional<Background>& background);
 
-// What hello says of a view that nothing was said about: what the program chose, in the scene's units.
+// Hello's settings of a view without settings: the program's choices, in the scene's units.
 Settings chosen_settings(const SceneSetup& setup);
 
 // The option at fault in a text that begins with its name and a colon, without dashes; or "".

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMost = 4095;
 
-// What the slices show at first: of a CT soft tissue and bone, else what is between background and the brightest.
+// The first window of the slices: soft tissue and bone for a CT, otherwise the range from background to the brightest.
 ValueRange window_of(const SceneSetup& setup, const ValueRange& range) {
   if (!setup.survey) return range;
   const Survey& survey = *setup.survey;

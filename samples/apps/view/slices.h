@@ -13,7 +13,7 @@
 
 namespace gicube::samples::view {
 
-// What hello's volume says besides (protocol.h): look, look_why, window, unit, whole, marks, patient, labels.
+// Adds further fields of hello's volume (protocol.h): look, look_why, window, unit, whole, marks, patient, labels.
 void describe_values(const SceneSetup& setup, const ValueRange& range, nlohmann::ordered_json& volume);
 
 // A .tf file of the function.

@@ -26,7 +26,7 @@ constexpr const char* kGaveWay = "the comparison gave way to another picture";
 constexpr const char* kOpensAnother = "another file is opened in its place";
 constexpr const char* kNothingOpen = "nothing is open: name an input on the command line, or drop a file on the page";
 
-// What is stopped when something newer comes.
+// Whether a newer request stops it.
 bool is_picture(const std::optional<Request>& request) {
   return request && (request->kind == Kind::kPicture || request->kind == Kind::kCompare);
 }

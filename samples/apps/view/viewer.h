@@ -25,7 +25,7 @@
 
 namespace gicube::samples::view {
 
-// What goes to a page.
+// A message to a page.
 struct Packet {
   std::shared_ptr<const std::string> bytes;
   bool binary = false;

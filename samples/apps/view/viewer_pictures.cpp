@@ -113,7 +113,7 @@ void Viewer::picture(const Job& job) {
   const bool is_same = quick.uri == board_uri(options.board);
   quick.renderer->prepare(options.animation.start.value_or(0));
   const View& view = quick.renderer->setup().view;
-  // As long as the whole one's host time is not known, it counts as too long.
+  // While the whole picture's host time is unknown, it counts as too long.
   const double budget = std::chrono::duration<double>(kFrameBudget).count();
   const double seconds = quick.ray_seconds * rays_of(view) / view.step;
   const bool fits = is_same && quick.ray_seconds > 0 && seconds <= budget;

@@ -30,7 +30,7 @@ struct PageStack {
 // order than it says.
 std::optional<PageStack> ome_pixels(const std::filesystem::path& file, const std::string& description);
 
-// The same of ImageJ, whose descriptions begin with "ImageJ=". `edges`: of a pixel, by the file's resolution.
+// The page stack of ImageJ, whose descriptions begin with "ImageJ=". `edges`: of a pixel, by the file's resolution.
 std::optional<PageStack> imagej_stack(const std::filesystem::path& file, const std::string& description, int pages,
                                       const std::array<double, 2>& edges);
 

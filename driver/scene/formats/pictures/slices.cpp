@@ -299,7 +299,7 @@ Volume open_slices(const std::filesystem::path& folder) {
 
 namespace {
 
-// Of ImageJ, whose planes follow each other behind the one page.
+// Planes of ImageJ, which follow each other behind the one page.
 StoredFile planes_behind(const std::filesystem::path& file, const Slice& first, const PageStack& stack,
                          std::size_t chosen) {
   const auto strip = first_strip(file);

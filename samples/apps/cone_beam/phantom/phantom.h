@@ -24,7 +24,7 @@ using Phantom = std::vector<Ellipsoid>;
 // Densities of Kak and Slaney, Principles of Computerized Tomographic Imaging (1988), table 3.1: a skull of 2, 1%
 // contrasts in 1.02.
 Phantom shepp_logan(double radius);
-// The same ellipsoids with the contrasts of Yu, Ye and Wang (2005): 1 for the skull, 0.1 to 0.2 inside.
+// These ellipsoids with the contrasts of Yu, Ye and Wang (2005): 1 for the skull, 0.1 to 0.2 inside.
 Phantom high_contrast_shepp_logan(double radius);
 Phantom uniform_sphere(double radius, double value);
 // Seven flat discs of value 1 along the axis of rotation, an 18th part of `radius` half thick and 11 of 36 parts apart,
@@ -40,10 +40,10 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry);
 // At the voxels' centres, x fastest.
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid);
 
-// As if `photons` (> 0) left the source towards each pixel: a line integral p becomes -ln(N / photons), with N from
-// Poisson's distribution of mean photons e^-p. Its deviation is about e^(p/2) / sqrt(photons). A pixel that no photon
-// reaches counts as half a one; returned is how many such there are. The same seed makes the same noise, whatever the
-// number of threads; views differ. Throws BadArgument (photons).
+// Adds the noise of `photons` (> 0) per pixel: a line integral p becomes -ln(N / photons), with N from Poisson's
+// distribution of mean photons e^-p. Its deviation is about e^(p/2) / sqrt(photons). A pixel that no photon reaches
+// counts as half a one; returns the number of such pixels. The same seed makes the same noise, whatever the number of
+// threads; views differ. Throws BadArgument (photons).
 std::size_t add_poisson_noise(Projections& projections, double photons, std::uint64_t seed);
 
 // The voxels that are compared: those whose centre is so near to the axis of rotation and to the middle plane, in

@@ -68,7 +68,7 @@ struct Planner {
   Slab slab = slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kMinSlices, kMaxSlices));
   std::vector<float> best{};
 
-  // What a view costs in the whole volume, from two views and from six of them.
+  // Cost of a view in the whole volume, from two views and from six of them.
   struct Costs {
     double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all that is done once
   };
@@ -90,7 +90,7 @@ struct Planner {
     return std::move(plan);
   }
 
-  // Of the slab.
+  // Reconstructs the slab.
   std::vector<float> pilot(const FdkPlanPoint& point) {
     const std::size_t views = slab.geometry.angles.size();
     const Reconstruction made = reconstruct_fdk(board, some_views(slab.geometry, point.every),

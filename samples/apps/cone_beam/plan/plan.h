@@ -58,8 +58,8 @@ Projections some_views(const Projections& projections, std::size_t views, int ev
 // The voxels that every view sees.
 FieldOfView field_seen(const ConeGeometry& geometry, bool displaced = false);
 
-// Of which views one in so many may be kept so that these are as evenly spread, of a short scan from the first to the
-// last. Ascending, from 2.
+// Strides at which views may be kept so that they remain evenly spread, for a short scan from the first to the last.
+// Ascending, from 2.
 std::vector<int> strides_of(const ConeGeometry& geometry, int max_stride);
 
 // Some slices around the middle plane, and the detector's rows whose rays run through them.

@@ -34,7 +34,7 @@ struct ProjectOptions {
 std::filesystem::path scan_of(std::filesystem::path views) { return views.replace_extension(".textproto"); }
 std::filesystem::path matrix_of(std::filesystem::path view) { return view.replace_extension(".txt"); }
 
-// What is written of so many views.
+// The files that are written for so many views.
 std::vector<Output> outputs_of(const ProjectOptions& options, std::size_t views) {
   std::vector<Output> out{
       {"--output", scan_of(options.output)}, {"--voxels", options.voxels}, {"--stats", options.board.stats}};
@@ -57,8 +57,8 @@ void check(const ProjectOptions& options) {
 
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections,
                  const Provenance& provenance) {
-  // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows
-  // run downwards.
+  // The files contain line integrals in the geometry's own order of pixels, except for plastimatch's matrices, whose
+  // rows run downwards.
   const bool matrices = options.extension() == ".pfm";
   description.columns_reversed = false;
   description.rows_reversed = matrices;

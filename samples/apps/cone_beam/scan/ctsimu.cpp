@@ -57,7 +57,8 @@ struct JsonPart {
     return static_cast<int>(value);
   }
 
-  // Of {"value": .., "unit": ".."} or a bare number: millimetres, radians (degrees are the format's own unit), pixels.
+  // The value of {"value": .., "unit": ".."} or of a bare number: millimetres, radians (degrees are the format's own
+  // unit), pixels.
   double length() const { return with_unit({{"mm", 1}, {"nm", 1e-6}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}}); }
   double angle() const {
     const bool plain = json.is_number() || !has("unit");

@@ -1,5 +1,5 @@
-// What is known of a scan before its projections are read: where everything stood, and which files hold what; and the
-// stacks of views in them.
+// A scan's description before its projections are read: positions, files and their roles, and the stacks of views in
+// them.
 #pragma once
 
 #include <filesystem>

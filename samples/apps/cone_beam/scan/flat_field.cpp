@@ -12,7 +12,7 @@
 namespace gicube::samples {
 namespace {
 
-// Of what is left of the light, the least that can be measured.
+// The least measurable rest of the light.
 double least_of(const Stack& views, double light) { return views.counts ? 0.5 : 1e-6 * light; }  // chosen
 
 // One view, in double precision.
@@ -140,8 +140,8 @@ DeadPixels repair_pixels(Stack& views, const Stack& map) {
     std::vector<double> about;
     for (std::size_t i = 0; i < size; ++i) {
       if (live[i] == 0 || changes[i] > kStuck * all) continue;
-      // What three fifths of the pixels about it change by at least, two on each side: of two dead columns two fifths
-      // are dead, and of air beside a convex shadow half has no change or more.
+      // The minimum change of three fifths of the surrounding pixels, two on each side: beside two dead columns two
+      // fifths are dead, and beside a convex shadow half or more do not change.
       about.clear();
       const std::size_t row = i / columns, column = i % columns;
       for (std::size_t y = row - std::min<std::size_t>(row, 2); y <= std::min(row + 2, size / columns - 1); ++y) {

@@ -70,7 +70,7 @@ struct ProjectionMatrix {
 
 // Throws FileError naming the number that is missing, or what stands behind the last.
 ProjectionMatrix read_projection_matrix(const std::filesystem::path& file);
-// As plastimatch writes it, with rows that run downwards, and with more digits. Throws FileError.
+// Writes plastimatch's format, with rows that run downwards, and with more digits. Throws FileError.
 void write_projection_matrix(const ConeGeometry& geometry, double angle, const std::filesystem::path& file);
 
 // Where the matrix says that source and a detector of so many pixels stand. Throws FileError: a matrix of no camera, a
@@ -117,7 +117,7 @@ void write_astra(const ConeGeometry& geometry, const std::filesystem::path& file
 // begin with Name. Throws FileError naming the key.
 ScanDescription read_nikon(const std::filesystem::path& file);
 
-// What the first bytes of a file say that it is; a text that is nothing else counts as a scan file.
+// The kind of a file by its first bytes; a text of no other kind counts as a scan file.
 enum class ScanKind { kScanFile, kCtsimu, kRtk, kNikon, kAstra };
 // Throws FileError that names what the file is, where it describes no scan.
 ScanKind kind_of(const std::filesystem::path& file);

@@ -83,7 +83,7 @@ ScanDescription read_nikon(const std::filesystem::path& file) {
   detector.rows = keys.whole("DetectorPixelsY", kMaxPixels);
   const double pitch_u = keys.positive("DetectorPixelSizeX"), pitch_v = keys.positive("DetectorPixelSizeY");
   const double to_axis = keys.positive("SrcToObject"), to_detector = keys.positive("SrcToDetector");
-  // What the machine calls the centre of rotation is where the axis is seen on the detector, at its top and bottom.
+  // The machine's centre of rotation is the position of the axis on the detector, at its top and bottom.
   const double top = keys.number_or("CentreOfRotationTop", 0), bottom = keys.number_or("CentreOfRotationBottom", 0);
   const double beside = keys.number_or("ObjectOffsetX", (top + bottom) / 2 * to_axis / to_detector);
   const double roll =

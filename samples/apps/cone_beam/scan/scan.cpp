@@ -95,7 +95,7 @@ void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>&
   }
 }
 
-// What the projections can't show.
+// Warnings about features that the projections cannot show.
 std::vector<std::string> warnings_of(const Scan& scan, bool intensities) {
   std::vector<std::string> out;
   // Turns of the source, in degrees, that measure every ray at least once.

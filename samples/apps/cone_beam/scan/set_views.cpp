@@ -1,4 +1,4 @@
-// What a scan's file says of each view, as a circle where it is one.
+// Sets the views of a scan's file, as a circle where they lie on one.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -22,7 +22,7 @@ Stack stack_of(const Volume& volume) {
   return {volume.dims[0], volume.dims[1], values_of(volume), volume.type != SampleType::kFloat32};
 }
 
-// As many views as the file's bytes hold; of a compressed one, whose size says nothing, one.
+// Reads as many views as the file's bytes hold; one from a compressed file, whose size is not informative.
 Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
   const auto pixels = static_cast<std::uint64_t>(layout.dims[0]) * static_cast<std::uint64_t>(layout.dims[1]);
   const std::uint64_t view = pixels * bytes_per_sample(layout.type);

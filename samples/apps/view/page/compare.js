@@ -1,4 +1,4 @@
-// The same frame on boards of two configurations, side by side.
+// Shows a frame on boards of two configurations, side by side.
 /** @typedef {import("./protocol.js").ComparedFrame} ComparedFrame */
 import { by, element } from "./dom.js";
 import { cycles_of, figures, legend, stacked } from "./figures.js";

@@ -1,4 +1,4 @@
-// What counters say of the machine: causes as stacked bars, shares and rates. Colours: Okabe and Ito.
+// Charts of the machine's counters: causes as stacked bars, shares and rates. Colours: Okabe and Ito.
 /** @typedef {import("./protocol.js").Counters} Counters */
 import { element, shape, short } from "./dom.js";
 

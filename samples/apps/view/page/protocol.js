@@ -1,4 +1,4 @@
-// What page and program say to each other (samples/apps/view/protocol.h), as types.
+// Messages between page and program (samples/apps/view/protocol.h), as types.
 
 /** @typedef {Record<string, string>} Settings options of gicube-render without their dashes */
 /** @typedef {[number, number, number]} Vector */
