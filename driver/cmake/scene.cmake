@@ -37,7 +37,8 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/gicube-scene.pc DESTINATION ${CMAKE_IN
 if(NOT GICUBE_PICTURES)
   return()
 endif()
-# libgicube-pictures.so, which they load when they need OpenImageIO (driver/scene/formats/pictures/picture_library.h). Nothing links it.
+# libgicube-pictures.so, which they load when they need OpenImageIO (driver/scene/formats/pictures/picture_library.h).
+# Nothing links it.
 add_library(gicube-pictures SHARED ${PROJECT_SOURCE_DIR}/driver/scene/pictures/pictures.cpp)
 target_include_directories(gicube-pictures PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include
     ${scene_include})

@@ -106,7 +106,8 @@ def levels_of_pairs(_):
 
 
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
-          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"], "volume_texture": ["gicube-compose"],
+          "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"],
+          "volume_texture": ["gicube-compose"],
           "boards": ["gicube-render"], "truths": ["gicube-light"]}  # programs that they take
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
             "levels": levels_of_pairs}

@@ -12,7 +12,8 @@ sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
 from studies.hardware_cost import Refused, hardware_cost  # noqa: E402
-from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted  # noqa: E402
+from studies.runs import (  # noqa: E402
+    InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted)
 from studies.search import check_count, search, size_of  # noqa: E402
 from studies.sensitivity import board_arguments  # noqa: E402
 from studies.space import KNOWN, OBJECTIVES, mean, read_space  # noqa: E402
@@ -96,7 +97,8 @@ class Explorer:
         except Refused as refused:
             point.reason = str(refused)
             return point
-        broken = [each for each in self.space.constraints if each.name in KNOWN and not each.holds(point.known[each.name])]
+        broken = [each for each in self.space.constraints if each.name in KNOWN
+                  and not each.holds(point.known[each.name])]
         point.reason = broken[0].text if broken else ""
         return point
 

@@ -11,12 +11,15 @@ class Refused(RunFailed):
 
 
 def hardware_cost(board, words=()):
-    """`items`: [name, formula, bits, text] of each memory and their totals; `parts`: [name, M transistors as a text]; sums over all parts:
+    """`items`: [name, formula, bits, text] of each memory and their totals; `parts`: [name, M transistors as a text];
+    sums over all parts:
     transistors, memory_bits, pins. Raises Refused."""
-    done = subprocess.run([board, *words, "--hardware-cost"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([board, *words, "--hardware-cost"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True)
     if done.returncode != 0:
         raise Refused(done.stderr.strip())
-    # Lines "NAME   FORMULA   BITS bit   3.0 Mb SRAM", and "  NAME   FORMULA   COUNT transistors", "NAME   1.8 M transistors".
+    # Lines "NAME   FORMULA   BITS bit   3.0 Mb SRAM", and "  NAME   FORMULA   COUNT transistors", "NAME   1.8 M
+    # transistors".
     items = re.findall(r"^(\S.*?)  +(\S.*?)? +(\d+) bit +(.+)$", done.stdout, re.MULTILINE)
     parts = re.findall(r"^(\S.*?)  +([\d.]+) M transistors$", done.stdout, re.MULTILINE)
     transistors = re.findall(r" (\d+) transistors$", done.stdout, re.MULTILINE)
@@ -24,5 +27,6 @@ def hardware_cost(board, words=()):
     pins = re.search(r" = (\d+) pins;", done.stdout)
     if not parts or not transistors or len(totals) != 2 or not pins:
         raise RunFailed(f"{board} --hardware-cost: no table")
-    return SimpleNamespace(items=items, parts=parts, transistors=float(sum(map(int, transistors))), memory_bits=float(sum(totals)),
+    return SimpleNamespace(items=items, parts=parts, transistors=float(sum(map(int, transistors))),
+                           memory_bits=float(sum(totals)),
                            pins=float(pins[1]))

@@ -258,5 +258,7 @@ def truths(folder):
         panels(folder / f"truths_{domain}.svg", WORDS[f"truths_{domain}"][0], parts)
 
 
-DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels, truths)} | {
-    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host]}
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, light, form_factors, volume_texture, boards, levels,
+                                            truths)} | {
+    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple,
+                  cone_beam_host]}

@@ -44,7 +44,8 @@ def search(parameters, count, seed, measure):
     accepted = 0
     while accepted < count and len(found) < size_of(parameters):
         wanted = min(ROUND, count - accepted)
-        asked, known = dict.fromkeys(neighbours(parameters, found, chance)[:min(NEIGHBOURS, wanted)] if study is not None else []), 0
+        asked, known = dict.fromkeys(neighbours(parameters, found, chance)[:min(NEIGHBOURS, wanted)]
+                                     if study is not None else []), 0
         while len(asked) < wanted and len(found) + len(asked) < size_of(parameters):
             if study is None:  # before the first figures
                 place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name,
@@ -86,15 +87,19 @@ def search(parameters, count, seed, measure):
 
 
 def neighbours(parameters, found, chance):
-    """Configurations that were not proposed, one step of one field beside the front of those that were measured, in an order by chance: the
-    sooner the more of the hypervolume the front would lose without the points that they are beside. A front of those that break least
+    """Configurations that were not proposed, one step of one field beside the front of those that were measured, in an
+    order by chance: the
+    sooner the more of the hypervolume the front would lose without the points that they are beside. A front of those
+    that break least
     stands in where all break a constraint."""
     measured = {place: result for place, result in found.items() if result is not None}
     least = min((sum(violations) for _, violations in measured.values()), default=0)
     valid = {place: told(result)[0] for place, result in measured.items() if sum(result[1]) <= least}
-    front = {place: values for (place, values), on in zip(valid.items(), on_front(list(map(tuple, valid.values())))) if on}
+    front = {place: values for (place, values), on in zip(valid.items(), on_front(list(map(tuple, valid.values()))))
+             if on}
     ranges = [(min(each), max(each)) for each in zip(*valid.values())]
-    scaled = {place: [(value - low) / ((high - low) or 1) for value, (low, high) in zip(values, ranges)] for place, values in front.items()}
+    scaled = {place: [(value - low) / ((high - low) or 1) for value, (low, high) in zip(values, ranges)] for place,
+              values in front.items()}
     worst = [1.01] * len(ranges)  # the ends of the front count too
     whole = hypervolume(list(scaled.values()), worst)
     weights = {}

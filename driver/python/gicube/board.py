@@ -109,8 +109,10 @@ class Board:
     ) -> None:
         """Opens a board and resets it.
 
-        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board that
-            listens, "pci:0000:00:04.0" a PCI function of this machine (docs/guide/pci.md). emu: takes options, as in "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8" (gicube/board.h).
+        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board
+        that
+            listens, "pci:0000:00:04.0" a PCI function of this machine (docs/guide/pci.md). emu: takes options, as in
+            "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8" (gicube/board.h).
         watchdog: seconds of wall-clock time for one answer of the board, 0: no limit.
         max_rays, back_pressure: how many rays may be under way, 4096 or more, and what submit() does then.
         keep_volume: the volume stays in the host's memory for reopen(), 4.5 bytes per voxel.
@@ -118,9 +120,11 @@ class Board:
         force: takes the board from its owner. wait_for_board: seconds to wait in line for it.
         capture: file for every frame of the session (docs/guide/capture.md).
         token_file, ca_file: access over TCP, TLS and PCI (docs/reference/security.md).
-        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with (gicube-board
+        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with
+        (gicube-board
             --restore); "emu:?restore=FILE" does the same.
-        max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card, as many
+        max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card,
+        as many
             in the host's memory, others in a file in TMPDIR.
 
         Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
@@ -516,7 +520,8 @@ class Board:
 
 
 def enumerate() -> List[FoundBoard]:
-    """The boards on this machine that listen and are of this user, then its PCI functions that are boards (pci:). Private ones (emu:) of
+    """The boards on this machine that listen and are of this user, then its PCI functions that are boards (pci:).
+    Private ones (emu:) of
     other programs are none. Raises Error if the folder in which boards make themselves known can't be trusted."""
     return _core.enumerate()
 

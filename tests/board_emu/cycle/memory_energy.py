@@ -2,7 +2,8 @@
 
     python3 memory_energy.py COMMANDS NAME=NUMBER...
 
-COMMANDS has a line for each command, "channel device name". The names are those of EnergyConfig without rdram_, and seconds, clock_khz,
+COMMANDS has a line for each command, "channel device name". The names are those of EnergyConfig without rdram_, and
+seconds, clock_khz,
 channels and devices (of all channels). Prints the energy of the devices and of the interface cells."""
 import collections
 import sys

@@ -244,7 +244,8 @@ def test_frames_of_a_dicom_file_without_places_of_their_own_follow_each_other(tm
     assert volume.world.axes is gicube.WorldAxes.PATIENT and tuple(volume.world.origin) == (1, 2, 3)
 
 
-@pytest.mark.parametrize("program, option", [("dcmcjpeg", "+e1"), ("dcmcjpeg", "+el"), ("dcmcjpls", "+el")])  # lossless JPEG and JPEG-LS
+# Lossless JPEG and JPEG-LS.
+@pytest.mark.parametrize("program, option", [("dcmcjpeg", "+e1"), ("dcmcjpeg", "+el"), ("dcmcjpls", "+el")])
 def test_dicom_packed_by_jpeg(tmp_path, program, option):
     pydicom = pytest.importorskip("pydicom")
     if not shutil.which(program):
@@ -338,5 +339,6 @@ def test_samples_that_are_no_numbers_name_the_file_and_what_can_be_done(tmp_path
     command = [program, tmp_path / "holes.npy", "--size", "8x8", "-o", tmp_path / "o.png"]
     refused = subprocess.run(command, capture_output=True, text=True)
     assert refused.returncode == 1
-    assert re.search(r"holes\.npy: samples at voxel \(3, 2, 1\): expected a finite number, .*--nan VALUE.*got nan", refused.stderr), refused.stderr
+    assert re.search(r"holes\.npy: samples at voxel \(3, 2, 1\): expected a finite number, .*--nan VALUE.*got nan",
+                     refused.stderr), refused.stderr
     assert subprocess.run([*command, "--nan", "0"]).returncode == 0

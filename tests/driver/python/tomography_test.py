@@ -129,14 +129,16 @@ def test_a_scan_of_dxchange_shows_a_ball_where_it_is(tmp_path):
         chords.append(2 * np.sqrt(np.maximum(radius**2 - beside**2, 0)))
     lines = mu * np.array(chords)
     scan = tmp_path / "scan.textproto"
-    scan.write_text('dxchange: "tomo.h5" source_to_axis: 200 source_to_detector: 400 detector { pitch_u: 2 } volume { size: [30, 30, 26] }')
+    scan.write_text('dxchange: "tomo.h5" source_to_axis: 200 source_to_detector: 400 '
+                    'detector { pitch_u: 2 } volume { size: [30, 30, 26] }')
 
     def reconstructed(**data_sets):
         with h5py.File(tmp_path / "tomo.h5", "w") as file:
             for name, values in data_sets.items():
                 file["exchange/" + name] = values
         program = Path(os.environ["GICUBE_BOARD"]).parent / "gicube-cone-beam"
-        done = subprocess.run([program, "reconstruct", scan, "-o", "v.nrrd", "--quiet"], cwd=tmp_path, capture_output=True, text=True)
+        done = subprocess.run([program, "reconstruct", scan, "-o", "v.nrrd", "--quiet"], cwd=tmp_path,
+                              capture_output=True, text=True)
         return gicube.read_volume(tmp_path / "v.nrrd").samples if done.returncode == 0 else done.stderr
 
     def expect_the_ball(volume):
