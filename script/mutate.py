@@ -38,6 +38,12 @@ ROOMS = {
                                                                     "management_test", "tls_test", "limits_test"]),
     "transport": Room(["driver/src/transport"], ["link_test", "tls_test", "reopen_test", "board_api_test"]),
     "upload": Room(["driver/src/encode", "driver/src/encode/volume"], ["upload_test"]),
+    "light": Room(["samples/apps/light/transport"], ["transport_test"]),
+    "form_factors": Room(["samples/apps/form_factors/exchange", "samples/apps/form_factors/radiosity"],
+                         ["form_factors_test"]),
+    "cone_beam": Room(["samples/apps/cone_beam", "samples/apps/cone_beam/phantom"], ["cone_beam_test"]),
+    "formats": Room(["driver/scene/formats"], ["scene_files_test"]),
+    "cycle": Room(["board_emu/cycle"], ["machine_test", "asic_parts_test"]),
 }
 
 Test = namedtuple("Test", "program name seconds reached")
@@ -107,8 +113,7 @@ def parse_options(top):
 def find(room):
     found = {}
     for name in sources(room):
-        finder = mutants.Finder(str(ROOT / name), name,
-                                parse_options("driver" if name.startswith("driver") else "board_emu"))
+        finder = mutants.Finder(str(ROOT / name), name, parse_options(name.split("/")[0]))
         for line, error in sorted(finder.errors)[:3]:
             say(f"mutate: clang: {name}:{line}: {error}")
         found[name] = finder

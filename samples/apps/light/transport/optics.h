@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "gicube/material.h"
 #include "light/transport/random.h"
