@@ -288,7 +288,10 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
     return false;
   }
   absorb(ray, colour_of(ray, sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
-  if (!scatters || !interacts(ray, scattering_opacity(a, material), a, frame, share)) return true;
+  if (!scatters) return true;
+  const std::uint32_t scattered_part = scattering_opacity(a, material);
+  // The place goes by the depth of what scatters, as in past releases' pictures.
+  if (!interacts(ray, scattered_part, scattered_part, frame, share)) return true;
   scatter(interaction, ray, interval, share, material, sample, frame, counters);
   return false;
 }
