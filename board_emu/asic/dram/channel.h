@@ -208,12 +208,13 @@ class Channel {
 
   // Inline: the memory model is asked for every packet of a simulated frame.
   template <Command kCommand>
-  Access serve(const Location& at, Tcycle arrival) {
+  [[gnu::always_inline]] Access serve(const Location& at, Tcycle arrival) {
     advance(arrival);
     constexpr bool kWrite = kCommand == Command::kWrite;
     Device<Rules>& device = devices_[at.device];
     Delay row_delay = Delay::kTransfer;
-    if (device.open_row(at.bank) != at.row) row_delay = open(at, arrival);
+    if (device.open_row(at.bank) != at.row) [[unlikely]]
+      row_delay = open(at, arrival);
     const Tcycle bank_ready = std::max(arrival, device.bank_ready(kCommand, at.bank));
     const Tcycle wires_ready =
         std::max(device.device_ready(kCommand), column_wires_.probe(kCommand, at.device, arrival));
@@ -228,7 +229,7 @@ class Channel {
     access.data_begin = column_wires_.data(kCommand, begin);
     access.data_end = access.data_begin + Rules::kPacket;
     if (bank_ready > wires_ready) access.cause = row_delay;
-    if (kWrite != last_was_write_) {
+    if (kWrite != last_was_write_) [[unlikely]] {
       const Tcycle without = std::max(dq_free_, column_wires_.data(kCommand, bank_ready));
       turnaround_ += access.data_begin - without;
       last_was_write_ = kWrite;

@@ -88,12 +88,10 @@ class LaidOut final : public Memory {
       : layout_(std::move(layout)), channel_(config, layout_.devices()), written_(written) {}
 
   Access read(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
-    Location at = layout_.locate(block, tile);
+    const Location at = layout_.locate(block, tile);
     Access access = channel_.read(at, arrival);
-    for (std::uint32_t more = layout_.packets_of_tile() - 1; more > 0; --more) {
-      ++at.column;
-      access.data_end = channel_.read(at, arrival).data_end;
-    }
+    if (layout_.packets_of_tile() > 1) [[unlikely]]
+      access.data_end = read_others(at, arrival);
     return access;
   }
   Access write(std::uint32_t block, std::uint32_t tile, Tcycle arrival) override {
@@ -113,6 +111,16 @@ class LaidOut final : public Memory {
   void state(Archive& archive) override { channel_.state(archive); }
 
  private:
+  // Reads the tile's packets after the first. Returns the end of their data.
+  [[gnu::noinline]] Tcycle read_others(Location at, Tcycle arrival) {
+    Tcycle end = 0;
+    for (std::uint32_t more = layout_.packets_of_tile() - 1; more > 0; --more) {
+      ++at.column;
+      end = channel_.read(at, arrival).data_end;
+    }
+    return end;
+  }
+
   Layout layout_;
   Channel channel_;
   std::uint32_t written_;

@@ -45,11 +45,23 @@ std::uint32_t page_of(const std::array<std::uint32_t, 3>& brick, const Stride& s
 // tiles.
 bool consecutive_tiles_share_a_bank(const Bricks& bricks, const Stride& stride) {
   std::array<std::uint32_t, 4> last{};  // pages
-  for (std::uint32_t tile = 0; tile < bricks.all_tiles(); ++tile) {
-    const std::uint32_t page = page_of(bricks.column_of(tile).brick, stride);
-    last[tile % 4] = page;
-    for (const std::uint32_t other : last) {
-      if (other != page && other % Layout::kOpenBanks == page % Layout::kOpenBanks) return true;
+  std::uint32_t tile = 0;
+  for (std::uint32_t z = 0; z < bricks.tiles[2]; ++z) {
+    for (std::uint32_t y = 0; y < bricks.tiles[1]; ++y) {
+      const std::uint32_t of_row = y / bricks.size[1] * stride[1] + z / bricks.size[2] * stride[2];
+      for (std::uint32_t brick = 0, x = 0; x < bricks.tiles[0]; ++brick) {
+        const std::uint32_t page = of_row + brick * stride[0];
+        const std::uint32_t end = std::min(x + bricks.size[0], bricks.tiles[0]);
+        // All further tiles of this row of a brick have the same page, so the last four do not change with the fourth.
+        for (const std::uint32_t checked = std::min(end, x + 4); x < checked; ++x) {
+          last[tile++ % 4] = page;
+          for (const std::uint32_t other : last) {
+            if (other != page && other % Layout::kOpenBanks == page % Layout::kOpenBanks) return true;
+          }
+        }
+        tile += end - x;
+        x = end;
+      }
     }
   }
   return false;
