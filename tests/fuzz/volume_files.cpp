@@ -48,10 +48,10 @@ void read(Bytes input, Find find) {
 
 // A file whose reader returns the volume itself.
 template <typename Read>
-void read_whole(Bytes input, const Read& read) {
+void read_whole(Bytes input, const Read& reader) {
   const MemoryFile file(input);
   try {
-    expect_whole(samples::with_spacing(read(file.path())));
+    expect_whole(samples::with_spacing(reader(file.path())));
   } catch (const samples::FileError&) {
   }
 }

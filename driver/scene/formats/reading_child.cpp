@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // chosen: bytes beside the samples
 constexpr std::uint64_t kMaxRatio = 16384;                 // chosen: bytes of memory for one of the file
-constexpr std::size_t kChunk = std::size_t{1} << 20;             // chosen
+constexpr std::size_t kChunk = std::size_t{1} << 20;       // chosen
 
 // The numbers of a StoredLayout.
 struct Numbers {

@@ -88,7 +88,7 @@ std::array<double, 2> recounted(const v1::BoardConfig& config, const Machine& ma
   std::ofstream out(folder.file("commands"));
   int devices = 0;
   for (std::size_t i = 0; i < traces.size(); ++i) {
-    devices += machine.memories()[i]->devices();
+    devices += static_cast<int>(machine.memories()[i]->devices());
     for (const rdram::IssuedCommand& each : traces[i])
       out << i << ' ' << each.device << ' ' << dram::to_string(each.command) << '\n';
   }
@@ -113,7 +113,8 @@ TEST(Machine, AWholeFramesMemoryEnergyIsThatOfItsCommands) {
   Scene scene({70, 70, 70}, 16);
   scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
   for (auto& entry : scene.segmentation) entry.opacity = 500;
-  const v1::BoardConfig config = config_with({"fidelity=cycle", "asic.block_voxels=16", "rdram.refresh_interval=0"});
+  const v1::BoardConfig config = config_with({"fidelity=cycle", "asic.block_voxels=16", "asic.max_volume_voxels=128",
+                                              "rdram.refresh_interval=0"});
   Machine machine(config, scene.volume.blocks());
   std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
   for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
