@@ -50,9 +50,11 @@ module write_queue #(
 
   always_comb begin
     logic [TILE_BITS-1:0] tile;
-    logic [PLACE_BITS-1:0] of;
+    logic [PLACE_BITS-1:0] of, fetch_at, write_at;
     next_entries = entries;
     now_last = last;
+    fetch_at = '0;
+    write_at = '0;
     absorbed = '0;
     for (int unsigned i = 0; i < 8; i++) begin
       tile = put_tiles[i*TILE_BITS +: TILE_BITS];
@@ -62,12 +64,14 @@ module write_queue #(
             entries[k*ENTRY +: ENTRY-1] == {put_block, tile}) absorbed[i] = 1'b1;
       end
       if (put[i] && !absorbed[i]) begin
-        if (!in_cache[i]) begin
-          next_entries[32'(now_last[PLACE_BITS-1:0])*ENTRY +: ENTRY] = {1'b1, put_block, tile};
-          now_last = now_last + 1'b1;
-        end
-        next_entries[32'(now_last[PLACE_BITS-1:0])*ENTRY +: ENTRY] = {1'b0, put_block, tile};
+        fetch_at = now_last[PLACE_BITS-1:0];
+        if (!in_cache[i]) now_last = now_last + 1'b1;
+        write_at = now_last[PLACE_BITS-1:0];
         now_last = now_last + 1'b1;
+        for (int unsigned k = 0; k < TILES; k++) begin
+          if (fetch_at == PLACE_BITS'(k)) next_entries[k*ENTRY +: ENTRY] = {1'b1, put_block, tile};
+          if (write_at == PLACE_BITS'(k)) next_entries[k*ENTRY +: ENTRY] = {1'b0, put_block, tile};
+        end
       end
     end
   end
