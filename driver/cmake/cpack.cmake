@@ -67,7 +67,8 @@ set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_DESCRIPTION
 "GI-Cube SDK: guide, reference, studies, examples
 Documents of the GI-Cube driver, its emulated board and the programs that
-use them, with scenes and small applications.")
+use them, with scenes and small applications; as pages for a browser too, with
+the API of C++, C and Python.")
 
 # Debian's place for a package's license; each package has its own. LICENSE is a document.
 foreach(component ${CPACK_COMPONENTS_ALL})

@@ -1,5 +1,5 @@
-# Files that Debian requires in each package and CMake does not install: compressed manual pages, a changelog. CPack
-# runs this between installing and packaging.
+# What Debian wants of each package and CMake does not install: compressed manual pages, a changelog, an entry for the
+# site in doc-base. CPack runs this between installing and packaging.
 file(GLOB manuals ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/usr/share/man/man*/*.[1-9])
 foreach(manual ${manuals})
   execute_process(COMMAND gzip -9n ${manual} COMMAND_ERROR_IS_FATAL ANY)
@@ -17,3 +17,18 @@ foreach(component ${CPACK_COMPONENTS_ALL})
 ")
   execute_process(COMMAND gzip -9n ${changelog} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
+
+set(doc ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/doc/usr/share)
+if(EXISTS ${doc}/doc/gicube/html/index.html)
+  file(WRITE ${doc}/doc-base/gicube "Document: gicube
+Title: GI-Cube SDK
+Author: The GI-Cube SDK's authors
+Abstract: Guide, reference and studies of the GI-Cube driver and its
+ emulated board, with the API of C++, C and Python.
+Section: Programming
+
+Format: HTML
+Index: /usr/share/doc/gicube/html/index.html
+Files: /usr/share/doc/gicube/html/*.html
+")
+endif()
