@@ -17,7 +17,7 @@ namespace gicube::samples {
 // InputError with all faults, one a line: "NAME:LINE:COLUMN: ..." for the text, "NAME: field.path: expected ..., got
 // ..." for its meaning. Relative paths in `text` are taken from `folder`.
 ScanDescription parse_scan(const std::string& text, const std::string& name, const std::filesystem::path& folder);
-// The same for a file, with what a DXchange file has. Throws InputError also if it can't be read, FileError of the
+// The same for a file, with what its DXchange file has. Throws InputError also if it can't be read, FileError of the
 // latter.
 ScanDescription read_scan_file(const std::filesystem::path& path);
 
@@ -29,8 +29,8 @@ inline const std::map<std::string, SampleType> kRawTypes{{"uint8", SampleType::k
 // Nothing for another name.
 std::optional<SampleType> raw_type(const std::string& name);
 
-// Takes angles, pixels, projections, flats and darks from the scan's file of DXchange's layout, as cone_scan.proto
-// says. Throws FileError.
+// Takes angles, pixels, projections, flats and darks from the scan's file of DXchange's layout, as cone_scan.proto says.
+// Throws FileError.
 void take_dxchange(ScanDescription& scan);
 
 // The text of a description. Files in `folder` are named relative to it.
