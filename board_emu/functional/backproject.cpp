@@ -103,7 +103,8 @@ void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std:
          int below, const auto& part) {
   Point tile{};
   std::array<std::int32_t, 3> until{};  // the first sample in another tile along this axis
-  // Samples in a tile that is entered at its side: `whole`, or one more if the first of them is less than `rest` from it.
+  // Samples in a tile that is entered at its side: `whole`, or one more if the first of them is less than `rest` from
+  // it.
   std::array<Word, 3> whole{}, rest{};
   const auto enter = [&](std::size_t axis, std::int32_t sample) {
     const int shift = tiles.shift(axis) + below;

@@ -1,5 +1,5 @@
-// The layout: De Carlo and others, "Scientific data exchange: a schema for HDF5-based storage of raw and analyzed data",
-// J. Synchrotron Rad. 21 (2014). It knows parallel beams, so a scan file has the distances.
+// The layout: De Carlo and others, "Scientific data exchange: a schema for HDF5-based storage of raw and analyzed
+// data", J. Synchrotron Rad. 21 (2014). It knows parallel beams, so a scan file has the distances.
 #include <numbers>
 
 #include "cone_beam/scan/formats.h"

@@ -29,8 +29,8 @@ inline const std::map<std::string, SampleType> kRawTypes{{"uint8", SampleType::k
 // Nothing for another name.
 std::optional<SampleType> raw_type(const std::string& name);
 
-// Takes angles, pixels, projections, flats and darks from the scan's file of DXchange's layout, as cone_scan.proto says.
-// Throws FileError.
+// Takes angles, pixels, projections, flats and darks from the scan's file of DXchange's layout, as cone_scan.proto
+// says. Throws FileError.
 void take_dxchange(ScanDescription& scan);
 
 // The text of a description. Files in `folder` are named relative to it.

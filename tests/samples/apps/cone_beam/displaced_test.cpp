@@ -17,8 +17,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 // The far side always reaches 100 at a detector of twice the magnification; the object has a radius of up to 44. 192
-// columns if the detector is not displaced. All views see the end slices; 24 rows miss parts of them from 31 on, where the
-// mean is 2.5% low.
+// columns if the detector is not displaced. All views see the end slices; 24 rows miss parts of them from 31 on, where
+// the mean is 2.5% low.
 ConeGeometry displaced_scan(double part, double side = 1) {
   constexpr double kReach = 100, kPitch = kReach / 96;
   const int columns = static_cast<int>(std::lround(kReach / (0.5 + part) / kPitch));
