@@ -1,4 +1,5 @@
-"""The site's parts: its checker finds what is broken, and the pages that Sphinx is given are whole. script/check makes the
+"""The site's parts: its checker finds what is broken, and the pages that Sphinx is given are whole. script/check makes
+the
 site itself."""
 
 import os

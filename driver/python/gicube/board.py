@@ -109,7 +109,8 @@ class Board:
     ) -> None:
         """Opens a board and resets it.
 
-        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board that
+        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board
+        that
             listens, "pci:0000:00:04.0" a PCI function of this machine (docs/guide/pci.md). emu: takes options, as
             in "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8" (gicube/board.h).
         watchdog: seconds of wall-clock time for one answer of the board, 0: no limit.
@@ -519,8 +520,10 @@ class Board:
 
 
 def enumerate() -> List[FoundBoard]:
-    """The boards on this machine that listen and are of this user, then its PCI functions that are boards (pci:). Private
-    ones (emu:) of other programs are none. Raises Error if the folder in which boards make themselves known can't be trusted."""
+    """The boards on this machine that listen and are of this user, then its PCI functions that are boards (pci:).
+    Private
+    ones (emu:) of other programs are none. Raises Error if the folder in which boards make themselves known can't be
+    trusted."""
     return _core.enumerate()
 
 
