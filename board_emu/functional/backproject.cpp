@@ -103,22 +103,11 @@ void cut(const std::array<Word, 3>& begin, const std::array<Word, 3>& step, std:
          int below, const auto& part) {
   Point tile{};
   std::array<std::int32_t, 3> until{};  // the first sample in another tile along this axis
-  // Samples in a tile that is entered at its side: `whole`, or one more if the first of them is less than `rest` from
-  // it.
-  std::array<Word, 3> whole{}, rest{};
   const auto enter = [&](std::size_t axis, std::int32_t sample) {
     const int shift = tiles.shift(axis) + below;
     const Word at = begin[axis] + sample * step[axis], one = step[axis], size = Word{1} << shift, in = at & (size - 1);
     tile[axis] = static_cast<std::int32_t>(at >> shift);
-    Word steps = left;
-    if (sample > 0) {
-      steps = whole[axis] + ((one > 0 ? in : size - 1 - in) < rest[axis] ? 1 : 0);
-    } else if (one != 0) {
-      const Word pace = one > 0 ? one : -one;
-      steps = ((one > 0 ? size - 1 - in : in) / pace) + 1;
-      whole[axis] = size / pace;
-      rest[axis] = size - whole[axis] * pace;
-    }
+    const Word steps = one > 0 ? (size - in + one - 1) / one : one < 0 ? in / -one + 1 : left;
     until[axis] = static_cast<std::int32_t>(std::min<Word>(sample + steps, left));
   };
   for (std::size_t axis = 0; axis < 3; ++axis) enter(axis, 0);

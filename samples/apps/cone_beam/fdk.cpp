@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "cone_beam/facing.h"
 #include "gicube/parallel_for.h"
@@ -50,7 +49,7 @@ std::vector<Taps> taps_of(std::size_t pixels, int rays) {
   return out;
 }
 
-std::vector<double> finer_view(std::vector<double> pixels, std::size_t columns, PixelRays rays) {
+std::vector<double> finer_view(const std::vector<double>& pixels, std::size_t columns, PixelRays rays) {
   if (rays == PixelRays{}) return pixels;
   const std::size_t rows = pixels.size() / columns;
   const std::vector<Taps> across = taps_of(columns, rays.u), down = taps_of(rows, rays.v);
@@ -187,7 +186,7 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
     }
     filter.apply(row.data(), pixels.data() + static_cast<std::size_t>(j) * columns);
   }
-  std::vector<double> out = finer_view(std::move(pixels), columns, rays);
+  std::vector<double> out = finer_view(pixels, columns, rays);
   const double scale = density_scale(wide, arc_weights(geometry)[view], rays);
   double* value = out.data();
   for_each_ray(detector, rays, [&](double u, double v) { *value++ *= scale * slant(distance, u, v); });

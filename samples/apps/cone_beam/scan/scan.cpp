@@ -40,17 +40,9 @@ void check_size(const ScanDescription& description, const Stack& stack) {
 }
 
 // Views of the same angle averaged.
-Projections sorted(Stack stack, const ScanDescription& description, const SortedViews& order) {
+Projections sorted(const Stack& stack, const ScanDescription& description, const SortedViews& order) {
   Projections out{stack.columns, stack.rows, {}};
   const std::size_t size = stack.view_size();
-  bool in_place = !description.columns_reversed && !description.rows_reversed;
-  for (std::size_t view = 0; view < order.places.size() && in_place; ++view) {
-    in_place = order.places[view] == std::vector{view};
-  }
-  if (in_place) {
-    out.values = std::move(stack.values);
-    return out;
-  }
   out.values.resize(size * order.angles.size());
   for (std::size_t view = 0; view < order.angles.size(); ++view) {
     float* const to = out.view(view);
@@ -206,8 +198,8 @@ Scan load_scan(const ScanDescription& description) {
   out.geometry = description.geometry;
   out.geometry.angles = order.angles;
   out.centre = description.centre;
+  out.projections = sorted(stack, description, order);
   out.views_read = stack.views();
-  out.projections = sorted(std::move(stack), description, order);
   out.repeated = order.repeated();
   check(out.geometry);
   out.warnings = warnings_of(out, description.intensities);
