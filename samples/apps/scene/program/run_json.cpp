@@ -114,16 +114,16 @@ std::string energy_line(const Counters& counters, Picoseconds time, std::size_t 
   const auto json = energy_json(counters, time, boards);
   if (json.is_null()) return {};
   const auto number = [&json](const char* path) { return json.at(nlohmann::json::json_pointer(path)).get<double>(); };
-  const auto nanojoules = [&json](const char* name, const char* what) {
+  const auto microjoules = [&json](const char* name, const char* what) {
     const auto& each = json.at(name);
-    return each.is_null() ? std::string() : fmt::format(", {:.3g} nJ a {}", each.get<double>() * 1e9, what);
+    return each.is_null() ? std::string() : fmt::format(", {:.3g} uJ a {}", each.get<double>() * 1e6, what);
   };
   const std::vector<PartOfEnergy> parts = energy_parts(counters);
   return fmt::format(
       "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's "
       "{:.0f} W "
       "{}, packages without a fan ({:.0f} W) {}",
-      number("/joules/value") * 1e3, nanojoules("joules_per_sample", "sample"), nanojoules("joules_per_ray", "ray"),
+      number("/joules/value") * 1e3, microjoules("joules_per_sample", "sample"), microjoules("joules_per_ray", "ray"),
       number("/watts/value"), number("/watts/low"), number("/watts/high"), parts.at(0).name, parts.at(1).name,
       number("/asic_watts"), number("/asic_most_watts"), kSlotWatts,
       json.at("within_slot").get<bool>() ? "suffice" : "may not suffice", kPackageWatts,
