@@ -18,7 +18,7 @@ cmake --install "$build" --prefix "$scratch/prefix" >"$scratch/install.log"
 mkdir "$scratch/moved"
 mv "$scratch/prefix" "$prefix"
 
-for program in board compose cone-beam form-factors light render replay smi; do test -x "$prefix/bin/gicube-$program"; done
+for program in board compose conformance cone-beam form-factors light render replay smi; do test -x "$prefix/bin/gicube-$program"; done
 
 # OpenImageIO is loaded where a picture needs it, from beside the program's libraries; without it PNGs are still
 # written.

@@ -101,18 +101,23 @@ std::string find_board_program() {
                    looked);
 }
 
-ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>& arguments) {
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw spawn_error(program, errno);
-  socket_ = Fd(ends[0]);
-  const Fd child_end = raised(Fd(ends[1]));
+ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>& arguments, Fd listener)
+    : listens_(listener.get() >= 0) {
+  if (!listens_) {
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw spawn_error(program, errno);
+    socket_ = Fd(ends[0]);
+    listener = Fd(ends[1]);
+  }
+  const Fd child_end = raised(std::move(listener));
   Fd memory(::memfd_create("gicube-board stderr", MFD_CLOEXEC));
   if (memory.get() < 0) throw spawn_error(program, errno);
   stderr_ = raised(std::move(memory));
 
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  words.insert(words.end(), {"--listen", "fd:3", "--private", "--quiet"});
+  words.insert(words.end(), {"--listen", "fd:3", "--quiet"});
+  if (!listens_) words.emplace_back("--private");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -146,7 +151,7 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
 
 ChildProcess::~ChildProcess() {
   socket_.reset();
-  if (ended(kGrace)) return;
+  if (!listens_ && ended(kGrace)) return;
   ::kill(pid_, SIGTERM);
   if (ended(kGrace)) return;
   ::kill(pid_, SIGKILL);

@@ -26,9 +26,9 @@ std::string find_board_program();
 // seconds.
 class ChildProcess {
  public:
-  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws
-  // OpenFailed.
-  ChildProcess(const std::string& program, const std::vector<std::string>& arguments);
+  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws OpenFailed.
+  // With a listening socket, the child serves that one to any number of clients, and is terminated with this object.
+  ChildProcess(const std::string& program, const std::vector<std::string>& arguments, Fd listener = {});
   ~ChildProcess();
 
   ChildProcess(const ChildProcess&) = delete;
@@ -52,6 +52,7 @@ class ChildProcess {
   Fd socket_;
   Fd stderr_;  // a file in memory: nobody has to read it for the child to go on
   pid_t pid_ = -1;
+  bool listens_ = false;
   bool reaped_ = false;
   int status_ = 0;
 };

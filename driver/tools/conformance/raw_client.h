@@ -1,6 +1,7 @@
 // A client of the data plane that takes no care: it sends what a test wants, right or wrong, and shows what comes back.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -32,6 +33,9 @@ class RawClient {
 
   void close();
   void end_sending();
+  int socket() const { return fd_; }
+
+  void limit_silence(std::chrono::milliseconds most);
 
   // False if the peer has closed.
   bool send_bytes(std::span<const std::uint8_t> bytes);
@@ -39,7 +43,7 @@ class RawClient {
   bool send(wire::FrameHeader header, std::span<const std::uint8_t> payload = {});
   bool send(wire::FrameType type, std::uint32_t id, std::uint16_t flags, std::span<const std::uint8_t> payload);
 
-  // The next frame; nothing at the end of the stream. Throws std::runtime_error after 60 s of silence.
+  // The next frame; nothing at the end of the stream. Throws std::runtime_error after 60 s of silence, or as limited.
   std::optional<RawFrame> receive();
   // The next frame that is neither kCredit nor kProgress.
   std::optional<RawFrame> receive_answer();

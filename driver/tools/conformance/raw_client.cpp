@@ -55,8 +55,10 @@ RawClient RawClient::connect_tcp(std::uint16_t port, const char* source) {
   return RawClient(fd);
 }
 
-RawClient::RawClient(int fd) : fd_(fd) {
-  const timeval silence{60, 0};
+RawClient::RawClient(int fd) : fd_(fd) { limit_silence(std::chrono::seconds(60)); }
+
+void RawClient::limit_silence(std::chrono::milliseconds most) {
+  const timeval silence{most.count() / 1000, most.count() % 1000 * 1000};
   ::setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &silence, sizeof silence);
 }
 

@@ -1,0 +1,65 @@
+// Cases of the suite: what a board promises, by a rule of docs/reference/protocol.md, and a function that tests it.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gicube::conformance {
+
+class Place;
+
+// A board may claim a class if all cases of it and of class 0 pass.
+inline constexpr const char* kClassNames[] = {"opens and renders", "rays", "light", "time", "pictures",
+                                              "lasting sessions"};
+inline constexpr unsigned kClasses = std::size(kClassNames);
+
+struct Case {
+  unsigned level;        // its class
+  const char* name;      // group.what, for --filter
+  const char* rule;      // P301
+  const char* sentence;  // the words of the rule that are tested
+  void (*run)(Place& place);
+};
+
+// All cases, class by class within each group.
+std::vector<Case> all_cases();
+
+// Groups, one a source of cases/.
+std::span<const Case> handshake_cases();
+std::span<const Case> frame_cases();
+std::span<const Case> credit_cases();
+std::span<const Case> register_cases();
+std::span<const Case> memory_cases();
+std::span<const Case> command_cases();
+std::span<const Case> sample_cases();
+std::span<const Case> picture_cases();
+std::span<const Case> ray_cases();
+std::span<const Case> deposit_cases();
+std::span<const Case> light_cases();
+std::span<const Case> time_cases();
+std::span<const Case> session_cases();
+
+// The board broke the rule; the text says what was expected and what came.
+struct Failure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+template <typename... Args>
+void check(bool holds, fmt::format_string<Args...> expectation, Args&&... args) {
+  if (!holds) throw Failure(fmt::format(expectation, std::forward<Args>(args)...));
+}
+template <typename T>
+void check_same(const char* what, T got, std::type_identity_t<T> expected) {
+  check(got == expected, "{}: expected {}, got {}", what, expected, got);
+}
+inline void check_near(const char* what, double got, double expected, double tolerance) {
+  check(std::abs(got - expected) <= tolerance, "{}: expected {} within {}, got {}", what, expected, tolerance, got);
+}
+
+}  // namespace gicube::conformance

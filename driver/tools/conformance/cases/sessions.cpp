@@ -1,0 +1,193 @@
+// Sessions that outlive their connections, and checkpoints.
+#include "host.h"
+#include "scene.h"
+
+namespace gicube::conformance {
+namespace {
+
+using wire::VersionInfo;
+
+// A session's next connection: the client has taken `taken` frames, and has had credit back for `consumed`.
+struct Resumed {
+  RawClient client;
+  VersionInfo board;
+
+  Resumed(Place& place, std::uint64_t session, std::uint32_t taken, std::uint32_t consumed) : client(place.connect()) {
+    VersionInfo mine = host_version();
+    mine.session = session;
+    mine.taken = taken;
+    mine.consumed = consumed;
+    const RawFrame answer = shake_hands(place, client, mine);
+    check(answer.header.error == ErrorCode::kNone, "expected the session to resume, got error {}: {}",
+          static_cast<int>(answer.header.error), answer.text());
+    board = wire::decode<VersionInfo>(answer.payload);
+    check_same("the resumed session", board.session, session);
+  }
+  ~Resumed() { client.send(FrameType::kVersion, 0, wire::kPosted, {}); }
+};
+
+void expect_seed(RawClient& client, std::uint32_t value) {
+  const auto answer = client.call(FrameType::kRegisterRead, 9, words({reg::kSeed}));
+  check(answer.has_value(), "expected an answer in the resumed session");
+  check(answer->payload == words({value}), "expected SEED {}", value);
+}
+
+Bytes checkpoint(Host& host, wire::CheckpointStep step, const Bytes& data = {}) {
+  Bytes payload = words({static_cast<std::uint32_t>(step)});
+  payload.insert(payload.end(), data.begin(), data.end());
+  return host.request(FrameType::kCheckpoint, payload);
+}
+
+constexpr Case kCases[] = {
+    {5, "session.resumes", "P202",
+     "If the connection breaks, the board keeps the session: the board's state, commands that are being executed, and "
+     "frames to be sent.",
+     [](Place& place) {
+       Host host(place);
+       host.write_register(reg::kSeed, 77);
+       host.read_register(reg::kSeed);
+       host.cut();
+       Resumed next(place, host.board().session, 1, 0);
+       check_same("frames that the board took", next.board.taken, 2u);
+       next.client.continue_from(2);
+       expect_seed(next.client, 77);
+     }},
+    {5, "session.answers_again", "P207",
+     "sends again the frames that were not taken, in order and with their old numbers,",
+     [](Place& place) {
+       Host host(place);
+       for (std::uint32_t i = 0; i < 3; ++i) {
+         check(host.wire().call(FrameType::kRegisterRead, 10 + i, words({reg::kId})).has_value(), "expected an answer");
+       }
+       host.cut();
+       Resumed next(place, host.board().session, 1, 0);  // as if only the first answer had come
+       for (std::uint32_t i = 1; i < 3; ++i) {
+         const auto answer = next.client.receive_answer();
+         check(answer && answer->header.id == 10 + i && answer->header.sequence == 1 + i, "expected answer {} again",
+               1 + i);
+         check(answer->payload == words({wire::kIdValue}), "expected the same bytes again");
+       }
+     }},
+    {5, "session.damaged", "P305",
+     "A wrong checksum, an invalid header or a gap in the numbers ends the connection with `kCorrupted`.",
+     [](Place& place) {
+       Host host(place);
+       host.write_register(reg::kSeed, 5);
+       host.wire().send_bytes(Bytes(wire::kFrameHeaderBytes, 0x55));
+       host.ends(ErrorCode::kCorrupted);
+       Resumed next(place, host.board().session, 0, 0);
+       check_same("frames that the board took", next.board.taken, 1u);
+       next.client.continue_from(1);
+       expect_seed(next.client, 5);
+     }},
+    {5, "session.once", "P208",
+     "So every frame is taken exactly once, whatever was lost, damaged or doubled, and simulated time does not change.",
+     [](Place& place) {
+       Host host(place);
+       host.write_register(reg::kSeed, 1);
+       const std::uint64_t before = host.now;
+       host.read_register(reg::kSeed);
+       const std::uint64_t access = host.now - before;
+       host.cut();
+       Resumed next(place, host.board().session, 1, 0);
+       next.client.write_register(reg::kSeed, 99);  // numbers 1 and 2 again: dropped
+       next.client.send(FrameType::kRegisterRead, 8, 0, words({reg::kSeed}));
+       FrameHeader header{FrameType::kRegisterRead, 0, 9};
+       header.time_ps = host.now;
+       next.client.send(header, words({reg::kSeed}));
+       const auto answer = next.client.receive_answer();
+       check(answer && answer->header.id == 9, "expected an answer to the new frame only");
+       check(answer->payload == words({1}), "expected SEED as the first time");
+       check(answer->header.time_ps <= host.now + access, "expected {} ps, got {}", host.now + access,
+             answer->header.time_ps);
+     }},
+    {5, "session.new_client", "P203", "or as soon as another client wants the board in that time;",
+     [](Place& place) {
+       Host host(place);
+       host.write_register(reg::kSeed, 5);
+       host.read_register(reg::kSeed);
+       host.cut();
+       Host other(place);
+       check_same("SEED of another client's session", other.read_register(reg::kSeed), 0u);
+       RawClient late = place.connect();
+       VersionInfo mine = host_version();
+       mine.session = host.board().session;
+       check_same("the error for the former session", static_cast<int>(shake_hands(place, late, mine).header.error),
+                  static_cast<int>(ErrorCode::kNoSession));
+     }},
+    {5, "session.command", "P202",
+     "If the connection breaks, the board keeps the session: the board's state, commands that are being executed, and "
+     "frames to be sent.",
+     [](Place& place) {
+       Host host(place);
+       const Volume volume(host, {9, 9, 9});
+       const Bytes command = wire::encoded(along(2, true, volume, 64, 64, 0.1));
+       host.wire().send(FrameType::kCommand, 600, wire::kPosted, command);
+       const std::uint32_t number = host.window().sent() + 1;
+       VersionInfo mine;
+       host.window().announce(mine);
+       host.cut();
+       Resumed next(place, host.board().session, mine.taken, mine.consumed);
+       next.client.continue_from(next.board.taken);
+       if (next.board.taken < number) next.client.send(FrameType::kCommand, 600, wire::kPosted, command);
+       next.client.send(FrameType::kWait, 700, 0, words({600}));
+       const auto done = next.client.receive_answer();
+       check(done && done->header.type == FrameType::kCompletion && done->header.id == 600, "expected the completion");
+     }},
+    {5, "checkpoint.restores", "P504", "Go on: the board becomes the one of the checkpoint in the buffer",
+     [](Place& place) {
+       Bytes saved;
+       {
+         Host host(place);
+         host.write_register(reg::kSeed, 321);
+         host.write_memory(wire::kReflectanceMap.base, {1, 2, 3, 4});
+         host.read_register(reg::kSeed);
+         checkpoint(host, wire::CheckpointStep::kBegin);
+         checkpoint(host, wire::CheckpointStep::kWrite, {9, 8, 7});
+         const Bytes size = checkpoint(host, wire::CheckpointStep::kTake);
+         check_same("bytes of the answer", size.size(), 8);
+         const std::uint64_t bytes = wire::load<std::uint64_t>(size, 0), piece = host.max_payload() / 2;
+         for (std::uint64_t at = 0; at < bytes; at += piece) {
+           const Bytes part =
+               checkpoint(host, wire::CheckpointStep::kRead, long_words({at, std::min(piece, bytes - at)}));
+           saved.insert(saved.end(), part.begin(), part.end());
+         }
+         check_same("bytes of the checkpoint", saved.size(), bytes);
+       }
+       Host host(place);
+       checkpoint(host, wire::CheckpointStep::kBegin);
+       const std::size_t piece = host.max_payload() / 2;
+       for (std::size_t at = 0; at < saved.size(); at += piece) {
+         checkpoint(host, wire::CheckpointStep::kWrite,
+                    Bytes(saved.begin() + static_cast<std::ptrdiff_t>(at),
+                          saved.begin() + static_cast<std::ptrdiff_t>(std::min(saved.size(), at + piece))));
+       }
+       const Bytes went_on = checkpoint(host, wire::CheckpointStep::kGoOn);
+       check_same("bytes of the answer", went_on.size(), 24);
+       check_same("bytes of the driver's part", wire::load<std::uint64_t>(went_on, 0), 3u);
+       check(checkpoint(host, wire::CheckpointStep::kRead, long_words({0, 3})) == Bytes{9, 8, 7},
+             "expected the driver's part");
+       host.now = 1'000'000'000;
+       check_same("SEED", host.read_register(reg::kSeed), 321u);
+       check(host.read_memory(wire::kReflectanceMap.base, 4) == Bytes{1, 2, 3, 4}, "expected the saved table");
+     }},
+    {5, "checkpoint.refused", "P505",
+     "A refusal is `kBadValue` with the field, what was expected and what came. The board is as before, and the "
+     "session lives.",
+     [](Place& place) {
+       Host host(place);
+       host.write_register(reg::kSeed, 4);
+       checkpoint(host, wire::CheckpointStep::kBegin);
+       checkpoint(host, wire::CheckpointStep::kWrite, Bytes(100, 7));
+       const RawFrame answer =
+           host.ask(FrameType::kCheckpoint, words({static_cast<std::uint32_t>(wire::CheckpointStep::kGoOn)}));
+       check_same("the error", static_cast<int>(answer.header.error), static_cast<int>(ErrorCode::kBadValue));
+       check_same("SEED", host.read_register(reg::kSeed), 4u);
+     }},
+};
+
+}  // namespace
+
+std::span<const Case> session_cases() { return kCases; }
+
+}  // namespace gicube::conformance
