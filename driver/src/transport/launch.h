@@ -26,8 +26,9 @@ std::string find_board_program();
 // seconds.
 class ChildProcess {
  public:
-  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws OpenFailed.
-  // With a listening socket, the child serves that one to any number of clients, and is terminated with this object.
+  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws
+  // OpenFailed. With a listening socket, the child serves that one to any number of clients, and is terminated with
+  // this object.
   ChildProcess(const std::string& program, const std::vector<std::string>& arguments, Fd listener = {});
   ~ChildProcess();
 
