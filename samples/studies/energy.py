@@ -1,8 +1,11 @@
-"""Heat of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, and the joules of each cause of lost cycles.
+"""Heat of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, and the joules of each
+cause of lost cycles.
 
-    PYTHONPATH=samples python3 -m studies.energy build/release/bin out    # out/energy.csv; a run that is in out/ is not made again
+    PYTHONPATH=samples python3 -m studies.energy build/release/bin out    # out/energy.csv; a run that is in out/ is not
+    made again
 
-Resting joules are those of a run whose events cost nothing: prices change no simulated time. A lost cycle costs its share of them."""
+Resting joules are those of a run whose events cost nothing: prices change no simulated time. A lost cycle costs its
+share of them."""
 import functools
 import os
 import pathlib
@@ -14,7 +17,8 @@ from studies.runs import Run, RunFolder, carry_out_all, progress
 from studies.table import csv_text, write_whole
 
 SCENES = ["builtin:buckyball", *(f"samples/scenes/{name}.scene" for name in (
-    "fog_box", "glass", "golden_ring", "mirror_buckyball", "mirror_buckyball_area", "subsurface", "hypertexture/flame"))]
+    "fog_box", "glass", "golden_ring", "mirror_buckyball", "mirror_buckyball_area", "subsurface",
+    "hypertexture/flame"))]
 SMALL = ["--volume-size", "32", "--size", "64x64", "--set", "fidelity=cycle", "--threads", "1"]
 MEMORY = ("memory", "memory_interface")
 KINDS = {"rdram": [], "rdram at rest": None, "ddr": ["memory=ddr"]}
@@ -23,7 +27,8 @@ KINDS = {"rdram": [], "rdram at rest": None, "ddr": ["memory=ddr"]}
 def free_events(board):
     """Settings under which no event costs anything."""
     explained = subprocess.run([board, "--explain-config"], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return [f"{name}=0" for name in re.findall(r"^(energy\.\w+_(?:fj|aj)) ", explained, re.MULTILINE)] + ["energy.rdram_attention_uw=187500"]
+    return [f"{name}=0" for name in re.findall(r"^(energy\.\w+_(?:fj|aj)) ", explained,
+                                               re.MULTILINE)] + ["energy.rdram_attention_uw=187500"]
 
 
 def windows_of(statistics):
@@ -40,7 +45,8 @@ def windows_of(statistics):
 
 def causes_of(counters):
     """The share of each cause in the pipelines' cycles, those that take a sample or skip a block left out."""
-    cycles = {name.removeprefix("processor.cycles."): value for name, value in counters.items() if name.startswith("processor.cycles.")}
+    cycles = {name.removeprefix("processor.cycles."): value for name, value in counters.items()
+              if name.startswith("processor.cycles.")}
     whole = sum(cycles.values())
     return {name: value / whole for name, value in cycles.items() if name not in ("busy", "leap") and value}
 
@@ -54,13 +60,17 @@ def rows_of(folder, runs):
             causes = sorted(causes_of(counters).items(), key=lambda each: -each[1])
             lost = "; ".join(f"{name} {share * joules('total', rest) * 1e3:.3g}" for name, share in causes[:3])
             watts = joules("total") / ms * 1e3
-            yield [pathlib.Path(scene.replace("builtin:", "")).stem, what, f"{ms:.3f}", f"{joules('total') * 1e3:.2f}", f"{watts:.2f}",
-                   f"{joules('total.low') / ms * 1e3:.2f}", f"{joules('total.high') / ms * 1e3:.2f}", f"{joules('total', rest) * 1e3:.2f}",
-                   f"{sum(map(joules, MEMORY)) * 1e3:.3f}", f"{ddr_ms:.3f}", f"{sum(joules(part, ddr) for part in MEMORY) * 1e3:.3f}",
+            yield [pathlib.Path(scene.replace("builtin:", "")).stem, what, f"{ms:.3f}", f"{joules('total') * 1e3:.2f}",
+                   f"{watts:.2f}",
+                   f"{joules('total.low') / ms * 1e3:.2f}", f"{joules('total.high') / ms * 1e3:.2f}",
+                   f"{joules('total', rest) * 1e3:.2f}",
+                   f"{sum(map(joules, MEMORY)) * 1e3:.3f}", f"{ddr_ms:.3f}",
+                   f"{sum(joules(part, ddr) for part in MEMORY) * 1e3:.3f}",
                    f"{joules('total', ddr) * 1e3:.2f}", lost]
 
 
-COLUMNS = ["scene", "what", "ms", "mJ", "W", "low W", "high W", "resting mJ", "memory mJ", "DDR ms", "DDR memory mJ", "DDR mJ", "lost mJ"]
+COLUMNS = ["scene", "what", "ms", "mJ", "W", "low W", "high W", "resting mJ", "memory mJ", "DDR ms", "DDR memory mJ",
+           "DDR mJ", "lost mJ"]
 
 
 def main():
@@ -69,7 +79,8 @@ def main():
     KINDS["rdram at rest"] = free_events(programs / "gicube-board")
     runs = {(scene, kind): Run([scene, *SMALL, *(word for field in fields for word in ("--set", field))])
             for scene in SCENES for kind, fields in KINDS.items()}
-    carry_out_all(folder, list(runs.values()), str(programs / "gicube-render"), os.cpu_count(), functools.partial(progress, "energy"))
+    carry_out_all(folder, list(runs.values()), str(programs / "gicube-render"), os.cpu_count(),
+                  functools.partial(progress, "energy"))
     write_whole(out / "energy.csv", csv_text([COLUMNS, *rows_of(folder, runs)]))
 
 
