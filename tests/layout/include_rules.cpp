@@ -204,8 +204,10 @@ const std::vector<Rule>& rules() {
                               "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"},
                              {kAnything}},
       // Speaks the bus below the driver's public headers.
-      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
-      {"driver/tools/conformance",  {"driver/tools/conformance", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire",
+        "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/tools/conformance",  {"driver/tools/conformance", "driver/include", "driver/src", "proto/gicube/wire",
+        "proto/gicube/unknown_options.h", "proto/gicube/whole_file.h"}, {kAnything}},
       // Carries a driver's bytes, and connects as a driver does; reads no frame.
       {"driver/tools/pci",          {"driver/tools/pci", "driver/include/gicube/error.h", "driver/src/transport",
         "proto/gicube/wire/pci_config.h",
