@@ -21,6 +21,7 @@ html_show_copyright = html_show_sphinx = html_show_sourcelink = html_copy_source
 html_domain_indices = False
 html_theme_options = {"navigation_with_keys": True}
 add_module_names = False
+smartquotes = False  # they make a dash of an option
 
 
 def _page_of(text, pages):

@@ -169,6 +169,8 @@ def module_entries(path):
     made = ""
     for node in tree.body:
         name = getattr(node, "name", "")
+        if name == "shown":  # of the package's own modules
+            continue
         if isinstance(node, ast.ClassDef) and not name.startswith("_") and ast.get_docstring(node):
             made += class_entry(node, lines)
         elif (
