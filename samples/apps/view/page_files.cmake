@@ -18,8 +18,9 @@ foreach(file ${files})
   string(APPEND entries "  PageFile{\"${name}\", \"${type}\", {kFile${number}, sizeof(kFile${number}) - 1}},\n")
   math(EXPR number "${number} + 1")
 endforeach()
-file(WRITE ${OUTPUT}
-    "#include \"view/page_files.h\"\n\n#include <array>\n\nnamespace gicube::samples::view {\nnamespace {\n\n${arrays}
+string(PREPEND arrays
+  "#include \"view/page_files.h\"\n\n#include <array>\n\nnamespace gicube::samples::view {\nnamespace {\n\n")
+file(WRITE ${OUTPUT} "${arrays}
 constexpr std::array<PageFile, ${number}> kPageFiles{{\n${entries}}};\n
-}  // namespace\n\nstd::span<const PageFile> page_files() { return kPageFiles; }\n\n}  // namespace
-    gicube::samples::view\n")
+}  // namespace\n\nstd::span<const PageFile> page_files() { return kPageFiles; }\n
+}  // namespace gicube::samples::view\n")
