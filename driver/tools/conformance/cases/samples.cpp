@@ -146,7 +146,7 @@ constexpr Case kCases[] = {
          table.push_back({{any(), any(), any()}, wire::kClassifiedOpacityOne});
        }
        send_look(host, [&table](std::uint32_t density, unsigned tag) { return table[tag << 12 | density]; });
-       const wire::RenderCommand command = along(2, true, volume, 16, 16, 0.6);
+       const wire::RenderCommand command = along(2, true, volume, 16, 16, 0.53);
        const auto picture = render(host, command);
        for (int i = 0; i < 256; ++i) {
          const Words at = start_of(command, i % 16 + 0.5, i / 16 + 0.5, volume.size()).position;
