@@ -228,14 +228,15 @@ std::string faces_and_pairs(Board& board) {
 std::string lamps_and_bricks(Board& board) {
   Text text;
   load(board);
-  board.set_transfer_function({.colours = {{0, {0.9, 0.9, 0.8}}}, .opacities = {{60, 0.0}, {180, 0.5}}});
+  board.set_transfer_function({.colours = {{0, {0.9, 0.9, 0.8}}}, .opacities = {{60, 0.0}, {80, 1.0}}});
   board.set_material({.scattering = 1, .bsdf = Bsdf::kSpecular, .seen_through_scattering = true});
   View mirror = view();
   mirror.scatter = true;
-  mirror.lamps = {{SphereLight{{60, 40, -80}, 40, 4e5}, {0.25, 0.5, 1}}};
+  mirror.lamps = {{SphereLight{{85, 62, -80}, 60, 4 * 3.14159 * 60 * 60}, {0.25, 0.5, 1}}};
   add(text, "mirror", board.render(mirror));
 
   board.set_material({});
+  board.set_transfer_function({.colours = {{0, {0.9, 0.9, 0.8}}}, .opacities = {{60, 0.0}, {180, 0.5}}});
   constexpr Dims kDims{96, 72, 80};  // 1080 blocks, of which the card stores 512; every second one is empty
   std::vector<std::byte> samples;
   for (int z = 0; z < kDims[2]; ++z) {
