@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -89,6 +90,25 @@ TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
   killed.process.send_signal(SIGKILL);
   killed.process.exit_code();
   const std::vector<FoundBoard> found = enumerate();
+  gicube_found_list* list = nullptr;
+  ASSERT_EQ(gicube_enumerate(&list), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_found_count(list), found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    gicube_found_board each;
+    ASSERT_EQ(gicube_found_board_init(&each, sizeof each), GICUBE_OK);
+    ASSERT_EQ(gicube_found_at(list, i, &each), GICUBE_OK);
+    EXPECT_EQ(each.uri, found[i].uri);
+    EXPECT_EQ(each.product, found[i].product);
+    EXPECT_EQ(each.version, found[i].version);
+    EXPECT_EQ(std::string(each.owner).empty(), found[i].owner.empty());
+    EXPECT_EQ(each.in_use, found[i].in_use);
+    EXPECT_EQ(each.process, found[i].process);
+  }
+  gicube_found_board none{};
+  EXPECT_EQ(gicube_found_at(list, found.size(), &none), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "index");
+  gicube_found_free(list);
+
   std::vector<std::string> uris;
   for (const FoundBoard& each : found) {
     uris.push_back(each.uri);
@@ -101,25 +121,31 @@ TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
     }
   }
   EXPECT_THAT(uris, testing::UnorderedElementsAre(two.bus, two.bus + ".1", plain.bus));
+}
 
-  gicube_found_list* list = nullptr;
-  ASSERT_EQ(gicube_enumerate(&list), GICUBE_OK) << gicube_last_error();
-  ASSERT_EQ(gicube_found_count(list), found.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    gicube_found_board each;
-    ASSERT_EQ(gicube_found_board_init(&each, sizeof each), GICUBE_OK);
-    ASSERT_EQ(gicube_found_at(list, i, &each), GICUBE_OK);
-    EXPECT_EQ(each.uri, found[i].uri);
-    EXPECT_EQ(each.product, found[i].product);
-    EXPECT_EQ(each.version, found[i].version);
-    EXPECT_EQ(each.owner, found[i].owner);
-    EXPECT_EQ(each.in_use, found[i].in_use);
-    EXPECT_EQ(each.process, found[i].process);
+// The log of the C interface, and of the C++ one below it.
+TEST(Log, IsToldOfASessionThatWasLostAndResumed) {
+  const OwnRegistry registry;
+  const TemporaryDirectory folder;
+  std::ofstream(folder.file("plan")) << "fault { direction: up message: 30 kind: link_loss }\n";
+  const Listening faulty({"--faults", folder.file("plan")});
+  std::vector<std::string> told;
+  gicube_open_options options;
+  ASSERT_EQ(gicube_open_options_init(&options, sizeof options), GICUBE_OK);
+  options.reopen_attempts = 3;
+  options.log = [](void* user, const char* sentence) {
+    static_cast<std::vector<std::string>*>(user)->emplace_back(sentence);
+  };
+  options.log_user = &told;
+  gicube_board* board = nullptr;
+  ASSERT_EQ(gicube_open(faulty.bus.c_str(), &options, &board), GICUBE_OK) << gicube_last_error();
+  for (int i = 0; i < 40; ++i) {
+    gicube_counter_list* list = nullptr;
+    ASSERT_EQ(gicube_get_counters(board, &list), GICUBE_OK) << gicube_last_error();
+    gicube_counters_free(list);
   }
-  gicube_found_board none{};
-  EXPECT_EQ(gicube_found_at(list, found.size(), &none), GICUBE_BAD_ARGUMENT);
-  EXPECT_STREQ(gicube_last_error_field(), "index");
-  gicube_found_free(list);
+  gicube_close(board);
+  EXPECT_THAT(told, testing::ElementsAre(HasSubstr("the session goes on")));
 }
 
 // A listener that is no board may say anything: it is left out, and nobody waits for ever.

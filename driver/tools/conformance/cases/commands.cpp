@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "gicube/board.h"
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

@@ -1,6 +1,6 @@
 // Credits of both directions.
 #include "gicube/wire/memory_map.h"
-#include "host.h"
+#include "tools/conformance/host.h"
 
 namespace gicube::conformance {
 namespace {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "host.h"
-#include "scene.h"
-#include "traced.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
+#include "tools/conformance/traced.h"
 
 namespace gicube::conformance {
 namespace {

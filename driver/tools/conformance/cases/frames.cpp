@@ -3,7 +3,7 @@
 
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/memory_map.h"
-#include "host.h"
+#include "tools/conformance/host.h"
 
 namespace gicube::conformance {
 namespace {

@@ -1,8 +1,8 @@
 // The handshake, and who gets the board.
 #include <array>
 
-#include "case.h"
-#include "host.h"
+#include "tools/conformance/case.h"
+#include "tools/conformance/host.h"
 
 namespace gicube::conformance {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "gicube/wire/material.h"
 #include "gicube/wire/trap.h"
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

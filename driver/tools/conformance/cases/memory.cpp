@@ -4,8 +4,8 @@
 
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/memory_map.h"
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

@@ -1,8 +1,8 @@
 // Pictures beyond the plain ones: filters, cut planes, anisotropic voxels, parts, jitter.
 #include <cmath>
 
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

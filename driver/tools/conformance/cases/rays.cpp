@@ -5,9 +5,9 @@
 
 #include "gicube/wire/pair.h"
 #include "gicube/wire/ray.h"
-#include "host.h"
-#include "scene.h"
-#include "traced.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
+#include "tools/conformance/traced.h"
 
 namespace gicube::conformance {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "gicube/wire/pci_config.h"
-#include "host.h"
+#include "tools/conformance/host.h"
 
 namespace gicube::conformance {
 namespace {

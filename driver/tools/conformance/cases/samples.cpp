@@ -2,8 +2,8 @@
 // words in a pixel.
 #include <cmath>
 
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

@@ -1,6 +1,6 @@
 // Sessions that outlive their connections, and checkpoints.
-#include "host.h"
-#include "scene.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
 
 namespace gicube::conformance {
 namespace {

@@ -3,9 +3,9 @@
 #include <thread>
 
 #include "gicube/wire/pci_config.h"
-#include "host.h"
-#include "scene.h"
-#include "traced.h"
+#include "tools/conformance/host.h"
+#include "tools/conformance/scene.h"
+#include "tools/conformance/traced.h"
 
 namespace gicube::conformance {
 namespace {
