@@ -6,7 +6,7 @@ library=$1
 scene=$2
 # .so.0.3: before 1.0 each minor version has libraries of its own name.
 header=$(dirname "$0")/../../driver/include/gicube/version.h
-so=so.$(awk '/VERSION_(MAJOR|MINOR) / {printf "%s%s", dot, $3; dot = "."}' "$header")
+so=so.$(awk '/VERSION_(MAJOR|MINOR) [0-9]/ {printf "%s%s", dot, $3; dot = "."}' "$header")
 
 shown=$(nm -D --defined-only --with-symbol-versions "$library" | awk '{print $3}' | grep -v '^GICUBE_0$')
 if strange=$(grep -vE '^(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0$' <<<"$shown"); then
