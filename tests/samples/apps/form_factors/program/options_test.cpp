@@ -133,7 +133,7 @@ TEST(FormFactorOptions, WhatIsWrongIsNamed) {
 TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/radiosity")) {
-    const Scene scene = scene_of(SceneInput{entry.path(), 32, {}, true});
+    const Scene scene = scene_of({.input = entry.path(), .volume_size = 32, .allow_outside = true});
     EXPECT_TRUE(std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
       return m.emission > 0;
     })) << entry.path();
