@@ -133,7 +133,11 @@ TEST(FormFactorOptions, WhatIsWrongIsNamed) {
 TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/radiosity")) {
-    const Scene scene = scene_of({.input = entry.path(), .volume_size = 32, .allow_outside = true});
+    SceneInput input;
+    input.input = entry.path();
+    input.volume_size = 32;
+    input.allow_outside = true;
+    const Scene scene = scene_of(input);
     EXPECT_TRUE(std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
       return m.emission > 0;
     })) << entry.path();
