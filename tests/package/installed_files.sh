@@ -25,7 +25,7 @@ for program in board compose conformance cone-beam form-factors light render rep
 if objdump -p "$prefix/bin/gicube-render" | grep OpenImageIO; then exit 1; fi
 render() { "$prefix/bin/gicube-render" builtin:buckyball --volume-size 16 --size 8x8 --quiet -o "$scratch/$1" 2>&1; }
 render picture.exr
-pictures=$(find "$prefix" -name 'libgicube-pictures.so.*')
+pictures=$(find "$prefix" -name 'libgicube-pictures.so.*' -type l)
 mv "$pictures" "$scratch/away"
 render picture.png
 if said=$(render other.exr); then exit 1; fi
