@@ -38,7 +38,7 @@ module write_queue #(
   logic [NUMBER_BITS-1:0] now_waiting, now_last, count;
   logic asks;
 
-  // What was sent in an earlier cycle has left.
+  // Tiles sent in an earlier cycle have left.
   assign has_room = NUMBER_BITS'(last - next) <= NUMBER_BITS'(TILES - 16);
   assign can_send = next != waiting;
   assign {next_fetch, next_block, next_tile} = entries[32'(next[PLACE_BITS-1:0])*ENTRY +: ENTRY];

@@ -20,7 +20,7 @@ module ring #(
     input  logic [PROCESSORS-1:0]       right_ready,
     output logic [PROCESSORS-1:0]       from_right,
     output logic [PROCESSORS*TOKEN-1:0] from_right_token,
-    // What is counted, of the link to the right in the lower half and of that to the left in the upper.
+    // Counts, of the link to the right in the lower half and of that to the left in the upper.
     output logic [2*PROCESSORS-1:0]     hops,
     output logic [2*PROCESSORS-1:0]     busy,
     output logic [2*PROCESSORS-1:0]     blocked,

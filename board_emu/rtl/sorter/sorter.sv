@@ -28,7 +28,7 @@ module sorter #(
     output logic                  overflows,
     output logic [TOKEN-1:0]      overflowed,  // a ray, or a reserved slot
     output logic                  moves,       // a ray, a slot or an importance moved
-    // What is counted: a second write lost; a ray without a slot; a slot reported; a queue activated, given up,
+    // Counts: a second write lost; a ray without a slot; a slot reported; a queue activated, given up,
     // inserted.
     output logic                  conflicts,
     output logic                  finds_no_slot,

@@ -69,7 +69,7 @@ void give_back(const std::byte* bytes, std::size_t count) {
   if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
 }
 
-// Of the address space that this process has already.
+// Size of the address space that this process has already.
 std::uint64_t own_memory() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;

@@ -103,7 +103,7 @@ Illumination to_illumination(const gicube_illumination* settings);
 std::vector<Element> to_elements(const gicube_element* elements, std::size_t count);
 std::vector<ElementPair> to_pairs(const gicube_element_pair* pairs, std::size_t count);
 
-// What the handle remembers of a picture's view, a picture that was read, and an illumination.
+// The handle remembers a picture's view, a picture that was read, and an illumination.
 void remember_view(gicube_board& handle, const View& view);
 void hand_over(gicube_board& handle, const Image& image, gicube_pixel* pixels, std::size_t count);
 void hand_over(gicube_board& handle, const LightingReport& result, gicube_lighting_report* report);

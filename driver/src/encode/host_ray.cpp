@@ -73,7 +73,7 @@ double length_of_a_step(const HostRay& ray, const RaySetup& setup) {
   return ray.length / steps * std::sqrt(dot(physical, physical));
 }
 
-// What a backprojecting ray's step leaves, in units of its field in the packet.
+// Amount that a step of a backprojecting ray leaves, in units of its field in the packet.
 double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
   const double units = ray.energy * length_of_a_step(ray, setup) / setup.energy_unit;
   return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);

@@ -22,7 +22,7 @@ std::filesystem::path pci_folder(const std::string& address, const std::filesyst
 // The kernel driver that the function is bound to; empty: none.
 std::string kernel_driver_of(const std::filesystem::path& folder);
 
-// What has to hold before a function can be opened.
+// Conditions that must hold before a function can be opened.
 struct PciCondition {
   bool holds;
   std::string question, answer;

@@ -1,4 +1,4 @@
-// What the suite found, as text and as JUnit's XML.
+// The suite's results, as text and as JUnit's XML.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// What the cases put on a board, and what a picture of it must be, by the rules P1601 to P1613.
+// Volumes that the cases put on a board, and the pictures expected of them, by the rules P1601 to P1613.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace gicube::conformance {
 using Vector = std::array<double, 3>;
 using Words = std::array<std::int32_t, 3>;
 
-// The same numbers in each run.
+// Random numbers that are equal in each run.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : state_(seed) {}

@@ -150,7 +150,7 @@ bool Function::move_down() {
   const auto ring = rings_.subspan(reg::kIndexBytes, (rings_.size() - reg::kIndexBytes) / 2);
   const std::uint32_t count = reg::index_at(rings_.data(), reg::kDownPut).load(std::memory_order_acquire) - taken_;
   if (count > ring.size()) return fail(Error::kBadIndex), false;
-  // Of a closed connection, move_up() has the last words.
+  // move_up() has the last words of a closed connection.
   board_is_full_ = ring_to_socket(ring, taken_, count, board_.socket.get()) == RingStop::kMustWait;
   reg::index_at(rings_.data(), reg::kDownTaken).store(taken_, std::memory_order_release);
   return true;

@@ -17,7 +17,7 @@ namespace gicube::samples {
 // InputError with all faults, one a line: "NAME:LINE:COLUMN: ..." for the text, "NAME: field.path: expected ..., got
 // ..." for its meaning. Relative paths in `text` are taken from `folder`.
 ScanDescription parse_scan(const std::string& text, const std::string& name, const std::filesystem::path& folder);
-// The same for a file, with what its DXchange file has. Throws InputError also if it can't be read, FileError of the
+// Reads a file, and the DXchange file that it names. Throws InputError also if it can't be read, FileError of the
 // latter.
 ScanDescription read_scan_file(const std::filesystem::path& path);
 

@@ -30,7 +30,7 @@ double bus_ms(const Counters& counters);
 // low and high; joules_per_sample, joules_per_ray; of each of the `boards`, on average and with the high bounds:
 // within_slot, within_packages, asic_watts, asic_most_watts. Null where the level counts no energy.
 nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards = 1);
-// The same as a sentence, of a window; empty where the level counts no energy.
+// A sentence of the same figures, of a window; empty where the level counts no energy.
 std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards = 1);
 
 // The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all
