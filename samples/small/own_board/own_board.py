@@ -1,4 +1,4 @@
-"""A board of one's own, written from docs/reference/protocol.md alone: it opens and renders.
+"""A board of one's own, by the rules of docs/reference/protocol.md: it opens and renders.
 
 Usage: own_board.py SOCKET
 Then gicube-conformance unix:SOCKET --class 0 holds it to that page, and gicube.open("unix:SOCKET") renders on it.
