@@ -63,7 +63,7 @@ class Conformance(unittest.TestCase):
         view = ["--size", "40x40", "--eye", "100,-30,70", "--look-at", "20,20,20", "--step", "0.3", "--quiet"]
         with OwnBoard() as uri, tempfile.TemporaryDirectory() as folder:
             for board in (uri, "emu:"):
-                picture = pathlib.Path(folder) / f"{len(pictures)}.ppm"
+                picture = pathlib.Path(folder) / f"{len(pictures)}.png"
                 ran = subprocess.run(
                     [
                         BIN / "gicube-render",

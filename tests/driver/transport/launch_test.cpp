@@ -110,7 +110,7 @@ TEST_F(Launch, AMissingProgramNamesEveryPlaceLookedAt) {
 TEST_F(Launch, TheChildGetsItsArgumentsAndTheSocketAsFileThree) {
   ChildProcess child(script("echo \"$@\" >&3"), {"--set", "threads=2"});
   const Fd socket = child.take_socket();
-  EXPECT_EQ(receive_all(socket), "--set threads=2 --listen fd:3 --private --quiet\n");
+  EXPECT_EQ(receive_all(socket), "--set threads=2 --listen fd:3 --quiet --private\n");
 }
 
 TEST_F(Launch, TheChildInheritsNoOtherFile) {
