@@ -11,8 +11,8 @@ from studies.table import rows_of
 
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
-WORDS = {name: lines[2:].strip().split("\n- ") for name, lines in
-         re.findall(r"^## (.+)\n((?:- .+\n?)+)", pathlib.Path(__file__).with_name("charts.md").read_text().strip(),
+WORDS = {name: [" ".join(item.split()) for item in re.split(r"^- ", items, flags=re.M)[1:]] for name, items in
+         re.findall(r"^## (.+)\n((?:(?:- |  ).+\n?)+)", pathlib.Path(__file__).with_name("charts.md").read_text(),
                     re.M)}
 
 
