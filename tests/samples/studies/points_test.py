@@ -10,11 +10,12 @@ import pytest
 BIN = os.environ["GICUBE_BIN_DIR"]
 os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
 
-from studies import boards, charts, cone_beam, form_factors, light, lighting, points, volume_texture  # noqa: E402
+from studies import (  # noqa: E402
+    boards, charts, cone_beam, form_factors, light, lighting, points, truths, volume_texture)
 from studies.points import Kept, Table, measure, text_of  # noqa: E402
 
 MODULES = {"boards": boards, "lighting": lighting, "light": light, "cone_beam": cone_beam, "form_factors": form_factors,
-           "volume_texture": volume_texture}
+           "truths": truths, "volume_texture": volume_texture}
 
 
 @pytest.fixture(autouse=True)
