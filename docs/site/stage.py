@@ -155,10 +155,9 @@ class Stage:
 
     def file(self, path):
         language = LANGUAGES.get(path.suffix, "none")
+        block = "csv-table}\n:header-rows: 1\n:class: figures\n" if path.suffix == ".csv" else f"code-block}} {language}"
         text = (ROOT / path).read_text()
-        self.write(
-            f"files/{path}.md", f"---\norphan: true\n---\n# {path}\n\n`````{{code-block}} {language}\n{text}\n`````\n"
-        )
+        self.write(f"files/{path}.md", f"---\norphan: true\n---\n# {path}\n\n`````{{{block}\n{text}\n`````\n")
 
 
 def included(header):

@@ -1,9 +1,10 @@
 """Compares a bill of materials (driver/cmake/sbom.py) with what ldd, readelf and dpkg say of the unpacked package, and
-with docs/design/dependencies.md.
+with docs/design/dependencies.csv.
 
 Usage: check_bill.py BILL.json ROOT SOURCE_FOLDER
 """
 
+import csv
 import hashlib
 import json
 import os
@@ -89,13 +90,13 @@ for each in packages.values():
         faults.append(f"{each['name']}: {declared} is not explained")
 
 # What is used has its row in the table, and what script/packages.txt calls a library of the product is used.
-page = (tree / "docs/design/dependencies.md").read_text()
-rows = {name for cell in re.findall(r"^\| ([a-z][^|]*?) \|", page, re.MULTILINE) for name in cell.split(", ")}
+with (tree / "docs/design/dependencies.csv").open(newline="") as table:
+    rows = {name for row in list(csv.reader(table))[1:] for name in row[0].split(", ")}
 sections = re.findall(r"# Libraries of [^\n]*\n(.*?)\n#", (tree / "script/packages.txt").read_text(), re.DOTALL)
 libraries = sources({line.split()[0] for section in sections for line in section.splitlines()})
 development = sources({name for name in rows if name.endswith("-dev")})
 if missing := set(source.values()) - set(development.values()) - of_metapackages(development) - TOOLCHAIN:
-    faults.append(f"docs/design/dependencies.md: no row for {sorted(missing)}")
+    faults.append(f"docs/design/dependencies.csv: no row for {sorted(missing)}")
 for name, its_source in libraries.items():
     if its_source not in source.values() and not of_metapackages([name]) & set(source.values()):
         faults.append(f"script/packages.txt: {name} is not in the bill")

@@ -54,7 +54,6 @@ class RecordsTestCase(unittest.TestCase):
         self.assertIn("F(haze)", self.text("driver/python/core/records.h"))
         self.assertIn('    haze: float = 0.25\n    """0..1, of the air"""\n',
                       self.text("driver/python/gicube/records.py"))
-        self.assertIn("| `haze` | `double` | 0.25 | 0..1, of the air |", self.text("docs/reference/records.md"))
         self.assertRegex(self.text("driver/include/gicube/c_types.h"), r"GICUBE_FILTER_WIDE_GAUSS = 2")
         self.assertIn("PixelFilter::kWideGauss", self.text("driver/src/c_api/fields.h"))
         self.assertIn('WIDE_GAUSS = "wide_gauss"', self.text("driver/python/gicube/records.py"))

@@ -9,7 +9,6 @@ from studies.table import cell, csv_text, to_markdown
 
 TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
-MOST_CELLS = 60  # larger tables are in their CSV files alone
 TEXT = pathlib.Path(__file__).with_name("words.md").read_text()
 
 
@@ -71,11 +70,9 @@ class Page:
         self.body += filled(WORDS[name].format(**figures)) + "\n\n"
 
     def table(self, name, columns, rows):
-        """Cells as they are printed."""
+        """Cells as they are printed; the page has a link to the file."""
         self._tables[name] = [columns, *rows]
-        link = f"[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
-        small = len(columns) * len(rows) <= MOST_CELLS
-        self.body += f"{to_markdown(columns, rows)}\n{link}" if small else f"Table of {len(rows)} rows: {link}"
+        self.body += f"Table of {len(rows)} rows: [{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
 
     def chart(self, caption, name, title, x_label, y_label, x, series, **of_panel):
         """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names,
@@ -86,7 +83,8 @@ class Page:
         look = "line" if len(x) > 60 else "both"
         lines = [draw.Series(label, x, values, look=look) for label, values in series.items()]
         self._charts[name] = (title, x_label, y_label, lines), of_panel
-        self.body += f"![{title}]({FOLDER}/{name}.svg)\n\n{caption} [{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
+        said = f"{caption} " if caption else ""
+        self.body += f"![{title}]({FOLDER}/{name}.svg)\n\n{said}[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
 
     def picture(self, file, caption):
         self.body += f"![{caption}]({FOLDER}/{file})\n\n"

@@ -1,9 +1,8 @@
-// docs/reference/counters.md names what boards of all levels count, with unit and level.
+// docs/reference/counters.csv names what boards of all levels count, with unit and level.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -36,30 +35,30 @@ std::regex pattern_of(const std::string& name) {
   return std::regex(std::regex_replace(text, std::regex("^(processor|link|rdram)"), "$1[0-9]*"));
 }
 
-// A row for each name in the first cell of the page's tables.
-std::vector<CounterRow> rows_of_the_page() {
-  std::ifstream page(GICUBE_SOURCE_DIR "/docs/reference/counters.md");
-  const std::regex row(R"(\| (`[^|]*`) \| ([^|]*) \| ([^|]*) \| .* \|)"), name("`([^`]*)`");
+std::vector<CounterRow> rows_of_the_table() {
+  std::ifstream table(GICUBE_SOURCE_DIR "/docs/reference/counters.csv");
+  const std::regex row("([^,]*),([^,]*),([^,]*),.*");
   std::vector<CounterRow> rows;
-  for (std::string line; std::getline(page, line);) {
+  std::string line;
+  std::getline(table, line);  // the columns' names
+  while (std::getline(table, line)) {
     std::smatch cells;
-    if (!std::regex_match(line, cells, row)) continue;
-    const std::string names = cells[1];
-    for (std::sregex_iterator each(names.begin(), names.end(), name), end; each != end; ++each) {
-      rows.push_back({(*each)[1], cells[2], cells[3], pattern_of((*each)[1])});
-    }
+    if (!std::regex_match(line, cells, row))
+      ADD_FAILURE() << line;
+    else
+      rows.push_back({cells[1], cells[2], cells[3], pattern_of(cells[1])});
   }
   return rows;
 }
 
 // Whether a board on which this level has answered keeps it; `lit`: light has been scattered or deposited.
 bool keeps(const CounterRow& row, Fidelity level, bool lit) {
-  if (row.level == "all, lit") return lit;
+  if (row.level == "lit") return lit;
   return row.level == "all" || row.level == name_of(level);
 }
 
 TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
-  const std::vector<CounterRow> rows = rows_of_the_page();
+  const std::vector<CounterRow> rows = rows_of_the_table();
   ASSERT_GT(rows.size(), 80u);
   const auto compare = [&rows](const Counters& counters, const auto& is_kept, const std::string& when) {
     for (const Counter& counter : counters.list()) {

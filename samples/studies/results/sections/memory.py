@@ -34,7 +34,7 @@ class Grid:
         for name, title, label, log_y, figure in (("hit-ratio", hits_title, "hit ratio", False, self.hits),
                                                   ("time", ms_title, "ASIC ms", True, self.ms)):
             series = {f"n = {n}": [figure(n, queue) for queue in QUEUES] for n in self.blocks}
-            self.bench.page.chart(f"{title}.", f"{name}-{self.name}", title, "rays of a queue", label, QUEUES, series,
+            self.bench.page.chart("", f"{name}-{self.name}", title, "rays of a queue", label, QUEUES, series,
                                   log_x=True, log_y=log_y)
         queue_table(self.bench, f"grid-{self.name}", {f"n = {n}": n for n in self.blocks}, self.get)
 

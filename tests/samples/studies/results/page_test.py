@@ -17,23 +17,13 @@ class ResultPage(unittest.TestCase):
         self.assertFalse(differs(5, 2, 4))
         self.assertTrue(differs(5.01, 2, 4))
 
-    def test_TableHasTheSameCellsAsItsCsv(self):
+    def test_ATableIsInItsFile(self):
         page = Page()
         page.table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
-        self.assertEqual(page.body,
-                         '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 '
-                         '|\n\n[results/t.csv](results/t.csv)\n\n')
+        self.assertEqual(page.body, "Table of 2 rows: [results/t.csv](results/t.csv)\n\n")
         with tempfile.TemporaryDirectory() as folder:
             page.write_files(pathlib.Path(folder))
             self.assertEqual((pathlib.Path(folder) / "t.csv").read_text(), 'name,value\n"a, b",1\n"say ""c""",2\n')
-
-    def test_ALargeTableIsInItsFileAlone(self):
-        page = Page()
-        page.table("t", ["number", "square"], [[str(i), str(i * i)] for i in range(31)])
-        self.assertEqual(page.body, "Table of 31 rows: [results/t.csv](results/t.csv)\n\n")
-        with tempfile.TemporaryDirectory() as folder:
-            page.write_files(pathlib.Path(folder))
-            self.assertEqual(len((pathlib.Path(folder) / "t.csv").read_text().splitlines()), 32)
 
     def test_ChartLeavesAMissingValueEmpty(self):
         page = Page()
