@@ -227,23 +227,8 @@ def error_summary(rows):
                         for row in rows))
 
 
-def trade_summary(rows):
-    """The one of rays by the host or by the DSP, of the rows of form_factors_trade.csv: shares of the simulated time,
-    in percent."""
-    names = {"pci33": "PCI", "agp2x": "AGP 2x", "board": "DSP"}
-    def line(row):
-        shares = [float(row["bus_down"]) + float(row["bus_up"]),
-                  *(float(row[part]) for part in ("dsp", "pipelines", "sorter", "memory"))]
-        return [names[row["bus"]], names.get(row["made"], row["made"]), row["rays a pair"],
-                f"{float(row['rays_per_second']) / 1e6:.2f}",
-                *(f"{100 * share:.0f}%" for share in shares), names.get(row["bound"], row["bound"])]
-    return to_markdown(["bus", "rays by", "rays per pair", "M rays/s", "bus", "DSP", "pipelines", "sorter", "memory",
-                        "bound by"],
-                       (line(row) for row in rows if row["rays a pair"] in ("1", "16", "64")))
-
-
 def hierarchy_summary(rows):
-    """The one of a hierarchy against a full matrix, of the rows of form_factors_hierarchy.csv."""
+    """The table of a hierarchy against a full matrix, of the rows of form_factors_hierarchy.csv."""
     def line(row):
         is_hierarchy = row["hierarchy"] == "1"
         return ["hierarchy" if is_hierarchy else "full matrix", row["error"] if is_hierarchy else "",

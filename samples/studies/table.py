@@ -40,7 +40,8 @@ def csv_text(rows):
 
 
 def to_markdown(columns, rows):
-    return "".join(f"| {' | '.join(line)} |\n" for line in [columns, ["---"] * len(columns), *rows])
+    head, *body = (f"| {' | '.join(line)} |\n" for line in [columns, *rows])
+    return f"{head}{'|---' * len(columns)}|\n{''.join(body)}"
 
 
 def cell(value):

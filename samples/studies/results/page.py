@@ -72,7 +72,7 @@ class Page:
     def table(self, name, columns, rows):
         """Cells as they are printed; the page has a link to the file."""
         self._tables[name] = [columns, *rows]
-        self.body += f"Table of {len(rows)} rows: [{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
+        self.body += f"[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
 
     def chart(self, caption, name, title, x_label, y_label, x, series, **of_panel):
         """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names,
@@ -106,8 +106,8 @@ class Page:
         self._tables["claims"] = [names, *rows]
         listed = "".join(filled(f"**{each.number}, {each.claim}**: paper {each.paper}; ours {each.ours}. Reason: "
                                 f"{each.why}", "- ") + "\n" for each in self._claims if each.differs)
-        return (f"Table of {len(rows)} rows: [{FOLDER}/claims.csv]({FOLDER}/claims.csv)\n\nDifferences of more than a "
-                f"quarter:\n\n{listed}\n")
+        return (f"[{FOLDER}/claims.csv]({FOLDER}/claims.csv) has all {len(rows)} rows. Differences of more than a quarter:"
+                f"\n\n{listed}\n")
 
     def write_files(self, folder):
         """The CSV files and charts. Raises OSError, FileError."""

@@ -33,7 +33,7 @@ std::string levels_of(unsigned bits) {
 }
 
 TEST(FidelityReport, HasTheTableOfTheHardwarePage) {
-  std::string expected = "| not modelled | at levels |\n| --- | --- |\n";
+  std::string expected = "| not modelled | at levels |\n|---|---|\n";
   for (const LeftOut& each : kLeftOut) {
     expected += "| " + std::string(each.what) + " | " + levels_of(each.levels) + " |\n";
   }

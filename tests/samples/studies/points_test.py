@@ -192,7 +192,7 @@ def rows_of_the_documents(name):
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"), (form_factors.trade_summary, "trade"),
+@pytest.mark.parametrize("summary,name", [(form_factors.error_summary, "slopes"),
                                           (form_factors.hierarchy_summary, "hierarchy")])
 def test_the_documents_tables_of_form_factors_are_those_of_their_points(summary, name):
     assert summary(rows_of_the_documents(f"form_factors_{name}")) in (points.ROOT /

@@ -31,7 +31,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--board", options.board, "URI of the board")->capture_default_str();
   app.add_option("--data", options.data, "folder of the real scans; those that are not there are left out")
       ->capture_default_str();
-  app.add_option("--output", options.output, "Markdown file; the terminal if not given");
+  app.add_option("--output", options.output,
+                 "folder of the tables, scenes.csv and quantisers.csv; the terminal if not given");
   app.add_option("--size", options.size, "image, pixels")->capture_default_str();
   app.add_option("--scene", options.scenes, "only this scene (repeatable)");
   app.add_option("--volume-size", options.buckyball, "voxels an edge of the buckyball")->capture_default_str();
@@ -76,11 +77,12 @@ std::vector<Row> run(const Options& options) {
   return rows;
 }
 
-void write(const std::string& text, const std::string& path) {
-  if (path.empty()) {
-    std::cout << text;
+void write(const std::string& text, const std::string& folder, const std::string& name) {
+  if (folder.empty()) {
+    std::cout << text << '\n';
     return;
   }
+  const std::string path = folder + "/" + name;
   std::ofstream file(path);
   if (!(file << text).flush()) throw std::runtime_error(path + ": can't be written");
 }
@@ -94,7 +96,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 0);  // this program does not stand beside it
-    write(markdown(run(options)), options.output);
+    const std::vector<Row> rows = run(options);
+    write(scene_table(rows), options.output, "scenes.csv");
+    write(quantiser_table(rows), options.output, "quantisers.csv");
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

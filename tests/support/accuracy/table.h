@@ -1,4 +1,4 @@
-// The study's figures as Markdown: what docs/studies/accuracy.md shows.
+// The study's figures as CSV tables, those of docs/studies/accuracy.md.
 #pragma once
 
 #include <string>
@@ -14,6 +14,8 @@ struct Row {
   Figures figures;
 };
 
-std::string markdown(const std::vector<Row>& rows);
+std::string scene_table(const std::vector<Row>& rows);
+// The effect of each quantiser by itself: PSNR in dB, and the largest error in brackets.
+std::string quantiser_table(const std::vector<Row>& rows);
 
 }  // namespace gicube::accuracy

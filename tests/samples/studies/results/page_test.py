@@ -20,7 +20,7 @@ class ResultPage(unittest.TestCase):
     def test_ATableIsInItsFile(self):
         page = Page()
         page.table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
-        self.assertEqual(page.body, "Table of 2 rows: [results/t.csv](results/t.csv)\n\n")
+        self.assertEqual(page.body, "[results/t.csv](results/t.csv)\n\n")
         with tempfile.TemporaryDirectory() as folder:
             page.write_files(pathlib.Path(folder))
             self.assertEqual((pathlib.Path(folder) / "t.csv").read_text(), 'name,value\n"a, b",1\n"say ""c""",2\n')

@@ -37,11 +37,11 @@ class ResultsProgram(unittest.TestCase):
                          f"write {known.name} anew")
 
     def expect_the_files(self, page, folder):
-        tables = re.findall(r"^Table of (\d+) rows: \[results/([a-z0-9-]+)\.csv\]\(results/\2\.csv\)$", page, re.M)
-        self.assertGreaterEqual(len(tables), 12)
-        for rows, name in tables:
+        tables = re.findall(r"\[results/([a-z0-9-]+)\.csv\]\(results/\1\.csv\)", page)
+        self.assertEqual(sorted(f"{name}.csv" for name in tables), sorted(path.name for path in folder.glob("*.csv")))
+        for name in tables:
             names, *cells = rows_of(folder / f"{name}.csv")
-            self.assertEqual(len(cells), int(rows), name)
+            self.assertTrue(cells, name)
             self.assertEqual({len(row) for row in cells}, {len(names)}, name)
 
     def expect_pictures(self, page, folder):
