@@ -25,12 +25,12 @@
 // config, ...) are refused. A world's units are those of the scene, otherwise voxels, as everywhere in gicube-render.
 //
 // From the page, JSON text:
-//   {"do":"picture","id":N,"moving":BOOL,"settings":{...}}
+//   {"do":"picture","id":N,"moving":BOOL,"projection"?:"max"|"mean","settings":{...}}
 //       id grows. A newer one replaces one that waits, and stops one that is being made. moving: one coarse picture
 //       only, made for the frame budget. Otherwise a coarse one at once if the whole one takes longer than that, then
-//       the whole one ("final").
-//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K,"show":"slice"|"max"|"mean"}
-//       voxel K of the axis, of hello's dims; or the greatest or the mean value along the axis
+//       the whole one ("final"), and with `projection` the greatest or the mean value along each pixel's ray
+//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}
+//       voxel K of the axis, of hello's dims
 //   {"do":"histogram"}
 //       of the input
 //   {"do":"open","names":[...]}
@@ -78,9 +78,11 @@
 //       + RGBA, 8 bits, as in gicube-render -o picture.png. frame_ms is null if the level models no time. invisible:
 //       why nothing is visible. A coarse picture has fewer pixels than requested, and no number, command and python.
 //       There is no python if its package has no call for the settings.
-//   {"type":"slice","id","axis","at","show","width","height"}
+//   {"type":"slice","id","axis","at","width","height"}
 //       + 16 bits, little endian: 0..4095 over the volume's range, or indices of labels; rows from the lowest y (of z:
 //       y down, x across; of y: z down, x across; of x: z down, y across)
+//   {"type":"projection","id","width","height"}
+//       + such words, from the upper left as the picture, of at most 512 pixels a side; never of a world or a label map
 #pragma once
 
 #include <chrono>

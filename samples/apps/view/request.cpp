@@ -80,13 +80,13 @@ int axis_in(const json& message) {
   return static_cast<int>(axis);
 }
 
-Request::Show show_in(const json& message) {
-  using enum Request::Show;
-  const std::string name = text_in(message, "show");
-  if (name == "slice") return kSlice;
-  if (name == "max") return kMax;
+Request::Projection projection_in(const json& message) {
+  using enum Request::Projection;
+  if (!message.contains("projection")) return kNone;
+  const std::string name = text_in(message, "projection");
+  if (name == "max") return kMaximum;
   if (name == "mean") return kMean;
-  throw InputError("show", "slice, max or mean", in_quotes(name));
+  throw InputError("projection", "max or mean", in_quotes(name));
 }
 
 }  // namespace
@@ -109,7 +109,10 @@ Request parse_request(std::string_view text) {
   using enum Request::Kind;
   if (request.kind == kPicture || request.kind == kSlice || request.kind == kCompare)
     request.id = number_in(message, "id", kMaxId);
-  if (request.kind == kPicture) request.on = flag_in(message, "moving");
+  if (request.kind == kPicture) {
+    request.on = flag_in(message, "moving");
+    request.projection = projection_in(message);
+  }
   if (request.kind == kMachine) request.on = flag_in(message, "on");
   if (request.kind == kPicture || request.kind == kCompare) request.settings = settings_in(message, "settings");
   if (request.kind == kCompare) request.other = settings_in(message, "other");
@@ -117,7 +120,6 @@ Request parse_request(std::string_view text) {
   if (request.kind == kSlice) {
     request.axis = axis_in(message);
     request.at = static_cast<int>(number_in(message, "at", std::numeric_limits<int>::max()));
-    if (message.contains("show")) request.show = show_in(message);
   }
   return request;
 }

@@ -18,10 +18,10 @@ struct Request {
   std::uint64_t id = 0;
   bool on = false;  // kPicture: something moves; kMachine: counters are wanted
   Settings settings, other;
-  int axis = 0;  // kSlice: 0..2, and the voxel
+  enum class Projection { kNone, kMaximum, kMean };
+  Projection projection = Projection::kNone;  // kPicture
+  int axis = 0;                               // kSlice: 0..2, and the voxel
   int at = 0;
-  enum class Show { kSlice, kMax, kMean };
-  Show show = Show::kSlice;  // kSlice
   std::vector<std::string> names;
 };
 

@@ -5,7 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
 
+#include "gicube/parallel_for.h"
 #include "gicube/scene/error.h"
 #include "gicube/scene/marks.h"
 
@@ -45,6 +50,97 @@ Json labels_of(const SceneSetup& setup) {
   return labels;
 }
 
+Slice in_words(std::span<const float> values, const ValueRange& range, int width, int height) {
+  const double scale = range.high > range.low ? kMost / (range.high - range.low) : 0;
+  Slice slice{width, height, {}};
+  for (const float value : values) {
+    const auto word = static_cast<std::uint16_t>(std::clamp(std::lround((value - range.low) * scale), 0L, 65535L));
+    slice.words.push_back(static_cast<std::uint8_t>(word));
+    slice.words.push_back(static_cast<std::uint8_t>(word >> 8));
+  }
+  return slice;
+}
+
+// The rays of a view's pixels, in voxels; a direction has the length of the smallest edge.
+class PixelRays {
+ public:
+  PixelRays(const View& view, const Vec3& edges, int width, int height)
+      : eye_(view.eye), is_parallel_(view.orthographic_height > 0) {
+    const double least = std::min({edges.x, edges.y, edges.z});
+    edges_ = (1 / least) * edges;
+    forward_ = normalise(times_edges(view.look_at - view.eye));
+    const Vec3 right = normalise(cross(forward_, times_edges(view.up)));
+    const double tall =
+        is_parallel_ ? view.orthographic_height : 2 * std::tan(view.fov_degrees * std::numbers::pi / 360);
+    const double pixel = tall / height;
+    across_ = pixel * right;
+    down_ = -pixel * cross(right, forward_);
+    corner_ = (0.5 - 0.5 * width) * across_ + (0.5 - 0.5 * height) * down_;
+  }
+  std::pair<Vec3, Vec3> at(std::size_t column, std::size_t row) const {
+    const Vec3 aside = corner_ + static_cast<double>(column) * across_ + static_cast<double>(row) * down_;
+    if (is_parallel_) return {eye_ + in_voxels(aside), in_voxels(forward_)};
+    return {eye_, in_voxels(normalise(forward_ + aside))};
+  }
+
+ private:
+  Vec3 times_edges(const Vec3& v) const { return {v.x * edges_.x, v.y * edges_.y, v.z * edges_.z}; }
+  Vec3 in_voxels(const Vec3& v) const { return {v.x / edges_.x, v.y / edges_.y, v.z / edges_.z}; }
+
+  Vec3 eye_, edges_, forward_, across_, down_, corner_;
+  bool is_parallel_;
+};
+
+// Planes of a board's volume from `low` on, interpolated between voxels' centres.
+class Slab {
+ public:
+  Slab(Board& board, int low, int planes) : dims_(board.dims()), low_(low), end_(low + planes) {
+    values_ = board.read_volume({{0, 0, low}, {dims_[0], dims_[1], std::min(end_ + 1, dims_[2]) - low}});
+  }
+  // Where the ray is in it and not cut away, from its origin on.
+  std::pair<double, double> span(const Vec3& origin, const Vec3& direction, std::span<const CutPlane> cuts) const {
+    double near = 0, far = std::numeric_limits<double>::infinity();
+    const auto cut = [&](double from, double step, double low, double high) {
+      if (step == 0) {
+        if (from < low || from >= high) far = 0;
+        return;
+      }
+      const auto [first, last] = std::minmax({(low - from) / step, (high - from) / step});
+      near = std::max(near, first);
+      far = std::min(far, last);
+    };
+    cut(origin.x, direction.x, -0.5, dims_[0] - 0.5);
+    cut(origin.y, direction.y, -0.5, dims_[1] - 0.5);
+    cut(origin.z, direction.z, low_ == 0 ? -0.5 : low_, end_ == dims_[2] ? end_ - 0.5 : end_);
+    for (const auto& [normal, offset] : cuts)
+      cut(dot(normal, origin), dot(normal, direction), offset, std::numeric_limits<double>::infinity());
+    return {near, far};
+  }
+  float value(const Vec3& p) const {
+    const auto [x, right] = cell(p.x, 0, dims_[0]);
+    const auto [y, back] = cell(p.y, 0, dims_[1]);
+    const auto [z, up] = cell(p.z, low_, std::min(end_ + 1, dims_[2]));
+    const std::size_t dx = right > 0 ? 1 : 0, dy = back > 0 ? voxels_of({dims_[0], 1, 1}) : 0;
+    const std::size_t dz = up > 0 ? voxels_of({dims_[0], dims_[1], 1}) : 0;
+    const float* const at = &values_[z * voxels_of({dims_[0], dims_[1], 1}) + y * voxels_of({dims_[0], 1, 1}) + x];
+    const auto row = [&, share = right](const float* of) { return of[0] + share * (of[dx] - of[0]); };
+    const auto plane = [&, share = back](const float* of) { return row(of) + share * (row(of + dy) - row(of)); };
+    return plane(at) + up * (plane(at + dz) - plane(at));
+  }
+
+ private:
+  // The voxel before it, counted from `low`, and how far it is on the way to the next one.
+  static std::pair<std::size_t, float> cell(double at, int low, int end) {
+    const double from = std::clamp(at, double{1.0 * low}, double{1.0 * (end - 1)}) - low;
+    const auto voxel = static_cast<std::size_t>(from);
+    return {voxel, static_cast<float>(from - static_cast<double>(voxel))};
+  }
+
+  Dims dims_;
+  int low_, end_;
+  std::vector<float> values_;
+};
+
 }  // namespace
 
 std::string tf_text(const TransferFunctionFile& file) {
@@ -80,58 +176,63 @@ void describe_values(const SceneSetup& setup, const ValueRange& range, Json& vol
   if (labels) volume["labels"] = labels_of(setup);
 }
 
-Slice slice_of(Board& board, const SceneSetup& setup, const Request& request, const Progress& progress) {
+Slice slice_of(Board& board, const SceneSetup& setup, const Request& request) {
   const Dims dims = board.dims();
   const auto axis = static_cast<std::size_t>(request.axis);
   if (request.at >= dims[axis])
     throw InputError("at", fmt::format("a voxel from 0 to {}", dims[axis] - 1), std::to_string(request.at));
-  const ValueRange range = board.value_range();
-  const double scale = range.high > range.low ? kMost / (range.high - range.low) : 0;
-  Slice slice{axis == 0 ? dims[1] : dims[0], axis == 2 ? dims[1] : dims[2], {}};
-  const std::size_t pixels = static_cast<std::size_t>(slice.width) * static_cast<std::size_t>(slice.height);
-  std::vector<double> words(pixels);
   VoxelBox box{{0, 0, 0}, dims};
-  const bool has_labels = setup.labels.size() == voxels_of(dims);
-  // Calls use(pixel, index of the voxel, its value) for the voxels of the box.
-  const auto each = [&](const auto& use) {
-    const std::vector<float> values = has_labels ? std::vector<float>() : board.read_volume(box);
-    std::size_t i = 0;
-    for (int z = box.low[2]; z < box.low[2] + box.size[2]; ++z) {
-      for (int y = box.low[1]; y < box.low[1] + box.size[1]; ++y) {
-        for (int x = box.low[0]; x < box.low[0] + box.size[0]; ++x, ++i) {
-          const int across = axis == 0 ? y : x, up = axis == 2 ? y : z;
-          const auto pixel =
-              static_cast<std::size_t>(up) * static_cast<std::size_t>(slice.width) + static_cast<std::size_t>(across);
-          const std::size_t voxel =
-              voxels_of({dims[0], dims[1], z}) + voxels_of({dims[0], y, 1}) + static_cast<std::size_t>(x);
-          use(pixel, has_labels ? double{1.0 * setup.labels[voxel]} : (double{values[i]} - range.low) * scale);
-        }
+  box.low[axis] = request.at;
+  box.size[axis] = 1;
+  const int width = axis == 0 ? dims[1] : dims[0], height = axis == 2 ? dims[1] : dims[2];
+  if (setup.labels.size() != voxels_of(dims))
+    return in_words(board.read_volume(box), board.value_range(), width, height);
+  std::vector<float> labels;
+  for (int z = box.low[2]; z < box.low[2] + box.size[2]; ++z) {
+    for (int y = box.low[1]; y < box.low[1] + box.size[1]; ++y) {
+      for (int x = box.low[0]; x < box.low[0] + box.size[0]; ++x) {
+        labels.push_back(
+            setup.labels[voxels_of({dims[0], dims[1], z}) + voxels_of({dims[0], y, 1}) + static_cast<std::size_t>(x)]);
       }
     }
-  };
-  if (request.show == Request::Show::kSlice) {
-    box.low[axis] = request.at;
-    box.size[axis] = 1;
-    each([&](std::size_t pixel, double word) { words[pixel] = word; });
-  } else {
-    constexpr int kSlab = 32;  // chosen: 8 MB of a 256^3 volume at once
-    for (int z = 0; z < dims[2]; z += kSlab) {
-      box.low[2] = z;
-      box.size[2] = std::min(kSlab, dims[2] - z);
-      // The mean of labels would be none: the last one counts, as for the maximum.
-      const bool mean = request.show == Request::Show::kMean && !has_labels;
-      each([&](std::size_t pixel, double word) {
-        words[pixel] = mean ? words[pixel] + word / dims[axis] : std::max(words[pixel], word);
-      });
-      if (progress) progress(static_cast<std::uint32_t>(z + box.size[2]), static_cast<std::uint32_t>(dims[2]));
-    }
   }
-  for (const double word : words) {
-    const auto bits = static_cast<std::uint16_t>(std::clamp(std::lround(word), 0L, 65535L));
-    slice.words.push_back(static_cast<std::uint8_t>(bits));
-    slice.words.push_back(static_cast<std::uint8_t>(bits >> 8));
+  return in_words(labels, {0, kMost}, width, height);
+}
+
+Slice projection_of(Board& board, const SceneSetup& setup, Request::Projection projection, const Progress& progress) {
+  const View& view = setup.view;
+  const Dims dims = board.dims();
+  const double shrunk = std::min(1.0, 512.0 / std::max(view.width, view.height));
+  const int width = std::max(1, static_cast<int>(std::lround(shrunk * view.width)));
+  const int height = std::max(1, static_cast<int>(std::lround(shrunk * view.height)));
+  const PixelRays rays(view, setup.volume.spacing, width, height);
+  const bool mean = projection == Request::Projection::kMean;
+  std::vector<float> found(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<float> counts(found.size());
+  constexpr int kSlab = 32;  // chosen: 8 MB of a 256^3 volume at once
+  for (int z = 0; z < dims[2]; z += kSlab) {
+    const Slab slab(board, z, std::min(kSlab, dims[2] - z));
+    parallel_for(static_cast<std::size_t>(height), 0, [&](std::size_t row) {
+      for (std::size_t column = 0; column < static_cast<std::size_t>(width); ++column) {
+        const auto [origin, direction] = rays.at(column, row);
+        const auto [near, far] = slab.span(origin, direction, view.cut_planes);
+        const std::size_t pixel = row * static_cast<std::size_t>(width) + column;
+        for (double t = std::ceil(near); t < far; ++t) {
+          const float value = slab.value(origin + t * direction);
+          found[pixel] = mean || counts[pixel] == 0 ? found[pixel] + value : std::max(found[pixel], value);
+          ++counts[pixel];
+        }
+      }
+    });
+    if (progress)
+      progress(static_cast<std::uint32_t>(std::min(z + kSlab, dims[2])), static_cast<std::uint32_t>(dims[2]));
   }
-  return slice;
+  const ValueRange range = board.value_range();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (counts[i] == 0) found[i] = static_cast<float>(range.low);
+    if (mean && counts[i] > 0) found[i] /= counts[i];
+  }
+  return in_words(found, range, width, height);
 }
 
 }  // namespace gicube::samples::view

@@ -27,8 +27,10 @@ struct Slice {
   std::vector<std::uint8_t> words;  // 16 bits each, little endian: 0..4095 over the volume's range, or a label's place
 };
 
-// Voxel `request.at` of its axis, or the greatest or the mean value along it. Throws InputError, and what
-// Board::read_volume() throws.
-Slice slice_of(Board& board, const SceneSetup& setup, const Request& request, const Progress& progress);
+// Voxel `request.at` of its axis. Throws InputError, and what Board::read_volume() throws.
+Slice slice_of(Board& board, const SceneSetup& setup, const Request& request);
+
+// The greatest or the mean value along the ray of each pixel of the setup's view, in steps of the smallest voxel edge.
+Slice projection_of(Board& board, const SceneSetup& setup, Request::Projection projection, const Progress& progress);
 
 }  // namespace gicube::samples::view

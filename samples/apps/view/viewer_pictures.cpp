@@ -132,6 +132,14 @@ void Viewer::picture(const Job& job) {
   }
   stop_if_told();
   send_picture(job, desk(options), options, settings, true);
+  if (job.request->projection == Request::Projection::kNone) return;
+  stop_if_told();
+  Renderer& renderer = *quick_desk(options).renderer;
+  renderer.prepare(options.animation.start.value_or(0));
+  if (renderer.input().world || !renderer.setup().labels.empty()) return;
+  const Slice seen = projection_of(renderer.board(), renderer.setup(), job.request->projection, step("projecting"));
+  tell(job.page, {{"type", "projection"}, {"id", job.request->id}, {"width", seen.width}, {"height", seen.height}},
+       seen.words, "projection");
 }
 
 void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& options, const Settings& settings,
@@ -196,16 +204,10 @@ void Viewer::compare(const Job& job) {
 void Viewer::slice(const Job& job) {
   const Request& request = *job.request;
   Renderer& renderer = volume_renderer();
-  const Slice slice = slice_of(renderer.board(), renderer.setup(), request, step("projecting"));
+  const Slice slice = slice_of(renderer.board(), renderer.setup(), request);
   const auto axis = static_cast<std::size_t>(request.axis);
-  constexpr std::array kShows{"slice", "max", "mean"};
-  const Json header{{"type", "slice"},
-                    {"id", request.id},
-                    {"axis", std::string(1, "xyz"[axis])},
-                    {"at", request.at},
-                    {"show", kShows[static_cast<std::size_t>(request.show)]},
-                    {"width", slice.width},
-                    {"height", slice.height}};
+  const Json header{{"type", "slice"},  {"id", request.id},     {"axis", std::string(1, "xyz"[axis])},
+                    {"at", request.at}, {"width", slice.width}, {"height", slice.height}};
   tell(job.page, header, slice.words, std::string("slice ") + "xyz"[axis]);
 }
 

@@ -51,6 +51,7 @@ function notice(key, text, ...ways) {
 let volume = null;
 const mark = () => draw_marks(camera, volume, volume && !volume.world ? slices.point : null);
 slices.addEventListener("point", mark);
+by("projection").addEventListener("change", () => by("projection").value && is_open() && picture.ask(false));
 new ResizeObserver(mark).observe(by("frame"));
 
 const is_open = () => view.chosen.input !== undefined;

@@ -1,5 +1,6 @@
 // The picture: hands move the camera, requests go out without waiting for old ones, pictures are shown as they come.
 /** @typedef {import("./protocol.js").Failure} Failure */
+import { by } from "./dom.js";
 
 const kRest = 180; // milliseconds without a move after which the whole picture is asked for
 const kForgotten = 3000; // milliseconds after which an unanswered request no longer holds up the next
@@ -41,7 +42,8 @@ export class Picture extends EventTarget {
     this.#wanted = false;
     this.#id += 1;
     this.#flying = moving ? this.#id : 0;
-    this.connection.send({ do: "picture", id: this.#id, moving, settings: this.view.own });
+    const projection = by("projection").value || undefined;
+    this.connection.send({ do: "picture", id: this.#id, moving, projection, settings: this.view.own });
     this.dispatchEvent(new CustomEvent("asked"));
   }
 

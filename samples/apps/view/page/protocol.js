@@ -19,8 +19,8 @@
 /** @typedef {{type: "picture", id: number, width: number, height: number, final: boolean, frame_ms: number | null,
  * level: string,
  *   host_ms: number, invisible?: string, number?: number, command?: string, python?: string}} PictureHeader */
-/** @typedef {{type: "slice", id: number, axis: "x" | "y" | "z", at: number, show: string, width: number, height:
- * number}} SliceHeader */
+/** @typedef {{type: "slice", id: number, axis: "x" | "y" | "z", at: number, width: number, height: number}}
+ * SliceHeader */
 /** @typedef {{type: "error", id?: number, field?: string, text: string}} Failure */
 /** @typedef {{type: "histogram", low: number, high: number, counts: number[]}} Histogram */
 

@@ -1,12 +1,12 @@
-// Slices along the axes beside the picture: linked by one point, with a window of values, or projections of the whole
-// volume.
+// Slices along the axes beside the picture, linked by one point, and a projection along the picture's rays, with one
+// window of values.
 /** @typedef {import("./socket.js").Connection} Connection */
 /** @typedef {import("./protocol.js").SliceHeader} SliceHeader */
 /** @typedef {import("./protocol.js").Volume} Volume */
 /** @typedef {"x" | "y" | "z"} Axis */
-/** @typedef {{axis: Axis, figure: HTMLElement, canvas: HTMLCanvasElement, cross: SVGElement, slider: HTMLInputElement,
- * text: HTMLElement,
- *   flying: boolean, at: number, words: Uint16Array, width: number, height: number}} Slice */
+/** @typedef {{canvas: HTMLCanvasElement, words: Uint16Array, width: number, height: number, upwards: boolean}} Shown */
+/** @typedef {Shown & {axis: Axis, figure: HTMLElement, cross: SVGElement, slider: HTMLInputElement, text: HTMLElement,
+ *   flying: boolean, at: number}} Slice */
 import { by, element, shape } from "./dom.js";
 
 const kMost = 4095; // of a slice's words
@@ -21,6 +21,8 @@ export class Slices extends EventTarget {
   /** @type {[number, number, number]} */ point = [0, 0, 0];
   #low = 0;
   #high = 1;
+  /** @type {Shown} */ #projection = { canvas: by("projected"), words: new Uint16Array(), width: 1, height: 1,
+    upwards: false };
 
   /** @param {HTMLElement} place @param {Connection} connection */
   constructor(place, connection) {
@@ -41,7 +43,7 @@ export class Slices extends EventTarget {
         element("div", { class: "page" }, canvas, cross)),
         element("figcaption", {}, slider, element("div", { class: "row nowrap" }, text, larger)));
       const slice = { axis, figure, canvas, cross, slider, text, flying: false, at: -1, words: new Uint16Array(),
-        width: 1, height: 1 };
+        width: 1, height: 1, upwards: axis !== "z" };
       slider.addEventListener("input", () => this.#move(slice.axis, Number(slider.value)));
       larger.addEventListener("click", () => {
         const is = figure.classList.toggle("large");
@@ -52,7 +54,19 @@ export class Slices extends EventTarget {
       by("planes").append(figure);
       this.#all.push(slice);
     }
-    by("projection").addEventListener("change", () => this.#all.forEach((slice) => this.#ask(slice)));
+    by("projection").addEventListener("change", () => (by("projected").hidden = true));
+    by("projected").addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+      const { canvas, width, height, words } = this.#projection, box = canvas.getBoundingClientRect();
+      const x = Math.floor(((event.clientX - box.left) / box.width) * width);
+      const y = Math.floor(((event.clientY - box.top) / box.height) * height);
+      by("value").textContent = `${by("projection").value}: ${this.#read(words[y * width + x])} ${this.#volume?.unit}`;
+    });
+    connection.on("projection", ({ header: { width, height }, bytes }) => {
+      if (!by("projection").value) return;
+      Object.assign(this.#projection, { width, height, words: new Uint16Array(bytes.slice().buffer) });
+      by("projected").hidden = false;
+      this.#draw(this.#projection);
+    });
     for (const name of ["level", "window"]) {
       by(name).addEventListener("change", () => {
         const [level, width] = [Number(by("level").value), Number(by("window").value)];
@@ -72,7 +86,8 @@ export class Slices extends EventTarget {
     const { dims, spacing, window } = this.#volume;
     [this.#low, this.#high] = window;
     by("unit").textContent = this.#volume.unit;
-    by("projection").value = "slice";
+    by("projected").hidden = true;
+    by("projection").disabled = this.#volume.labels !== undefined;
     this.point = /** @type {any} */ (dims.map((n) => Math.round((n - 1) / 2)));
     const edges = spacing.map((s, i) => s * dims[i]);
     for (const slice of this.#all) {
@@ -80,7 +95,6 @@ export class Slices extends EventTarget {
       const [width, height] = kPlanes[slice.axis].map((i) => edges[i]);
       slice.canvas.style.aspectRatio = `${width} / ${height}`;
       slice.figure.style.setProperty("--ratio", String(width / height));
-      slice.canvas.classList.toggle("tall", height > width);
       slice.words = new Uint16Array();
       slice.at = -1;
       slice.flying = false;
@@ -88,8 +102,6 @@ export class Slices extends EventTarget {
     this.#show_values(this.#low, this.#high);
     this.#go(this.point);
   }
-
-  get #is_projection() { return by("projection").value !== "slice"; }
 
   /** @param {Axis} axis @param {number} at */
   #move(axis, at) {
@@ -117,11 +129,10 @@ export class Slices extends EventTarget {
 
   /** @param {Slice} slice */
   #ask(slice) {
-    slice.text.textContent = this.#is_projection ? `along ${slice.axis}` : `${slice.axis} ${slice.slider.value}`;
+    slice.text.textContent = `${slice.axis} ${slice.slider.value}`;
     if (slice.flying || !this.#volume) return;
     slice.flying = true;
-    this.connection.send({ do: "slice", id: (this.#id += 1), axis: slice.axis, at: Number(slice.slider.value),
-      show: by("projection").value });
+    this.connection.send({ do: "slice", id: (this.#id += 1), axis: slice.axis, at: Number(slice.slider.value) });
   }
 
   /** @param {SliceHeader} header @param {Uint8Array} bytes */
@@ -134,11 +145,11 @@ export class Slices extends EventTarget {
     slice.flying = false;
     this.#draw(slice);
     this.#tell(slice);
-    if (header.show !== by("projection").value || (!this.#is_projection && header.at !== slice.at)) this.#ask(slice);
+    if (header.at !== slice.at) this.#ask(slice);
   }
 
-  /** @param {Slice} slice */
-  #draw({ axis, canvas, words, width, height }) {
+  /** @param {Shown} shown */
+  #draw({ canvas, words, width, height, upwards }) {
     if (words.length === 0 || !this.#volume) return;
     canvas.width = width;
     canvas.height = height;
@@ -151,7 +162,7 @@ export class Slices extends EventTarget {
     };
     const colours = labels?.map(({ colour }) => 0xff000000 | (colour[2] << 16) | (colour[1] << 8) | colour[0]);
     for (let row = 0; row < height; ++row) {
-      const from = (axis === "z" ? row : height - 1 - row) * width;
+      const from = (upwards ? height - 1 - row : row) * width;
       for (let i = 0; i < width; ++i) pixels[row * width + i] = colours ? (colours[words[from + i]] ?? 0xff000000)
         : grey(words[from + i]);
     }
@@ -163,7 +174,7 @@ export class Slices extends EventTarget {
     [this.#low, this.#high] = [low, high];
     by("level").value = String(Number(((low + high) / 2).toPrecision(4)));
     by("window").value = String(Number((high - low).toPrecision(4)));
-    for (const slice of this.#all) this.#draw(slice);
+    for (const shown of [...this.#all, this.#projection]) this.#draw(shown);
   }
 
   /** The point, and what lies at the edges.
@@ -195,18 +206,21 @@ export class Slices extends EventTarget {
     return /** @type {any} */ (voxel.map((at, i) => Math.max(0, Math.min(dims[i] - 1, at))));
   }
 
+  /** @param {number} word */
+  #read(word) {
+    const [low, high] = /** @type {Volume} */ (this.#volume).range;
+    return Number((low + (word * (high - low)) / kMost).toPrecision(5));
+  }
+
   /** The value there, in the file's unit.
    * @param {Slice} slice @param {[number, number, number]} [voxel] */
   #tell(slice, voxel = this.point) {
     if (!this.#volume || slice.words.length === 0) return;
-    const { range: [low, high], unit, labels, whole } = this.#volume;
+    const { unit, labels, whole } = this.#volume;
     const [across, up] = kPlanes[slice.axis];
     const word = slice.words[voxel[up] * slice.width + voxel[across]];
-    const read = low + (word * (high - low)) / kMost;
-    const value = labels ? labels[word]?.value : whole && by("projection").value !== "mean" ? Math.round(read)
-      : Number(read.toPrecision(4));
-    const place = voxel.map((at, i) => (this.#is_projection && "xyz"[i] === slice.axis ? ""
-      : `${"xyz"[i]} ${at}`)).filter(Boolean).join(", ");
+    const value = labels ? labels[word]?.value : whole ? Math.round(this.#read(word)) : this.#read(word);
+    const place = voxel.map((at, i) => `${"xyz"[i]} ${at}`).join(", ");
     by("value").textContent = `${place}: ${labels ? "label " : ""}${value ?? ""} ${unit}`;
   }
 

@@ -29,6 +29,9 @@ TEST(ViewRequest, APictureHasItsIdItsHasteAndItsSettings) {
   EXPECT_EQ(request.id, 7u);
   EXPECT_TRUE(request.on);
   EXPECT_EQ(request.settings, (Settings{{"eye", "1,2,3"}, {"asic.processors", "8"}}));
+  EXPECT_EQ(request.projection, Request::Projection::kNone);
+  const char* const mean = R"({"do":"picture","id":7,"moving":false,"projection":"mean","settings":{}})";
+  EXPECT_EQ(parse_request(mean).projection, Request::Projection::kMean);
 }
 
 TEST(ViewRequest, EveryKindOfTheProtocolIsTaken) {
@@ -55,6 +58,8 @@ TEST(ViewRequest, WhatIsNoMessageIsRefusedByItsFault) {
             "moving: expected true or false, got number");
   EXPECT_EQ(fault_of(R"({"do":"picture","id":1,"moving":true,"settings":{"step":1}})"),
             "step: expected a text, got number");
+  EXPECT_EQ(fault_of(R"({"do":"picture","id":1,"moving":true,"projection":"min","settings":{}})"),
+            "projection: expected max or mean, got \"min\"");
   EXPECT_EQ(fault_of(R"({"do":"slice","id":1,"axis":"xy","at":0})"), "axis: expected x, y or z, got \"xy\"");
   EXPECT_EQ(fault_of(R"({"do":"slice","id":1,"axis":"x","at":4294967296})"),
             "at: expected at most 2147483647, got 4294967296");

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Shown, png, run, wait
+from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
+from view_program import Program
 
 SCENE = """
 volume { builtin: "buckyball" size: 32 }
@@ -80,15 +82,28 @@ def test_window_and_level_follow_a_drag(page: Shown, ball: pathlib.Path) -> None
     assert abs(float(str(page.find("#level").get_attribute("value"))) - (level + window * share / 2)) < 0.02 * window
 
 
-@pytest.mark.parametrize("show", ["max", "mean"])
-def test_projections_are_the_maximum_and_the_average(page: Shown, ball: pathlib.Path, show: str) -> None:
-    page.picture()
-    show_values(page, 127.5, 255)
-    Select(page.find("#projection")).select_by_value(show)
-    along_y = voxels(ball).astype(float)
-    expected = (along_y.max(axis=1) if show == "max" else along_y.mean(axis=1))[::-1]
-    canvas = "canvas[aria-label='slice along y']"
-    wait("the projection", lambda: np.abs(page.pixels(canvas)[..., 0] - expected).max() <= 1)
+# A ray for each column of voxels along y, whole voxels from the eye.
+ALONG_Y = ("--fix", "eye=23.5,-100,23.5", "--fix", "look-at=23.5,23.5,23.5", "--fix", "up=0,0,1", "--fix",
+           "orthographic=48", "--fix", "size=48x48")
+
+
+def test_projections_are_the_maximum_and_the_average_along_the_pictures_rays(chromium: webdriver.Chrome,
+                                                                             ball: pathlib.Path) -> None:
+    along_y, canvas = voxels(ball).astype(float), "#projected"
+    with Program(ball, *ALONG_Y) as program:
+        page = Shown(chromium, program)
+        page.picture()
+        show_values(page, 127.5, 255)
+        for show, values in (("max", along_y.max(axis=1)), ("mean", along_y.mean(axis=1))):
+            Select(page.find("#projection")).select_by_value(show)
+            wait("its size", lambda: page.pixels(canvas).shape == (48, 48, 4))
+            wait(show, lambda: np.abs(page.pixels(canvas)[..., 0] - values[::-1]).max() <= 1)
+        before = page.pixels(canvas)
+        page.after(lambda: page.find("#picture").send_keys(Keys.ARROW_LEFT))
+        wait("the next view's", lambda: (page.pixels(canvas) != before).any())
+        Select(page.find("#projection")).select_by_value("")
+        assert not page.find(canvas).is_displayed()
+        assert page.faults() == []
 
 
 def test_a_dropped_scene_is_shown_as_gicube_render_makes_it(page: Shown, tmp_path: pathlib.Path) -> None:
