@@ -26,14 +26,13 @@ namespace {
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // chosen: bytes beside the samples
 constexpr std::uint64_t kMaxRatio = 16384;                 // chosen: bytes of memory for one of the file
 constexpr std::size_t kChunk = std::size_t{1} << 20;       // chosen
+constexpr std::size_t kMaxText = 4096;                     // chosen: a damaged file's names have any length
 
-// The numbers of a StoredLayout.
+// The numbers of the StoredLayouts that these libraries make.
 struct Numbers {
   Dims dims;
   StoredType type;
   Vec3 spacing;
-  double slope, intercept;
-  int channels, channel;
   WorldPlacement placement;
   std::size_t warnings, sample_bytes;
   bool has_fault;
@@ -52,7 +51,7 @@ void send(int to, const void* bytes, std::size_t count) {
 }
 
 void send(int to, const std::string& text) {
-  const std::size_t bytes = text.size();
+  const std::size_t bytes = std::min(text.size(), kMaxText);
   send(to, &bytes, sizeof bytes);
   send(to, text.data(), bytes);
 }
@@ -127,10 +126,6 @@ class Child {
     layout.dims = numbers.dims;
     layout.type = numbers.type;
     layout.spacing = numbers.spacing;
-    layout.slope = numbers.slope;
-    layout.intercept = numbers.intercept;
-    layout.channels = numbers.channels;
-    layout.channel = numbers.channel;
     layout.placement = numbers.placement;
     for (std::size_t i = 0; i < numbers.warnings; ++i) out.warnings.push_back(receive_fault());
     if (numbers.has_fault) out.fault = receive_fault();
@@ -141,7 +136,6 @@ class Child {
       out.samples.resize(std::min(numbers.sample_bytes, had + kChunk));
       receive(out.samples.data() + had, out.samples.size() - had);
     }
-    ::waitpid(std::exchange(child_, 0), nullptr, 0);
     return out;
   }
 
@@ -151,10 +145,6 @@ class Child {
     const Numbers numbers{l.dims,
                           l.type,
                           l.spacing,
-                          l.slope,
-                          l.intercept,
-                          l.channels,
-                          l.channel,
                           l.placement,
                           volume.warnings.size(),
                           volume.samples.size(),
@@ -183,7 +173,7 @@ class Child {
   std::string receive_text() {
     std::size_t bytes = 0;
     receive(&bytes, sizeof bytes);
-    std::string text(std::min(bytes, kChunk), '\0');
+    std::string text(std::min(bytes, kMaxText), '\0');
     receive(text.data(), text.size());
     return text;
   }
