@@ -4,6 +4,8 @@ each source file that they link to, the pages of the API, and the navigation, wh
 Usage: stage.py DOXYGENS_XML SOURCES_OF_SPHINX
 """
 
+import csv
+import html
 import os
 import pathlib
 import re
@@ -155,9 +157,18 @@ class Stage:
 
     def file(self, path):
         language = LANGUAGES.get(path.suffix, "none")
-        block = "csv-table}\n:header-rows: 1\n:class: figures\n" if path.suffix == ".csv" else f"code-block}} {language}"
         text = (ROOT / path).read_text()
-        self.write(f"files/{path}.md", f"---\norphan: true\n---\n# {path}\n\n`````{{{block}\n{text}\n`````\n")
+        shown = table(text) if path.suffix == ".csv" else f"`````{{code-block}} {language}\n{text}\n`````\n"
+        self.write(f"files/{path}.md", f"---\norphan: true\n---\n# {path}\n\n{shown}")
+
+
+def table(text):
+    """A table of figures as HTML, since Markdown would read its cells."""
+    head, *rows = csv.reader(text.splitlines())
+    lines = [(head, "th"), *((row, "td") for row in rows)]
+    cells = ("".join(f"<{kind}>{html.escape(cell)}</{kind}>" for cell in row) for row, kind in lines)
+    body = "".join(f"<tr>{row}</tr>\n" for row in cells)
+    return f'<div class="table-wrapper container"><table class="docutils figures">\n{body}</table></div>\n'
 
 
 def included(header):

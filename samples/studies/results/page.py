@@ -106,8 +106,8 @@ class Page:
         self._tables["claims"] = [names, *rows]
         listed = "".join(filled(f"**{each.number}, {each.claim}**: paper {each.paper}; ours {each.ours}. Reason: "
                                 f"{each.why}", "- ") + "\n" for each in self._claims if each.differs)
-        return (f"[{FOLDER}/claims.csv]({FOLDER}/claims.csv) has all {len(rows)} rows. Differences of more than a quarter:"
-                f"\n\n{listed}\n")
+        return (f"[{FOLDER}/claims.csv]({FOLDER}/claims.csv) has all {len(rows)} rows. Differences of more than a "
+                f"quarter:\n\n{listed}\n")
 
     def write_files(self, folder):
         """The CSV files and charts. Raises OSError, FileError."""
