@@ -1,4 +1,4 @@
-// Maps a block to its processor and to its number there: the three partitions of Figure 1 [P §2.1].
+// Maps a block to its processor and to its number there: the three partitions of Figure 1 [P §2.1] [H318, H331].
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Computes the on-chip memories of Table 1 of the paper for any configuration. logic_cost.h estimates the transistors.
 //
-// Units as in the paper: Kb = 2^10 bit, Mb = 2^20 bit.
+// Units as in the paper: Kb = 2^10 bit, Mb = 2^20 bit [H201-H205].
 #pragma once
 
 #include <cstdint>

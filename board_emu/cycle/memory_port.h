@@ -1,5 +1,5 @@
 // One memory channel and the one or two processors that it serves [P §3.3]: sends their requests on in turn, one per
-// core cycle, and reports when each packet arrives.
+// core cycle, and reports when each packet arrives [H322].
 //
 // If only one processor uses the channel, arrival times can be computed at once, because no other requests intervene.
 #pragma once

@@ -4,7 +4,7 @@
 // It does one task at a time, each at its cost (dsp/dsp.h). Returning rays have priority, so the path up always drains;
 // then overflowed rays that have a slot; then new rays. Of either kind it sends up to Dsp::kBatch rays, or until the
 // path up is full, before it takes returning rays. At most dsp.overflow_rays rays are under way, so that all of them
-// fit into the store, and at most as many as their source allows.
+// fit into the store, and at most as many as their source allows [H324].
 #pragma once
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // changed tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
 //
 // A bank reads or writes one word per cycle, so a deposit occupies the cache for two cycles, in which no sample is
-// read. With two ports it occupies the read port for one cycle, and then the write port.
+// read. With two ports it occupies the read port for one cycle, and then the write port [H960-H963].
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for
 // its packets, and the compute stages, which all move or all stall [P §3.3, §3.4].
 //
-//   enter() -> prefetch stages -> start_computing() -> compute stages -> leave()
+//   enter() -> prefetch stages -> start_computing() -> compute stages -> leave() [H307, H308]
 #pragma once
 
 #include <bit>

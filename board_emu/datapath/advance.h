@@ -1,4 +1,4 @@
-// Advancing a ray: fixed-point steps, the end of a ray, and skipping empty blocks [P §2.1].
+// Advancing a ray: fixed-point steps, the end of a ray, and skipping empty blocks [P §2.1] [H801, H802].
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Front-to-back compositing by the over operator [P §2.1; Porter and Duff 1984] in the words of the ray.
+// Front-to-back compositing by the over operator [P §2.1; Porter and Duff 1984] in the words of the ray [H407-H409].
 #pragma once
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // irradiance or scattered [P §2.2]. Pure functions of the ray and the volume, for every fidelity level.
 //
 // A sample represents the step that follows it; with the conserving rules, a lighting ray's sample represents its
-// integration interval (ray_interval.h). Absorption and scattering share its opacity a (docs/reference/hardware.md):
+// integration interval (ray_interval.h). Absorption and scattering share its opacity a [H903, H904]:
 //   low albedo    the ray keeps 1 - (1 - Ks) a of its energy, or of its transparency, and deposits the rest; of the
 //                 kept part, the fraction Ks a / (1 - (1 - Ks) a) is scattered
 //   high albedo   the ray interacts when the accumulated a reaches its interaction value; it is then scattered with

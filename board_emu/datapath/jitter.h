@@ -1,5 +1,5 @@
 // The spacing unit's random factor: position and image destination are hashed to an index into a LUT of numbers between
-// 1/2 and 1 [P §2.1, §3.4]. The same ray at the same position always draws the same number (bit exactness).
+// 1/2 and 1 [P §2.1, §3.4]. The same ray at the same position always draws the same number (bit exactness) [H803].
 #pragma once
 
 #include <array>

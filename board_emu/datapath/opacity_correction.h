@@ -1,5 +1,5 @@
 // Opacity correction, alpha' = 1 - (1 - alpha)^e for a sample that represents e voxel lengths [P §2.1], by two small
-// tables like a power unit in hardware: log2 of the transparency and 2^-x, each with 1024 linear segments.
+// tables like a power unit in hardware: log2 of the transparency and 2^-x, each with 1024 linear segments [H410].
 //
 // Full-scale alpha stays exactly one (1 - (1-alpha)^e has an infinite slope there for e < 1), and a zero alpha zero.
 #pragma once

@@ -1,5 +1,5 @@
 // Random numbers of a ray, hashed from its state: they are the same in every fidelity level, order and thread (bit
-// exactness). Hardware would hash the same bits to the index of a LUT [P §3.4].
+// exactness). Hardware would hash the same bits to the index of a LUT [P §3.4] [H924].
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // The integration interval of a lighting ray's sample, and the opacity of the media in it, with the conserving rules
-// (docs/reference/hardware.md). The eight voxels of the sample's cell define densities and tags in the whole interval,
+// [H910-H912]. The eight voxels of the sample's cell define densities and tags in the whole interval,
 // so that a medium may begin or end anywhere between two samples.
 #pragma once
 

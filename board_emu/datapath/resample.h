@@ -3,7 +3,7 @@
 //
 // Input: the words of the eight voxels around the sample, and the sample's fractions. Output: one word per channel.
 // Interpolator words have 16 bits (words.h), weights are 0.15. Density and gradient are separate, because a transparent
-// sample needs no gradient.
+// sample needs no gradient [H403-H406, H804].
 #pragma once
 
 #include <algorithm>

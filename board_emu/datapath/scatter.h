@@ -1,4 +1,4 @@
-// The scattering unit: the new direction of a ray after it has interacted with a material [P §2.2, §3.4].
+// The scattering unit: the new direction of a ray after it has interacted with a material [P §2.2, §3.4] [H925-H927].
 #pragma once
 
 #include <array>

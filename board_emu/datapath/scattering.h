@@ -1,5 +1,5 @@
 // Interfaces to scattering beyond the pipeline's scattering unit: by routines on the DSP, and by the host [P §2.2,
-// §3.4].
+// §3.4] [H950-H953].
 #pragma once
 
 #include <array>

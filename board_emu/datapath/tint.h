@@ -1,5 +1,5 @@
 // The colour of a sample whose voxels have their own colours (wire::VoxelFormat): a factor of the segmentation LUT's
-// colour.
+// colour [H708].
 #pragma once
 
 #include <cstddef>

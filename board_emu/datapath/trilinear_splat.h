@@ -1,5 +1,5 @@
 // Splits a deposit among the eight voxels around a position [P §2.2: trilinear splat]. Voxel i of the cell is
-// (i & 1, i >> 1 & 1, i >> 2).
+// (i & 1, i >> 1 & 1, i >> 2) [H923].
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // The timing model of the DSP: it executes one task after the other, with code from the program cache or the SDRAM, on
-// data from the data cache or the SDRAM.
+// data from the data cache or the SDRAM [H1201-H1203].
 //
 // A change of loop costs the loop's set-up, and a fetch if its code is not in the program cache. The data cache
 // allocates a line on reads and writes a changed line back on eviction. A write that misses bypasses the cache through

@@ -1,5 +1,5 @@
 // Light sources that scattered rays can hit after they leave the volume [P §3.4]: rectangles and spheres in the DSP's
-// memory.
+// memory [H940-H944].
 #pragma once
 
 #include <array>

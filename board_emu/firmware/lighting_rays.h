@@ -1,5 +1,5 @@
 // Generation of lighting rays by the DSP: k rays for each cell of the volume's faces, which together carry the energy
-// that a light sends into the volume [P §2.2, eq. 1]. docs/reference/hardware.md compares the rules.
+// that a light sends into the volume [P §2.2, eq. 1]. docs/reference/hardware.md compares the rules [H901, H902].
 //
 // A ray starts where its line enters the volume, or on a light inside it, and passes through a point of its cell.
 // Positions are in voxels; distances, angles and areas are physical. A light in a face sends half its power into the

@@ -3,7 +3,7 @@
 //
 // Within a run the increments are constant; those of a perspective are not. Therefore a run ends before a ray would
 // deviate too far, at its start or anywhere along it, from the ray that the DSP would have made alone, or before a ray
-// enters by another face.
+// enters by another face [H1301-H1304].
 #pragma once
 
 #include <array>

@@ -54,7 +54,7 @@ struct RayRange {
 };
 
 // Most viewing rays under way. Neighbours traverse the same blocks at the same time: with more rays, queues overflow
-// more often and nothing is gained (docs/reference/hardware.md).
+// more often and nothing is gained [H1205].
 inline constexpr std::uint64_t kViewingRaysUnderWay = 8192;
 
 class RaySource {

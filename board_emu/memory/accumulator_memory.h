@@ -7,7 +7,7 @@
 // memory.
 //
 // Contributions may be queued, because adding those of many commands together costs less. They are added before words
-// are read.
+// are read [H1004, H1005].
 #pragma once
 
 #include <array>

@@ -4,7 +4,7 @@
 // Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one
 // of its voxels: the functional level adds to all of them at once, the cycle level sends irradiance carriers.
 // Saturating sums of non-negative terms do not depend on their order. A block that no energy has reached takes no
-// memory.
+// memory [H921].
 #pragma once
 
 #include <algorithm>

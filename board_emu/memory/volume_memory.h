@@ -2,7 +2,7 @@
 // a density and a gradient code with a tag per voxel. A sample looks up the gradients of the codes that it needs.
 //
 // A block that was never written is uniformly zero and takes no memory. The host sends every voxel once; copies on
-// shared faces are made here (docs/reference/hardware.md). Blocks that all rays skip are not decoded. The words of a
+// shared faces are made here [H1001-H1003]. Blocks that all rays skip are not decoded. The words of a
 // decoded block are freed, because they can be restored from its voxels, unless they have irradiance bits, which no
 // driver writes.
 #pragma once

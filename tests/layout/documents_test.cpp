@@ -160,6 +160,24 @@ TEST(Sources, CiteOnlyDocumentsThatExist) {
   }
 }
 
+TEST(Sources, CiteOnlyRulesThatExist) {
+  const std::string page = text_of(kSource / "docs/reference/hardware.md");
+  std::size_t cited = 0;
+  for (const std::string& path : paths()) {
+    const bool source = path.ends_with(".h") || path.ends_with(".cpp");
+    if (!source || !(path.starts_with("board_emu/") || path.starts_with("driver/") || path.starts_with("tests/"))) {
+      continue;
+    }
+    for (const std::string& cites : matches(text_of(kSource / path), R"(\[(C, )?(H\d{3,4}[-, H\d]*)\])", 2)) {
+      for (const std::string& rule : matches(cites, R"(H\d{3,4})", 0)) {
+        ++cited;
+        EXPECT_NE(page.find("**" + rule + "**"), std::string::npos) << path << " cites " << rule;
+      }
+    }
+  }
+  EXPECT_GT(cited, 60u);
+}
+
 TEST(Tree, ShowsTheProductAtItsRoot) {
   std::vector<std::string> folders;
   std::copy_if(paths().begin(), paths().end(), std::back_inserter(folders), [](const std::string& path) {

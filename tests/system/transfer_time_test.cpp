@@ -10,7 +10,7 @@
 namespace gicube {
 namespace {
 
-// Written out apart from the board's own code (docs/reference/hardware.md, host bus): a burst of n dwords, in
+// Written out apart from the board's own code [H1101-H1106]: a burst of n dwords, in
 // picoseconds.
 struct Model {
   std::string name;

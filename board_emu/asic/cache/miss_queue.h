@@ -2,7 +2,7 @@
 //
 // The pipeline requests packets and takes them; the memory port sends the requests in order and records when each
 // packet arrives. A request can be sent from the next cycle on, so the order in which the two sides tick does not
-// matter.
+// matter [H313].
 #pragma once
 
 #include <algorithm>

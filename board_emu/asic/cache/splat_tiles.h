@@ -1,4 +1,4 @@
-// The tiles of a block that a deposit writes.
+// The tiles of a block that a deposit writes [H960].
 #pragma once
 
 #include <array>

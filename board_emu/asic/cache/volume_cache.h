@@ -1,6 +1,6 @@
 // The tags of a processor's volume cache: the tiles that are present or requested, and their blocks [P §2.1, §3.3].
 //
-// The cache has room for each of a block's (n+1)^3 voxels. Memory delivers 2x2x1 tiles (docs/reference/hardware.md), so
+// The cache has room for each of a block's (n+1)^3 voxels. Memory delivers 2x2x1 tiles [H309-H314], so
 // the four voxels of a tile always have the same tag, which is kept once unless the configuration asks for tags of
 // single voxels. Fetching is lazy: a tile is requested when a sample needs it.
 #pragma once

@@ -3,7 +3,7 @@
 // Writes wait here until there are enough of them to amortise a bus turnaround. A tile that changes again while it
 // waits is written once, except with write_through. With write_back a tile enters the queue when the cache evicts it. A
 // tile that is no longer in the cache is fetched first. The memory serves writes and the reads of misses in the order
-// of the requests. A read of a tile that still waits here takes as long as one from memory.
+// of the requests. A read of a tile that still waits here takes as long as one from memory [H964, H965].
 #pragma once
 
 #include <algorithm>

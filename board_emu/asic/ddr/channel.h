@@ -1,4 +1,4 @@
-// One channel of DDR SDRAM (asic/dram/ranks.h).
+// One channel of DDR SDRAM (asic/dram/ranks.h) [H1501-H1503].
 #pragma once
 
 #include "asic/dram/ranks.h"

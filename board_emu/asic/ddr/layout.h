@@ -2,7 +2,7 @@
 //
 // A page is one row of one bank of a rank: 1024 columns of 72 bits, that is 512 packets. With only 4 banks, bricks that
 // share a face are never in the same bank, but some that touch at an edge or a corner are. The bank is x + 2 y + 3 z
-// mod 4 of the brick's position, and blocks follow one another.
+// mod 4 of the brick's position, and blocks follow one another [H1504].
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 //
 // Bubble flow control [C]: a ray in transit needs one free entry in the next queue. A ray that enters the ring needs
 // two and yields to transit. One entry is therefore always free in each direction, and the ring cannot deadlock as long
-// as the processors take the rays that arrive.
+// as the processors take the rays that arrive [H319].
 #pragma once
 
 #include <array>

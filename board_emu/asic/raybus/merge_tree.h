@@ -2,7 +2,7 @@
 //
 // A node passes one ray per cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
 // output. A leaf without a partner joins the next level. A ray takes one cycle per level, at most ceil(log2(leaves))
-// and at least 1.
+// and at least 1 [H317].
 #pragma once
 
 #include <array>

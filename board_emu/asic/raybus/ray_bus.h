@@ -7,7 +7,7 @@
 // A ray is one packet. It goes to its owner's FIFO and waits at the head if that is full. A run (RunPool) is two
 // packets, which all processors receive; each processor then extrapolates its own rays of the run into its FIFO, one
 // per cycle. A processor buffers two runs; the bus sends the next run only if every processor has room. Rays and runs
-// take turns when both can be sent, and so do a ray and an extrapolated ray for the same FIFO.
+// take turns when both can be sent, and so do a ray and an extrapolated ray for the same FIFO [H315, H316].
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // One channel of Direct RDRAMs, with separate wires for rows and columns. Each device has one REFA every
-// refresh_interval, to its banks in turn.
+// refresh_interval, to its banks in turn [H1401-H1405].
 #pragma once
 
 #include <algorithm>

@@ -12,7 +12,7 @@ namespace {
 using Stride = std::array<std::uint32_t, 3>;  // pages from a brick to the next along each axis
 
 // Orders of the axes in which bricks are numbered. The first order that separates touching bricks is used. chosen: x z
-// y had the best use of DQ at n = 32 (docs/reference/hardware.md).
+// y had the best use of DQ at n = 32 (docs/studies/memory_standards.md).
 constexpr std::array<std::array<std::size_t, 3>, 6> kAxisOrders{
     {{0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}, {0, 1, 2}}};
 

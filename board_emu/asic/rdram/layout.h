@@ -4,7 +4,7 @@
 // pages of a block lie in banks of one parity, 16 of them per row number, so its pages conflict only within a bank.
 // Bricks that touch, even at a corner, are never in the same bank. The packets of a trilinear neighbourhood, and of any
 // four consecutive tiles, that need an activation therefore go to different banks, none next to another: RDRAM's
-// four-access rule. Measurements are in docs/reference/hardware.md.
+// four-access rule. Measurements are in docs/studies/memory_standards.md [H1406, H1407].
 #pragma once
 
 #include <cstdint>

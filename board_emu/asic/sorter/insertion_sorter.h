@@ -15,7 +15,7 @@
 // older ones. Therefore the items can be processed one after the other, oldest first: each goes down all its ranks at
 // once, with its key in a register. Comparisons are made when their result is needed: for rank 0 at once, for a rank
 // before its queue is wiped, and for all ranks from time to time. Ranks keep their positions in memory: shift_up moves
-// only the origin.
+// only the origin [H305].
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The ray queues of one processor: first in first out each, with slots and importance [P §3.2].
+// The ray queues of one processor: first in first out each, with slots and importance [P §3.2] [H303, H306].
 //
 // A queue of capacity C has C slots. A ray takes a slot when it is written and releases it when it has left the queue
 // for good. While it is in the pipeline and may return, its slot stays reserved, so a returning ray always finds room.

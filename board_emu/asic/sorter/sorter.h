@@ -15,7 +15,7 @@
 //
 // Slots are explained in queues.h. The pipeline sets RayToken::has_reserved_slot on a ray that returns to its last
 // queue; otherwise it clears the flag and pushes the old queue's number to `released`. A token kSlot on `overflow`
-// reports a reserved slot to the DSP, which sets the flag on the ray that it sends to that slot.
+// reports a reserved slot to the DSP, which sets the flag on the ray that it sends to that slot [H301-H304].
 #pragma once
 
 #include <array>

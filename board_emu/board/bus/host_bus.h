@@ -2,7 +2,7 @@
 //
 // Input: transfers, each with the time at which its first byte is ready. Output: delivery times. Arbitration is hidden.
 // When both directions request the bus, they take turns. A running burst ends at the latency timer or when the other
-// direction requests the bus, whichever is later [C, docs/reference/hardware.md].
+// direction requests the bus, whichever is later [C, H1101-H1110].
 #pragma once
 
 #include <algorithm>

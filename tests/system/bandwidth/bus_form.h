@@ -1,4 +1,4 @@
-// The host bus as its closed forms see it (docs/reference/hardware.md, host bus), written out apart from the board's
+// The host bus as its closed forms see it [H1101-H1110], written out apart from the board's
 // own code.
 #pragma once
 

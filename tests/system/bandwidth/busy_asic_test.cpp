@@ -13,7 +13,7 @@ constexpr std::size_t kBatch = 4096;
 constexpr int kEdge = 32;                // one block, one queue
 constexpr double kSamples = kEdge;       // a ray, one at each voxel
 constexpr double kCoreCyclePs = 10'000;  // 100 MHz
-constexpr double kWayRound = 35;         // cycles of a lone ray through the pipeline (docs/reference/hardware.md)
+constexpr double kWayRound = 35;         // cycles of a lone ray through the pipeline [H307]
 
 TEST(BusyAsic, HostRaysAreBoundByTheBusOnPciAndByTheProcessorOnAgp) {
   const test::BoardSetup setup = test::BoardSetup::from_environment();

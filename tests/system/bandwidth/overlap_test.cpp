@@ -12,7 +12,7 @@ constexpr std::size_t kBatches = 12;
 constexpr std::size_t kBatch = 4096;
 constexpr int kEdge = 32;
 constexpr double kCoreCyclePs = 10'000;
-constexpr double kWayRound = 35;  // cycles of a lone ray through the pipeline (docs/reference/hardware.md)
+constexpr double kWayRound = 35;  // cycles of a lone ray through the pipeline [H307]
 
 struct Stages {
   double down, asic, up;  // of one batch that is alone, picoseconds

@@ -15,7 +15,7 @@
 namespace gicube {
 namespace {
 
-constexpr int kRings = 40;         // chosen (docs/reference/hardware.md)
+constexpr int kRings = 40;         // chosen [H810]
 constexpr double kRingScale = 80;  // twice the rings: as far apart along a ring as between rings; 2,038 codes in all
 constexpr int kGridSize = 128;     // chosen: cells of 0.7 degrees against codes 4.5 apart, so most have one candidate
 constexpr double kUnitTolerance = 1e-3;

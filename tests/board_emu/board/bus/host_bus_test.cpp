@@ -32,7 +32,7 @@ Picoseconds alone(v1::BusModel model, BusDirection direction, std::uint64_t byte
 TEST(BusTiming, PciWriteBurstsReachTheRatesOfTheClosedForm) {
   const BusTiming bus = timing(v1::pci33);
   const std::uint32_t dwords[] = {8, 16, 32, 64, 256};
-  const double expected[] = {97, 112, 122, 127, 132};  // n + 3 clocks (docs/reference/hardware.md, host bus)
+  const double expected[] = {97, 112, 122, 127, 132};  // n + 3 clocks [H1101]
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(rate(bus, TransferKind::kBulk, dwords[i]), expected[i], 0.6) << dwords[i];
 }
 
