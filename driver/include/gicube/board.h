@@ -79,20 +79,20 @@ struct OpenOptions {  // how a board is opened
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
-  // Rays that wait for blocks of a volume that the card does not store whole: so many stay on the card, as many more in
-  // the host's memory, 128 bytes each, and others in a file without a name in the folder TMPDIR, or else in /var/tmp.
+  // Rays that wait for blocks of a volume that the card does not store whole: this many stay on the card, as many more
+  // in the host's memory, 128 bytes each, and the rest in an unnamed file in the folder TMPDIR, or else in /var/tmp.
   // 1024 or more.
   std::size_t max_waiting_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
   // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel (7.5 with colours), so that
   // reopen() can load them again.
   bool keep_volume = false;
-  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A
-  // resumed call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
+  // Times in a row that a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A
+  // resumed call continues unchanged. Not for emu:, whose board ends with its connection.
   int reopen_attempts = 0;
   // Takes the board from its owner, whose calls then throw DeviceLost with Loss::kTakenOver.
   bool force = false;
-  // How long open() waits in line while the board has an owner, before it throws BoardBusy. First come, first served.
+  // Time that open() waits in the queue while the board has an owner, before it throws BoardBusy.
   std::chrono::milliseconds wait_for_board{0};
   // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen()
   // go to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable
@@ -102,10 +102,10 @@ struct OpenOptions {  // how a board is opened
   // the file that the environment variable GICUBE_TOKEN_FILE names; without it, on this machine, the token that a board
   // of this user has left.
   std::string token_file{};
-  // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the
+  // Over TLS, a file with the certificates (PEM) that may have signed the board's. Empty: the file that the
   // environment variable GICUBE_CA_FILE names; without it, those that this machine trusts.
   std::string ca_file{};
-  // The board is not reset, but goes on from the checkpoint that its process began with (gicube-board --restore FILE),
+  // The board is not reset, but continues from the checkpoint of its process (gicube-board --restore FILE),
   // which a driver has saved by Board::save(). The option restore of emu: does the same.
   bool go_on = false;
   // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open().
@@ -114,14 +114,14 @@ struct OpenOptions {  // how a board is opened
   // way, and the Board accepts the next call. It is not called while frames wait to be sent, nor for calls that were
   // started (gicube/pending.h). It may only call now() and info() of its Board, and must outlive it.
   std::function<void()> while_waiting{};
-  // Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. Called on the thread of
-  // the call that resumed it. It must not throw, and may ask its Board for info() only.
+  // Receives a sentence about each event that no call reports: a session that was lost and resumed, and why. Called on
+  // the thread of the call that resumed it. It must not throw, and may only call info() of its Board.
   std::function<void(const std::string&)> log{};
 };
 
 // The result of Board::reopen().
 struct Reopened {
-  bool resumed = false;  // the same session goes on: nothing was lost
+  bool resumed = false;  // the same session continues: nothing was lost
   bool volume = false;   // there is a volume on the board
 };
 
@@ -148,30 +148,29 @@ class GICUBE_API Board {
   // VersionMismatch, TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
 
-  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, the
-  // session goes on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new
-  // board (of emu: a new process). The host's clock goes on; registers, tables and materials are written again, with
+  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, it
+  // continues: all results under way arrive exactly once, and the failed call may be repeated. Otherwise it is a new
+  // board (of emu: a new process). The host's clock continues; registers, tables and materials are written again, with
   // OpenOptions::keep_volume the volume too; irradiance, sums and framebuffer are lost. Ray batches that were not
   // received are sent again once there is a volume. On a Board that is not lost it does nothing and reports resumed.
   // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is still lost.
   Reopened reopen();
 
-  // A checkpoint: all that the board is and that this Board knows of it, between two calls, ray batches under way
-  // included. A Board that goes on from it, in this process or another, finds the same bits, times and counters as this
-  // one. In it are neither the options of open() nor the application's scattering routine. It costs no simulated time
+  // A checkpoint: the whole state of the board and of this Board, between two calls, including ray batches under way. A
+  // Board that continues from it, in this process or another, gets the same bits, times and counters as this one. It
+  // contains neither the options of open() nor the application's scattering routine. It costs no simulated time
   // and changes nothing. docs/guide/checkpoints.md. Throws Unsupported (a board before protocol 2.3), Rejected (it is
   // larger than the board holds for a client).
   std::vector<std::byte> save();
   // Saves to a file that only its user can read. The file is complete or does not exist. Also throws Error if it cannot
   // be written.
   void save(const std::string& file);
-  // This board goes on from a checkpoint of save(), and this Board with it: its clock is the one that was saved, its
-  // tickets are those. Set the scattering routine again. The board's configuration may differ in what does not shape
-  // its state.
-  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (the board's own
-  // words: it is of another configuration, or larger than the board takes), Unsupported: nothing has changed. If the
-  // board is lost meanwhile, and by what OpenOptions::while_waiting throws while it goes on: reopen(), and restore it
-  // again.
+  // This board and this Board continue from a checkpoint of save(): clock and tickets are the saved ones. Set the
+  // scattering routine again. The board's configuration may differ in
+  // fields that do not shape its state.
+  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (with the board's
+  // message: another configuration, or too large), Unsupported: nothing has changed. If the board is lost meanwhile,
+  // or OpenOptions::while_waiting throws: reopen(), and restore it again.
   void restore(std::span<const std::byte> checkpoint);
   void restore(const std::string& file);
 
@@ -189,10 +188,10 @@ class GICUBE_API Board {
   Illuminator light() const { return Illuminator(*state_); }
   PairIntegrator pairs() const { return PairIntegrator(*state_); }
 
-  // The simulated host's clock, since open(). While calls that were started are not at their end, it waits for them, so
-  // that what it says does not depend on the wall clock; but not on the thread of a callback.
+  // The simulated host's clock, since open(). It waits for started calls, so that the result does not depend on the
+  // wall clock; but not on the thread of a callback.
   Picoseconds now() const;
-  // The host works for that long; the board goes on meanwhile.
+  // The host computes for that long; the board continues meanwhile.
   void host_compute(Picoseconds duration);
   // From now on a rendering or an illuminate() for which the simulated host would wait longer than `limit` throws
   // DeadlinePassed, with the clock at that deadline. The board finishes its command, but the result is lost: the
@@ -201,11 +200,11 @@ class GICUBE_API Board {
 
   // Traces volumes together with the boards of other hosts, the ranks of one job. Each rank loads the same volume,
   // tables and materials, and its card is sent only its own blocks of the volume and their faces; rays that come to
-  // others' blocks go there (RayExchange), and come home at their ends. Bits are those of one endless card. From now on
+  // others' blocks go there (RayExchange), and return at their ends. Bits are those of one large card. From now on
   // these calls are collective: load_volume(), render(), render_to_framebuffer(), read_framebuffer(), illuminate(),
   // submit(). All ranks give the same view, lights and settings, and get the whole picture, report and irradiance; host
   // rays are each rank's own, and come back to it, but the report of rays that leave energy is all ranks'. Blocks are
-  // dealt anew when one rank has taken over a tenth more samples than the mean. Calls that need the volume on one card
+  // dealt again when one rank has taken over a tenth more samples than the mean. Calls that need the volume on one card
   // throw Unsupported, and so do pair_factors() and save(). If a rank throws, the job must end (RayExchange). Throws
   // BadArgument (exchange), Rejected (a volume is loaded), Unsupported (a board before protocol 2.3, a card of less
   // than 8 blocks).

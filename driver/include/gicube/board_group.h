@@ -5,8 +5,8 @@
 //   boards.on_all([&](gicube::Board& board) { board.load_volume(volume); });   // the same on each
 //   gicube::Image image = boards.render(view);                                  // each makes strips of it
 //
-// Times are simulated, as a Board's; the host begins a call at the same time on all boards, and goes on when the last
-// of them is done.
+// Times are simulated, as a Board's; the host begins a call at the same time on all boards, and continues when the last
+// one is done.
 #pragma once
 
 #include <cstddef>
@@ -43,9 +43,9 @@ struct BoardTime {
 
 inline constexpr std::size_t kMaxBoards = 64;
 
-// One caller at a time. What a board throws, its callers get once the others have done their part, with the board's
-// number and address in the message; what the others have is kept, and BoardGroup::board(i).reopen() brings a lost one
-// back. BadArgument is thrown as it is: it would be the same of each.
+// One caller at a time. An exception of one board is thrown once the others have done their part, with the board's
+// number and address in the message; the others' results are kept, and BoardGroup::board(i).reopen() restores a lost
+// board. BadArgument is thrown unchanged, because each board would throw the same.
 class GICUBE_API BoardGroup {
  public:
   // Opens a board at each address, as Board::open() does. Throws what that throws, and BadArgument (`addresses`: 1 to
@@ -65,8 +65,8 @@ class GICUBE_API BoardGroup {
   // group.
   Board& board(std::size_t index);
 
-  // Has each board do the same: load a volume, take tables and materials, be lit, and so on. In simulated time they do
-  // it at once; in the process one after the other, so that `work` needs no locks.
+  // Calls `work` for each board: loading a volume, tables, materials, light. In simulated time this is at once; in the
+  // process one board after the other, so that `work` needs no locks.
   void on_all(const std::function<void(Board& board, std::size_t index)>& work);
   void on_all(const std::function<void(Board& board)>& work);
 

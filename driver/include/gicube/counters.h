@@ -33,8 +33,8 @@ class Counters {
     return found == list_.end() ? nullptr : &*found;
   }
   bool has(std::string_view name) const { return find(name) != nullptr; }
-  // 0 where find() is null, so that sums and shares hold on every level. A name with a slip of the pen is 0 as well: a
-  // test asks has() too, or gicube::test::counter_is().
+  // 0 where find() is null, so that sums and shares hold on every level. A misspelt name also gives 0, so tests should
+  // check has() first, or use gicube::test::counter_is().
   std::uint64_t value(std::string_view name) const { return has(name) ? find(name)->value : 0; }
 
   friend Counters operator-(const Counters& end, const Counters& begin) {

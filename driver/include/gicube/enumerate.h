@@ -15,8 +15,8 @@ namespace gicube {
 
 struct FoundBoard {           // a board that a program could open
   std::string uri;            // for Board::open()
-  std::uint32_t process = 0;  // the id of its gicube-board; 0: a PCI function, which says no version and no owner
-  std::string product;        // what it calls itself
+  std::uint32_t process = 0;  // the id of its gicube-board; 0: a PCI function, without version and owner
+  std::string product;        // the board's product name
   std::string version;        // of its program
   bool in_use = false;        // a session owns it
   std::string owner;          // which, and since when; empty: none

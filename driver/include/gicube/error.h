@@ -1,4 +1,4 @@
-// The driver's typed errors. The comment of each call says which it throws, and what state the board is in then.
+// The driver's typed errors. The comment of each call lists its errors and the board's state after them.
 #pragma once
 
 #include <stdexcept>
@@ -84,13 +84,13 @@ class GICUBE_API DeviceLost : public Error {
   Loss cause_;
 };
 
-// The simulated host waited until its deadline, a simulated time. The board works on.
+// The simulated host waited until its deadline, a simulated time. The board continues.
 struct GICUBE_API DeadlinePassed : Error {
   using Error::Error;
 };
 
-// The application has cancelled the call (Pending::cancel()). What the call had begun is unfinished: a picture is
-// unknown, the irradiance incomplete, a volume that was loading is lost. The Board takes the next call.
+// The application has cancelled the call (Pending::cancel()). The work of the call is unfinished: a picture is
+// undefined, the irradiance incomplete, a volume that was loading is lost. The Board takes the next call.
 struct GICUBE_API Cancelled : Error {
   using Error::Error;
 };

@@ -1,4 +1,4 @@
-// Which fidelity level answered, and what its figures leave out: for what a program writes about a run.
+// The fidelity levels that answered a run's commands, and the parts that their figures omit.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace gicube {
 
 struct AnsweredCommand {  // how many commands of a kind a level answered
-  // "render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell.
+  // "render", "trace", "illuminate", "resume", "pairs", "continue"; empty: the board does not report it.
   std::string command;
   std::uint64_t count = 0;
 };

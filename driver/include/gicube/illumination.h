@@ -46,7 +46,7 @@ using Light = std::variant<PointLight, DirectionalLight, RectangleLight, SphereL
 // kLow: every ray deposits a part of its energy at each sample. kHigh: rays are photons that deposit all of it once.
 enum class Albedo { kLow, kHigh };
 // kAsPrinted: the paper's own rules, which lose scattered energy and count a point light four times.
-// kConserving: what goes in comes out (docs/reference/hardware.md).
+// kConserving: energy is conserved (docs/reference/hardware.md, H901).
 enum class EnergyRules { kAsPrinted, kConserving };
 
 struct Illumination {  // how light is spread
@@ -77,13 +77,13 @@ struct LightEnergy {
   double clipped = 0;
 };
 
-// Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
+// The energy balance, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
 // emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green
 // and blue.
 struct LightingReport {
   std::uint64_t rays = 0;
-  // Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point
-  // and distant lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or
+  // The energy of the rays: the light that meets the volume, not the lights' whole power unless they are inside. For
+  // point and distant lights that is exact, except for the rounding of each ray to whole units. Rays of a rectangle or
   // a sphere begin at random points of it, so there it is an estimate, which another seed changes and more rays
   // improve.
   double emitted = 0;

@@ -48,18 +48,18 @@ GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 
 // One voxel for 2^level of them on each axis, at their centre. Its value is their mean, its tag that of most of them
 // (the first of equals), its colour their mean, its gradient the sum of given ones; without given gradients the driver
-// finds them from the means. Beyond the faces values go on as they are on them. Values are float32 in the original's
+// finds them from the means. Beyond the faces the values of the faces continue. Values are float32 in the original's
 // range. Level 1..6; throws BadArgument (level; fewer than two voxels on an axis are left).
 //
 // Wider filters than this mean have less Moiré but more blur, and the blur of a surface is most of the error that rays
 // see.
 GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
 
-// How far a coarser volume is from its original.
+// The difference of a coarser volume from its original.
 struct LevelError {
   double largest_density = 0;  // at any point between voxels, in density units (4095 = the value range): a bound
   double rms_density = 0;      // over the points where either can change slope: voxels, and the middles between them
-  // By how much a sample's opacity of one original voxel length can be wrong, 0..1, for values that differ by
+  // Largest error of a sample's opacity of one original voxel length, 0..1, for values that differ by
   // largest_density, the worst tag: a bound, reached where something is thinner than a coarse voxel.
   double largest_opacity = 0;
 };

@@ -19,7 +19,7 @@ class GICUBE_API LookUpTables {
  public:
   explicit LookUpTables(BoardState& of) : state_(&of) {}
 
-  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again. With a
+  // Sets colour and opacity of tag `tag` (0..3), a quarter of the segmentation LUT, and finds the empty flags. With a
   // volume the simulated host waits for that; a tag never set is invisible. Throws BadArgument: the board is untouched.
   void set_transfer_function(const TransferFunction& function, int tag = 0);
 
@@ -28,15 +28,15 @@ class GICUBE_API LookUpTables {
   // untouched.
   void set_shading(const Shading& shading);
 
-  // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
+  // Sets the scattering of tag `tag` (0..3), at first none. Throws BadArgument: the board is untouched.
   void set_material(const Material& material, int tag = 0);
 
   // Scatters the rays that meet a material with kTrap and kHostRoutine, in light and in pictures with View::scatter.
   // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
-  // ask its Board for now() and info() only; calls that were started call it on a thread of the driver. What it throws
-  // leaves the call that needed it; an answer that no ray can follow throws ScatteringFailed. In both cases rays that
+  // ask its Board for now() and info() only; calls that were started call it on a thread of the driver. Its exceptions
+  // propagate out of the call that needed it; an invalid answer throws ScatteringFailed. In both cases rays that
   // had not ended are lost, the irradiance is incomplete, there is no picture, and the board is ready for the next
-  // call. An empty routine removes the former one.
+  // call. An empty routine removes the previous one.
   void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").

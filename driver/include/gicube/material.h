@@ -1,4 +1,4 @@
-// How a material scatters rays [P §2.2]. Its colour and opacity are its transfer function's.
+// The scattering of a material [P §2.2]. Its colour and opacity are its transfer function's.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace gicube {
 //   kDullScattering (D + gloss d) / |D + gloss d|
 //   kIsotropic      d
 //   kDiffuse        (N + d) / |N + d|: radiance alike in all directions of the half space (Lambert)
-//   kTrap           what a routine says: on the board's DSP, or in the application
+//   kTrap           by a routine: on the board's DSP, or in the application
 enum class Bsdf { kNone, kSpecular, kDullReflection, kDullScattering, kIsotropic, kDiffuse, kTrap };
 
 // Routines that every board has; gicube-board --bsdf adds more, numbered from kFirstUserRoutine on.

@@ -1,4 +1,4 @@
-// How much light goes between pairs of elements of the volume: the heaviest part of radiosity [P §5.6].
+// The light exchanged between pairs of elements of the volume: the heaviest part of radiosity [P §5.6].
 //
 //   auto factors = board.pair_factors(elements, pairs, {.rays = 64});
 //   // form factor of two flat elements, from a to b: factors[i].transported * area_b

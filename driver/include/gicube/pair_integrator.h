@@ -16,7 +16,7 @@ class GICUBE_API PairIntegrator {
  public:
   explicit PairIntegrator(BoardState& of) : state_(&of) {}
 
-  // How much light goes between pairs of elements: one factor per pair. Near pairs are divided
+  // The light exchanged between pairs of elements: one factor per pair. Near pairs are divided
   // (PairFactor). The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application
   // adds host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), if PairRequest::leap is on)
   // are summed up by the driver, without rays: PairFactor::clear.

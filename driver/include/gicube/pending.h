@@ -1,4 +1,4 @@
-// The handle to a call that goes on while the application does something else.
+// The handle to a call that continues while the application does something else.
 //
 //   gicube::Pending<gicube::Image> picture = board.renderer().start(view);
 //   while (!picture.wait(std::chrono::milliseconds(16))) draw(picture.progress());
@@ -24,19 +24,19 @@
 
 namespace gicube {
 
-class Operation;  // what goes on; the driver's own
+class Operation;  // the driver's state of the call
 
 // Parts done and parts in all of a long call; called on the calling thread, at the end with all of them.
 using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 
-// Parts done and parts in all; 0 of 0 before the call has said so.
+// Parts done and parts in all; 0 of 0 before the call has reported any.
 struct PendingProgress {
   std::uint32_t done = 0;
   std::uint32_t all = 0;
 };
 
 // The calls of all handles. They may come from any thread. A handle may outlive its Board: the call ends with
-// DeviceLost (Loss::kClosed) then. A handle that is destroyed leaves its call to go on; nobody gets the result.
+// DeviceLost (Loss::kClosed) then. If a handle is destroyed, its call continues and the result is dropped.
 class GICUBE_API PendingCall {
  public:
   PendingCall(PendingCall&&) noexcept;
@@ -52,8 +52,8 @@ class GICUBE_API PendingCall {
   // OpenOptions::while_waiting. False: it had ended, or its rays are in work.
   bool cancel();
   PendingProgress progress() const;
-  // A file descriptor for poll(), epoll or an event loop, readable once ready() is true. The caller's to close. Don't
-  // read from it. Throws Error if the process has none left.
+  // A file descriptor for poll(), epoll or an event loop, readable once ready() is true. The caller closes it and must
+  // not read from it. Throws Error if the process has none left.
   int descriptor() const;
 
  protected:
@@ -65,8 +65,8 @@ template <class T>
 class GICUBE_API Pending : public PendingCall {
  public:
   // Waits for the end of the call. Returns its result, once, or throws what the blocking call would. Throws
-  // DeadlinePassed if the result came after the simulated time `deadline`, or has not come by then: it can still be
-  // asked for. Throws Cancelled after cancel(), BadArgument if the result was taken before.
+  // DeadlinePassed if the result did not come by the simulated time `deadline`: call get() again for it. Throws
+  // Cancelled after cancel(), BadArgument if the result was taken before.
   T get(Picoseconds deadline = kNoDeadline);
 
  private:

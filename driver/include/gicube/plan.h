@@ -91,7 +91,7 @@ struct GICUBE_API Plan {
 // Throws BadArgument (request), Rejected (no volume), and as load_volume() and render() do.
 GICUBE_API Plan make_plan(Board& board, const PlanRequest& request, const Progress& progress = {});
 
-// Brings another board to where make_plan() left its own, with the same volume and looks as in the request.
+// Gives another board the state in which make_plan() left its own, with the request's volume and transfer functions.
 GICUBE_API void load_planned(Board& board, const Plan& plan, const VolumeView& volume,
                              std::span<const TransferFunction> looks);
 

@@ -63,8 +63,8 @@ class GICUBE_API Projector {
   using TakeView = std::function<void(std::size_t i, const std::vector<float>& values)>;
   using ViewValues = std::function<std::vector<double>(std::size_t i)>;
 
-  // Line integrals of `volume` (x fastest) from the source to each pixel, view after view, rows first. Values lie
-  // between the voxel centres by trilinear interpolation, and outside of their box there is nothing. The board holds
+  // Line integrals of `volume` (x fastest) from the source to each pixel, view after view, rows first. Values are
+  // trilinear between the voxel centres, and zero outside of their box. The board holds
   // the volume in 12 bits between its least value, at most 0, and its greatest.
   // Throws BadArgument (another number of values than voxels, one that is not finite, a view that is not there), what
   // the board throws.

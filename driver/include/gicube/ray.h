@@ -1,4 +1,4 @@
-// Rays that a host application makes itself, what it asks of them, and how they come back.
+// Rays that a host application makes itself, its requests, and the returned rays.
 //
 //   gicube::Ticket ticket = board.submit(rays, {.type = gicube::RayType::kFirstHit, .opacity = 0.5});
 //   ...                                                      // the board works meanwhile
@@ -28,8 +28,8 @@ enum class RayType {
   // Sampling::opacity_threshold. Scattered if Sampling::scatter says so. With jitter.
   kIntegrate,
   // Until the opacity that it has gathered reaches RayRequest::opacity: its position is then that of the sample which
-  // brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the
-  // volume or met a cut plane. No colour. With jitter.
+  // brought it there, and its opacity at least that. A ray with less has hit nothing and ends where it left the volume
+  // or met a cut plane. No colour. With jitter.
   kFirstHit,
   // Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest::opacity is
   // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so
@@ -41,16 +41,16 @@ enum class RayType {
   // RayRequest::albedo and rules. No ray comes back; BatchReport::lighting says where the energy went.
   kDeposit,
   // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of
-  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter. It may end
-  // outside of the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from
-  // a source outside.
+  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter. It
+  // may end outside of the volume, but must begin inside like every ray: use clip_to_volume() for sources
+  // outside.
   kIntegral,
   // Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses nothing
   // by that. RayRequest::words says to which words; no ray comes back.
   kBackproject,
 };
 
-// Where rays of type kBackproject leave what they carry.
+// The words to which rays of type kBackproject add.
 enum class SumWords {
   kIrradiance,  // what read_irradiance() reads: not negative, 11 bits or 32 on the wide datapath, by clear_irradiance()
   kSums,        // the whole 36-bit words: signed sums of whole units, by clear_sums() and read_sums()
@@ -70,8 +70,8 @@ struct HostRay {
 // The ray from one point to another, both in voxels, for ray types with a length. Equal points: length 0, along z.
 GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
 // The part of a ray with a length (voxels; infinite: a half line) that is inside a volume of `dims` voxels, 0..size - 1
-// on each axis; the ray may begin outside. Nothing if it misses the volume, or meets it in one point only. What
-// kIntegral finds on the part is what it would find on the whole.
+// on each axis; the ray may begin outside. Nothing if it misses the volume, or meets it in one point only. The line
+// integral over the part equals that over the whole.
 GICUBE_API std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims);
 
 // How rays are sampled, as the fields of View of the same names; step and leaping are RayRequest's. sampling_of() takes
@@ -136,7 +136,7 @@ struct DepositReport {
   double unit = 0;               // of one unit of the words
 };
 
-// When a batch came back, and what its rays left behind.
+// The completion of a batch, and the sums that its rays left on the board.
 struct BatchReport {
   Ticket ticket;
   Picoseconds completed = 0;               // simulated time at which the last byte reached the host

@@ -17,9 +17,9 @@ class GICUBE_API RayTracer {
  public:
   explicit RayTracer(BoardState& of) : state_(&of) {}
 
-  // Sends rays, in as many DSP commands as they need. The application's routine does not scatter them. Returns at once
+  // Sends rays, in as many DSP commands as they need. The application's scattering routine is not used. Returns at once
   // unless too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any
-  // number of batches may be under way; the caller's memory is free again on return. If the card does not store the
+  // number of batches may be under way; the caller may reuse its memory on return. If the card does not store the
   // volume whole, the simulated host waits for the rays, and the batch is complete on return; what the board refuses is
   // thrown at once. Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit
   // and Sampling::irradiance before the irradiance was cleared or lit, kBackproject before its words were cleared),
@@ -27,8 +27,8 @@ class GICUBE_API RayTracer {
   Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});
   // Sends rays that lie in several places, as one batch in that order.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
-  // submit() with a handle in place of a ticket; get() is receive(), and takes its deadline. A handle that is destroyed
-  // before leaves its batch to poll(). Throws as submit(), and Error if the process has no descriptor left.
+  // submit() with a handle in place of a ticket; get() is receive(), and takes its deadline. If the handle is destroyed
+  // before, poll() returns its batch. Throws as submit(), and Error if the process has no descriptor left.
   Pending<RayBatch> start(std::span<const HostRay> rays, const RayRequest& request = {});
 
   // Blocks until that batch has returned, and moves the simulated host's clock to its arrival. Throws BadArgument if
@@ -50,8 +50,8 @@ class GICUBE_API RayTracer {
   bool cancel(Ticket ticket);
   // A file descriptor that poll(), epoll or an event loop can wait for: it becomes readable, and stays so, when
   // receive() would no longer have to wait for the board's work, or if the board is lost or the Board is destroyed.
-  // Don't read from it. It is the caller's to close, at any time. It does not advance simulated time; receive() does.
-  // The board answers once it has worked out all that was sent before this call, so ask right after submit(). With
+  // The caller closes it, at any time, and must not read from it. It does not advance simulated time; receive() does.
+  // The board answers once it has computed everything that was sent before, so call this right after submit(). With
   // `pace: realtime` receive() may still wait until the wall clock has come to the batch's arrival. After reopen() on a
   // new board ask again. Throws BadArgument as receive(), Error if the process has no descriptor left.
   int descriptor(Ticket ticket);

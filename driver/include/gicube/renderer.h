@@ -31,7 +31,7 @@ class GICUBE_API Renderer {
   // picture.
   void read_framebuffer(std::span<Pixel> pixels);
 
-  // Empty if something can be seen in a picture of this board: a colour, or an alpha of a step of 8 bits. Else a
+  // Empty if something is visible in a picture of this board: a colour, or an alpha of a step of 8 bits. Otherwise a
   // sentence for people, which ends with the likely reason: no transfer function, values that it does not show, empty
   // flags, a camera that looks elsewhere, cut planes. The last view rendered is taken into account. It costs no
   // simulated time.

@@ -1,4 +1,4 @@
-// Scattering by the application: what it learns of a ray that met a material of its own, and what it answers.
+// Scattering by the application: the event of a ray that met such a material, and the application's answer.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct ScatterEvent {
   std::span<const float> parameters{};  // Material::parameters; lives as long as the call
 };
 
-struct ScatterAnswer {  // what becomes of a ray that was scattered
+struct ScatterAnswer {  // the outcome of a scattering
   Vec3 direction;       // in which the ray goes on; physical, of a length from 1e-6 to 1e6
   double passes = 1;    // the share of its energy, or of what it can still gather, that goes on: 0..1
 };

@@ -28,9 +28,9 @@
 
 namespace gicube::test {
 
-// Which board a test runs on. What gicube_add_test() was told comes in the environment, GICUBE_TEST_BUS and so on.
+// The board of a test. The arguments of gicube_add_test() arrive in the environment, as GICUBE_TEST_BUS and so on.
 struct BoardSetup {
-  std::string board{};             // URI of a board that there is; empty: a private emulated one of the fields below
+  std::string board{};             // URI of an existing board; empty: a private emulated one with the fields below
   std::string bus{};               // pci33, agp1x, agp2x or agp4x; empty: the board's default, as all below
   std::string fidelity{};          // functional or cycle
   std::string config{};            // file name of a board configuration
@@ -61,12 +61,12 @@ struct Measured {
   }
 };
 
-// Opens when it is made. What the board has under way at either end is counted by its progress until then.
+// The window starts at construction. Work under way at either end is counted by its progress until then.
 class Window {
  public:
   explicit Window(Board& board) : board_(board), begin_(board.now()), counters_(board.counters()) {}
 
-  // From the begin until now; may be asked again later.
+  // From the begin until now; may be called again later.
   Measured end() const { return {board_.now() - begin_, board_.counters() - counters_}; }
 
  private:

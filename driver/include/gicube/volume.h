@@ -67,13 +67,13 @@ struct VolumeView {
 };
 
 // Reads the planes z = first .. first + planes - 1 into `out`: dims[0] * dims[1] * planes samples, or colours of three
-// bytes, x fastest, in the machine's byte order. What it throws leaves load_volume(), and the board keeps its volume.
+// bytes, x fastest, in the machine's byte order. If it throws, the board keeps its volume.
 using PlaneReader = std::function<void(int first, int planes, std::span<std::byte> out)>;
 
 // A volume that is read while it is loaded: for one that is larger than the host's memory. Fields are those of
 // VolumeView.
 struct VolumeStream {
-  PlaneReader read;  // is asked for all planes in their order; for those of 16 bits and floats without a range, twice
+  PlaneReader read;  // called for all planes in order; twice for 16 bits and floats without a range
   SampleType type = SampleType::kUint8;
   Dims dims{};
   Vec3 spacing{1, 1, 1};

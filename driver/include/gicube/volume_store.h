@@ -19,9 +19,9 @@ class GICUBE_API VolumeStore {
  public:
   explicit VolumeStore(BoardState& of) : state_(&of) {}
 
-  // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends
+  // Replaces the volume: converts the samples, quantises gradients by the codebook, divides all into blocks and sends
   // those that are not zero including their shared faces. The simulated host waits for the transfer. The transfer
-  // functions are kept, and the empty flags are found again.
+  // functions are kept, and the empty flags are recomputed.
   // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: pictures, rays and light have its
   // blocks sent as rays need them, also to a new board after reopen(), and have the same bits. Edges have up to 1024
   // voxels then. Rays of type kBackproject, write(), verify(), sums, and the application's scattering routine throw
@@ -29,7 +29,7 @@ class GICUBE_API VolumeStore {
   // tags, colours): the board keeps its volume. Throws Rejected if the volume needs more memory than the board may take
   // (gicube-board --max-memory): there is no volume then. On DeviceLost or TimedOut the volume is lost with the board.
   void load(const VolumeView& volume, const Progress& progress = {});
-  // Loads a volume that is read in planes: some n + 3 of them are in memory at a time. The driver writes the blocks
+  // Loads a volume that is read in planes: about n + 3 planes are in memory at a time. The driver writes the blocks
   // that are not zero, 4.5 bytes a voxel, to a file without a name in the folder TMPDIR, or else in /var/tmp, and sends
   // them from there; it keeps the file if the card does not store the volume whole. Throws Error, too, if the file
   // can't be written, and what `read` throws: the board keeps its volume. Pictures throw Error if the file can't be
@@ -56,7 +56,7 @@ class GICUBE_API VolumeStore {
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
   void write(const VoxelBox& box, std::span<const float> values);
   // Has the board read its whole volume back, and compares each block with what was written there. Returns the blocks
-  // that differ, ascending, numbered as in empty_flags(). They lost bits unnoticed: pictures and rays since then may be
+  // that differ, ascending, numbered as in empty_flags(). Their bits changed unnoticed: later pictures and rays may be
   // wrong, and the volume should be loaded again. The simulated host waits as long as the fullest memory channel needs
   // to read its blocks. Throws Rejected before load(), MemoryFault.
   std::vector<std::size_t> verify();
@@ -72,9 +72,9 @@ class GICUBE_API VolumeStore {
 
   // Level of detail in volumes that the card does not store whole [P §5.3]. Where 2, 4 or 8 voxels are at most `detail`
   // pixels wide, a block is sent as the means of cells of so many voxels an edge, an 8th, 64th or 512th of its bytes,
-  // and the card gives its voxels these values. 1: cells are no larger than a pixel; 0, the default: blocks are as they
-  // are. The part of a block that is nearest to the eye counts; near the eye, for scattered pictures, host rays and
-  // light they are as they are. So a picture depends on its view alone. Throws BadArgument (detail: 0..64), Unsupported
+  // and the card gives its voxels these values. 1: cells are no larger than a pixel; 0, the default: full blocks. The
+  // corner nearest to the eye decides a block's level; scattered pictures, host rays and light use full blocks. So a
+  // picture depends on its view alone. Throws BadArgument (detail: 0..64), Unsupported
   // (a board before protocol 2.3).
   void set_detail(double detail);
   // The level of detail of the last picture; nothing if the card stores the volume whole. Throws Rejected if there is

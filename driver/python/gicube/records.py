@@ -79,7 +79,7 @@ class Bsdf(Enum):
       DULL_SCATTERING (D + gloss d) / |D + gloss d|
       ISOTROPIC      d
       DIFFUSE        (N + d) / |N + d|: radiance alike in all directions of the half space (Lambert)
-      TRAP           what a routine says: on the board's DSP, or in the application. See gicube/material.h."""
+      TRAP           by a routine: on the board's DSP, or in the application. See gicube/material.h."""
     NONE = "none"
     SPECULAR = "specular"
     DULL_REFLECTION = "dull_reflection"
@@ -104,7 +104,7 @@ class Albedo(Enum):
 
 class EnergyRules(Enum):
     """AS_PRINTED: the paper's own rules, which lose scattered energy and count a point light four times. CONSERVING:
-    what goes in comes out (docs/reference/hardware.md). See gicube/illumination.h."""
+    energy is conserved (docs/reference/hardware.md, H901). See gicube/illumination.h."""
     AS_PRINTED = "as_printed"
     CONSERVING = "conserving"
 
@@ -116,7 +116,7 @@ class RayType(Enum):
     Sampling.opacity_threshold. Scattered if Sampling.scatter says so. With jitter."""
     FIRST_HIT = "first_hit"
     """Until the opacity that it has gathered reaches RayRequest.opacity: its position is then that of the sample which
-    brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the volume
+    brought it there, and its opacity at least that. A ray with less has hit nothing and ends where it left the volume
     or met a cut plane. No colour. With jitter."""
     SEGMENT = "segment"
     """Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest.opacity is
@@ -130,15 +130,14 @@ class RayType(Enum):
     INTEGRAL = "integral"
     """The line integral of the volume's values less ValueRange.low between two points, lengths in the unit of
     Volume.spacing. Sampled as SEGMENT; opacities, empty blocks, jitter and cut planes don't matter. It may end outside
-    of the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from a source
-    outside."""
+    of the volume, but must begin inside like every ray: use clip_to_volume() for sources outside."""
     BACKPROJECT = "backproject"
     """Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses
     nothing by that. RayRequest.words says to which words; no ray comes back."""
 
 
 class SumWords(Enum):
-    """Where rays of type BACKPROJECT leave what they carry. See gicube/ray.h."""
+    """The words to which rays of type BACKPROJECT add. See gicube/ray.h."""
     IRRADIANCE = "irradiance"
     """what read_irradiance() reads: not negative, 11 bits or 32 on the wide datapath, by clear_irradiance()"""
     SUMS = "sums"
@@ -463,14 +462,14 @@ class LightEnergy(Record):
 
 @dataclass
 class LightingReport(LightingReportCalls, Record):
-    """Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
+    """The energy balance, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
     emitted = deposited + escaped + scattered_away + clipped. With three irradiance words these are sums over red, green
     and blue. See gicube/illumination.h."""
     rays: int = 0
     emitted: float = 0.0
-    """Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point
-    and distant lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or
-    a sphere begin at random points of it, so there it is an estimate, which another seed changes and more rays improve.
+    """The energy of the rays: the light that meets the volume, not the lights' whole power unless they are inside. For
+    point and distant lights that is exact, except for the rounding of each ray to whole units. Rays of a rectangle or a
+    sphere begin at random points of it, so there it is an estimate, which another seed changes and more rays improve.
     """
     deposited: float = 0.0
     """into irradiance words"""
@@ -528,9 +527,9 @@ class FoundBoard(Record):
     uri: str = ""
     """for Board.open()"""
     process: int = 0
-    """the id of its gicube-board; 0: a PCI function, which says no version and no owner"""
+    """the id of its gicube-board; 0: a PCI function, without version and owner"""
     product: str = ""
-    """what it calls itself"""
+    """the board's product name"""
     version: str = ""
     """of its program"""
     in_use: bool = False
@@ -632,7 +631,7 @@ class BoardInfo(Record):
 class Reopened(Record):
     """The result of Board.reopen(). See gicube/board.h."""
     resumed: bool = False
-    """the same session goes on: nothing was lost"""
+    """the same session continues: nothing was lost"""
     volume: bool = False
     """there is a volume on the board"""
 
@@ -650,13 +649,13 @@ class BrickDetail(Record):
 
 @dataclass
 class LevelError(Record):
-    """How far a coarser volume is from its original. See gicube/level_of_detail.h."""
+    """The difference of a coarser volume from its original. See gicube/level_of_detail.h."""
     largest_density: float = 0.0
     """at any point between voxels, in density units (4095 = the value range): a bound"""
     rms_density: float = 0.0
     """over the points where either can change slope: voxels, and the middles between them"""
     largest_opacity: float = 0.0
-    """By how much a sample's opacity of one original voxel length can be wrong, 0..1, for values that differ by
+    """Largest error of a sample's opacity of one original voxel length, 0..1, for values that differ by
     largest_density, the worst tag: a bound, reached where something is thinner than a coarse voxel."""
 
 
@@ -726,7 +725,7 @@ class ScatterEvent(Record):
 
 @dataclass
 class ScatterAnswer(Record):
-    """What becomes of a ray that was scattered. See gicube/scattering.h."""
+    """The outcome of a scattering. See gicube/scattering.h."""
     direction: Vec3 = (0.0, 0.0, 0.0)
     """in which the ray goes on; physical, of a length from 1e-6 to 1e6"""
     passes: float = 1.0
@@ -737,7 +736,7 @@ class ScatterAnswer(Record):
 class AnsweredCommand(Record):
     """How many commands of a kind a level answered. See gicube/fidelity.h."""
     command: str = ""
-    """"render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell."""
+    """"render", "trace", "illuminate", "resume", "pairs", "continue"; empty: the board does not report it."""
     count: int = 0
 
 

@@ -37,7 +37,7 @@ class GICUBE_API MpiExchange : public RayExchange {
 
   // To other ranks, by exchange().
   virtual std::uint64_t bytes_sent() const = 0;
-  // Ends the processes of all ranks, with this exit code, whatever they do (MPI_Abort). Print what is to be said
+  // Ends the processes of all ranks, with this exit code, whatever they do (MPI_Abort). Print messages
   // before.
   [[noreturn]] virtual void abort(int code) = 0;
 };

@@ -1,4 +1,4 @@
-// How the hosts of one job tell each other of rays (gicube/mpi.h has MPI's way). With Board::share_blocks() each host's
+// The exchange of rays between the hosts of one job (gicube/mpi.h: by MPI). With Board::share_blocks() each host's
 // board traces the rays in its own blocks of a volume, and rays that come to other blocks go to the boards that have
 // those.
 #pragma once

@@ -39,7 +39,7 @@ class GICUBE_API InputError : public Error {
   std::vector<Fault> faults_;
 };
 
-// A file can't be read or written, is damaged, or says what can't be.
+// A file can't be read or written, is damaged, or has invalid contents.
 class GICUBE_API FileError : public InputError {
  public:
   FileError(const std::filesystem::path& file, const std::string& field, const std::string& expected,
@@ -49,8 +49,8 @@ class GICUBE_API FileError : public InputError {
 // Takes a sentence about a file that is read although something about it is suspicious: "FILE: data: expected ..., got
 // ...".
 using WarningHandler = std::function<void(const std::string& text)>;
-// Who gets the warnings of all threads; nobody at first. Not to be called while files are read. What the handler throws
-// leaves the call that reads the file.
+// Sets the handler of the warnings of all threads; at first there is none. Do not call it while files are read.
+// Exceptions of the handler propagate out of the call that reads the file.
 GICUBE_API void set_warning_handler(WarningHandler handler);
 
 }  // namespace gicube::scene

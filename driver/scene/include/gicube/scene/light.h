@@ -25,7 +25,7 @@ struct Lighting {
   // scene's units; 0 = chosen by the driver for each pass.
   double exposure = 0;
   // Three passes and three pictures, of which red, green and blue are taken: each with the lights' and the materials'
-  // scattering_colour in that channel. Light is then coloured by what it met; irradiance alone has no colour.
+  // scattering_colour in that channel. Light is then coloured by materials; irradiance alone has no colour.
   bool colour_passes = false;
 };
 
