@@ -40,7 +40,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
       "fd:N for a connected socket or a listening Unix socket, as from systemd;\n"
       "board i > 0 is at PATH.i or PORT+i");
-  add("--boards", options.boards, "N", fmt::format("how many boards, 1 to {}", kMaxBoards));
+  add("--boards", options.boards, "N", fmt::format("number of boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end with that session");
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
@@ -48,13 +48,13 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "times: the first is routine 8, the next 9. Its code runs in a process of its own")
       ->allow_extra_args(false);
   add("--resume-seconds", flags.resume_seconds, "N",
-      "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
+      "time that a session waits for its client after a broken connection, unless another client comes; 0 = none")
       ->check(CLI::Range(0u, 86'400u))
       ->capture_default_str();
 
   app.option_defaults()->group("Access");
   add("--tls-cert", options.certificate_file, "FILE",
-      "TLS certificate, PEM: all TCP of both planes speaks TLS then; needed beyond this machine");
+      "TLS certificate, PEM: all TCP of both planes then uses TLS; needed beyond this machine");
   add("--tls-key", options.key_file, "FILE", "its private key, PEM");
   add("--token-file", options.token_file, "FILE",
       "tokens for clients and callers over TCP, one a line: TOKEN, read TOKEN, use TOKEN or control TOKEN\n"
@@ -62,39 +62,39 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "none");
 
   add("--audit-log", options.audit_log_file, "FILE",
-      "who came, was refused, forced and changed what, a line each, appended to FILE; FILE.1 holds the lines before;\n"
-      "unset: these lines are in the log");
+      "append a line for each client that connects, is refused, uses force or changes something; FILE.1 holds the\n"
+      "earlier lines; unset: these lines are in the log");
 
   add("--box", flags.box, "MODE",
-      "auto: after its start the process gives up what a running board does not need: other files, programs, outgoing\n"
-      "connections, as far as the kernel can refuse them; off: not")
+      "auto: after its start the process gives up all rights that a running board does not need: other files, "
+      "programs,\n"
+      "outgoing connections, as far as the kernel can refuse them; off: it keeps them")
       ->check(CLI::IsMember({"auto", "off"}))
       ->capture_default_str();
 
   app.option_defaults()->group("Limits");
   add("--max-memory", flags.max_memory_mib, "MIB",
-      "what a board's volume, irradiance, sums and image may take of this machine's memory; 0 = no limit")
+      "memory for a board's volume, irradiance, sums and image; 0 = no limit")
       ->check(CLI::Range(0u, kMaxMib))
       ->capture_default_str();
   add("--max-results", flags.max_results_mib, "MIB",
-      "what a board may hold for a client: results that it has not waited or polled for, answers it has not taken")
+      "memory that a board holds for a client: results not yet waited or polled for, answers not yet taken")
       ->check(CLI::Range(1u, kMaxMib))
       ->capture_default_str();
   add("--max-connections", options.max_connections, "N",
-      "connections that own no board: one more takes the place of the oldest that has not said its version")
+      "connections that own no board: a further one replaces the oldest that has not sent its version")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
   add("--max-connections-of-peer", options.max_connections_of_peer, "N",
       "the same for one address, or one process of this machine")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
-  add("--max-wait", flags.max_wait_seconds, "SECONDS",
-      "how long a client may wait for a board, however long it wants to")
+  add("--max-wait", flags.max_wait_seconds, "SECONDS", "longest time that a client may wait for a board")
       ->check(CLI::Range(1u, 86'400u))
       ->capture_default_str();
 
   add("--max-command-time", flags.max_command_seconds, "SECONDS",
-      "how long a command may have this machine work; then its session ends; 0 = no limit")
+      "processing time of a command, after which its session ends; 0 = no limit")
       ->check(CLI::Range(0u, 604'800u))
       ->capture_default_str();
 
@@ -103,29 +103,28 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--set", flags.overrides, "FIELD=VALUE", "set one field after that, as asic.processors=8; may come several times")
       ->allow_extra_args(false);
   add("--restore", flags.restore_file, "FILE",
-      "each board begins as the one that the checkpoint is of, with its configuration; --config and --set change what\n"
-      "does not shape its state (docs/guide/checkpoints.md)");
+      "each board continues from the checkpoint, with its configuration; --config and --set may change fields that do\n"
+      "not shape its state (docs/guide/checkpoints.md)");
   app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end");
   app.add_flag("--explain-config", options.explain_config,
-               "print each field of the configuration with where its default comes from, then end");
+               "print each field of the configuration with the source of its default, then end");
   app.add_flag("--hardware-cost", options.print_hardware_cost,
-               "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end");
+               "print the on-chip memories of the configuration, as Table 1 of the paper, then end");
   app.add_flag("--registers", options.print_registers, "print the register table and the memory map, then end");
 
   app.option_defaults()->group("Observation");
   add("--trace", flags.trace_file, "FILE", "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i");
-  add("--trace-window", flags.trace_window, "BEGIN:END",
-      "of what clocked parts do write these core cycles only, END left out");
+  add("--trace-window", flags.trace_window, "BEGIN:END", "record clocked parts in these core cycles only, without END");
   add("--trace-dir", flags.trace_dir, "FOLDER",
-      "where the management plane may have new traces and checkpoints written; unset: the working folder if that plane "
-      "is at a\n"
-      "unix socket, or else nowhere");
+      "folder for traces and checkpoints that the management plane requests; unset: the working folder if that plane\n"
+      "is at a Unix socket, otherwise none");
   add("--vcd", flags.vcd_file, "FILE",
       "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i");
-  add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, END left out");
+  add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, without END");
 
   add("--events", flags.event_file, "FILE",
-      "write what happens to chosen rays, a JSON object a line; needs fidelity=cycle, but for life=X:Y; board i > 0\n"
+      "write the events of chosen rays, a JSON object per line; needs fidelity=cycle, except for life=X:Y; board i > "
+      "0\n"
       "writes FILE.i");
   add("--observer", flags.observer_file, "FILE",
       "the same events to a shared object (gicube/observer.h), whose code runs in a process of its own for each board");

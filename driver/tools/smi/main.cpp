@@ -66,49 +66,48 @@ std::uint32_t interval_of(const std::string& text) try {
 
 void add_top(CLI::App& app, Options& options) {
   CLI::App* top =
-      add_board_command(app, options, smi::top, "top", "what a board does, once a second; ends with Ctrl-C");
+      add_board_command(app, options, smi::top, "top", "the activity of a board, once per second; ends with Ctrl-C");
   top->add_option_function<std::string>(
          "-i,--interval", [&options](const std::string& text) { options.interval_ms = interval_of(text); },
-         "between two looks, 10ms to 60s, as 500ms")
+         "between two samples, 10ms to 60s, for instance 500ms")
       ->type_name("TIME")
       ->default_str("1s");
-  top->add_option("-n,--count", options.count, "end after so many looks")
+  top->add_option("-n,--count", options.count, "end after this many samples")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 30));
   top->add_flag_callback(
-      "--once", [&options] { options.count = 1; }, "one look, as -n 1: all since the board was reset");
-  top->add_flag("-a,--all", options.all_counters, "every counter, also those that stand still");
+      "--once", [&options] { options.count = 1; }, "one sample, like -n 1: everything since the board was reset");
+  top->add_flag("-a,--all", options.all_counters, "every counter, also unchanged ones");
 }
 
 void add_faults(CLI::App& app, Options& options) {
-  CLI::App* faults = app.add_subcommand("faults", "the fault plan of a board: what goes wrong on purpose");
+  CLI::App* faults = app.add_subcommand("faults", "the fault plan of a board: faults that are injected");
   faults->require_subcommand(1);
-  add_board_command(*faults, options, show_faults, "show", "the plan that holds, and what it has done");
-  add_board_command(*faults, options, set_faults, "set", "a new plan in place of the former")
+  add_board_command(*faults, options, show_faults, "show", "the plan in force, and the faults that it has injected");
+  add_board_command(*faults, options, set_faults, "set", "replace the plan")
       ->add_option("plan", options.plan_file, "protobuf text of gicube.v1.FaultPlan; - reads standard input")
       ->type_name("FILE")
       ->required();
-  add_board_command(*faults, options, clear_faults, "clear", "no more faults");
-  add_board_command(*faults, options, log_faults, "log",
-                    "the faults that have happened; a plan that makes them happen again")
+  add_board_command(*faults, options, clear_faults, "clear", "remove the plan");
+  add_board_command(*faults, options, log_faults, "log", "the injected faults, as a plan that repeats them")
       ->add_flag("--clear", options.clear_log, "empty the log");
 }
 
 void add_trace(CLI::App& app, Options& options) {
-  CLI::App* trace = app.add_subcommand("trace", "a trace of what a board does, for ui.perfetto.dev");
+  CLI::App* trace = app.add_subcommand("trace", "a trace of a board, for ui.perfetto.dev");
   trace->require_subcommand(1);
   add_board_command(*trace, options, show_trace, "show", "where the board writes its trace");
-  add_board_command(*trace, options, start_trace, "start", "traces all sessions from now on; nobody may own the board")
+  add_board_command(*trace, options, start_trace, "start", "traces all later sessions; the board must be free")
       ->add_option("file", options.trace_file,
                    "a new file in the folder that gicube-board has for traces (--trace-dir)")
       ->type_name("FILE")
       ->required();
-  add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");
+  add_board_command(*trace, options, stop_trace, "stop", "completes the file; the board must be free");
 }
 
 void add_checkpoint(CLI::App& app, Options& options) {
   add_board_command(app, options, checkpoint, "checkpoint",
-                    "writes all that a board is to a file, for gicube-board --restore; its session goes on")
+                    "writes a board's whole state to a file, for gicube-board --restore; its session continues")
       ->add_option("file", options.checkpoint_file,
                    "a new file in the folder that gicube-board has for traces (--trace-dir)")
       ->type_name("FILE")
@@ -132,7 +131,7 @@ void add_uri(CLI::App& app, Options& options, const char* what) {
 int run(int argc, const char* const* argv) {
   Options options;
   CLI::App app(
-      "GI-Cube boards from outside: what there is, what it does, whether it works, and why it can't be opened.\n"
+      "Lists GI-Cube boards, watches and tests them, and finds out why one can't be opened.\n"
       "Without a command: a summary of all boards of this user on this machine. Commands that look at a running board\n"
       "ask the management plane that --management or the environment variable GICUBE_MANAGEMENT names, or else that "
       "of\n"
@@ -147,15 +146,15 @@ int run(int argc, const char* const* argv) {
   add_board_command(app, options, info, "info", "a board's configuration and routines");
   add_top(app, options);
   add_uri(*add_command(app, options, validate, "validate",
-                       "opens a board and tests it; what it held is lost. Exit code 1 if a test fails"),
+                       "opens a board and tests it; its contents are lost. Exit code 1 if a test fails"),
           options, "the board, as Board::open() takes it");
   add_board_command(app, options, reset, "reset",
                     "the power button: ends the session that owns the board, clears all state");
   add_faults(app, options);
   add_trace(app, options);
   add_board_command(app, options, smi::debug, "debug",
-                    "stops a board at conditions and looks into it; the board goes on when this ends")
-      ->add_option("script", options.script_file, "lines to carry out; - reads standard input (help lists them)")
+                    "pauses a board at conditions and inspects it; the board continues when this ends")
+      ->add_option("script", options.script_file, "commands to run; - reads standard input (help lists them)")
       ->type_name("FILE")
       ->capture_default_str();
   add_checkpoint(app, options);

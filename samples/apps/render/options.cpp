@@ -60,7 +60,7 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
              "see all from the front, back, left, right, top, bottom, or iso; of a patient too: anterior, posterior, "
              "superior, inferior")
       ->type_name("NAME");
-  group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the centre of what is visible)");
+  group.vector("--look-at", options.camera.look_at, "point in the image's centre (the centre of all that is visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
   CLI::Option* fov = group.value("--fov", options.camera.fov_degrees, "vertical field of view in degrees (30)");
   fov->check(CLI::Range(0.01, 179.0));
@@ -102,9 +102,8 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
           throw CLI::ValidationError(name, "expected display or linear, got " + in_quotes(text));
         options.composite = text == "linear" ? Composite::kLinear : Composite::kDisplay;
       });
-  group.flag(
-      "--annotate", options.annotate,
-      "mark in a corner which way the axes run: R L A P S I of a patient whose file says how he lies, else x y z");
+  group.flag("--annotate", options.annotate,
+             "draw the axes in a corner: R L A P S I of a patient if the file has an orientation, otherwise x y z");
   group.value("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
       ->type_name("FILE")
       ->capture_default_str();
@@ -309,7 +308,7 @@ Scene input_scene(const RenderOptions& options) {
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out) {
   RenderOptions options;
   CLI::App app("Renders a volume on a GI-Cube board.", "gicube-render");
-  app.footer("Presets of --transfer-function, and what they are for:\n" + preset_lines() + kFooter);
+  app.footer("Presets of --transfer-function, and their use:\n" + preset_lines() + kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "

@@ -102,10 +102,10 @@ void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
 }  // namespace
 
 void add_compare(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("compare", "a volume with what it should be");
+  CLI::App& app = *program.add_subcommand("compare", "a volume with the truth");
   const auto options = std::make_shared<CompareOptions>();
   app.add_option("VOLUME", options->volume, "a volume file")->required();
-  add_object(app, options->truth, "TRUTH", "what it should be");
+  add_object(app, options->truth, "TRUTH", "the true object");
   OptionGroup field(app, "Field of view"), output(app, "Output");
   field.value("--field-radius", options->field.radius, "voxels further from the axis are left out")
       ->check(CLI::PositiveNumber);

@@ -125,7 +125,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.require_subcommand(1);
   CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
-  CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and what it costs");
+  CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and its cost");
   add_scene_input(*solving, solve.input);
   add_materials(*solving, solve);
   add_method(*solving, solve.settings);

@@ -84,10 +84,10 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
   } else {
     group.value("--board", options.board, addresses)->capture_default_str();
   }
-  group.value("--fidelity", options.fidelity, "what the emulated board models: functional or cycle");
+  group.value("--fidelity", options.fidelity, "level of the emulated board: functional or cycle");
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile);
-  group.value("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
+  group.value("--set", options.settings, "one field of it, for instance asic.processors=8; repeatable")
       ->take_all()
       ->allow_extra_args(false)
       ->type_name("FIELD=VALUE");

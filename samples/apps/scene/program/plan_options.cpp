@@ -54,7 +54,7 @@ void add_plan_options(CLI::App& app, PlanOptions& options, const std::string& wh
                [&options](const std::string& name, const std::string& text) {
                  options.time_budget = parse_duration(name, text);
                });
-  group.flag("--explain", options.explain, "say what the plan chose, the error that it predicts and the cost it saves");
+  group.flag("--explain", options.explain, "print the plan's choice, its predicted error and the cost that it saves");
 }
 
 void check_plan(const PlanOptions& options) {
