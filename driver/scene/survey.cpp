@@ -230,12 +230,20 @@ void tell_kind(std::span<const float> sorted, const std::vector<std::pair<float,
     survey.kind = DataKind::kPart;
     survey.usual = peak->value;
     survey.why = fmt::format("most of what is above the background is one material, at {}", shown_value(peak->value));
-    if (share_between(body, background + 1.25 * up, INFINITY) > 0.002)
+    if (share_between(body, background + 1.25 * up, INFINITY) > 0.002) {
       survey.why += ", with denser ones in it";
-    else
+    } else if (share_between(body, background + 0.1 * up, background + 0.9 * up) > 0.6) {
+      survey.kind = DataKind::kOther;
+      survey.why = "most of what is above the background has no edge, as in a cloud";
+    } else {
       survey.kind = DataKind::kSolid;
+    }
   } else if (is_smooth(pairs, high - low)) {
     survey.why = "the values change slowly from voxel to voxel, as those of a computed field";
+  } else if (survey.usual - background < 0.4 * up) {
+    survey.kind = DataKind::kSolid;
+    survey.usual = peak->value;
+    survey.why = fmt::format("one material, at {}, lies above the noise", shown_value(peak->value));
   } else {
     survey.kind = top > 2.8 * (survey.usual - background) ? DataKind::kMriT2 : DataKind::kMri;
     survey.why = survey.kind == DataKind::kMri

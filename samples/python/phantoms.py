@@ -1,9 +1,10 @@
-"""Volumes to try the programs with: a head as a CT and as an MRI have it, a part with an insert, labels in labels, and
-cells.
+"""Volumes to try the programs with: a head as a CT and as an MRI have it, a part with an insert, labels in labels,
+cells, and a cloud.
 
 Usage: phantoms.py FOLDER [VOXELS]     voxels of an edge, 128 if not given
 
-Each is a NRRD file. `gicube-render FOLDER/ct_head.nrrd` and so on need no option (docs/guide/first_pictures.md).
+Each is a NRRD file, the cloud one of OpenVDB. `gicube-render FOLDER/ct_head.nrrd` and so on need no option
+(docs/guide/first_pictures.md).
 """
 
 import pathlib
@@ -58,14 +59,23 @@ def phantoms(size: int) -> Dict[str, Any]:
     cells = np.zeros(x.shape)
     for cell, (*place, radius) in enumerate(random.uniform((-0.8, -0.8, -0.8, 0.1), (0.8, 0.8, 0.8, 0.25), (40, 4)), 1):
         cells[ball(place, (radius, radius, radius)) > 0.5] = cell
-    return {"ct_head": hounsfield, "mri_head": mri, "part": part, "labels": labels, "cells": cells}
+
+    waves = [frequency * random.normal(0, 1, (6, 4)).astype("f4") for frequency in (7, 14, 28)]
+    billows = sum(np.abs(sum(np.sin(a * x + b * y + c * z + d) for a, b, c, d in octave)) / 5 / 2**i
+                  for i, octave in enumerate(waves))
+    puffs = np.max([1 - sum(((at - middle) / radius) ** 2 for at, middle in zip((x, y, z), place))
+                    for *place, radius in ((-0.45, 0.1, -0.3, 0.38), (0.05, 0, -0.15, 0.5), (0.5, -0.1, -0.35, 0.33),
+                                           (-0.1, 0.1, 0.25, 0.36))], 0)
+    cloud = np.clip(1.5 * (puffs + 0.25 - 0.7 * billows), 0, 1)
+    return {"ct_head": hounsfield, "mri_head": mri, "part": part, "labels": labels, "cells": cells, "cloud": cloud}
 
 
 def main(folder: str, size: int = 128) -> None:
     pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
     for name, values in phantoms(size).items():
-        gicube.write_volume(pathlib.Path(folder) / f"{name}.nrrd", values)
-        print(f"{folder}/{name}.nrrd: {gicube.why_look(values)}")
+        file = pathlib.Path(folder) / (f"{name}.vdb" if name == "cloud" else f"{name}.nrrd")
+        gicube.write_volume(file, values)
+        print(f"{file}: {gicube.why_look(values)}")
 
 
 if __name__ == "__main__":

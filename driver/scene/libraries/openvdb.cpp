@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -85,6 +86,11 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
   // Voxels that are not stored have the grid's background.
   openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, reinterpret_cast<float*>(out.samples.data()));
   openvdb::tools::copyToDense(*grid, dense);
+  if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
+    out.warnings.push_back({file, name, "densities", "a level set; its distances are made positive inside"});
+    const std::span values(dense.data(), out.samples.size() / sizeof(float));
+    std::ranges::transform(values, values.begin(), std::negate<>());
+  }
   return out;
 }
 

@@ -131,6 +131,11 @@ def test_openvdb(tmp_path):
     assert gicube.read_volume(tmp_path / "a.vdb", part="heat").dims == (3, 3, 3)
     with pytest.warns(UserWarning, match="density is taken"):
         gicube.read_volume(tmp_path / "a.vdb")
+    run("import pyopenvdb as vdb\nvdb.write('set.vdb', grids=[vdb.createLevelSetSphere(radius=4.0)])", tmp_path)
+    with pytest.warns(UserWarning, match="a level set; its distances are made positive inside"):
+        samples = gicube.read_volume(tmp_path / "set.vdb").samples
+    middle = [size // 2 for size in samples.shape]
+    assert samples[tuple(middle)] == samples.max() == 3 and samples[0, 0, 0] == samples.min() == -3
     gicube.write_volume(tmp_path / "b.vdb", RAMP, spacing=EDGES, world=PLACED)
     run(
         "import numpy as np, pyopenvdb as vdb\n"

@@ -162,8 +162,8 @@ def test_loads_over_time_come_from_a_boards_trace(tmp_path):
 
 def test_phantoms(tmp_path, capsys):
     program("phantoms").main(str(tmp_path), 96)
-    looks = dict(line.split(".nrrd: transfer function: ") for line in capsys.readouterr().out.splitlines())
-    looks = {name.rsplit("/", 1)[1]: why.split(",")[0] for name, why in looks.items()}
-    assert looks == {"ct_head": "ct-bone", "mri_head": "mri-t2", "part": "ct-engine", "labels": "colours of labels",
-                     "cells": "colours of labels"}
+    looks = dict(line.split(": transfer function: ") for line in capsys.readouterr().out.splitlines())
+    looks = {Path(name).name: why.split(",")[0] for name, why in looks.items()}
+    assert looks == {"ct_head.nrrd": "ct-bone", "mri_head.nrrd": "mri-t2", "part.nrrd": "ct-engine",
+                     "labels.nrrd": "colours of labels", "cells.nrrd": "colours of labels", "cloud.vdb": "ramp"}
     assert gicube.read_volume(tmp_path / "part.nrrd").dims == (96, 96, 96)

@@ -175,5 +175,30 @@ TEST(InValuesOf, PutsEachScaleInItsPlace) {
   EXPECT_NEAR(at_one(TransferScale::kHounsfield), 64.064, 1e-9);
 }
 
+// A ball in the streaks of a reconstruction from few views, which fill more of the volume than it does.
+TEST(Survey, FindsAMaterialAboveNoise) {
+  std::mt19937 random(3);
+  const Survey survey = survey_of(made<float>(SampleType::kFloat32, [&random](double x, double y, double z) {
+    const bool inside = std::sqrt(x * x + y * y + z * z) < 0.3;
+    const double streak = std::exponential_distribution<>(40)(random);
+    return (inside ? std::normal_distribution<>(0.2, 0.035)(random) : 0) + (x + y > 0.6 ? streak : 0);
+  }));
+  const AutomaticLook look = automatic_look(survey);
+  EXPECT_EQ(look.name, "surface") << look.why;
+  EXPECT_THAT(look.why, HasSubstr("above the noise"));
+  EXPECT_NEAR(survey.usual, 0.2, 0.03);
+}
+
+TEST(Survey, ACloudIsNoSurface) {
+  const auto ball = [](double soft) {
+    return survey_of(made<float>(SampleType::kFloat32, [soft](double x, double y, double z) {
+      return std::clamp((0.9 - std::sqrt(x * x + y * y + z * z)) / soft, 0.0, 1.0);
+    }));
+  };
+  EXPECT_EQ(automatic_look(ball(0.5)).name, "ramp");
+  EXPECT_THAT(ball(0.5).why, HasSubstr("as in a cloud"));
+  EXPECT_EQ(automatic_look(ball(0.05)).name, "surface");
+}
+
 }  // namespace
 }  // namespace gicube::scene
