@@ -85,7 +85,7 @@ Imbalance imbalance(int grid, unsigned processors, const std::array<unsigned, 3>
   return found;
 }
 
-// docs/reference/hardware.md has these numbers [H331]. Where they are as good as others the smallest coefficients are named.
+// Rule [H331] has these numbers. Where they are as good as others the smallest coefficients are named.
 TEST(Partition, TheDocumentedCoefficientsAreTheMostEvenOnes) {
   struct Row {
     int grid;
