@@ -75,7 +75,7 @@ class Frame:
 
 @dataclass
 class Link:
-    """What a fault may know of a connection: requests by id, and room of its own."""
+    """The state of a connection for a fault: requests by id, and room of its own."""
 
     asked: dict = field(default_factory=dict)
     own: dict = field(default_factory=dict)

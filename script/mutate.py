@@ -94,7 +94,7 @@ def configure():
 
 
 def parse_options(top):
-    """What a source below `top` is compiled with, for clang."""
+    """The compiler options of a source below `top`, for clang."""
     options = {}
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         if "/CMakeFiles/" not in entry["command"] or f" -o {top}" not in entry["command"]:
@@ -254,7 +254,7 @@ def judge(number, tests):
 
 
 def draw(every, count, seed):
-    """As many of each kind, as long as there are."""
+    """An equal number of each kind, as long as there are."""
     dice, piles = random.Random(seed), {kind: [m for m in every if m.kind == kind] for kind in mutants.KINDS}
     for pile in piles.values():
         dice.shuffle(pile)

@@ -1,5 +1,5 @@
-# What Debian wants of each package and CMake does not install: compressed manual pages, a changelog, an entry for the
-# site in doc-base. CPack runs this between installing and packaging.
+# Files that Debian wants in each package and CMake does not install: compressed manual pages, a changelog, an entry for
+# the site in doc-base. CPack runs this between installing and packaging.
 file(GLOB manuals ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/*/usr/share/man/man*/*.[1-9])
 foreach(manual ${manuals})
   execute_process(COMMAND gzip -9n ${manual} COMMAND_ERROR_IS_FATAL ANY)

@@ -16,7 +16,7 @@ def upload(board: gicube.Board) -> None:
 
 
 def picture(board: gicube.Board) -> gicube.Image:
-    """What it shows, and how it goes on when its card's memory fails."""
+    """The picture, and the recovery when its card's memory fails."""
     while True:
         try:
             return board.render(gicube.fit_view(gicube.Volume(SCAN), width=32, height=32))

@@ -19,7 +19,7 @@ SCENE = 'volume { builtin: "buckyball" size: 64 } image { width: 64 height: 64 }
 
 
 def time_of(processors: int, queue_rays: int) -> float:
-    """Of one picture, milliseconds."""
+    """The milliseconds of one picture."""
     setup = gicube.parse_scene(SCENE).set_up()
     uri = (f"emu:?fidelity=cycle&set=asic.block_voxels=8&set=asic.processors={processors}"
            f"&set=asic.queue_rays={queue_rays}")

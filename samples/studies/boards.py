@@ -1,4 +1,4 @@
-"""What several boards in one host bring: the same picture on more boards, and pictures that grow with them."""
+"""The gain by several boards in one host: the same picture on more boards, and pictures that grow with them."""
 import math
 import pathlib
 import tempfile
@@ -11,8 +11,8 @@ EDGE = {"strong": lambda boards: 512, "weak": lambda boards: round(256 * math.sq
 
 
 def measured(kind, buses, boards, fidelity="cycle", voxels=128, edge=None):
-    """Of a picture after the first, which finds the tables on the boards: its simulated milliseconds, and the mean over
-    the boards of where they went."""
+    """Times of a picture after the first, which finds the tables on the boards: its simulated milliseconds, and the
+    mean over the boards of where they went."""
     edge = edge or EDGE[kind](boards)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

@@ -38,7 +38,7 @@ def tables_of(name):
 
 
 def sources_of(name):
-    """Of a study: its module, or the modules of its folder."""
+    """The modules of a study: its module, or the modules of its folder."""
     folder = ROOT / "samples/studies" / name
     return sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
 

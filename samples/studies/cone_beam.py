@@ -42,7 +42,7 @@ class Scan:
         return [self.first + 2 * math.pi * i / self.views for i in range(self.views)]
 
     def text(self):
-        """As a scan file, of degrees that become the same radians, or nearly."""
+        """A scan file in degrees that become the same radians, or nearly."""
         def degrees(angle):
             near = angle / RADIANS
             return min((near, *(math.nextafter(near, to) for to in (0, 999))),
@@ -157,7 +157,7 @@ def views():
 
 def accumulator():
     def by(setting, board=""):
-        """Of irradiance words, with one setting changed to x."""
+        """A point of irradiance words, with one setting changed to x."""
         return lambda x: Case(HEAD, chart_scan(64, 96, 120), PLAIN | {"accumulator": "irradiance", setting: x},
                               settings=board)
     return case_table("accumulator",
@@ -169,7 +169,7 @@ def accumulator():
 
 
 def times():
-    """Of the whole board, at the cycle level, which takes minutes of the host."""
+    """Times of the whole board at the cycle level, which takes minutes of the host."""
     cases = {"fdk/60": Case(HEAD, chart_scan(64, 96, 60), PLAIN),
              "read_every/20": Case(HEAD, chart_scan(64, 96, 120),
                                    PLAIN | {"accumulator": "irradiance", "read-every": 20})}
@@ -224,7 +224,7 @@ def ray_spacing():
 
 
 def splat(board, scan, fine, slope):
-    """What is left [z, y, x] by rays whose values make a density of one at the axis that rises by `slope` of it along
+    """Deposits [z, y, x] of rays whose values make a density of one at the axis that rises by `slope` of it along
     the detector."""
     near, edge, step = scan.to_axis / scan.to_detector, scan.edge, 0.5
     u, v = ((((np.arange(count * fine) + 0.5) / fine - 0.5) - (count - 1) / 2) * scan.pitch for count in scan.detector)

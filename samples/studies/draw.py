@@ -126,8 +126,8 @@ def _fill(axes, part):
 
 
 def _plain_numbers(axis, measured=()):
-    """Of a logarithmic axis: what was measured, if that is few values apart; or 0.01, 0.1, 1 and, where it spans few
-    decades, 2 and 5."""
+    """Ticks of a logarithmic axis: the measured values, if they are few values apart; or 0.01, 0.1, 1 and, where it
+    spans few decades, 2 and 5."""
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low) if low > 0 else 9
     axis.set_major_formatter(ticker.FuncFormatter(lambda value,

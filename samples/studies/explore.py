@@ -259,7 +259,7 @@ def warn_of_free_fields(explorer):
 
 
 def explore(arguments):
-    """What the program does with these arguments. Raises RunFailed, FileError, InputError."""
+    """Runs the program with these arguments. Raises RunFailed, FileError, InputError."""
     options = options_of(arguments)
     space = read_space(options.space)
     options.points = min(60, size_of(space.parameters)) if options.points is None else options.points

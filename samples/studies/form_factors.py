@@ -22,7 +22,7 @@ THRESHOLDS = (1e-2, 1e-3, 1e-4, 1e-5)
 
 
 def integral(f):
-    """Of f over 0..1, by Simpson's rule; f takes arrays and may have more axes after the first."""
+    """Integral of f over 0..1, by Simpson's rule; f takes arrays and may have more axes after the first."""
     n = 128
     weights = np.where(np.arange(n + 1) % 2, 4.0, 2.0)
     weights[[0, -1]] = 1
@@ -30,7 +30,8 @@ def integral(f):
 
 
 def over_square(f):
-    """Of f(x, y, ...) weighted by (1 - x) (1 - y): how the difference of two points of unit squares is spread."""
+    """Integral of f(x, y, ...) weighted by (1 - x) (1 - y): how the difference of two points of unit squares is
+    spread."""
     return 4 * integral(lambda x: ((1 - x) * integral(lambda y: (1 - y[:, None]) * f(x, y[:, None])).T).T)
 
 
@@ -87,7 +88,7 @@ def error_of(name, rays):
 
 
 def slope_of(rays, errors):
-    """Of a straight line through log(error) over log(rays)."""
+    """Slope of a straight line through log(error) over log(rays)."""
     return np.polyfit(np.log(rays), np.log(errors), 1)[0]
 
 
@@ -117,7 +118,7 @@ def error_tables(most_rays=MOST_RAYS):
 
 
 def look(words):
-    """What gicube-form-factors visibility says of the buckyball: statistics, and each pair's two boxes and
+    """Results of gicube-form-factors visibility for the buckyball: statistics, and each pair's two boxes and
     transmittance."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -172,7 +173,7 @@ def trade_table():
 
 
 def solved(words):
-    """What gicube-form-factors solve says of a scene: statistics, and each element's weight, incident light and
+    """Results of gicube-form-factors solve for a scene: statistics, and each element's weight, incident light and
     standard error, but for the volume's ends."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

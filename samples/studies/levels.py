@@ -39,7 +39,7 @@ def board_ms(stats):
 
 
 def processor_seconds():
-    """Of all programs that were run, with their boards."""
+    """Times of all programs that were run, with their boards."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

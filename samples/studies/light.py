@@ -95,8 +95,8 @@ def tiles(picture, edge=TILE):
 
 
 def error(shown, truth, noise):
-    """Of tiles: root mean square difference over root mean square truth, without what the truth's own standard errors
-    add to it; both are white at 1. And the same after the brightness that fits best."""
+    """Error of tiles: root mean square difference over root mean square truth, without what the truth's own standard
+    errors add to it; both are white at 1. And the same after the brightness that fits best."""
     own = tiles(noise ** 2 * (truth < 1)).sum() / TILE ** 2
     shown, truth = tiles(np.minimum(shown, 1)), tiles(np.minimum(truth, 1))
     def off(factor):
@@ -105,7 +105,7 @@ def error(shown, truth, noise):
 
 
 def reference(scene, file, size=SIZE, voxels=None, paths=None):
-    """What is shown of the truth, its standard errors (as nested lists), and the factor from radiances to what is
+    """The shown truth, its standard errors (as nested lists), and the factor from radiances to what is
     shown."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -156,7 +156,7 @@ camera {{ eye {{ y: -4 z: 2.7 }} look_at {{ z: -0.3 }} fov_degrees: 10 }}
 
 
 def law(material, degrees):
-    """What the board shows of a floor of this opacity, or of fog, under a lamp at this height over it, and the truth;
+    """The board's brightness of a floor of this opacity, or of fog, under a lamp at this height over it, and the truth;
     of whole pictures."""
     height, is_fog = np.radians(degrees), material == "fog"
     colour = "colour { red: 0.5 green: 0.5 blue: 0.5 }"

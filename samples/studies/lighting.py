@@ -1,4 +1,4 @@
-"""What a pass of lighting rays costs the board, and how far its irradiance is from the closed form of a point source in
+"""The cost of a pass of lighting rays, and how far its irradiance is from the closed form of a point source in
 an absorber."""
 import functools
 import itertools

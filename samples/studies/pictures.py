@@ -12,7 +12,7 @@ _power = np.frompyfunc(_powf, 2, 1)
 
 
 def read_picture(file):
-    """Of an EXR as gicube-render writes it (linear light): display-referred red, green, blue, premultiplied, and alpha,
+    """Pixels of an EXR of gicube-render (linear light): display-referred red, green, blue, premultiplied, and alpha,
     0..1, as float32 [row, column, 4] from the top; the sRGB curve (IEC 61966-2-1) is applied again. Raises
     FileError."""
     import OpenImageIO as oiio  # takes a moment, and errors by figures do without
@@ -45,7 +45,7 @@ def _between(count, of):
 
 
 def resized(picture, width, height):
-    """Of another size, by the bilinear way between its pixels' centres."""
+    """Resizes bilinearly between its pixels' centres."""
     first, second, share = _between(width, picture.shape[1])
     share = share[None, :, None]
     rows = picture[:, first] * (1 - share) + picture[:, second] * share

@@ -106,7 +106,7 @@ def levels(folder):
 
 
 def kind_of(command):
-    """What the rays of a pair do."""
+    """The chart of the rays of a pair."""
     if command.startswith("cone-beam"):
         return "backprojection"
     return "light" if ".scene" in command and "--illumination none" not in command else "viewing rays"

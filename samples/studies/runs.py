@@ -21,14 +21,14 @@ class RunFailed(Exception):
 
 
 class InputError(Exception):
-    """What a user gave, or what was found, is not what was expected."""
+    """A user's value or a found one is not as expected."""
 
     def __init__(self, what, expected, got):
         super().__init__(f"{what}: expected {expected}, got {got}")
 
 
 def quoted(argument):
-    """As a POSIX shell takes it."""
+    """The command for a POSIX shell."""
     return shlex.quote(argument).replace("'\"'\"'", "'\\''")
 
 
@@ -38,8 +38,8 @@ def is_field(name):
 
 
 def run_to_end(program, arguments, log):
-    """What it writes goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it ended, and its
-    last line."""
+    """Runs the command; its output goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it
+    ended, and its last line."""
     try:
         with open(log, "wb") as stream:
             code = subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, stdout=stream,
@@ -169,7 +169,7 @@ def figure_or_nan(statistics, name):
 
 
 def figure(statistics, name):
-    """The same. Raises InputError if there is no such number."""
+    """The number, as above. Raises InputError if there is no such number."""
     value = figure_or_nan(statistics, name)
     if math.isnan(value):
         raise InputError(name, "a number in the run's statistics", "none of that name")

@@ -41,7 +41,7 @@ def chosen_numbers(explained, with_energy=False):
 
 
 def board_arguments(settings):
-    """What gicube-board needs of the settings of a run."""
+    """The options for gicube-board in the settings of a run."""
     words = []
     for name, value in settings:
         if name == "board":

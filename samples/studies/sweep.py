@@ -222,7 +222,7 @@ def grid(parameters):
 
 
 def arguments_of(point):
-    """As gicube-render takes them: the input first."""
+    """The arguments for gicube-render: the input first."""
     words = [point["input"]] if "input" in point else []
     for name, value in point.items():
         if is_field(name):
@@ -322,7 +322,7 @@ def table_text(options, rows):
 
 
 def json_text(options, rows, command):
-    """The same, and the front by itself."""
+    """All points, and the front by itself."""
     names = [options.cost, f"error {options.error}", *also_names(options)]
     points = [{"settings": row.point,
                **{name: None if math.isnan(value) else value for name,
@@ -390,7 +390,7 @@ def version():
 
 
 def sweep(arguments):
-    """What the program does with these arguments. Raises RunFailed, FileError, InputError."""
+    """Runs the program with these arguments. Raises RunFailed, FileError, InputError."""
     options = options_of(arguments)
     folder, command = RunFolder(options.folder / "runs"), " ".join([PROGRAM, *map(quoted, arguments)])
     if options.sensitivity:

@@ -9,8 +9,8 @@ BUSES = ("pci33", "agp1x", "agp2x", "agp4x")
 
 
 def measured(bus, samples, size="128x128", fidelity="cycle"):
-    """Of a picture after the first: pixels that the texture covers, host rays of all of them, milliseconds, and those
-    in which the bus was busy."""
+    """Figures of a picture after the first: pixels that the texture covers, host rays of all of them, milliseconds, and
+    those in which the bus was busy."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run(folder, "gicube-compose",

@@ -17,7 +17,7 @@ struct AnsweredCommand {  // how many commands of a kind a level answered
   std::uint64_t count = 0;
 };
 
-struct LevelReport {  // what a level answered, and what its figures leave out
+struct LevelReport {  // the commands of a level, and the parts that it omits
   Fidelity level = Fidelity::kFunctional;
   std::vector<AnsweredCommand> answered;
   std::vector<std::string> not_modelled;  // at that level: docs/reference/hardware.md

@@ -95,7 +95,7 @@ struct Sampling {
 // That of the view's own rays.
 GICUBE_API Sampling sampling_of(const View& view);
 
-struct RayRequest {  // what is asked of the rays of a batch
+struct RayRequest {  // the request for the rays of a batch
   RayType type = RayType::kIntegrate;
   double opacity = 1;  // kFirstHit, kSegment, kOpacity: > 0..1
   // kDeposit, as in Illumination:

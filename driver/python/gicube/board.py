@@ -76,7 +76,7 @@ class RayExchange(Protocol):
         """Sends parts[r] to rank r, this one too; returns what each rank sent to this one, by rank."""
 
     def sum(self, value: int) -> int:
-        """Of all ranks' values."""
+        """The sum over all ranks' values."""
 
 
 class Board:
@@ -169,7 +169,7 @@ class Board:
 
     @property
     def info(self) -> BoardInfo:
-        """What the board said of itself when it was opened."""
+        """Properties that the board reported when it was opened."""
         return self._core.info
 
     @property
@@ -381,7 +381,7 @@ class Board:
         return Pending(self._core.start_render(view))
 
     def render_to_framebuffer(self, view: View, *, progress: ProgressLike = None) -> None:
-        """The same without reading it."""
+        """Renders without reading the picture."""
         with shown(progress, "rendering") as told:
             self._core.render_to_framebuffer(view, told)
 
@@ -504,8 +504,8 @@ class Board:
         self._core.set_brick_detail(detail)
 
     def brick_detail(self) -> Optional[BrickDetail]:
-        """What the last picture had of it; None if the card stores the volume whole. Raises Rejected if there is no
-        picture."""
+        """The level of detail of the last picture; None if the card stores the volume whole. Raises Rejected if there
+        is no picture."""
         return self._core.brick_detail()
 
     def set_time_limit(self, limit: int) -> None:
@@ -515,7 +515,7 @@ class Board:
 
     @property
     def counters(self) -> Counters:
-        """What the board has counted so far."""
+        """The board's counters since its start."""
         return Counters(self._core.counters())
 
 

@@ -1,4 +1,4 @@
-"""What a board counted."""
+"""The counters of a board."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Counters(Mapping[str, int]):
         return len(self._held)
 
     def unit(self, name: str) -> str:
-        """As "ps" or "rays". Raises KeyError."""
+        """The unit, for instance "ps" or "ray". Raises KeyError."""
         return self._held[name][0]
 
     def __sub__(self, begin: "Counters") -> "Counters":

@@ -1,4 +1,4 @@
-"""What the package raises: the classes of gicube/error.h, each also one of Python's own where there is one that fits.
+"""Exceptions of the package: the classes of gicube/error.h, each also one of Python's own where there is one that fits.
 
 The docstring of each call says which it raises, and what state the board is in then.
 """
@@ -83,7 +83,7 @@ class Cancelled(Error):
 
 
 class WouldBlock(Error, BlockingIOError):
-    """As many rays are under way as open(max_rays=...) allows. Nothing was sent: receive or poll before the next
+    """The limit open(max_rays=...) of rays under way is reached. Nothing was sent: receive or poll before the next
     try."""
 
 

@@ -1,4 +1,4 @@
-"""What happens inside a private board, as Python callables get it, and the debugger of a board with a management plane.
+"""Events inside a private board for Python callables, and the debugger of a board with a management plane.
 
     with gicube.observe.events(lambda event: print(event["event"]), of="pixel=32:32") as options:
         with gicube.open("emu:?fidelity=cycle&" + options) as board:

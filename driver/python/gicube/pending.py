@@ -45,9 +45,9 @@ class Pending(Generic[Result]):
         return self._core.wait(timeout)
 
     def result(self, deadline: int = 2**64 - 1) -> Result:
-        """What the call returns, once, or raises. Raises DeadlinePassed if it came after the simulated time `deadline`,
-        picoseconds, or has not come by then: it can be asked for again. Raises Cancelled after cancel(), BadArgument if
-        it was taken before."""
+        """Returns the call's result, once, or raises its error. Raises DeadlinePassed if it came after the simulated
+        time `deadline`, picoseconds, or has not come by then: it can be asked for again. Raises Cancelled after
+        cancel(), BadArgument if it was taken before."""
         return self._core.result(deadline)
 
     def cancel(self) -> bool:

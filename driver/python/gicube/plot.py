@@ -113,10 +113,9 @@ def energy(counters: Counters, axes: Optional[Axes] = None) -> Axes:
 
 
 def loads_over_time(trace: Union[str, "os.PathLike[str]"]) -> dict[str, tuple[Any, Any]]:
-    """What waits and moves on a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE" and
-    closed: arrays of simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory RDRAM
-    0 packets/us", "links rays on links".
-    """
+    """Draws waiting rays and packets of a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE"
+    and closed: arrays of simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory
+    RDRAM 0 packets/us", "links rays on links". """
     processes: dict[int, str] = {}
     points: dict[str, list[tuple[float, int]]] = {}
     with open(trace) as file:
@@ -135,7 +134,7 @@ def loads_over_time(trace: Union[str, "os.PathLike[str]"]) -> dict[str, tuple[An
 
 
 def _means(times: Any, values: Any, edges: Any) -> Any:
-    """Of a value that changes at `times`, between `edges`."""
+    """The mean of a value that changes at `times`, between `edges`."""
     if not len(times):
         return np.zeros(len(edges) - 1)
     areas = np.concatenate([[0], np.cumsum(values[:-1] * np.diff(times))])

@@ -1,4 +1,4 @@
-"""What records have besides their fields (gicube.records), and those that are not as in C++."""
+"""Methods of the records (gicube.records), and the records that differ from C++."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FIRST_USER_ROUTINE, HOST_ROUTINE = 8, 255
 
 
 class Record:
-    """What all records share: a name that they do not have is refused, with the nearest one that they have."""
+    """Base of all records: an unknown name is refused, with the nearest known one."""
 
     def __new__(cls, *_: Any, **given: Any) -> Any:
         for name in given:

@@ -562,7 +562,7 @@ class Sampling(SamplingCalls, Record):
 
 @dataclass
 class RayRequest(Record):
-    """What is asked of the rays of a batch. See gicube/ray.h."""
+    """The request for the rays of a batch. See gicube/ray.h."""
     type: RayType = RayType.INTEGRATE
     opacity: float = 1.0
     """FIRST_HIT, SEGMENT, OPACITY: > 0..1"""
@@ -742,7 +742,7 @@ class AnsweredCommand(Record):
 
 @dataclass
 class LevelReport(Record):
-    """What a level answered, and what its figures leave out. See gicube/fidelity.h."""
+    """The commands of a level, and the parts that it omits. See gicube/fidelity.h."""
     level: Fidelity = Fidelity.FUNCTIONAL
     answered: Sequence[AnsweredCommand] = field(default_factory=list)
     not_modelled: Sequence[str] = field(default_factory=list)

@@ -157,12 +157,12 @@ def level_for(voxels_a_pixel: float) -> int:
 
 
 def placed_view(placement: Placement, view: View) -> View:
-    """The same camera and image for a derived volume."""
+    """Camera and image for a derived volume."""
     return _core.placed_view(placement, view)
 
 
 def placed_look(placement: Placement, look: TransferFunction, span: ValueRange) -> TransferFunction:
-    """The same look for a derived volume, whose values lie in `span`."""
+    """The transfer function for a derived volume, whose values lie in `span`."""
     return _core.placed_look(placement, look, span)
 
 
@@ -175,7 +175,7 @@ def read_scene(path: Path, allow_outside: bool = False) -> _core.Scene:
 
 
 def parse_scene(text: str, name: str = "scene", folder: Path = ".", allow_outside: bool = False) -> _core.Scene:
-    """The same from a text, which stands for a file in `folder`."""
+    """Reads a scene from a text, which stands for a file in `folder`."""
     return _core.parse_scene(text, name, os.fspath(folder), allow_outside)
 
 
@@ -260,5 +260,5 @@ def share_of_light(max_error: float) -> float:
 
 
 def left_for_picture(max_error: float, light: _core.LightPlan) -> float:
-    """What a plan of light leaves of an error to the picture, for make_plan(max_error=...)."""
+    """The part of an error that a plan of light leaves to the picture, for make_plan(max_error=...)."""
     return _core.left_for_picture(max_error, light)

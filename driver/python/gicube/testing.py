@@ -41,7 +41,8 @@ class BoardSetup:
 
     @classmethod
     def from_environment(cls, environment: Optional[Mapping[str, str]] = None) -> "BoardSetup":
-        """What gicube_add_test() says by GICUBE_TEST_BUS and so on. Raises BadArgument: a seed that is no number."""
+        """The setup of gicube_add_test(), by GICUBE_TEST_BUS and so on. Raises BadArgument: a seed that is no
+        number."""
         given = os.environ if environment is None else environment
         texts = {name: given.get("GICUBE_TEST_" + name.upper(), "")
                  for name in ("board", "bus", "fidelity", "config", "faults")}
@@ -51,7 +52,7 @@ class BoardSetup:
         return cls(**texts, set=given.get("GICUBE_TEST_SET", "").split(), seed=int(seed))
 
     def uri(self) -> str:
-        """What Board() takes."""
+        """The URI for Board()."""
         if self.board:
             return self.board
         options = [("config", self.config), ("fidelity", self.fidelity), ("bus", self.bus)]
@@ -72,7 +73,7 @@ class BoardSetup:
 
 
 class Window:
-    """What happened between two points of simulated time: from its begin to the end of the `with` statement, or until
+    """The changes between two points of simulated time: from its begin to the end of the `with` statement, or until
     now."""
 
     def __init__(self, board: Board) -> None:
@@ -97,7 +98,7 @@ class Window:
         return (self._end[1] if self._end else self._board.counters) - self._counters
 
     def share(self, counter: str) -> float:
-        """Of the time that a counter in picoseconds has, 0..1."""
+        """The share of the time that a counter in picoseconds has, 0..1."""
         return self.counters.get(counter, 0) / self.time if self.time else 0.0
 
     def per_second(self, counter: str) -> float:

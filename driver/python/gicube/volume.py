@@ -25,7 +25,7 @@ def _stacked(given: Any) -> Any:
 
 
 def _of_board(array: Any) -> Any:
-    """Of a type that boards take, with the same values. Integers become the smallest that holds them, or else
+    """Converts to a type that boards take, with the same values. Integers become the smallest that holds them, or else
     float32."""
     kind = array.dtype
     if kind.name in ("uint8", "uint16", "int16", "float32"):

@@ -1,4 +1,4 @@
-"""What every section of the page works with: runs at the design point, and what was measured of them.
+"""Runs at the design point, and their measurements, for all sections of the page.
 
 The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty
 measurement; measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
@@ -41,7 +41,7 @@ EVEN = SKEWED | {"asic.skew_y": 2, "asic.skew_z": 7}
 
 @dataclass(frozen=True)
 class Run:
-    """What is measured, and the board's settings."""
+    """The measured quantity, and the board's settings."""
     scene: str
     dims: tuple  # voxels of the volume
     edge: int  # voxels: what the scene's lengths refer to
@@ -64,7 +64,7 @@ class Run:
         return replace(self, **fields)
 
     def on(self, settings):
-        """The same on a board configured otherwise."""
+        """A bench on a board of another configuration."""
         changed = {field: str(value) for field, value in settings.items()}
         return self.but(settings=tuple(sorted((dict(self.settings) | changed).items())))
 

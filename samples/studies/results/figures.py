@@ -1,4 +1,4 @@
-"""What counters mean: the paper's figures by arithmetic from one measured window."""
+"""Meaning of the counters: the paper's figures by arithmetic from one measured window."""
 import re
 from typing import NamedTuple
 
@@ -9,8 +9,8 @@ VOXELS_A_SAMPLE = 8  # of a trilinear neighbourhood
 
 
 class Measurement:
-    """What one window, most often a frame, adds to a board's counters and clock. Without arguments nothing was
-    measured."""
+    """The growth that one window, most often a frame, adds to a board's counters and clock. Without arguments nothing
+    was measured."""
 
     def __init__(self, counters=None, time_ps=0, processors=0, core_hz=0.0, clipped=0.0):
         self.counters = counters or {}  # in the board's order
@@ -50,7 +50,7 @@ def over(whole, *counters, factor=1):
 
 
 def frame_ms(m):
-    """As the host sees it, image transfer included."""
+    """The time of the host, image transfer included."""
     return to_ms(m.time_ps)
 
 
@@ -68,7 +68,7 @@ misses_a_sample = over("processor.cache.checks", "processor.cache.missed_voxels"
 
 
 def hit_ratio(m):
-    """Of voxels asked for, those that the cache held: 0..1."""
+    """The share of requested voxels that the cache held: 0..1."""
     return 0.0 if m["processor.cache.checks"] == 0 else 1 - misses_a_sample(m) / VOXELS_A_SAMPLE
 
 

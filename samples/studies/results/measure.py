@@ -35,7 +35,7 @@ def load(board, scene, be_faint):
 
 
 def window(board, work):
-    """What `work` adds to the board's counters and clock: the arguments of figures.py's Measurement."""
+    """The growth that `work` adds to the board's counters and clock: the arguments of figures.py's Measurement."""
     counters, begin = board.counters, board.now
     work()
     return {"time_ps": board.now - begin, "counters": dict(board.counters - counters),
@@ -123,7 +123,7 @@ def measure_board(runs, pictures):
 
 
 def kept_in(folder):
-    """What was measured, for the same board, driver and scenes alone."""
+    """The measurement, for the same board, driver and scenes alone."""
     return Kept(folder, [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, scenes.__file__, PRESET])
 
 

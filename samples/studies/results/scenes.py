@@ -84,7 +84,7 @@ def of_edge(opacity, edge):
 
 
 class SceneData:
-    """What a board is given: volume and looks of a tag each, or the setup of a scene file (with lights). `be_whole`:
+    """The input of a board: volume and looks of a tag each, or the setup of a scene file (with lights). `be_whole`:
     views show the whole volume, not only what can be seen."""
 
     def __init__(self, volume, looks, setup=None, be_whole=True):
@@ -176,7 +176,7 @@ def make_scene(name, dims, edge):
 
 
 def faint(look):
-    """The same values visible, but so faint that no ray ever gets opaque."""
+    """A look that shows the same values, but so faint that no ray ever gets opaque."""
     points = [gicube.OpacityPoint(point.value, point.opacity * FAINT) for point in look.opacities]
     return replace(look, opacities=points)
 

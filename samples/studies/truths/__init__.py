@@ -74,7 +74,7 @@ def front_rows(found):
 
 
 def tables():
-    """What charts take is measured at the cycle level, the table at the functional one: the values have the same
+    """The charts are measured at the cycle level, the table at the functional one: the values have the same
     bits."""
     return [Table("truths", COLUMNS, {point_name(case): lambda _, case=case: measured(case, {})
                                       for case in all_cases()}, value_rows),

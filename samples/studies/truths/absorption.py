@@ -21,7 +21,7 @@ def beer_lambert(bench, depth, datapath="wide", steps=STEPS):
 
 
 def stored(bench, depth, datapath="wide", steps=STEPS, albedo="low", rays=1024):
-    """What a beam along an axis leaves in a layer of 31 voxels."""
+    """The energy that a beam along an axis leaves in a layer of 31 voxels."""
     out = []
     with bench.board(np.ones((32, 32, 32)), even(depth / 31), datapath=datapath) as board:
         place = np.column_stack([31 * lattice(rays, 2), np.zeros(rays)])

@@ -1,4 +1,4 @@
-"""What a truth is, what a board said of it, and what that cost."""
+"""A truth, the board's value, and its cost."""
 import contextlib
 import math
 import time
@@ -104,7 +104,7 @@ def scatterer(board, albedo, g=0.0, tag=0):
 
 
 def transmittances(board, start, end, step, pieces=1):
-    """Of the ways between points, in voxels. One of 1e-5 is lost in the last bits of an opacity; those of its pieces
+    """Transmittances between points, in voxels. One of 1e-5 is lost in the last bits of an opacity; those of its pieces
     are not."""
     cuts = [start + (end - start) * k / pieces for k in range(pieces)] + [end]
     rays = gicube.rays_between(np.concatenate(cuts[:-1]), np.concatenate(cuts[1:]))
@@ -119,7 +119,7 @@ def lattice(count, dimensions, shift=0.0):
 
 
 def folded(count, dimensions, shift):
-    """The same, folded, so that what is integrated is even at both ends (Hickernell 2002)."""
+    """Points, folded, so that the integrand is even at both ends (Hickernell 2002)."""
     return 1 - abs(2 * lattice(count, dimensions, shift) - 1)
 
 

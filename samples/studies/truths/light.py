@@ -1,4 +1,4 @@
-"""What gicube-light shows of half spaces and of furnaces: paths from the eye, from both ends, and photon maps."""
+"""Pictures by gicube-light of half spaces and of furnaces: paths from the eye, from both ends, and photon maps."""
 import json
 import math
 import pathlib

@@ -33,7 +33,7 @@ def host_bus(bench, bus):
 
 
 def memories(bench):
-    """Of a picture whose voxels come from RDRAM."""
+    """Rates of a picture whose voxels come from RDRAM."""
     bench.fidelity = "cycle"
     with bench.board(np.random.default_rng(1).random((64, 64, 64)), even(0.02), edge=64) as board:
         before = board.counters

@@ -11,7 +11,7 @@ UNIT = 2.0**-20  # of a ray's energy; more than a voxel's word of 32 bits is cli
 
 
 def spread(board, place, direction, seed, albedo, step=0.5):
-    """What the board says of rays of energy 1, in voxels."""
+    """The board's ledger of rays of energy 1, in voxels."""
     made = gicube.rays(place, direction, energy=1.0)
     board.clear_irradiance(UNIT)
     sampling = gicube.Sampling(seed=seed)

@@ -62,8 +62,8 @@ def slab(depth, albedo, g, streams=64, cosine=1.0):
 
 
 def optical_depths(boxes, start, end):
-    """Of the ways between points (n, 3) through boxes (low, high, extinction), of which the last one that holds a place
-    counts. In pieces between the boxes' planes, so without steps."""
+    """Optical depths between points (n, 3) through boxes (low, high, extinction), of which the last one that holds a
+    place counts. In pieces between the boxes' planes, so without steps."""
     way = end - start
     length = np.sqrt((way * way).sum(axis=1))
     planes = [(axis, value) for low, high, _ in boxes for axis in range(3) for value in (low[axis], high[axis])]

@@ -117,7 +117,7 @@ def gains(bench, page):
 
 
 def gains_of(bench, runs):
-    """What leaps and termination gain (shares), what the rate is worth; and a row of the table for each run."""
+    """The gains by skipping and termination (shares), the worth of the rate; and a row of the table for each run."""
     rows, leaps, ends, worths = [], [], [], []
     for run in runs:
         both, no_leaps = bench.get(run), bench.get(run.but(leap=False))
