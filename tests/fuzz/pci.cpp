@@ -4,8 +4,6 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 
-#include <mutex>
-
 #include "bridge.h"
 #include "input.h"
 #include "targets.h"
@@ -45,32 +43,17 @@ class Guest {
   std::byte* bytes_ = nullptr;
 };
 
-// The board's end of the last session. Sessions are connected on threads of their own.
-struct Boards {
-  std::mutex mutex;
-  Fd last;
-
-  pci::Connection connect() {
-    std::array<int, 2> ends{};
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
-    const std::lock_guard lock(mutex);
-    last = Fd(ends[1]);
-    return {Fd(ends[0]), {}};
-  }
-};
-
-void use_board(Boards& boards, Input& input) {
-  const std::lock_guard lock(boards.mutex);
+void use_board(Fd& board, Input& input) {
   std::array<std::uint8_t, 4096> bytes{};
   const std::size_t count = 16 * input.u8();
   switch (input.below(4)) {
-    case 0: boards.last.reset(); return;
+    case 0: board.reset(); return;
     case 1: {
-      [[maybe_unused]] const auto got = ::recv(boards.last.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+      [[maybe_unused]] const auto got = ::recv(board.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       return;
     }
     default: {
-      [[maybe_unused]] const auto sent = ::send(boards.last.get(), bytes.data(), count, MSG_DONTWAIT | MSG_NOSIGNAL);
+      [[maybe_unused]] const auto sent = ::send(board.get(), bytes.data(), count, MSG_DONTWAIT | MSG_NOSIGNAL);
     }
   }
 }
@@ -85,10 +68,8 @@ std::optional<pci::Message> any_message(Input& input, const Guest& guest) {
   for (std::uint32_t i = input.below(10); i > 0; --i) {
     files.push_back(header[0] == 6 ? Fd(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) : guest.file());
   }
-  const auto bytes = pci::data_bytes(header);
-  if (!bytes) return std::nullopt;
-  auto data = input.bytes(*bytes);
-  data.resize(*bytes);
+  auto data = input.bytes(size);
+  data.resize(size);
   return pci::decode(header, data, std::move(files));
 }
 
@@ -115,7 +96,6 @@ pci::Message access(pci::MessageKind kind, Input& input) {
   if (is_bar) message.address += 0xFEBF'0000;
   message.size = how % 8 != 7 ? 4 : input.u8();
   message.value = value_of(input);
-  message.is_memory = how != 255;
   return message;
 }
 
@@ -124,8 +104,13 @@ pci::Message access(pci::MessageKind kind, Input& input) {
 void pci(Bytes bytes) {
   Input input(bytes);
   Guest guest;
-  const auto boards = std::make_shared<Boards>();  // a thread that connects may outlive the bridge
-  pci::Bridge bridge([boards] { return boards->connect(); });
+  Fd board;  // its end of the last session
+  pci::Bridge bridge([&board] {
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
+    board = Fd(ends[1]);
+    return pci::Connection{Fd(ends[0]), {}};
+  });
   bridge.take(memory_map(input, guest));
   while (!input.empty()) {
     std::optional<pci::Message> message;
@@ -144,10 +129,7 @@ void pci(Bytes bytes) {
         fn::index_at(guest.shared() + std::size_t{4096} * page, 64 * which).store(value);
         break;
       }
-      default:
-        bridge.wait(-1, 1);  // for a thread that connects
-        use_board(*boards, input);
-        break;
+      default: use_board(board, input); break;
     }
     if (message) {
       const auto kind = message->kind;

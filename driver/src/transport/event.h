@@ -36,9 +36,7 @@ class Event {
         ::write(fd_.get(), &one, sizeof one);  // fails only if it has happened very often
   }
 
-  // Readable from when it happens on.
-  int get() const { return fd_.get(); }
-  // A duplicate for the caller, who closes it; it outlives the event.
+  // Readable from when it happens on. A duplicate for the caller, who closes it; it outlives the event.
   Fd descriptor() const { return duplicate(fd_); }
 
  private:

@@ -1,8 +1,6 @@
 #include "pci_devices.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,7 +9,6 @@
 #include <fstream>
 #include <system_error>
 
-#include "fd.h"
 #include "gicube/wire/pci_config.h"
 
 namespace gicube {
@@ -30,11 +27,8 @@ std::string ids(unsigned long vendor, unsigned long device) { return fmt::format
 std::string ids_in(const fs::path& folder) { return ids(number_in(folder / "vendor"), number_in(folder / "device")); }
 std::string ids_of_board() { return ids(wire::kVendorId, wire::kDeviceId); }
 
-// A process that has opened a function holds a lock on its registers. Who may not look at them sees whether it masters
-// the bus.
+// An open function masters the bus.
 bool is_in_use(const fs::path& folder) {
-  const Fd registers(::open((folder / "resource0").c_str(), O_RDWR | O_CLOEXEC));
-  if (registers.get() >= 0) return ::flock(registers.get(), LOCK_EX | LOCK_NB) != 0;
   std::ifstream config(folder / "config", std::ios::binary);
   config.seekg(wire::pci::kCommandStatus);
   return (static_cast<unsigned>(config.get()) & wire::pci::kCommandBusMaster) != 0 && config.good();

@@ -12,9 +12,8 @@
 #include <thread>
 #include <utility>
 
-#include "event.h"
 #include "fd.h"
-#include "mapping.h"
+#include "ring.h"
 
 namespace gicube {
 
@@ -23,7 +22,7 @@ class PciFunction {
   // `address` as 0000:00:04.0. Throws OpenFailed that says what is missing, and BoardBusy if another process has opened
   // it.
   explicit PciFunction(const std::string& address);
-  // Ends the session. Waits some time for what the link has sent last, if the link has closed its socket.
+  // Ends the session. Waits some time for the board to take what the link has sent last.
   ~PciFunction();
 
   PciFunction(const PciFunction&) = delete;
@@ -38,23 +37,20 @@ class PciFunction {
   std::uint32_t index(std::uint32_t of) const;
   // False if bits can't be changed.
   bool set_command(unsigned set, unsigned clear) const;
-  std::uint64_t physical_address() const;
-  void open_session();
 
   void run();
   bool move_down();
   bool move_up();
-  bool is_over();
+  bool is_over(std::chrono::steady_clock::time_point now);
   void wait(std::chrono::nanoseconds idle);
 
-  const std::string address_;
   Fd registers_file_, config_, interrupts_;  // the last: -1 without uio_pci_generic
   Mapping registers_, rings_;
   std::span<std::byte> down_, up_;
   std::uint32_t put_ = 0, taken_ = 0;  // ours
   Fd socket_, link_end_;
-  Event stop_;
-  std::atomic<bool> stops_ = false;
+  // When the thread ends, whatever is under way.
+  std::atomic<std::chrono::steady_clock::time_point> end_ = std::chrono::steady_clock::time_point::max();
   bool link_has_closed_ = false, has_ended_ = false, ring_is_full_ = false, socket_is_full_ = false;
   std::chrono::steady_clock::time_point looked_;  // when a register last said that the session is open
   std::thread thread_;

@@ -1,7 +1,6 @@
 #include "bridge.h"
 
 #include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
@@ -10,40 +9,33 @@
 namespace gicube::pci {
 
 std::optional<std::uint64_t> Bridge::take(Message message) {
-  std::optional<std::uint64_t> answer = 0;
+  std::uint64_t value = 0;
+  const bool is_asked = message.kind != MessageKind::kMemoryMap && message.kind != MessageKind::kInterruptFiles;
   // Addresses of BAR accesses are those of the guest's memory.
   const std::uint64_t in_bar = message.address % wire::kBar0Bytes;
   switch (message.kind) {
     case MessageKind::kMemoryMap:
       memory_.map(message.map);
       function_.memory_changed();
-      answer.reset();
       break;
     case MessageKind::kInterruptFiles:
       raise_ = std::move(message.files[0]);
       acknowledged_ = std::move(message.files[1]);
       raised_ = false;
-      answer.reset();
       break;
-    case MessageKind::kConfigRead: answer = config_.read(message.address, message.size); break;
+    case MessageKind::kConfigRead: value = config_.read(message.address, message.size); break;
     case MessageKind::kConfigWrite:
       if (config_.write(message.address, message.size, message.value)) function_.reset();
       break;
-    case MessageKind::kBarRead:
-      answer = message.is_memory ? function_.read(in_bar, message.size) : ~std::uint64_t{0};  // no device answers
-      break;
-    case MessageKind::kBarWrite:
-      if (message.is_memory) function_.write(in_bar, message.size, message.value);
-      break;
-    case MessageKind::kReset:
+    case MessageKind::kBarRead: value = function_.read(in_bar, message.size); break;
+    case MessageKind::kBarWrite: function_.write(in_bar, message.size, message.value); break;
+    default:  // kReset
       config_.reset();
       function_.reset();
-      break;
-    case MessageKind::kAnswer: answer.reset(); break;
   }
   function_.let_master_bus(config_.may_master_bus());
   update_interrupt();
-  return answer;
+  return is_asked ? std::optional(value) : std::nullopt;
 }
 
 // INTx is a level. KVM keeps it until the guest acknowledges it, and then asks whether it is still there.
@@ -60,17 +52,14 @@ void Bridge::update_interrupt() {
 
 bool Bridge::wait(int qemu, int milliseconds) {
   // A negative file is not waited for; an event of no kind still reports that the peer has closed.
-  std::array<pollfd, 4> files{{{qemu, POLLIN, 0},
-                               {function_.board_socket(), function_.board_events(), 0},
-                               {function_.connected_event(), POLLIN, 0},
-                               {acknowledged_.get(), POLLIN, 0}}};
+  std::array<pollfd, 3> files{
+      {{qemu, POLLIN, 0}, {function_.board_socket(), function_.board_events(), 0}, {acknowledged_.get(), POLLIN, 0}}};
   // While the guest's ring is full and the board takes bytes, only a bell goes on: a closed peer would be reported
   // without end.
   if (files[1].events == 0) files[1].fd = -1;
   if (::poll(files.data(), files.size(), milliseconds) <= 0) return false;
-  if (files[2].revents != 0) function_.connection_is_made();
   if (files[1].revents != 0) function_.move();
-  if (files[3].revents != 0) {
+  if (files[2].revents != 0) {
     std::uint64_t count = 0;
     if (::read(acknowledged_.get(), &count, sizeof count) != sizeof count) acknowledged_.reset();
     raised_ = false;
@@ -85,9 +74,7 @@ void Bridge::serve(int qemu) {
     auto message = receive(qemu);
     if (!message) return;
     const auto value = take(std::move(*message));
-    if (!value) continue;
-    const auto bytes = answer(*value);
-    if (::send(qemu, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) return;
+    if (value && !send_answer(qemu, *value)) return;
   }
 }
 

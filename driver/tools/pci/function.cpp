@@ -1,15 +1,12 @@
 #include "function.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 
 #include <bit>
 #include <cstdio>
 #include <exception>
 #include <thread>
 #include <utility>
-
-#include "transport/ring.h"
 
 namespace gicube::pci {
 namespace {
@@ -18,10 +15,6 @@ namespace reg = wire::function;
 
 bool is_readable(std::uint64_t offset) {
   return offset % 4 == 0 && offset <= reg::kInterruptMask && offset != reg::kControl && offset != reg::kBell;
-}
-
-bool is_ring_size(std::uint32_t bytes) {
-  return std::has_single_bit(bytes) && bytes >= reg::kMinRingBytes && bytes <= reg::kMaxRingBytes;
 }
 
 }  // namespace
@@ -48,7 +41,7 @@ void Function::write(std::uint64_t offset, std::uint64_t size, std::uint64_t giv
     case reg::kControl:
       if (value == reg::kOpenSession) return open();
       if (value != reg::kCloseSession) return note(Error::kBadAccess);
-      if (is_open()) move_down();  // a driver's goodbye
+      if (!rings_.empty()) move_down();  // a driver's goodbye
       return close(State::kClosed);
     case reg::kBell: return move();
     case reg::kInterruptStatus: at(reg::kInterruptStatus) &= ~value; return;
@@ -73,7 +66,9 @@ void Function::memory_changed() {
   if (rings_.empty()) fail(Error::kBadRing);
 }
 
-bool Function::interrupt_is_pending() const { return (at(reg::kInterruptStatus) & at(reg::kInterruptMask)) != 0; }
+bool Function::interrupt_is_pending() const {
+  return (registers_[reg::kInterruptStatus / 4] & registers_[reg::kInterruptMask / 4]) != 0;
+}
 
 short Function::board_events() const {
   return static_cast<short>((ring_is_full_ ? 0 : POLLIN) | (board_is_full_ ? POLLOUT : 0));
@@ -85,33 +80,21 @@ void Function::open() {
   if (!may_master_bus_) return fail(Error::kNoBusMaster);
   session_address_ = at(reg::kRingLow) | std::uint64_t{at(reg::kRingHigh)} << 32;
   const std::uint32_t bytes = at(reg::kRingBytes);
-  if (is_ring_size(bytes) && session_address_ % reg::kRingAlignment == 0)
+  const bool fits = std::has_single_bit(bytes) && bytes >= reg::kMinRingBytes && bytes <= reg::kMaxRingBytes;
+  if (fits && session_address_ % reg::kRingAlignment == 0)
     rings_ = memory_.find(session_address_, reg::kIndexBytes + 2 * std::uint64_t{bytes});
   if (rings_.empty()) return fail(Error::kBadRing);
   for (const std::uint32_t index : {reg::kDownTaken, reg::kUpPut, reg::kUpWaits, reg::kStreamEnded}) {
     reg::index_at(rings_.data(), index).store(0);
   }
   taken_ = put_ = 0;
-  set_state(State::kOpening);
-  connected_ = std::make_shared<Event>();
-  std::packaged_task<Connection()> task(connect_);
-  connection_ = task.get_future();
-  std::thread([connect = std::move(task), done = connected_]() mutable {
-    connect();
-    done->happen();
-  }).detach();
-}
-
-void Function::connection_is_made() {
-  if (!connected_) return;
-  connected_.reset();
   try {
-    board_ = connection_.get();
+    board_ = connect_();
   } catch (const std::exception& error) {
     fmt::print(stderr, "gicube-pci: {}\n", error.what());
     return fail(Error::kNoBoard);
   }
-  set_state(State::kOpen);
+  at(reg::kState) = static_cast<std::uint32_t>(State::kOpen);
   move();
 }
 
@@ -121,10 +104,8 @@ void Function::close(State state) {
     at(reg::kInterruptStatus) |= reg::kEnded;
   }
   rings_ = {};
-  connected_.reset();
-  connection_ = {};
   board_is_full_ = ring_is_full_ = false;
-  set_state(state);
+  at(reg::kState) = static_cast<std::uint32_t>(state);
   board_.socket.reset();
   // Whoever waits for a process to end, it is not the guest's processor.
   if (board_.owner) std::thread([released = std::move(board_.owner)] {}).detach();
@@ -140,7 +121,7 @@ void Function::note(Error error) {
 }
 
 void Function::move() {
-  if (!is_open()) return;
+  if (rings_.empty()) return;
   const std::uint32_t taken = taken_, put = put_;
   const bool open = move_down() && move_up();
   if (open && (taken != taken_ || put != put_)) at(reg::kInterruptStatus) |= reg::kMoved;

@@ -5,16 +5,16 @@
 // ring each way.
 #pragma once
 
+#include <poll.h>
+
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <future>
 #include <memory>
 #include <span>
 
 #include "gicube/wire/pci_function.h"
 #include "guest_memory.h"
-#include "transport/event.h"
 #include "transport/fd.h"
 
 namespace gicube::pci {
@@ -27,8 +27,7 @@ struct Connection {
 
 class Function {
  public:
-  // `connect` is called on a thread of its own for each session, and throws if the board can't be connected. `memory`
-  // outlives this.
+  // `connect` is called for each session, and throws if the board can't be connected. `memory` outlives this.
   Function(const GuestMemory& memory, std::function<Connection()> connect);
   ~Function() { reset(); }
   Function(const Function&) = delete;
@@ -46,23 +45,16 @@ class Function {
 
   bool interrupt_is_pending() const;
 
-  // Descriptors to wait for: poll() events of the board's socket, -1 without one, and a file that is readable when a
-  // connection is made.
+  // The board's socket, -1 without one, and the events of poll() to wait for. One of them has happened: move().
   int board_socket() const { return board_.socket.get(); }
   short board_events() const;
-  int connected_event() const { return connected_ ? connected_->get() : -1; }
-  // One of the two has happened.
   void move();
-  void connection_is_made();
 
  private:
   using Error = wire::function::Error;
   using State = wire::function::State;
 
   std::uint32_t& at(std::uint32_t offset) { return registers_[offset / 4]; }
-  std::uint32_t at(std::uint32_t offset) const { return registers_[offset / 4]; }
-  bool is_open() const { return at(wire::function::kState) == static_cast<std::uint32_t>(State::kOpen); }
-  void set_state(State state) { at(wire::function::kState) = static_cast<std::uint32_t>(state); }
 
   void open();
   // Ends the session.
@@ -80,8 +72,6 @@ class Function {
   bool may_master_bus_ = false;
 
   // The session.
-  std::shared_ptr<Event> connected_;  // happens when the connection is there, or an exception
-  std::future<Connection> connection_;
   Connection board_;
   std::span<std::byte> rings_;         // index page, down, up; empty without a session
   std::uint64_t session_address_ = 0;  // theirs

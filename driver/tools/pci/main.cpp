@@ -1,9 +1,8 @@
 // gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a
 // board on the other.
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,7 +15,6 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "bridge.h"
 #include "gicube/error.h"
@@ -28,7 +26,7 @@
 namespace gicube::pci {
 namespace {
 
-constexpr std::chrono::seconds kConnectPatience{5};  // chosen: a guest's driver waits longer
+constexpr std::chrono::seconds kConnectPatience{5};  // chosen: the guest's processor waits, and its kernel 20 s
 
 Connection connect_board(const Uri& uri) {
   if (uri.scheme != UriScheme::kEmu) return {connect(uri, kConnectPatience), {}};
@@ -37,51 +35,38 @@ Connection connect_board(const Uri& uri) {
 }
 
 // Starts the command with `theirs` as file `number`.
-pid_t start(std::vector<std::string> command, const Fd& theirs, int number) {
-  std::vector<char*> argv;
-  for (std::string& word : command) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawn_file_actions_adddup2(&files, theirs.get(), number);
-  pid_t process = -1;
-  const int error = ::posix_spawnp(&process, argv[0], &files, nullptr, argv.data(), environ);
-  ::posix_spawn_file_actions_destroy(&files);
-  if (error != 0) throw std::runtime_error(fmt::format("cannot start {}: {}", command[0], std::strerror(error)));
-  return process;
+pid_t start(char** command, const Fd& theirs, int number) {
+  const pid_t process = ::fork();
+  if (process != 0) return process;
+  ::dup2(theirs.get(), number);
+  ::fcntl(number, F_SETFD, 0);
+  ::execvp(command[0], command);
+  fmt::print(stderr, "gicube-pci: cannot start {}: {}\n", command[0], std::strerror(errno));
+  ::_exit(127);
 }
 
-int run(const std::string& board, int number, const std::vector<std::string>& command) {
+int run(const std::string& board, int number, char** command) {
   const Uri uri = parse_uri(board);
   if (uri.is_secure || uri.scheme == UriScheme::kPci) {
     throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT", "\"" + board + "\"");
   }
   pid_t process = -1;
-  Fd qemu;
-  if (command.empty()) {
-    struct stat info {};
-    if (::fstat(number, &info) != 0 || !S_ISSOCK(info.st_mode)) {
-      throw BadArgument("--fd", "the number of an open socket, or a command behind --", std::to_string(number));
-    }
-    qemu = Fd(number);
-  } else {
+  Fd qemu(*command == nullptr ? number : -1);
+  if (*command != nullptr) {
     std::array<int, 2> ends{};
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
     qemu = Fd(ends[0]);
     process = start(command, Fd(ends[1]), number);
   }
-  int code = 0;
+  int code = 0, status = 0;
   try {
-    Bridge bridge([uri] { return connect_board(uri); });
-    bridge.serve(qemu.get());
+    Bridge([uri] { return connect_board(uri); }).serve(qemu.get());
   } catch (const std::exception& error) {
     fmt::print(stderr, "gicube-pci: {}\n", error.what());
     code = 1;
   }
   qemu.reset();
-  int status = 0;
-  while (process >= 0 && ::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
+  if (process >= 0) ::waitpid(process, &status, 0);
   if (code != 0) return code;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
@@ -106,22 +91,16 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(3, 1023))
       ->capture_default_str();
   char** const dashes = std::find_if(argv, argv + argc, [](const char* word) { return std::strcmp(word, "--") == 0; });
-  const std::vector<std::string> command(std::min(dashes + 1, argv + argc), argv + argc);
   try {
     app.parse(static_cast<int>(dashes - argv), argv);
+    return pci::run(board, number, std::min(dashes + 1, argv + argc));
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     fmt::print(stderr, "gicube-pci: {}\n", usage_fault(app, error.what()));
     return 2;
-  }
-  try {
-    return pci::run(board, number, command);
-  } catch (const BadArgument& error) {
-    fmt::print(stderr, "gicube-pci: {}\n", error.what());
-    return 2;
   } catch (const std::exception& error) {
     fmt::print(stderr, "gicube-pci: {}\n", error.what());
-    return 1;
+    return dynamic_cast<const BadArgument*>(&error) != nullptr ? 2 : 1;
   }
 }

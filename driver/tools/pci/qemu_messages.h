@@ -6,7 +6,6 @@
 // configuration, BAR and reset messages, not to the other two.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,7 +23,7 @@ inline constexpr std::size_t kMaxRegions = 8;
 
 enum class MessageKind : std::uint32_t {
   kMemoryMap = 0,  // a file each region
-  kAnswer = 1,
+  kAnswer = 1,     // to QEMU
   kConfigWrite = 2,
   kConfigRead = 3,
   kBarWrite = 4,
@@ -35,26 +34,21 @@ enum class MessageKind : std::uint32_t {
 
 struct Message {
   MessageKind kind{};
-  std::uint64_t address = 0;  // in the configuration space; of the guest's memory or I/O ports
+  std::uint64_t address = 0;  // in the configuration space, or of the guest's memory
   std::uint64_t value = 0;
   std::uint64_t size = 0;           // bytes of an access
-  bool is_memory = false;           // kBarRead, kBarWrite: else I/O ports
   std::vector<MemoryRegion> map{};  // kMemoryMap
   std::vector<Fd> files{};          // kInterruptFiles
 };
-
-// The size of the data that a header announces; nothing if it is more than any message has.
-std::optional<std::size_t> data_bytes(std::span<const std::uint8_t, kMessageHeaderBytes> header);
 
 // Nothing if it is no message that QEMU sends.
 std::optional<Message> decode(std::span<const std::uint8_t, kMessageHeaderBytes> header,
                               std::span<const std::uint8_t> data, std::vector<Fd> files);
 
-// The answer with one value.
-std::array<std::uint8_t, kMessageHeaderBytes + 8> answer(std::uint64_t value);
-
 // Waits for the next message. Nothing at the end of the stream. Throws std::runtime_error for something that is no
 // message.
 std::optional<Message> receive(int socket);
+// Answers it. False: the stream has ended.
+bool send_answer(int socket, std::uint64_t value);
 
 }  // namespace gicube::pci

@@ -15,21 +15,20 @@ namespace gicube::wire::function {
 
 // BAR 0: dwords, to be read and written by aligned accesses of four bytes. Others set Error::kBadAccess, and read as
 // all ones.
-inline constexpr std::uint32_t kIdentity = 0x00;  // r: kIdentityValue
-inline constexpr std::uint32_t kVersion = 0x04;   // r: kVersionValue
-inline constexpr std::uint32_t kState = 0x08;     // r: State
-inline constexpr std::uint32_t kError = 0x0C;     // r: Error, the first one since the function was opened or reset
-inline constexpr std::uint32_t kRingLow =
-    0x10;  // rw: guest-physical address of the rings, a multiple of kRingAlignment
-inline constexpr std::uint32_t kRingHigh = 0x14;         // rw: its upper half
-inline constexpr std::uint32_t kRingBytes = 0x18;        // rw: bytes of each of the two rings
-inline constexpr std::uint32_t kControl = 0x1C;          // w: kOpenSession, kCloseSession
-inline constexpr std::uint32_t kBell = 0x20;             // w: indices in memory have changed
+inline constexpr std::uint32_t kIdentity = 0x00;   // r: kIdentityValue
+inline constexpr std::uint32_t kVersion = 0x04;    // r: kVersionValue
+inline constexpr std::uint32_t kState = 0x08;      // r: State
+inline constexpr std::uint32_t kError = 0x0C;      // r: Error, the first one since the function was opened or reset
+inline constexpr std::uint32_t kRingLow = 0x10;    // rw: guest-physical address of the rings, aligned
+inline constexpr std::uint32_t kRingHigh = 0x14;   // rw: its upper half
+inline constexpr std::uint32_t kRingBytes = 0x18;  // rw: bytes of each of the two rings
+inline constexpr std::uint32_t kControl = 0x1C;    // w: kOpenSession, kCloseSession
+inline constexpr std::uint32_t kBell = 0x20;       // w: indices in memory have changed
 inline constexpr std::uint32_t kInterruptStatus = 0x24;  // rw: kMoved, kEnded; a 1 that is written clears the bit
 inline constexpr std::uint32_t kInterruptMask = 0x28;    // rw: 1 = the bit of the status raises INTx
 
 inline constexpr std::uint32_t kIdentityValue = 0x4650'4947;  // "GIPF"
-inline constexpr std::uint32_t kVersionValue = 1;
+inline constexpr std::uint32_t kVersionValue = 2;
 inline constexpr std::uint32_t kGone = 0xFFFF'FFFF;  // any register of a function that was removed
 
 inline constexpr std::uint32_t kCloseSession = 0;
@@ -39,9 +38,8 @@ inline constexpr std::uint32_t kEnded = 1u << 1;  // no more bytes will come
 
 enum class State : std::uint32_t {
   kClosed = 0,
-  kOpening = 1,  // the board is being connected
-  kOpen = 2,     // bytes move
-  kFailed = 3    // ended by an error; kError says which
+  kOpen = 1,   // bytes move
+  kFailed = 2  // ended by an error; kError says which
 };
 
 enum class Error : std::uint32_t {
@@ -76,8 +74,7 @@ inline constexpr std::uint32_t kDownPut = 0;              // by the guest
 inline constexpr std::uint32_t kDownTaken = 64;           // by the function
 inline constexpr std::uint32_t kUpPut = 128;              // by the function
 inline constexpr std::uint32_t kUpTaken = 192;            // by the guest
-inline constexpr std::uint32_t kUpWaits =
-    256;  // by the function: 1 = the ring is full, and a bell is wanted when bytes are taken
+inline constexpr std::uint32_t kUpWaits = 256;      // by the function: 1 = full; a bell is wanted when bytes are taken
 inline constexpr std::uint32_t kStreamEnded = 320;  // by the function: 1 = kUpPut is final
 
 inline std::atomic_ref<std::uint32_t> index_at(std::byte* rings, std::uint32_t offset) {

@@ -20,7 +20,7 @@
 #include "gicube/wire/pci_function.h"
 #include "temporary_directory.h"
 #include "transport/fd.h"
-#include "transport/mapping.h"
+#include "transport/ring.h"
 
 namespace gicube::system_test {
 namespace {
@@ -119,8 +119,6 @@ class PciProgram : public testing::Test {
     write(fn::kControl, fn::kOpenSession);
     ASSERT_TRUE(is_readable(boards_, kPatience));
     board_ = Fd(::accept(boards_.get(), nullptr, nullptr));
-    while (read(fn::kState) == static_cast<std::uint32_t>(fn::State::kOpening)) {
-    }
     ASSERT_EQ(read(fn::kState), static_cast<std::uint32_t>(fn::State::kOpen));
   }
   std::uint32_t index(std::uint32_t of) { return fn::index_at(memory_.get(), of).load(); }
@@ -183,6 +181,18 @@ TEST_F(PciProgram, PassesADoorbellsBytesToTheBoardBeforeItAnswers) {
   std::array<char, 16> came{};
   EXPECT_EQ(::recv(board_.get(), came.data(), came.size(), MSG_DONTWAIT), 8);
   EXPECT_STREQ(came.data(), "doorbell");
+}
+
+TEST_F(PciProgram, ReportsABoardThatCannotBeConnected) {
+  boards_.reset();
+  send(0, Map{{kMemory}, {kMemoryBytes}, {0}}, {guest_.get()});
+  ask(2, Config{4, 6, 2});
+  write(fn::kRingLow, kMemory);
+  write(fn::kRingBytes, fn::kMinRingBytes);
+  write(fn::kControl, fn::kOpenSession);
+  EXPECT_EQ(read(fn::kState), static_cast<std::uint32_t>(fn::State::kFailed));
+  EXPECT_EQ(read(fn::kError), static_cast<std::uint32_t>(fn::Error::kNoBoard));
+  EXPECT_EQ(index(fn::kStreamEnded), 1u);
 }
 
 TEST_F(PciProgram, EndsWithQemu) {

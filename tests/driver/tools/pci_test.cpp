@@ -46,10 +46,10 @@ class PciBridge : public testing::Test {
     bridge_.take({MessageKind::kConfigWrite, at, value, size});
   }
   std::uint64_t read(std::uint32_t at, std::uint64_t size = 4) {
-    return *bridge_.take({MessageKind::kBarRead, kBar + at, 0, size, true});
+    return *bridge_.take({MessageKind::kBarRead, kBar + at, 0, size});
   }
   void write(std::uint32_t at, std::uint64_t value, std::uint64_t size = 4) {
-    bridge_.take({MessageKind::kBarWrite, kBar + at, value, size, true});
+    bridge_.take({MessageKind::kBarWrite, kBar + at, value, size});
   }
   void open(std::uint64_t address = kMemory, std::uint32_t bytes = kRing) {
     set_config(4, 6, 2);
@@ -57,7 +57,6 @@ class PciBridge : public testing::Test {
     write(fn::kRingHigh, address >> 32);
     write(fn::kRingBytes, bytes);
     write(fn::kControl, fn::kOpenSession);
-    for (int i = 0; i < 1000 && state() == fn::State::kOpening; ++i) bridge_.wait(-1, 10);
   }
   fn::State state() { return static_cast<fn::State>(read(fn::kState)); }
   fn::Error error() { return static_cast<fn::Error>(read(fn::kError)); }
@@ -229,8 +228,17 @@ TEST(QemuMessages, AreTakenOnlyAsQemuSendsThem) {
       EXPECT_EQ(decode(header, std::span(data).first(size), {}).has_value(), is_one) << kind << ", " << size;
     }
   }
-  header[8] = 193;
-  EXPECT_FALSE(data_bytes(header));
+}
+
+TEST(QemuMessages, AreRefusedIfTheyAnnounceMoreBytesThanAnyHas) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  const Fd ours(ends[0]), qemu(ends[1]);
+  for (const std::uint64_t bytes : {std::uint64_t{193}, ~std::uint64_t{0}}) {
+    const std::array<std::uint64_t, 2> header{0, bytes};
+    ASSERT_EQ(::send(qemu.get(), header.data(), sizeof header, 0), 16);
+    EXPECT_THROW(receive(ours.get()), std::runtime_error);
+  }
 }
 
 // A machine with one function, in a folder.
@@ -282,6 +290,10 @@ TEST_F(Sysfs, ListsFunctionsThatAreBoards) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].address, "0000:00:04.0");
   EXPECT_FALSE(found[0].in_use);
+  std::string config(64, '\0');
+  config[4] = 6;  // memory space, bus master
+  put("config", config);
+  EXPECT_TRUE(pci_devices(root()).at(0).in_use);
   put("vendor", "0x8086");
   EXPECT_TRUE(pci_devices(root()).empty());
 }
