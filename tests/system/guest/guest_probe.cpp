@@ -1,12 +1,12 @@
 // Runs in the guest and on the host: what an application sees of a board, a line of text for each thing.
 //
-//   gicube-guest-probe work URI            pictures, rays and times of a round, as a hash
-//   gicube-guest-probe hold URI            works until the board is lost; says why
-//   gicube-guest-probe found               gicube::enumerate()
-//   gicube-guest-probe speed URI           rates through the rings or the socket, in wall-clock time
-//   gicube-guest-probe doorbell [PCI]      how long one takes; without PCI a byte over a socket to another process and
-//   back gicube-guest-probe interrupts PCI      how many of 100 uio_pci_generic hands on gicube-guest-probe hostile PCI
-//   SEED N  does N things to the function that no driver does
+//   gicube-guest-probe work URI             pictures, rays and times of a round, as a hash
+//   gicube-guest-probe hold URI             works until the board is lost; says why
+//   gicube-guest-probe found                gicube::enumerate()
+//   gicube-guest-probe speed URI            rates through the rings or the socket, in wall-clock time
+//   gicube-guest-probe doorbell [PCI]       time of one; without PCI, of a byte to another process and back
+//   gicube-guest-probe interrupts PCI       how many of 100 uio_pci_generic hands on
+//   gicube-guest-probe hostile PCI SEED N   does N things to the function that no driver does
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
