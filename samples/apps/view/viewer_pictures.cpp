@@ -137,7 +137,11 @@ void Viewer::picture(const Job& job) {
   Renderer& renderer = *quick_desk(options).renderer;
   renderer.prepare(options.animation.start.value_or(0));
   if (renderer.input().world || !renderer.setup().labels.empty()) return;
-  const Slice seen = projection_of(renderer.board(), renderer.setup(), job.request->projection, step("projecting"));
+  const auto progress = [this, told = step("projecting")](std::uint32_t done, std::uint32_t all) {
+    stop_if_told();
+    told(done, all);
+  };
+  const Slice seen = projection_of(renderer.board(), renderer.setup(), job.request->projection, progress);
   tell(job.page, {{"type", "projection"}, {"id", job.request->id}, {"width", seen.width}, {"height", seen.height}},
        seen.words, "projection");
 }

@@ -119,6 +119,11 @@ connection.on("progress", ({ text, done, all }) => {
   by("status").textContent = `${text}: ${done} of ${all}`;
 });
 
+let told = ""; // of the last picture
+connection.on("projection", () => {
+  by("progress").hidden = true;
+  by("status").textContent = told;
+});
 picture.addEventListener("asked", () => {
   by("status").textContent ||= "asked for";
 });
@@ -132,7 +137,7 @@ picture.addEventListener("shown", (event) => {
     : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ` +
       `${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
   const what = header.final ? "whole picture" : "coarse picture";
-  by("status").textContent =
+  by("status").textContent = told =
     `${what} ${header.width} × ${header.height} · ${header.level}${time} · ${Math.ceil(header.host_ms)} ms here`;
   if (!header.final) return;
   by("command").textContent = header.command ?? "";
