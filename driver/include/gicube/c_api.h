@@ -71,13 +71,13 @@ GICUBE_API gicube_status gicube_found_at(const gicube_found_list* list, size_t i
 
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
 GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board);
-/* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the
- * session or on a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
+/* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and continues with
+ * the session or on a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
 GICUBE_API gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened);
-/* Saves the board and what the driver remembers of it to a file, as Board::save(). GICUBE_INTERNAL: it can't be
+/* Saves the board and the driver's state to a file, as Board::save(). GICUBE_INTERNAL: it can't be
  * written. */
 GICUBE_API gicube_status gicube_save(gicube_board* board, const char* file);
-/* Goes on from such a file, as Board::restore(). After any failure nothing has changed. The framebuffer is as it was
+/* Continues from such a file, as Board::restore(). After any failure nothing has changed. The framebuffer is as it was
  * saved, but its size is known here only after the next picture. */
 GICUBE_API gicube_status gicube_restore(gicube_board* board, const char* file);
 /* Ends the session. NULL is no board and no error. */
@@ -177,7 +177,7 @@ GICUBE_API gicube_status gicube_pair_factors(gicube_board* board, const gicube_e
                                              const gicube_pair_request* request, gicube_progress progress, void* user,
                                              gicube_pair_factor* factors, size_t count);
 
-/* Calls that go on while the application does something else (gicube/pending.h): each does what the call of the same
+/* Calls that continue while the application does something else (gicube/pending.h): each does what the call of the same
  * name does, with the same bits and simulated times, on a thread of the driver and in its place in the order of the
  * calls. *pending is NULL unless it succeeds. What was handed over may be freed on return, but the volume's arrays
  * must stay until the call has ended. Batches of rays need none of this: gicube_submit() does not wait. */
@@ -211,8 +211,8 @@ GICUBE_API gicube_status gicube_finish_illuminate(gicube_pending* pending, uint6
                                                   gicube_lighting_report* report);
 GICUBE_API gicube_status gicube_finish_pair_factors(gicube_pending* pending, uint64_t deadline_ps,
                                                     gicube_pair_factor* factors, size_t count);
-/* Leaves a call that has not ended to go on: nobody gets its result. Before gicube_close() of its board. NULL is no
- * call and no error. */
+/* Frees the handle. A call that has not ended continues, and its result is dropped. Call it before gicube_close() of
+ * its board. NULL is no call and no error. */
 GICUBE_API void gicube_pending_free(gicube_pending* pending);
 
 /* Simulated time. */

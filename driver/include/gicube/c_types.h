@@ -37,8 +37,8 @@ enum {
   GICUBE_INTERNAL = 15      /* a fault of the driver itself */
 };
 
-/* Told, in a sentence, of what no call reports: that a session was lost and resumed, and why. On the thread of the call
- * that resumed it; it may ask its board for gicube_get_info() only. */
+/* Receives a sentence about each event that no call reports: a session that was lost and resumed, and why. Called on
+ * the thread of the call that resumed it; it may only call gicube_get_info() of its board. */
 typedef void (*gicube_log)(void* user, const char* sentence);
 
 /* gicube/board.h: OpenOptions */
@@ -56,17 +56,17 @@ typedef struct gicube_open_options {
   const char* capture;        /* NULL, or the file that the session's frames are written to (docs/guide/capture.md) */
   const char* token_file;     /* NULL, or a file with the access token, for tcp:, tls:, pci: */
   const char* ca_file;  /* NULL, or a file with the certificates of those who may have signed the board's, for tls: */
-  int32_t go_on;        /* the board goes on from the checkpoint that its process began with, instead of being reset */
+  int32_t go_on;        /* the board continues from the checkpoint of its process, instead of being reset */
   int32_t reserved_too; /* 0 */
   uint64_t
       max_waiting_rays; /* for blocks of a volume: on the card, and as many in the host's memory; others in a file */
-  gicube_log log; /* NULL: nobody is told */
-  void* log_user; /* its first argument */
+  gicube_log log;       /* NULL: nobody is told */
+  void* log_user;       /* its first argument */
 } gicube_open_options;
 
 /* gicube/board.h: Reopened */
 typedef struct gicube_reopened {
-  int32_t resumed; /* the same session goes on: nothing was lost */
+  int32_t resumed; /* the same session continues: nothing was lost */
   int32_t volume;  /* there is a volume on the board */
 } gicube_reopened;
 
