@@ -233,7 +233,7 @@ void Viewer::open_files(const std::vector<std::string>& names) {
   }
   // A header or a scene with its files, or else slices, which are a folder of their own.
   const auto head = std::ranges::find_if(names, [&](const std::string& name) {
-    return names.size() == 1 || is_scene_path(name) || ends(name, {".nhdr", ".mhd"});
+    return names.size() == 1 || is_scene_path(name) || ends(name, {".nhdr", ".mhd", ".hdr"});
   });
   const std::string name = head != names.end() ? *head : opening.into_folder();
   const std::string open = input_;

@@ -301,6 +301,9 @@ def test_tiff_of_imagej_and_of_every_type(tmp_path):
     for kind in ("i1", "u1", "i2", "u2", "i4", "u4", "f2", "f4", "f8"):
         tifffile.imwrite(tmp_path / "t.tif", RAMP.clip(0, 127).astype(kind), photometric="minisblack")
         expect(gicube.read_volume(tmp_path / "t.tif"), (1, 1, 1), RAMP.clip(0, 127))
+    tifffile.imwrite(tmp_path / "t.tif", RAMP > 100, photometric="minisblack")
+    with pytest.raises(gicube.FileError, match="BitsPerSample: expected 8, 16 or 32, got none, which means 1"):
+        gicube.read_volume(tmp_path / "t.tif")
     samples = RAMP.astype("u2")
     tifffile.imwrite(tmp_path / "z.tif", samples, imagej=True, resolution=(2, 1),
                      metadata={"spacing": 2.0, "unit": "um", "axes": "ZYX"})

@@ -73,7 +73,7 @@ class TiffNumbers {
 
 std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file) {
   constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;  // chosen: a page has some 20, and there may be loops
-  constexpr int kClassic = 42, kBig = 43, kNewSubfileType = 254, kLong = 4, kReduced = 1, kMask = 4;
+  constexpr int kClassic = 42, kBig = 43, kNewSubfileType = 254, kBits = 258, kLong = 4, kReduced = 1, kMask = 4;
   TiffNumbers numbers(file);
   const auto version = numbers.is_known() ? numbers.next(2) : std::nullopt;
   if (version != kClassic && version != kBig) return std::nullopt;
@@ -89,11 +89,12 @@ std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file) {
     all += std::min(entries, kMaxEntries) + 1;
     if (all > kMaxEntries)
       throw FileError(file, "image", fmt::format("at most {} entries of pages", kMaxEntries), "more");
-    bool is_full = true;
+    bool is_full = true, has_bits = false;
     for (std::uint64_t i = 0; i < entries; ++i) {
       const auto tag = numbers.next(2), type = numbers.next(2), count = numbers.next(offset_bytes);
       const auto value = numbers.next(4);  // a LONG's; in BigTIFF four bytes more belong to it
       if (big) numbers.next(4);
+      has_bits = has_bits || tag == kBits;
       if (tag == kNewSubfileType && type == kLong && count == 1)
         is_full = (value.value_or(0) & (kReduced | kMask)) == 0;
     }
@@ -101,6 +102,8 @@ std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file) {
     if (!next) {
       throw FileError(file, "image", fmt::format("page {} at byte {}", page, at), "the file's end (truncated)");
     }
+    // OpenImageIO takes the packed bits of such a page for bytes.
+    if (is_full && !has_bits) throw FileError(file, "BitsPerSample", "8, 16 or 32", "none, which means 1");
     if (is_full) pages.push_back(page);
     at = *next;
   }

@@ -15,7 +15,7 @@ namespace gicube::scene {
 
 // The numbers of a TIFF's pages, but reduced ones and masks (NewSubfileType). Nothing for another file. Each page says
 // where the next one is: OpenImageIO takes one that can't be read for the end. Throws FileError if it is not in the
-// file, or if they lead round.
+// file, if they lead round, or if a page's samples are single bits.
 std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file);
 
 // Planes along z, of several channels and times; each plane is a page.

@@ -99,6 +99,17 @@ def test_a_name_that_begins_as_an_option_is_a_file_in_the_printed_command(tmp_pa
         assert np.array_equal(png(tmp_path / "picture.png"), shown)
 
 
+def test_a_posted_pair_is_opened_by_its_header(tmp_path: pathlib.Path) -> None:
+    nibabel = pytest.importorskip("nibabel")
+    nibabel.save(nibabel.AnalyzeImage(np.eye(8, dtype="i2")[:, :, None] * np.arange(8, dtype="i2"), np.eye(4)),
+                 tmp_path / "a.img")
+    with Program(*SMALL) as program, Page(program) as page:
+        page.wait_for("hello")
+        for name in ("a.hdr", "a.img"):
+            assert program.post(name, (tmp_path / name).read_bytes())[0] == 204
+        assert opened(page, "a.hdr", "a.img")["volume"]["dims"] == [8, 8, 8]
+
+
 # ---- connections
 
 
