@@ -10,11 +10,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <numbers>
-#include <span>
 #include <system_error>
 #include <tuple>
 
@@ -256,6 +254,7 @@ void sort(const fs::path& path, Series& series, StoredLayout& layout, std::vecto
 struct Pixels {
   int allocated = 0, stored = 0, high = 0, channels = 1, planar = 0;
   bool is_signed = false;
+  friend bool operator==(const Pixels&, const Pixels&) = default;
 };
 
 class File {
@@ -336,14 +335,15 @@ class File {
   const Uint16* words_ = nullptr;
 };
 
-// The samples of all slices, scaled, as floats.
+// The samples of all slices, scaled. `Sample`: an integer where no value needs more.
+template <typename Sample>
 void fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
   std::optional<File> file;
   fs::path open;
   bool told = false;
   const std::size_t in_slice = static_cast<std::size_t>(series.rows) * static_cast<std::size_t>(series.columns) *
                                static_cast<std::size_t>(pixels.channels);
-  out.samples.reserve(in_slice * series.slices.size() * sizeof(float));
+  out.samples.reserve(in_slice * series.slices.size() * sizeof(Sample));
   for (const Slice& slice : series.slices) {
     if (!file || open != slice.file) file.emplace(slice.file, series);
     open = slice.file;
@@ -355,26 +355,41 @@ void fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
       out.warnings.push_back({slice.file, "PhotometricInterpretation", "MONOCHROME2",
                               "MONOCHROME1, dark where values are high; the values are kept"});
     const std::size_t begin = out.samples.size();
-    out.samples.resize(begin + in_slice * sizeof(float));
-    auto* const to = reinterpret_cast<float*>(out.samples.data() + begin);
+    out.samples.resize(begin + in_slice * sizeof(Sample));
+    auto* const to = reinterpret_cast<Sample*>(out.samples.data() + begin);
     const double slope = pixels.channels > 1 ? 1 : slice.slope, intercept = pixels.channels > 1 ? 0 : slice.intercept;
-    file->for_each(slice.frame,
-                   [&](std::size_t i, int value) { to[i] = static_cast<float>(slope * value + intercept); });
+    file->for_each(slice.frame, [&](std::size_t i, int value) {
+      const double scaled = slope * value + intercept;
+      if constexpr (std::is_integral_v<Sample>) {
+        constexpr double low = std::numeric_limits<Sample>::min(), high = std::numeric_limits<Sample>::max();
+        to[i] = static_cast<Sample>(std::clamp(scaled, low, high));
+      } else {
+        to[i] = static_cast<Sample>(scaled);
+      }
+    });
   }
 }
 
-// Makes integers of floats, in their place, unless one of them needs more.
-template <typename Integer>
-bool narrow(std::vector<std::byte>& samples) {
-  const std::span floats(reinterpret_cast<const float*>(samples.data()), samples.size() / sizeof(float));
-  constexpr float low = std::numeric_limits<Integer>::min(), high = std::numeric_limits<Integer>::max();
-  if (!std::ranges::all_of(floats, [](float f) { return f >= low && f <= high && f == std::floor(f); })) return false;
-  for (std::size_t i = 0; i < floats.size(); ++i) {
-    const auto integer = static_cast<Integer>(floats[i]);
-    std::memcpy(samples.data() + i * sizeof integer, &integer, sizeof integer);
+// Whether all values of the series, scaled, lie within these bounds and are whole.
+bool fit(const Series& series, const Pixels& pixels, double low, double high) {
+  const double least = pixels.is_signed ? -std::ldexp(1.0, pixels.stored - 1) : 0;
+  const double most = least + std::ldexp(1.0, pixels.stored) - 1;
+  return std::ranges::all_of(series.slices, [&](const Slice& s) {
+    return s.slope == 1 && s.intercept == std::floor(s.intercept) && least + s.intercept >= low &&
+           most + s.intercept <= high;
+  });
+}
+
+// HU from files of 16 bits do not use these whole: values beyond int16 are those of no scanner, but are looked for.
+bool values_fit(const Series& series, double low, double high) {
+  for (const Slice& slice : series.slices) {
+    const File file(slice.file, series);
+    bool good = slice.slope == 1 && slice.intercept == std::floor(slice.intercept);
+    file.for_each(slice.frame, [&](std::size_t, int value) {
+      good = good && value + slice.intercept >= low && value + slice.intercept <= high;
+    });
+    if (!good) return false;
   }
-  samples.resize(floats.size() * sizeof(Integer));
-  samples.shrink_to_fit();
   return true;
 }
 
@@ -391,13 +406,19 @@ LibraryVolume read_series(const fs::path& path, const std::string& part) {
                      static_cast<int>(std::min<std::size_t>(series.slices.size(), kMaxFileDim + 1))};
   const Pixels pixels = File(series.slices.front().file, series).pixels();
   out.layout.channels = pixels.channels;
-  if (!sane_bytes(out.layout, sizeof(float)))
+  if (!sane_bytes(out.layout, pixels.channels > 1 ? 1 : sizeof(float)))
     fail(path, "size", fmt::format("1..{} voxels a side, {} bytes", kMaxFileDim, kMaxVolumeBytes),
          fmt::format("{} x {} x {}", series.columns, series.rows, series.slices.size()));
-  fill(series, pixels, out);
-  out.layout.type = pixels.allocated == 8 && narrow<std::uint8_t>(out.samples) ? StoredType::kUint8
-                    : narrow<std::int16_t>(out.samples)                        ? StoredType::kInt16
-                                                                               : StoredType::kFloat32;
+  if (pixels.channels > 1 || (pixels.allocated == 8 && fit(series, pixels, 0, 255))) {
+    out.layout.type = StoredType::kUint8;
+    fill<std::uint8_t>(series, pixels, out);
+  } else if (fit(series, pixels, -32768, 32767) || values_fit(series, -32768, 32767)) {
+    out.layout.type = StoredType::kInt16;
+    fill<std::int16_t>(series, pixels, out);
+  } else {
+    out.layout.type = StoredType::kFloat32;
+    fill<float>(series, pixels, out);
+  }
   return out;
 }
 
