@@ -16,7 +16,7 @@ from studies.runs import (  # noqa: E402
     InputError, Run, RunFailed, RunFolder, carry_out_all, figure_or_nan, progress, quoted)
 from studies.search import check_count, search, size_of  # noqa: E402
 from studies.sensitivity import board_arguments  # noqa: E402
-from studies.space import KNOWN, OBJECTIVES, mean, read_space  # noqa: E402
+from studies.space import KNOWN, mean, read_space  # noqa: E402
 from studies.sweep import Parser, arguments_of, carry_out_program, jobs_of, json_file, program, shard_of  # noqa: E402
 from studies.table import cell, csv_text, on_front, write_whole  # noqa: E402
 
@@ -85,7 +85,7 @@ class Explorer:
     def __init__(self, space, options, folder):
         self.space, self.options, self.folder = space, options, folder
         self.points, self.refused, self.rounds = [], [], 0
-        self.objectives = space.objectives or list(OBJECTIVES)
+        self.objectives = space.objectives
 
     def describe(self, settings):
         """A point whose runs are not made yet. One that the board refuses has a reason instead of costs."""
@@ -127,18 +127,12 @@ class Explorer:
             raise absent(missing[0], missing[0])
 
     def measure_paper(self):
-        """The paper's card: no field is set. Its run tells whether runs have energy. False as carry_out()."""
+        """The paper's card: no field is set. False as carry_out()."""
         self.paper = self.describe({})
         if self.paper.known is None:
             raise RunFailed(self.paper.reason)
         if not self.carry_out([self.paper]):
             return False
-        statistics = self.folder.read(self.paper.runs[0])
-        if not self.space.objectives and math.isnan(figure_of("energy", statistics, self.paper.known)):
-            self.objectives.remove("energy")
-            if not self.options.quiet:
-                print(f"{PROGRAM}: note: energy is no objective: the runs have no counter energy.total",
-                      file=sys.stderr)
         self.finish(self.paper)
         return True
 
@@ -194,7 +188,6 @@ def write_tables(explorer, rows, command):
                "command": command_of(row, space, options.folder)} for row in rows]
     whole = {"objectives": explorer.objectives, "scenes": space.scenes,
              "constraints": [each.text for each in space.constraints],
-             "energy": "measured" if "energy" in explorer.objectives else "absent or not asked for",
              "points": points, "refused": [{"settings": point.settings, "why": point.reason}
                                            for point in explorer.refused]}
     write_whole(options.folder / f"{options.name}.json", json_file(whole, command, PROGRAM))

@@ -18,9 +18,8 @@ KEYS = ("scenes", "fields", "fix", "objectives", "constraints")
 
 
 def read_space(path):
-    """scenes, parameters [(field, [value, ...])], fixed [(name, value)], objectives (None: those of OBJECTIVES that
-    there are), constraints; all values as texts. Paths of scenes are relative to the file's folder. Raises FileError,
-    InputError."""
+    """scenes, parameters [(field, [value, ...])], fixed [(name, value)], objectives, constraints; all values as texts.
+    Paths of scenes are relative to the file's folder. Raises FileError, InputError."""
     path = pathlib.Path(path)
     try:
         whole = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -43,8 +42,8 @@ def read_space(path):
                "a parameter that is not set elsewhere", "one that is")
     if "threads" not in whole["fix"]:
         fixed.append(("threads", "1"))
-    objectives = list(dict.fromkeys(whole["objectives"])) or None
-    expect(objectives is None or len(objectives) > 1, "objectives", "at least two", objectives)
+    objectives = list(dict.fromkeys(whole["objectives"] or OBJECTIVES))
+    expect(len(objectives) > 1, "objectives", "at least two", objectives)
     return SimpleNamespace(scenes=scenes, parameters=parameters, fixed=fixed, objectives=objectives,
                            constraints=[Constraint(text) for text in whole["constraints"]])
 
