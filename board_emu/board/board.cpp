@@ -67,6 +67,7 @@ void Board::do_jobs() {
 
 bool Board::carry_out(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work) {
   work.may_count = [this] {
+    if (parts_->power.is_due()) parts_->power.see(parts_->count());
     do_jobs();
     publish_if_asked();
   };
@@ -148,6 +149,7 @@ Board::Snapshot Board::snapshot() const {
 
 void Board::publish(bool with_machine) {
   auto counters = parts_->count();
+  parts_->power.count(counters);
   MachineLook machine;
   if (with_machine) machine = parts_->commands.look();
   const std::lock_guard lock(published_mutex_);

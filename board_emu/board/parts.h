@@ -12,6 +12,7 @@
 #include "board/board_observer.h"
 #include "board/timeline.h"
 #include "config/energy.h"
+#include "config/power_peaks.h"
 #include "firmware/commands/commands.h"
 #include "firmware/register_file.h"
 
@@ -51,10 +52,12 @@ struct Board::Parts {
     return result_bytes + under_way.size() * kBytesOfCompletion + timeline.under_way() * kBytesOfTransaction;
   }
   std::vector<wire::Counter> count() const;
-  // With the energy that follows from them.
-  std::vector<wire::Counter> count_with_energy() const {
+  // For the host: with the energy that follows from them.
+  std::vector<wire::Counter> count_with_energy() {
     std::vector<wire::Counter> counters = count();
+    power.ask(counters);
     energy.count(counters, timeline.now());
+    power.count(counters);
     return counters;
   }
   void state(Archive& archive, bool with_level);
@@ -67,6 +70,7 @@ struct Board::Parts {
   DspCommands commands;
   Timeline timeline;
   EnergyModel energy;
+  PowerPeaks power{energy, config.asic().core_khz()};
   std::uint64_t next_transaction = 1;
   std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction id
   std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction

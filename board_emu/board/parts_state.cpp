@@ -45,6 +45,7 @@ void Board::Parts::state(Archive& archive, bool with_level) {
     if (archive.loads()) carried->payload = carried->loaded = std::move(payload);
     archive.expect(!tickets.contains(carried->header.id), "carried", "a ticket of its own", carried->header.id);
   }
+  archive("power", power);
   if (with_level) {
     archive.within("level", [&] { level->state(archive, commands.aperture().volume().blocks()); });
     archive.expect(in_command || !level->in_run(), "level.in_run", "0 without a command", 1);

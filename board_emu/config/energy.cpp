@@ -78,21 +78,28 @@ std::uint64_t transistors(const std::vector<LogicItem>& items, std::string_view 
   return all;
 }
 
-class Values {
+}  // namespace
+
+class EnergyModel::Values {
  public:
+  // Counters of a single part, as processor0.samples, are left out.
   explicit Values(const std::vector<wire::Counter>& counters) {
-    for (const wire::Counter& each : counters) by_name_.emplace(each.name, each.value);
+    for (const wire::Counter& each : counters) {
+      const std::size_t dot = each.name.find('.');
+      const bool is_of_one =
+          dot != std::string::npos && dot > 0 && each.name[dot - 1] >= '0' && each.name[dot - 1] <= '9';
+      if (!is_of_one) by_name_.emplace(each.name, each.value);
+    }
   }
-  std::uint64_t operator()(const std::string& name) const {
+  std::uint64_t operator()(std::string_view name) const {
     const auto found = by_name_.find(name);
     return found == by_name_.end() ? 0 : found->second;
   }
+  void set(std::string_view name, std::uint64_t value) { by_name_[name] = value; }
 
  private:
   std::unordered_map<std::string_view, std::uint64_t> by_name_;
 };
-
-}  // namespace
 
 // All that does not change while a board works.
 struct EnergyModel::Prices {
@@ -186,14 +193,21 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   bus_byte = of(is_agp ? "agp_byte_fj" : "pci_byte_fj");
 }
 
-EnergyModel::EnergyModel(const v1::BoardConfig& config)
-    : prices_(config.fidelity() == v1::cycle ? std::make_unique<const Prices>(config) : nullptr) {}
+EnergyModel::EnergyModel(const v1::BoardConfig& config) : config_(config) {}
 EnergyModel::~EnergyModel() = default;
 
+const EnergyModel::Prices* EnergyModel::prices() const {
+  if (config_.fidelity() != v1::cycle) return nullptr;
+  std::call_once(priced_, [this] { prices_ = std::make_unique<const Prices>(config_); });
+  return prices_.get();
+}
+
 std::vector<PartEnergy> EnergyModel::parts(const std::vector<wire::Counter>& counters, Picoseconds now) const {
-  if (!prices_) return {};
-  const Prices& of = *prices_;
-  const Values counted(counters);
+  return prices() != nullptr ? parts_of(Values(counters), now) : std::vector<PartEnergy>();
+}
+
+std::vector<PartEnergy> EnergyModel::parts_of(const Values& counted, Picoseconds now) const {
+  const Prices& of = *prices();
   std::array<Sum, kParts> sums;
   const Attojoules time = now;
   const auto clocks = [time](std::uint64_t khz) { return time * khz / kPsPerMs; };
@@ -253,6 +267,32 @@ std::vector<PartEnergy> EnergyModel::parts(const std::vector<wire::Counter>& cou
   return parts;
 }
 
+std::uint64_t EnergyModel::dsp_pj(Picoseconds busy, Picoseconds time) const {
+  const Prices* const of = prices();
+  if (of == nullptr) return 0;
+  Sum sum;
+  sum.power(of->dsp_busy, Attojoules{busy} * of->dsp_mhz_times_1000 / 1000);
+  sum.power(of->dsp_idle, Attojoules{time - busy} * of->dsp_mhz_times_1000 / 1000);
+  return static_cast<std::uint64_t>(sum.value / kPj);
+}
+
+std::uint64_t EnergyModel::host_bus_pj(std::uint64_t bytes) const {
+  const Prices* const of = prices();
+  return of != nullptr ? static_cast<std::uint64_t>(Attojoules{bytes} * of->bus_byte.value * kFj / kPj) : 0;
+}
+
+std::vector<PartEnergy> EnergyModel::of_machine(const std::vector<wire::Counter>& counters) const {
+  const Prices* const of = prices();
+  if (of == nullptr) return {};
+  Values counted(counters);
+  counted.set("dsp.busy_ps", cycles_to_ps(counted("dsp.busy_cycles"), of->dsp_mhz_times_1000));
+  counted.set("pipeline.visible_samples", counted("processor.samples"));
+  counted.set("pipeline.deposits", counted("processor.splat.deposits"));
+  counted.set("bus.down.bytes", 0);
+  counted.set("bus.up.bytes", 0);
+  return parts_of(counted, cycles_to_ps(counted("asic.cycles"), of->core_khz));
+}
+
 void EnergyModel::count(std::vector<wire::Counter>& counters, Picoseconds now) const {
   PartEnergy total{"total"};
   const auto put = [&counters](const PartEnergy& each) {
@@ -264,9 +304,7 @@ void EnergyModel::count(std::vector<wire::Counter>& counters, Picoseconds now) c
   const std::vector<PartEnergy> all = parts(counters, now);
   for (const PartEnergy& each : all) {
     put(each);
-    total.pj += each.pj;
-    total.low_pj += each.low_pj;
-    total.high_pj += each.high_pj;
+    total += each;
   }
   if (!all.empty()) put(total);
 }

@@ -4,8 +4,8 @@
 // waiting rays. Counters are sampled every simulated microsecond and written when they change. Only open slices are
 // kept in memory.
 //
-// The power of each part is the mean over windows of ten microseconds (config/energy.h), without what the DSP's work
-// and the host's bus add: they are counted when their time is final.
+// The power of each part (config/energy.h) is the mean over windows of ten microseconds, of the DSP that over its turn,
+// of the host bus that over a transfer. Its integral over all simulated time is the energy that the board counts.
 #pragma once
 
 #include <fmt/format.h>
@@ -35,18 +35,43 @@ class MachineTrace : public Observer {
   // Records the cycles in `window`.
   explicit MachineTrace(TraceFile& file, const CycleWindow& window = {}) : file_(file), window_(window) {}
 
-  // The machine's next run begins at `at`, on a board with this configuration.
-  void begin(Picoseconds at, const v1::BoardConfig& config) {
+  // A board of this configuration is at rest from `at` on.
+  void power_up(Picoseconds at, const v1::BoardConfig& config) {
+    core_khz_ = config.asic().core_khz();
+    single_queue_ = config.sorter().queues() == v1::single;
+    energy_.emplace(config);
+    at_rest_ = energy_->parts({}, kSecond);
+    shown_power_.assign(at_rest_.size(), ~std::uint64_t{0});
+    if (!at_rest_.empty()) file_.name_process(kPower, "power, mW");
+    for (std::size_t i = 0; i < at_rest_.size(); ++i) {
+      if (!is_bus(i)) show_rest(i, at);
+    }
+  }
+  // The machine's next run begins at `at`.
+  void begin(Picoseconds at) {
     end();
     begin_ps_ = at;
     has_begun_ = false;
-    core_khz_ = config.asic().core_khz();
-    single_queue_ = config.sorter().queues() == v1::single;
-    if (!energy_) energy_.emplace(config);
   }
-  void begins(Cycle now, Machine& /*machine*/) override {
-    if (!has_begun_) begin_cycle_ = now;
+  void begins(Cycle now, Machine& machine) override {
+    if (has_begun_) return;
     has_begun_ = true;
+    begin_cycle_ = power_since_ = now;
+    spent_ = energy(machine, now);
+  }
+  // A turn of the DSP, in which it works for `busy`.
+  void served(Picoseconds begin, Picoseconds end, Picoseconds busy) {
+    if (at_rest_.empty()) return;
+    const auto dsp = static_cast<std::size_t>(std::ranges::find_if(at_rest_, is_dsp) - at_rest_.begin());
+    show_mean(at_rest_[dsp].part, begin, end, energy_->dsp_pj(busy, end - begin), shown_power_[dsp]);
+    show_rest(dsp, end);
+  }
+  void transferred(bool is_down, Picoseconds begin, Picoseconds end, std::uint64_t bytes) {
+    if (at_rest_.empty()) return;
+    std::uint64_t shown = 0;
+    const char* const name = is_down ? "host_bus down" : "host_bus up";
+    show_mean(name, begin, end, energy_->host_bus_pj(bytes), shown);
+    show_power(name, end, 0, shown);
   }
   Cycle next(Cycle from) override { return from < window_.end ? std::max(from, window_.begin) : kNoCycle; }
   void see(Cycle now, const Machine& machine) override {
@@ -60,18 +85,18 @@ class MachineTrace : public Observer {
     next_ = now + 1;
     if (next_ >= next_sample_) sample(machine);
     machine_ = &machine;
-    if (next_ >= next_power_) show_power(machine);
+    if (next_ >= next_power_) end_window(machine);
     if (next_ >= window_.end) end();
   }
   void removed(const Machine& machine) override {
-    if (seen_ && next_ > power_since_) show_power(machine);
+    if (seen_ && next_ > power_since_) end_window(machine);
     machine_ = nullptr;
   }
   // Closes all open slices. To be called after the last cycle of a command.
   void end() {
     if (!seen_) return;
     seen_ = false;
-    if (machine_ != nullptr && next_ > power_since_) show_power(*machine_);
+    if (machine_ != nullptr && next_ > power_since_) end_window(*machine_);
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       lanes_[i].causes.finish(next_, [this, i](const CauseSlice& slice) { write_cause(i, slice); });
       close_active(i, next_);
@@ -85,6 +110,7 @@ class MachineTrace : public Observer {
  private:
   static constexpr std::uint64_t kKhzPerMhz = 1000;  // cycles in a microsecond
   static constexpr Cycle kPowerWindow = 10;  // microseconds: a count of all events takes as long as some 500 cycles
+  static constexpr Picoseconds kSecond = 1'000'000'000'000;
   static constexpr const char* kRaysWaiting = "rays waiting";
   static constexpr const char* kRaysOnLinks = "rays on links";
 
@@ -113,10 +139,12 @@ class MachineTrace : public Observer {
   void first_cycle(Cycle now, const Machine& machine) {
     seen_ = true;
     next_sample_ = now + microsecond();
-    power_since_ = now;
     next_power_ = now + kPowerWindow * microsecond();
     name_tracks(machine);
-    spent_ = energy(machine, now);
+    if (window_.begin > 0) {
+      power_since_ = now;
+      spent_ = energy(machine, now);
+    }
     lanes_.resize(machine.processors().size());
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       const Sorter& sorter = machine.processors()[i]->sorter();
@@ -135,7 +163,6 @@ class MachineTrace : public Observer {
     if (named_lanes_ == 0) {
       file_.name_process(kLinks, "links");
       file_.name_process(kMemory, "memory");
-      file_.name_process(kPower, "power, mW");
     }
     for (; named_lanes_ < machine.processors().size(); ++named_lanes_) {
       file_.name_process(process_of(named_lanes_), fmt::format("processor {}", named_lanes_));
@@ -203,28 +230,46 @@ class MachineTrace : public Observer {
     }
     next_sample_ += microsecond();
   }
+  static bool is_dsp(const PartEnergy& part) { return std::string_view(part.part) == "dsp"; }
+  bool is_bus(std::size_t part) const { return std::string_view(at_rest_[part].part) == "host_bus"; }
+  // The parts whose energy follows from the machine's cycles.
+  bool is_machines(std::size_t part) const { return !is_dsp(at_rest_[part]) && !is_bus(part); }
   std::vector<PartEnergy> energy(const Machine& machine, Cycle at) const {
-    std::vector<wire::Counter> counted;
+    const RayCounters rays = ray_counters(machine);
+    std::vector<wire::Counter> counted{{"pipeline.visible_samples", "", rays.visible_samples},
+                                       {"pipeline.deposits", "", rays.deposits}};
     count(machine, counted);
     return energy_->parts(counted, time(at) - time(begin_cycle_));
   }
-  // The window's power, shown from its beginning.
-  void show_power(const Machine& machine) {
-    const Picoseconds begin = time(power_since_), length = time(next_) - begin;
+  void show_power(const char* name, Picoseconds at, std::uint64_t microwatts, std::uint64_t& shown) {
+    if (microwatts != shown) file_.power(kPower, name, at, microwatts);
+    shown = microwatts;
+  }
+  // The trace has whole nanoseconds.
+  void show_mean(const char* name, Picoseconds begin, Picoseconds end, std::uint64_t pj, std::uint64_t& shown) {
+    const std::uint64_t ns = std::max<std::uint64_t>(end / 1000 - begin / 1000, 1);
+    show_power(name, begin, (pj * 1000 + ns / 2) / ns, shown);
+  }
+  void show_rest(std::size_t part, Picoseconds at) {
+    show_power(at_rest_[part].part, at, (at_rest_[part].pj + 500'000) / 1'000'000, shown_power_[part]);
+  }
+  // The window's power is shown from its beginning.
+  void end_window(const Machine& machine) {
     std::vector<PartEnergy> now = energy(machine, next_);
-    shown_power_.resize(now.size());
     for (std::size_t i = 0; i < now.size(); ++i) {
-      const std::uint64_t mw = (now[i].pj - spent_[i].pj) * 1000 / std::max<Picoseconds>(length, 1);
-      show(kPower, now[i].part, begin, mw, shown_power_[i]);
+      if (!is_machines(i)) continue;
+      show_mean(now[i].part, time(power_since_), time(next_), now[i].pj - spent_[i].pj, shown_power_[i]);
     }
     spent_ = std::move(now);
     power_since_ = next_;
     next_power_ += kPowerWindow * microsecond();
   }
-  // Sets the counters to 0, because nothing waits or moves between commands.
+  // Sets the counters to 0, because nothing waits or moves between commands, and power to that of rest.
   void quiet() {
     const Picoseconds at = time(next_);
-    for (std::size_t i = 0; i < shown_power_.size(); ++i) show(kPower, spent_[i].part, at, 0, shown_power_[i]);
+    for (std::size_t i = 0; i < at_rest_.size(); ++i) {
+      if (is_machines(i)) show_rest(i, at);
+    }
     for (std::size_t i = 0; i < lanes_.size(); ++i) show(process_of(i), kRaysWaiting, at, 0, lanes_[i].waiting);
     show(kLinks, kRaysOnLinks, at, 0, on_links_);
     for (Rate& packets : packets_) show(kMemory, packets.name, at, 0, packets.shown);
@@ -245,9 +290,10 @@ class MachineTrace : public Observer {
   std::vector<Rate> packets_;  // by memory
   std::uint64_t on_links_ = 0;
   std::optional<EnergyModel> energy_;
-  std::vector<PartEnergy> spent_;  // at the window's begin
-  std::vector<std::uint64_t> shown_power_;
-  const Machine* machine_ = nullptr;  // whose cycles are recorded; null once it was removed
+  std::vector<PartEnergy> at_rest_;         // in a second; empty at the functional level
+  std::vector<PartEnergy> spent_;           // at the window's begin
+  std::vector<std::uint64_t> shown_power_;  // microwatts
+  const Machine* machine_ = nullptr;        // whose cycles are recorded; null once it was removed
   Cycle power_since_ = 0, next_power_ = 0;
   std::size_t named_lanes_ = 0;
 };

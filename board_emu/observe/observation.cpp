@@ -73,6 +73,7 @@ void Observation::power_up(const v1::BoardConfig& config) {
   if (trace_) {
     origin_ps_ = host_free_ps_ = cycles_free_ps_ = trace_->latest();
     trace_->instant(kDsp, "power-up", origin_ps_);
+    cycles_->power_up(origin_ps_, config_);
     trace_->complete();
   }
   if (waveform_) {
@@ -95,6 +96,8 @@ void Observation::transferred(const BusDelivery& delivery) {
   trace_->slice(delivery.direction == BusDirection::kDown ? kBusDown : kBusUp,
                 kCargoNames[static_cast<std::size_t>(delivery.cargo)], origin_ps_ + delivery.begin_ps,
                 origin_ps_ + delivery.time_ps, fmt::format(R"("bytes":{})", delivery.bytes));
+  cycles_->transferred(delivery.direction == BusDirection::kDown, origin_ps_ + delivery.begin_ps,
+                       origin_ps_ + delivery.time_ps, delivery.bytes);
 }
 
 void Observation::served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) {
@@ -106,6 +109,8 @@ void Observation::served(const BusTransaction& transaction, Picoseconds begin, P
                                (transaction.asic_ps % kMillisecond * khz + kMillisecond / 2) / kMillisecond;
   trace_->slice(kDsp, transaction.name, origin_ps_ + begin, origin_ps_ + end,
                 fmt::format(R"("dsp_cycles":{},"core_cycles":{})", transaction.dsp_cycles, cycles));
+  cycles_->served(origin_ps_ + begin, origin_ps_ + end,
+                  cycles_to_ps(transaction.dsp_cycles, config_.dsp().clock_khz()));
 }
 
 std::string Observation::fault() const {

@@ -53,7 +53,7 @@ class Observation : public BoardObserver {
     if (debugger_ != nullptr) debugger_->begin_command(begin, ticket);
     if (!cycles_) return;
     // Later than `begin` only after an aborted command, which takes less time than the cycles recorded of it.
-    cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
+    cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_));
   }
   void end_command() override {
     if (event_file_) event_file_->flush();

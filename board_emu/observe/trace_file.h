@@ -60,6 +60,12 @@ class TraceFile {
     event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}}})", process, ns / 1000, ns % 1000,
           name, value);
   }
+  // Milliwatts, to the microwatt.
+  void power(int process, std::string_view name, Picoseconds at, std::uint64_t microwatts) {
+    const std::uint64_t ns = at / 1000;
+    event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}.{:03}}})", process, ns / 1000,
+          ns % 1000, name, microwatts / 1000, microwatts % 1000);
+  }
 
   // Completes the JSON array. More events may follow.
   void complete() { file_.flush_with("\n]\n"); }

@@ -92,7 +92,7 @@ def sensitivity(arguments, settings, cost, board, carry_out, read):
     base = Run(arguments)
     carry_out([base])
     statistics = read(base)
-    rows = steps_of(board, settings, "energy" in cost)
+    rows = steps_of(board, settings, "energy" in cost or "power" in cost)
     for row in rows:
         row.runs = [Run([*arguments, "--set", f"{row.name}={to}"]) for to in row.to]
     carry_out([run for row in rows for run in row.runs])

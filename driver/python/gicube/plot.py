@@ -40,6 +40,18 @@ _GROUPS = {
     "sdram": "rays",
 }
 
+# Groups of the parts of energy.*, and their colours.
+_ENERGY = {
+    "memory": ("memory", "memory_interface"),
+    "SDRAM": ("sdram",),
+    "DSP": ("dsp",),
+    "clock": ("clock",),
+    "on-chip memories": ("queues", "cache", "tables", "leakage"),
+    "logic": ("sorters", "pipelines"),
+    "buses, links": ("links", "ray_bus", "host_bus"),
+}
+_ENERGY_COLOURS = ("#0072B2", "#56B4E9", "#E69F00", "#999999", "#CC79A7", "#009E73", "#5B5B5B")
+
 
 def _axes(axes: Optional[Axes]) -> Any:  # of matplotlib, which has no types
     if axes is not None:
@@ -100,15 +112,19 @@ def energy_by_part(counters: Counters) -> dict[str, tuple[float, float, float]]:
 
 
 def energy(counters: Counters, axes: Optional[Axes] = None) -> Axes:
-    """A bar for each part of the card: its millijoules, with the interval that the uncertainties of the prices give."""
+    """One bar of a card's millijoules by groups of its parts, with the interval that the uncertainties of the prices
+    give for their sum."""
     to = _axes(axes)
-    found = energy_by_part(counters)
-    for row, (value, low, high) in enumerate(found.values()):
-        to.barh(row, 1e3 * value, color="#0072B2")
-        to.plot([1e3 * low, 1e3 * high], [row, row], color="#D55E00", marker="|")
-    to.set_yticks(range(len(found)), list(found))
-    to.invert_yaxis()
+    parts = energy_by_part(counters)
+    left = 0.0
+    for (text, names), colour in zip(_ENERGY.items(), _ENERGY_COLOURS):
+        mj = 1e3 * sum(parts[name][0] for name in names)
+        to.barh(0, mj, left=left, color=colour, edgecolor="white", label=f"{text} {mj:.3g} mJ")
+        left += mj
+    to.plot([1e3 * sum(each[bound] for each in parts.values()) for bound in (1, 2)], [0, 0], color="black", marker="|")
+    to.set_yticks([])
     to.set_xlabel("mJ")
+    to.legend(fontsize=8)
     return to
 
 

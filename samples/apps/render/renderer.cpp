@@ -26,7 +26,10 @@ void check_size(const LightField& field, const Dims& dims) {
 Counters sum_of(const Counters& a, const Counters& b) {
   if (a.list().empty()) return b;
   std::vector<Counter> sum = b.list();
-  for (Counter& counter : sum) counter.value += a.value(counter.name);
+  for (Counter& counter : sum) {
+    const std::uint64_t value = a.value(counter.name);
+    counter.value = is_maximum(counter) ? std::max(counter.value, value) : counter.value + value;
+  }
   return Counters(std::move(sum));
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/planning.h"
+#include "scene/program/board_run.h"
 #include "scene/program/bounds.h"
 #include "scene/program/run_json.h"
 
@@ -90,6 +91,8 @@ Json lighting_json(const LightingStatistics& lighting) {
           {"unit", report.unit},
           {"colours", by_colour(report.colours)},
           {"warnings", report.warnings},
+          {"energy", energy_json(lighting.counters)},
+          {"power", power_json(lighting.counters, lighting.duration)},
           {"counters", to_json(lighting.counters)}};
 }
 
@@ -135,7 +138,8 @@ Counters counters_of(std::span<const FrameStatistics> frames) {
       if (const auto [at, is_new] = place.emplace(counter.name, sum.size()); is_new) {
         sum.push_back(counter);
       } else {
-        sum[at->second].value += counter.value;
+        std::uint64_t& value = sum[at->second].value;
+        value = is_maximum(counter) ? std::max(value, counter.value) : value + counter.value;
       }
     }
   };
@@ -169,7 +173,8 @@ Json to_json(const FrameStatistics& statistics) {
   json["host_seconds"] = statistics.host_seconds;
   json["samples"] = counter_or_null(statistics.counters, "pipeline.samples");
   add_asic(statistics, json);
-  json["energy"] = energy_json(statistics.counters, statistics.frame, statistics.boards.size());
+  json["energy"] = energy_json(statistics.counters);
+  json["power"] = power_json(statistics.counters, statistics.frame, statistics.boards.size());
   json["config_hash"] = fmt::format("{:016x}", statistics.board.config_hash);
   json["fidelity"] = name_of(statistics.board.fidelity);
   json["seed"] = statistics.seed;

@@ -65,17 +65,16 @@ struct FrameStatistics {
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume brick_detail lighting
-// plan boards host look bound invisible pixel counters fidelity_report (of program/run_json.h, with the lighting passes
-// that were made). Samples and memory
-// traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio
-// is of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity
-// level does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms,
-// the energy report in units of the lights' power, and its own counters. plan: null without one; its `light` has
-// that of each pass. boards: null for one, else buses (shared,
-// own) and each board's bus_ms, work_ms, bus_wait_ms and skew_ms, which add up to frame_ms; counters are the sums of
-// all boards, and figures per second those of one board's ASIC. ranks: null for one host, else each one's work_ms,
-// bus_ms, samples, rays_sent and bytes_sent, and `imbalance`; the counters are the first one's. host: of
+// memory_utilisation load_balance dsp_utilisation energy power config_hash fidelity seed time image volume brick_detail
+// lighting plan boards host look bound invisible pixel counters fidelity_report (of program/run_json.h, as energy and
+// power, with the lighting passes that were made). Samples and memory traffic are per second of the ASIC's work,
+// throughput is the share of pipeline cycles that took a sample, hit_ratio is of voxels, load_balance the share of the
+// time in which a processor held rays. A figure that the board's fidelity level does not model is null. lighting: null
+// without lighting rays, else passes, each with channel, reused, pass_ms, the energy report in units of the lights'
+// power, and its own counters. plan: null without one; its `light` has that of each pass. boards: null for one, else
+// buses (shared, own) and each board's bus_ms, work_ms, bus_wait_ms and skew_ms, which add up to frame_ms; counters are
+// the sums of all boards, and figures per second those of one board's ASIC. ranks: null for one host, else each one's
+// work_ms, bus_ms, samples, rays_sent and bytes_sent, and `imbalance`; the counters are the first one's. host: of
 // program/host_usage.h. invisible: null, or why nothing is visible in the picture.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 // what_bounds() the frame.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "config/config.h"
+#include "config/power_peaks.h"
 
 namespace gicube::emu {
 namespace {
@@ -62,6 +63,10 @@ TEST(Energy, OfADdrRankIsThatOfItsDataSheet) {
   EXPECT_NEAR(watts(config, "memory", {{"ddr.writes", kClocks}}), 2.5 * 1.755, 0.02 * 4.4);
   EXPECT_NEAR(watts(config, "memory", {}), 2.5 * 0.630, 0.02 * 1.6);
   EXPECT_NEAR(watts(config, "memory", {{"ddr.activates", 1'000'000 / 65}}), 2.5 * 1.530, 0.05 * 3.8);
+  // Hynix HYMD512M646B, page 6: IDD5 2360 mA of two ranks of eight chips, of which one rests at 300 mA; refresh each
+  // 75 ns.
+  const auto refresh = small({"memory=ddr", "ddr.clock_khz=133333", "ddr.refresh_interval=10"});
+  EXPECT_NEAR(watts(refresh, "memory", {}), 2.5 * (2.360 - 0.300) * 9 / 8, 0.02 * 5.8);
 }
 
 // Eight Samsung K4S560832D-1H, 3.3 V: ICC4 100 mA, ICC2N 20 mA, ICC1 90 mA with a row and a read each 70 ns. Their I/O
@@ -75,6 +80,12 @@ TEST(Energy, OfAnSdramRankIsThatOfItsDataSheet) {
   const std::uint64_t rows = 1'000'000 / 70;  // each with a burst of one word, a quarter of a packet
   EXPECT_NEAR(watts(config, "sdram", {{"sdram.row_misses", rows}, {"sdram.reads", rows / 4}}), others + 8 * 3.3 * 0.090,
               0.02 * 2.4);
+  // ICC5 190 mA, refresh each 70 ns; ICC2P 2 mA.
+  const auto refresh = small({"sdram.ranks=3", "dsp.framebuffer_mb=1", "sdram.refresh_interval=7"});
+  EXPECT_NEAR(watts(refresh, "sdram", {}), 3 * 8 * 3.3 * 0.190, 0.02 * 15);
+  const auto power_down =
+      small({"sdram.ranks=3", "dsp.framebuffer_mb=1", "sdram.refresh_interval=0", "energy.sdram_rank_uw=52800"});
+  EXPECT_NEAR(watts(power_down, "sdram", {}), 3 * 8 * 3.3 * 0.002, 0.001);
 }
 
 TEST(Energy, OfTheDspIsThatOfItsTimeAtWork) {
@@ -121,6 +132,49 @@ TEST(Energy, HasItsUncertaintyAndItsSum) {
   }
   EXPECT_EQ(value.at("energy.total"), sum);
   EXPECT_EQ(value.at("energy.dsp.low"), value.at("energy.dsp") * 60 / 100);  // idle: 40%
+}
+
+TEST(Energy, PeaksAreThoseOfTheHighestWindowSinceTheyWereAskedFor) {
+  const v1::BoardConfig config = small();
+  const EnergyModel model(config);
+  PowerPeaks peaks(model, config.asic().core_khz());
+  const auto at = [](std::uint64_t cycles, std::uint64_t samples) {
+    return std::vector<wire::Counter>{{"asic.cycles", "", cycles}, {"processor.samples", "", samples}};
+  };
+  const auto microwatts = [&peaks] {
+    std::vector<wire::Counter> counters;
+    peaks.count(counters);
+    std::map<std::string, std::uint64_t> value;
+    for (const wire::Counter& each : counters) value[each.name] = each.value;
+    return value;
+  };
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(peaks.is_due());
+  EXPECT_TRUE(microwatts().empty());
+  peaks.ask(at(100'000, 900'000));
+  int reports = 1;
+  while (!peaks.is_due()) ++reports;
+  EXPECT_EQ(reports, 49);  // of 4096 cycles: two milliseconds at 100 MHz
+  peaks.see(at(300'000, 901'000));
+  peaks.see(at(400'000, 999'000));  // half a window is none
+  peaks.see(at(500'000, 1'001'000));
+  peaks.see(at(700'000, 1'001'000));
+  const auto energy = [&model](std::uint64_t samples, std::size_t part) {
+    return model.parts({{"processor.samples", "", samples}, {"pipeline.visible_samples", "", samples}}, 2 * kMs)
+        .at(part);
+  };
+  const std::map<std::string, std::uint64_t> found = microwatts();
+  EXPECT_EQ(found.count("energy.host_bus.peak"), 0u);
+  std::uint64_t low = 0, value = 0, high = 0;
+  for (std::size_t part = 0; part < model.parts({}, kMs).size() - 1; ++part) {
+    const PartEnergy each = energy(100'000, part);
+    const double uw = static_cast<double>(each.pj) * 0.5e-3;
+    EXPECT_NEAR(static_cast<double>(found.at(std::string("energy.") + each.part + ".peak")), uw, 1e-4 * uw + 1)
+        << each.part;
+    low += each.low_pj / 2000, value += each.pj / 2000, high += each.high_pj / 2000;
+  }
+  EXPECT_NEAR(static_cast<double>(found.at("energy.total.peak_low")), static_cast<double>(low), 1e-4 * 1e7);
+  EXPECT_NEAR(static_cast<double>(found.at("energy.total.peak")), static_cast<double>(value), 1e-4 * 1e7);
+  EXPECT_NEAR(static_cast<double>(found.at("energy.total.peak_high")), static_cast<double>(high), 1e-4 * 1e7);
 }
 
 TEST(Energy, IsNoneAtTheFunctionalLevel) {

@@ -26,9 +26,10 @@ ReadTrace traced(const v1::BoardConfig& config, Machine& machine, int frames = 1
   {
     TraceFile file(folder.file("t"));
     MachineTrace trace(file);
+    trace.power_up(0, config);
     machine.set_observer(&trace);
     for (int i = 0; i < frames; ++i) {
-      trace.begin(at, config);
+      trace.begin(at);
       cycle_picture(scene, corner_view(kObservedSize, 24), machine);
       trace.end();
       at = trace.end_ps() + 1'000'000;
@@ -124,12 +125,13 @@ TEST(MachineTrace, CommandsFollowOneAnotherAndMachinesToo) {
   {
     TraceFile file(folder.file("t"));
     MachineTrace trace(file);
+    trace.power_up(0, config);
     Picoseconds at = 0;
     for (int i = 0; i < 2; ++i) {
       Machine machine(config, {3, 3, 3});
       machine.set_observer(&trace);
       for (int frame = 0; frame < 2; ++frame) {
-        trace.begin(at, config);
+        trace.begin(at);
         cycle_picture(scene, corner_view(kObservedSize, 12), machine);
         trace.end();
         at = trace.end_ps() + 1'000'000;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -56,78 +57,103 @@ constexpr double kPackageWatts = 3;  // chosen: what a package of 2000 sheds wit
 constexpr std::array<std::string_view, 9> kAsicParts{"memory_interface", "queues", "sorters", "cache",  "tables",
                                                      "pipelines",        "links",  "clock",   "leakage"};
 
-struct PartOfEnergy {
-  std::string name;
-  double joules, low, high;
+// Joules or watts.
+struct Figure {
+  double value = 0, low = 0, high = 0;
+
+  Figure& operator+=(const Figure& other) {
+    value += other.value, low += other.low, high += other.high;
+    return *this;
+  }
+  Figure operator*(double scale) const { return {value * scale, low * scale, high * scale}; }
 };
 
-PartOfEnergy energy_of(const Counters& counters, const std::string& counter) {
-  const auto joules = [&](const char* end) { return static_cast<double>(counters.value(counter + end)) * 1e-12; };
-  return {counter.substr(kEnergy.size()), joules(""), joules(".low"), joules(".high")};
+void to_json(nlohmann::ordered_json& json, const Figure& figure) {
+  json = {{"value", figure.value}, {"low", figure.low}, {"high", figure.high}};
+}
+
+// Joules of a part, or "total".
+Figure joules_of(const Counters& counters, const std::string& part) {
+  const std::string name = std::string(kEnergy) + part;
+  const auto joules = [&](const char* end) { return static_cast<double>(counters.value(name + end)) * 1e-12; };
+  return {joules(""), joules(".low"), joules(".high")};
+}
+
+// The most watts of a part, or "total", of all boards together. Nothing of the host bus.
+std::optional<Figure> peak_of(const Counters& counters, const std::string& part) {
+  const std::string name = std::string(kEnergy) + part + ".peak";
+  const auto watts = [&](const char* end) { return static_cast<double>(counters.value(name + end)) * 1e-6; };
+  if (!counters.has(name) || counters.value(name) == 0) return std::nullopt;
+  return Figure{watts(""), watts("_low"), watts("_high")};
 }
 
 // The largest first.
-std::vector<PartOfEnergy> energy_parts(const Counters& counters) {
-  std::vector<PartOfEnergy> parts;
+std::vector<std::string> parts_of(const Counters& counters) {
+  std::vector<std::string> parts;
   for (const Counter& counter : counters.list()) {
     const bool is_part =
         counter.name.starts_with(kEnergy) && counter.name.find('.', kEnergy.size()) == std::string::npos;
-    if (is_part && counter.name != kEnergyTotal) parts.push_back(energy_of(counters, counter.name));
+    if (is_part && counter.name != kEnergyTotal) parts.push_back(counter.name.substr(kEnergy.size()));
   }
-  std::ranges::stable_sort(parts, std::greater{}, &PartOfEnergy::joules);
+  std::ranges::stable_sort(parts, std::greater{}, [&](const auto& part) { return joules_of(counters, part).value; });
   return parts;
 }
 
 }  // namespace
 
-nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards) {
-  if (!counters.has(std::string(kEnergyTotal)) || time == 0) return nullptr;
-  const double seconds = static_cast<double>(time) * 1e-12;
-  const double board_seconds = seconds * static_cast<double>(std::max<std::size_t>(boards, 1));
-  const PartOfEnergy total = energy_of(counters, std::string(kEnergyTotal));
-  const auto with_bounds = [](const PartOfEnergy& of, double scale) {
-    return nlohmann::ordered_json{{"value", of.joules * scale}, {"low", of.low * scale}, {"high", of.high * scale}};
-  };
-  nlohmann::ordered_json json{{"joules", with_bounds(total, 1)}, {"watts", with_bounds(total, 1 / seconds)}};
+nlohmann::ordered_json energy_json(const Counters& counters) {
+  if (!counters.has(kEnergyTotal)) return nullptr;
+  const Figure total = joules_of(counters, "total");
   const auto of_each = [&](const char* count) {
     const std::uint64_t all = counters.value(count);
-    return all > 0 ? nlohmann::ordered_json(total.joules / static_cast<double>(all)) : nullptr;
+    return all > 0 ? nlohmann::ordered_json(total.value / static_cast<double>(all)) : nullptr;
   };
-  json["joules_per_sample"] = of_each("pipeline.samples");
-  json["joules_per_ray"] = of_each("pipeline.rays");
-  PartOfEnergy asic{"asic", 0, 0, 0}, dsp{"dsp", 0, 0, 0};
-  for (const PartOfEnergy& part : energy_parts(counters)) {
-    json["parts"][part.name] = with_bounds(part, 1 / seconds);
-    const bool is_asic = std::ranges::find(kAsicParts, part.name) != kAsicParts.end();
-    if (!is_asic && part.name != dsp.name) continue;
-    PartOfEnergy& chip = is_asic ? asic : dsp;
-    chip.joules += part.joules, chip.low += part.low, chip.high += part.high;
+  return {{"joules", total},
+          {"joules_per_sample", of_each("pipeline.samples")},
+          {"joules_per_ray", of_each("pipeline.rays")}};
+}
+
+nlohmann::ordered_json power_json(const Counters& counters, Picoseconds time, std::size_t boards) {
+  if (!counters.has(kEnergyTotal) || time == 0) return nullptr;
+  const double count = static_cast<double>(std::max<std::size_t>(boards, 1));
+  const double each_second = 1e12 / static_cast<double>(time) / count;
+  const auto with_peak = [&](const std::string& part) {
+    nlohmann::ordered_json json{{"mean", joules_of(counters, part) * each_second}, {"peak", nullptr}};
+    if (const auto peak = peak_of(counters, part)) json["peak"] = *peak * (1 / count);
+    return json;
+  };
+  nlohmann::ordered_json json = with_peak("total");
+  Figure asic, dsp;
+  for (const std::string& part : parts_of(counters)) {
+    json["parts"][part] = with_peak(part);
+    if (std::ranges::find(kAsicParts, part) != kAsicParts.end()) asic += joules_of(counters, part) * each_second;
+    if (part == "dsp") dsp = joules_of(counters, part) * each_second;
   }
-  json["within_slot"] = total.high / board_seconds <= kSlotWatts;
-  json["within_packages"] = std::max(asic.high, dsp.high) / board_seconds <= kPackageWatts;
-  json["asic_watts"] = asic.joules / board_seconds;
-  json["asic_most_watts"] = asic.high / board_seconds;
+  json["asic"] = asic;
+  const auto& most = json.at(json.at("peak").is_null() ? "mean" : "peak");
+  json["within_slot"] = most.at("high").get<double>() <= kSlotWatts;
+  json["within_packages"] = std::max(asic.high, dsp.high) <= kPackageWatts;
   return json;
 }
 
 std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards) {
-  const auto json = energy_json(counters, time, boards);
-  if (json.is_null()) return {};
-  const auto number = [&json](const char* path) { return json.at(nlohmann::json::json_pointer(path)).get<double>(); };
-  const auto microjoules = [&json](const char* name, const char* what) {
-    const auto& each = json.at(name);
+  const auto energy = energy_json(counters), power = power_json(counters, time, boards);
+  if (power.is_null()) return {};
+  const auto watts = [&power](const char* path) { return power.at(nlohmann::json::json_pointer(path)).get<double>(); };
+  const auto microjoules = [&energy](const char* name, const char* what) {
+    const auto& each = energy.at(name);
     return each.is_null() ? std::string() : fmt::format(", {:.3g} uJ a {}", each.get<double>() * 1e6, what);
   };
-  const std::vector<PartOfEnergy> parts = energy_parts(counters);
+  const std::string peak = power.at("peak").is_null() ? "" : fmt::format(", peak {:.1f} W", watts("/peak/value"));
+  const std::vector<std::string> parts = parts_of(counters);
   return fmt::format(
-      "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}), most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's "
-      "{:.0f} W "
-      "{}, packages without a fan ({:.0f} W) {}",
-      number("/joules/value") * 1e3, microjoules("joules_per_sample", "sample"), microjoules("joules_per_ray", "ray"),
-      number("/watts/value"), number("/watts/low"), number("/watts/high"), parts.at(0).name, parts.at(1).name,
-      number("/asic_watts"), number("/asic_most_watts"), kSlotWatts,
-      json.at("within_slot").get<bool>() ? "suffice" : "may not suffice", kPackageWatts,
-      json.at("within_packages").get<bool>() ? "suffice" : "may not suffice");
+      "{:.1f} mJ{}{}: {:.1f} W ({:.1f} to {:.1f}){}, most of it {} and {}; ASIC {:.1f} W (up to {:.1f}); the slot's "
+      "{:.0f} W {}, packages without a fan ({:.0f} W) {}",
+      energy.at("joules").at("value").get<double>() * 1e3, microjoules("joules_per_sample", "sample"),
+      microjoules("joules_per_ray", "ray"), watts("/mean/value"), watts("/mean/low"), watts("/mean/high"), peak,
+      parts.at(0), parts.at(1), watts("/asic/value"), watts("/asic/high"), kSlotWatts,
+      power.at("within_slot").get<bool>() ? "suffice" : "may not suffice", kPackageWatts,
+      power.at("within_packages").get<bool>() ? "suffice" : "may not suffice");
 }
 
 std::string memory_of(const Counters& counters) {
@@ -150,7 +176,8 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
           {"board", to_json(board)},
           {"bound", what_bounds(window.simulated(), counters, board)},
           {"counters", to_json(counters)},
-          {"energy", energy_json(counters, window.simulated())},
+          {"energy", energy_json(counters)},
+          {"power", power_json(counters, window.simulated())},
           {"fidelity_report", fidelity_json(counters)}};
 }
 

@@ -26,11 +26,14 @@ nlohmann::ordered_json fidelity_json(const Counters& counters);
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
 
-// Where the energy of a time went (docs/guide/energy.md): keys joules, watts, parts (of watts), each with its value,
-// low and high; joules_per_sample, joules_per_ray; of each of the `boards`, on average and with the high bounds:
-// within_slot, within_packages, asic_watts, asic_most_watts. Null where the level counts no energy.
-nlohmann::ordered_json energy_json(const Counters& counters, Picoseconds time, std::size_t boards = 1);
-// A sentence of the same figures, of a window; empty where the level counts no energy.
+// Energy of a window (docs/guide/energy.md), of all boards: keys joules (with its value, low and high),
+// joules_per_sample, joules_per_ray. Null where the level counts no energy.
+nlohmann::ordered_json energy_json(const Counters& counters);
+// Watts of each of the `boards`, on average: mean over the window, and peak (of two milliseconds since the program
+// began, without the host bus; or null), each with value, low and high; parts with the same; asic, as a mean;
+// within_slot, within_packages. Null where the level counts no energy.
+nlohmann::ordered_json power_json(const Counters& counters, Picoseconds time, std::size_t boards = 1);
+// A sentence of both; empty where the level counts no energy.
 std::string energy_line(const Counters& counters, Picoseconds time, std::size_t boards = 1);
 
 // The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all
@@ -38,7 +41,7 @@ std::string energy_line(const Counters& counters, Picoseconds time, std::size_t 
 std::string memory_of(const Counters& counters);
 
 // The cost of a part of the work. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board bound
-// (what_bounds()) counters fidelity_report.
+// (what_bounds()) counters energy power fidelity_report.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // this_run() with the board, and the hash of what was computed with.

@@ -2,7 +2,9 @@
 /** @typedef {import("./protocol.js").Counters} Counters */
 import { element, shape, short } from "./dom.js";
 
-/** @type {{name: string, causes: string[], colour: string, why: string}[]} */
+/** @typedef {{name: string, causes: string[], colour: string, why: string}[]} Groups */
+
+/** @type {Groups} */
 export const kGroups = [
   { name: "samples", causes: ["busy"], colour: "#009e73", why: "a sample entered the pipeline" },
   { name: "leaps", causes: ["leap"], colour: "#56b4e9", why: "a ray jumped over an empty block" },
@@ -17,6 +19,25 @@ export const kGroups = [
     why: "a ray waits for the ray bus or a link" },
   { name: "deposits", causes: ["splat"], colour: "#999999", why: "the cache is busy with deposits" },
 ];
+
+/** Parts of the card whose energy is counted.
+ * @type {Groups} */
+export const kEnergy = [
+  { name: "memory", causes: ["memory", "memory_interface"], colour: "#0072b2", why: "of the volume, with its wires" },
+  { name: "SDRAM", causes: ["sdram"], colour: "#56b4e9", why: "of the DSP" },
+  { name: "DSP", causes: ["dsp"], colour: "#e69f00", why: "at work and at rest" },
+  { name: "clock", causes: ["clock"], colour: "#999999", why: "registers and clock tree of the ASIC" },
+  { name: "on-chip memories", causes: ["queues", "cache", "tables", "leakage"], colour: "#cc79a7",
+    why: "ray queues, caches, tables, and their leakage" },
+  { name: "logic", causes: ["sorters", "pipelines"], colour: "#009e73", why: "sorters and pipelines" },
+  { name: "buses, links", causes: ["links", "ray_bus", "host_bus"], colour: "#5b5b5b",
+    why: "links, ray bus, host bus" },
+];
+
+/** Picojoules of each group.
+ * @param {Counters} counters @returns {number[]} */
+export const energy_of = (counters) =>
+  kEnergy.map(({ causes }) => causes.reduce((sum, part) => sum + (counters[`energy.${part}`] ?? 0), 0));
 
 /** Cycles of each group; part: as "processor3", or the sum of all.
  * @param {Counters} counters @param {string} [part] @returns {number[]} */
@@ -38,9 +59,9 @@ export function parts_of(counters, kind, counter) {
 
 const kLabel = 74, kBar = 320, kRow = 16;
 
-/** Bars of shares, one a row: label, cycles of each group.
- * @param {[string, number[]][]} rows @param {string} title */
-export function stacked(rows, title) {
+/** Bars of shares, one a row: label, cycles or joules of each group.
+ * @param {[string, number[]][]} rows @param {string} title @param {Groups} [groups] */
+export function stacked(rows, title, groups = kGroups) {
   const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img",
     "aria-label": title });
   rows.forEach(([label, cycles], row) => {
@@ -50,9 +71,9 @@ export function stacked(rows, title) {
     cycles.forEach((value, group) => {
       const width = sum > 0 ? (value / sum) * kBar : 0;
       const percent = ((100 * value) / (sum || 1)).toFixed(1);
-      const text = `${label}: ${kGroups[group].name} ${percent}%, ${kGroups[group].why}`;
+      const text = `${label}: ${groups[group].name} ${percent}%, ${groups[group].why}`;
       if (width > 0) svg.append(shape("rect", { x, y: row * kRow + 1, width, height: kRow - 3,
-        fill: kGroups[group].colour }, shape("title", {}, text)));
+        fill: groups[group].colour }, shape("title", {}, text)));
       x += width;
     });
   });
@@ -67,10 +88,10 @@ export const bars = (rows, title) => element("table", { class: "bars", "aria-lab
     element("progress", { value: String(share || 0), "aria-label": label })), element("td", {}, text))));
 
 /** The groups that are there, with their shares.
- * @param {number[]} cycles */
-export function legend(cycles) {
+ * @param {number[]} cycles @param {Groups} [groups] */
+export function legend(cycles, groups = kGroups) {
   const sum = cycles.reduce((a, b) => a + b, 0);
-  return element("ul", { class: "legend" }, ...kGroups.flatMap(({ name, colour, why }, group) => {
+  return element("ul", { class: "legend" }, ...groups.flatMap(({ name, colour, why }, group) => {
     if (!cycles[group]) return [];
     const mark = shape("svg", { viewBox: "0 0 10 10", "aria-hidden": "true" },
       shape("rect", { width: 10, height: 10, fill: colour }));

@@ -1,7 +1,7 @@
 // The machine at work: ten looks a second at all that the board counts, while this panel is open.
 /** @typedef {import("./protocol.js").Machine} Message */
 import { by, element, short } from "./dom.js";
-import { bars, between, cycles_of, figures, legend, parts_of, stacked } from "./figures.js";
+import { bars, between, cycles_of, energy_of, figures, kEnergy, legend, parts_of, stacked } from "./figures.js";
 import { banks_map, blocks_map, packets_between } from "./maps.js";
 import { TimeLine } from "./timeline.js";
 
@@ -99,19 +99,15 @@ export class Machine {
         element("td", {}, String(this.#units[name] ?? "")))));
   }
 
-  /** Energy by part of the card, the largest first.
-   * @param {Message["counters"]} window */
+  /** @param {Message["counters"]} window */
   #energy(window) {
-    const parts = Object.keys(window).map((name) => /^energy\.(\w+)$/.exec(name)?.[1])
-      .filter((part) => part !== undefined && part !== "total");
-    const total = window["energy.total"];
-    if (!total) return [];
-    const of = (/** @type {string} */ part) => window[`energy.${part}`] ?? 0;
-    const bounds = `${short(window["energy.total.low"] / 1e9)} to ${short(window["energy.total.high"] / 1e9)}`;
+    const parts = energy_of(window);
+    if (!window["energy.total"]) return [];
+    const [total, low, high] = ["", ".low", ".high"].map((end) => short(window[`energy.total${end}`] / 1e9));
     return [
-      element("h2", {}, `Energy: ${short(total / 1e9)} mJ (${bounds}), by part`),
-      bars(/** @type {string[]} */ (parts).sort((a, b) => of(b) - of(a)).map((part) => [part, of(part) / total,
-        `${short(of(part) / 1e9)} mJ`]), "energy by part"),
+      element("h2", {}, `Energy: ${total} mJ (${low} to ${high}), by part`),
+      stacked([["the card", parts]], "energy by part", kEnergy),
+      legend(parts, kEnergy),
     ];
   }
 

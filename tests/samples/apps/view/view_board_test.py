@@ -82,6 +82,7 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
         page.shot((1280, 1000), False, lambda: page.browser.execute_script(top), "view.png")
     page.picture()
     wait("the end", lambda: "figures of the last frame" in page.text("#machine-state"))
+    assert len(page.browser.find_elements(By.CSS_SELECTOR, "#machine [aria-label='energy by part'] rect")) == 7
     assert "pictures a second on the card" in page.text("#status")
     for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes",
                   "rdram0 to rdram3, banks 0 to 31 across"):
