@@ -1,5 +1,5 @@
-"""Heat of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, and the joules of each
-cause of lost cycles.
+"""Heat of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, the joules of each cause
+of lost cycles, and a card that gicube-explore found (energy_card.toml).
 
     PYTHONPATH=samples python3 -m studies.energy build/release/bin out    # out/energy.csv; a run that is in out/ is not
     made again
@@ -21,7 +21,10 @@ SCENES = ["builtin:buckyball", *(f"samples/scenes/{name}.scene" for name in (
     "hypertexture/flame"))]
 SMALL = ["--volume-size", "32", "--size", "64x64", "--set", "fidelity=cycle", "--threads", "1"]
 MEMORY = ("memory", "memory_interface")
-KINDS = {"rdram": [], "rdram at rest": None, "ddr": ["memory=ddr"]}
+AGP = ["bus.model=agp2x"]
+# chosen: of the front, no more on-chip memory and at most twice the paper's transistors, least time times energy
+CARD = [*AGP, "asic.block_voxels=16", "asic.queue_rays=64", "rdram.processors_per_rdram=2"]
+KINDS = {"rdram": [], "rdram at rest": None, "ddr": ["memory=ddr"], "agp": AGP, "card": CARD}
 
 
 def free_events(board):
@@ -54,7 +57,7 @@ def causes_of(counters):
 def rows_of(folder, runs):
     for scene in SCENES:
         found = {kind: list(windows_of(folder.read(runs[scene, kind]))) for kind in KINDS}
-        for (what, ms, counters), (_, _, rest), (_, ddr_ms, ddr) in zip(*(found[kind] for kind in KINDS)):
+        for (what, ms, counters), (_, _, rest), (_, ddr_ms, ddr), *cards in zip(*(found[kind] for kind in KINDS)):
             def joules(name, of=counters):
                 return of[f"energy.{name}"] * 1e-12
             causes = sorted(causes_of(counters).items(), key=lambda each: -each[1])
@@ -66,11 +69,14 @@ def rows_of(folder, runs):
                    f"{joules('total', rest) * 1e3:.2f}",
                    f"{sum(map(joules, MEMORY)) * 1e3:.3f}", f"{ddr_ms:.3f}",
                    f"{sum(joules(part, ddr) for part in MEMORY) * 1e3:.3f}",
-                   f"{joules('total', ddr) * 1e3:.2f}", lost]
+                   f"{joules('total', ddr) * 1e3:.2f}", lost,
+                   *(text for _, card_ms, card in cards for text in (
+                       f"{card_ms:.3f}", f"{joules('total', card) * 1e3:.2f}",
+                       f"{joules('total', card) / card_ms * 1e3:.2f}"))]
 
 
 COLUMNS = ["scene", "what", "ms", "mJ", "W", "low W", "high W", "resting mJ", "memory mJ", "DDR ms", "DDR memory mJ",
-           "DDR mJ", "lost mJ"]
+           "DDR mJ", "lost mJ", "AGP ms", "AGP mJ", "AGP W", "card ms", "card mJ", "card W"]
 
 
 def main():
