@@ -53,7 +53,11 @@ unset GICUBE_BOARD
 grep -q 'of 1 runs' "$scratch/sweep.log"
 gzip -t "$scratch/root/usr/share/man/man1/gicube-sweep.1.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-sweep"
-"$scratch/root/usr/bin/gicube-explore" --help | grep -q '^Usage: gicube-explore'
+printf '%s\n' 'scenes = ["builtin:buckyball"]' '[fields]' '"asic.processors" = [1, 2]' '[fix]' 'volume-size = 16' \
+  'size = "8x8"' 'fidelity = "cycle"' >"$scratch/space.toml"
+"$scratch/root/usr/bin/gicube-explore" "$scratch/space.toml" --chart -o "$scratch/explore" >"$scratch/explore.log"
+grep -q 'of 3 configurations' "$scratch/explore.log"
+test -e "$scratch/explore/explore.svg"
 gzip -t "$scratch/root/usr/share/man/man1/gicube-explore.1.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-explore"
 PYTHONPATH=$scratch/root/usr/lib/python3/dist-packages PATH=/usr/bin:/bin python3 -B -c 'import gicube
