@@ -47,7 +47,7 @@ class PowerPeaks {
     archive.field("asked", [this](Archive::Record& record) { record(asked_, reports_, since_); });
     parts_state(archive, "before", before_);
     parts_state(archive, "peaks", peaks_);
-    if (archive.loads() && before_.empty()) before_ = parts({});  // saved at the functional level
+    if (archive.loads() && asked_ && before_.empty()) before_ = parts({});  // saved at the functional level
   }
 
  private:
