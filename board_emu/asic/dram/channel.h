@@ -28,7 +28,8 @@ template <typename Derived, typename Rules>
 class Channel {
  public:
   // The packet at `at`, requested at `arrival`, which never decreases from call to call (reads and writes together).
-  Access read(const Location& at, Tcycle arrival) { return serve<Command::kRead>(at, arrival); }
+  // Inline, so that the location stays in registers.
+  [[gnu::always_inline]] Access read(const Location& at, Tcycle arrival) { return serve<Command::kRead>(at, arrival); }
   Access write(const Location& at, Tcycle arrival) { return serve<Command::kWrite>(at, arrival); }
   // Performs the refreshes that are due by `t`. Later packets may not arrive before `t`.
   void advance(Tcycle t) {

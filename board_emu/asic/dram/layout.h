@@ -47,7 +47,7 @@ Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t
                                 " layout: expected an even 2 to 64 voxels, got " + std::to_string(block_voxels));
   }
   const std::uint32_t flat = block_voxels / 2 + 1, deep = block_voxels + 1;
-  Bricks best;
+  std::vector<Bricks> all;
   for (std::uint32_t x = 1; x <= std::min(flat, row); ++x) {
     for (std::uint32_t y = 1; y <= std::min(flat, row / x); ++y) {
       for (std::uint32_t z = 1; z <= std::min(deep, row / (x * y)); ++z) {
@@ -56,11 +56,13 @@ Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t
           bricks.count[axis] = (bricks.tiles[axis] + bricks.size[axis] - 1) / bricks.size[axis];
           bricks.pages *= bricks.count[axis];
         }
-        if ((best.pages == 0 || bricks.cost() < best.cost()) && accepted(bricks)) best = bricks;
+        all.push_back(bricks);
       }
     }
   }
-  return best;
+  std::ranges::stable_sort(all, {}, &Bricks::cost);  // few are asked whether they are accepted, which takes long
+  const auto best = std::ranges::find_if(all, accepted);
+  return best == all.end() ? Bricks() : *best;
 }
 
 // Base of the layouts of all standards.
