@@ -87,6 +87,43 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   }
 }
 
+// Machines of the usual kind, which compute many cycles at a time where nobody observes them.
+class UsualMachine : public testing::TestWithParam<unsigned> {};
+
+TEST_P(UsualMachine, UnobservedGivesThePicturesAndCountersOfOneThatIsTickedInEachCycle) {
+  Dice dice(GetParam() + 100'000);
+  const int n = dice.one_of({8, 8, 16});
+  std::vector<std::string> assignments = draw_machine(dice, n);
+  for (const char* usual : {"sorter.queues=per_block", "cache.ways=1", "cache.tags=of_tiles", "cache.ports=1",
+                            "cache.write_policy=combining", "rdram.processors_per_rdram=1",
+                            "ddr.processors_per_channel=1", "ideal.memory=0", "ideal.sorter=0"}) {
+    assignments.emplace_back(usual);
+  }
+  assignments.push_back("sorter.policy=" + std::string(dice.one_of({"most_rays", "longest_wait"})));
+  if (dice.chance(50)) assignments.emplace_back("asic.processors=" + std::to_string(dice.number(1, 4)));
+  SCOPED_TRACE(text(assignments));
+  const v1::BoardConfig config = config_with(assignments);
+  Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n, format_of(config));
+  draw(scene, dice);
+  scene.frame.jitter = dice.chance(5);
+  wire::RenderCommand view = draw_view(scene, dice);
+  if (dice.chance(15)) view = corner_view(scene.volume.size(), dice.number(24, 48));
+
+  const RunRules runs = runs_of(config);
+  Machine ticked(config, scene.volume.blocks());
+  ticked.shuffle_ticks(GetParam());
+  Machine unobserved(config, scene.volume.blocks());
+  for (int frame = 0; frame < 2; ++frame) {  // the second finds warm caches
+    const Picture expected = cycle_picture(scene, view, ticked, runs);
+    const Picture picture = ahead_picture(scene, view, unobserved, runs, false);
+    EXPECT_EQ(picture.pixels, expected.pixels);
+    EXPECT_EQ(picture.ran.cycles, expected.ran.cycles);
+    EXPECT_EQ(picture.ran.dsp_cycles, expected.ran.dsp_cycles);
+    EXPECT_EQ(unobserved.now(), ticked.now());
+  }
+  EXPECT_THAT(counter_texts(unobserved), testing::ElementsAreArray(counter_texts(ticked)));
+}
+
 // Without leaping (a leap ends at a block's face) the block size changes no bit either.
 TEST(BlockSize, ChangesNoBitWithoutLeaping) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
@@ -108,6 +145,7 @@ TEST(BlockSize, ChangesNoBitWithoutLeaping) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RandomMachine, seeds(240));
+INSTANTIATE_TEST_SUITE_P(Scenes, UsualMachine, seeds(2000));
 
 }  // namespace
 }  // namespace gicube::emu
