@@ -183,6 +183,7 @@ void make_piece(const Cut& cut, const Part& part, const Point& corner, Piece& ou
     }
     return;
   }
+  out.wide = true;
   const PendingRest& rest = cut.rests[part.ray()];
   const FinePoint at = moved(fine(ray.position, rest.position), fine(ray.step, rest.step), first);
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -222,15 +222,12 @@ void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells)
   const int bits = std::countr_zero(tile.across);
   Samples samples;
   for (const Piece& piece : pieces) {
-    unsigned below = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) below |= unsigned{piece.rest[axis]} | piece.step_rest[axis];
-    const bool wide = below != 0;
     if (piece.amount > kWords || piece.amount < -kWords) {
       splat_one_by_one({&piece, 1}, tile, cells);
     } else if (piece.amount > kHalves || piece.amount < -kHalves) {
-      wide ? splat_words<true>(piece, bits, cells) : splat_words<false>(piece, bits, cells);
+      piece.wide ? splat_words<true>(piece, bits, cells) : splat_words<false>(piece, bits, cells);
     } else {
-      wide ? samples.append<true>(piece, bits, cells) : samples.append<false>(piece, bits, cells);
+      piece.wide ? samples.append<true>(piece, bits, cells) : samples.append<false>(piece, bits, cells);
     }
   }
   samples.splat(cells);

@@ -20,7 +20,8 @@ struct Piece {
   std::int32_t amount = 0;  // per sample
   Point first{};            // relative to the tile's corner
   Point step{};
-  Rest rest{}, step_rest{};  // wide datapath only: bits below the units of `first` and `step`
+  Rest rest{}, step_rest{};  // bits below the units of `first` and `step`
+  bool wide = false;         // whether they count; else they are 0
 };
 
 // The cells of a tile, x fastest. `across`: along x and y, 8, 16, 32 or 64.

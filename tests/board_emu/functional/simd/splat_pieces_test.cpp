@@ -25,8 +25,8 @@ Piece random_piece(std::mt19937& random, const Tile& tile, std::int32_t amount) 
     piece.step[axis] = (place(axis) - piece.first[axis]) / static_cast<std::int32_t>(piece.count);
   }
   if (piece.count % 2 == 0) return piece;
-  for (std::size_t axis = 0; axis < 3;
-       ++axis) {  // of the wide datapath: below a step's unit, which is one less for that
+  piece.wide = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // bits below a step's unit, which is one less for that
     if (piece.step[axis] <= 0) continue;
     piece.rest[axis] = static_cast<std::uint16_t>(random());
     piece.step_rest[axis] = static_cast<std::uint16_t>(random());
