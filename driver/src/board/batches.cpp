@@ -23,16 +23,16 @@ struct TraceCommand {
 TraceCommand trace_command(auto& ray, std::size_t max_rays, const RaySetup& setup) {
   constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;
-  command.bytes.reserve(wire::kTraceHeaderBytes + max_rays * wire::kRayBytes);
-  command.bytes.resize(wire::kTraceHeaderBytes);
+  command.bytes.resize(wire::kTraceHeaderBytes + max_rays * wire::kRayBytes);
   std::uint64_t moved = 0;
   for (; command.rays < max_rays; ++command.rays, ++ray) {
     const wire::Ray packet = to_wire(*ray, setup);
     moved += max_moved(packet, setup);
     if (moved > kMaxMoved && command.rays > 0) break;
     if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(*ray, setup));
-    wire::append(command.bytes, packet);
+    wire::encode(packet, std::span(command.bytes).subspan(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes));
   }
+  command.bytes.resize(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes);
   wire::encode(trace_header(setup.request, command.rays), command.bytes);
   return command;
 }

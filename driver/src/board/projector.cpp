@@ -68,6 +68,23 @@ void check(const ProjectorSetup& setup) {
   }
 }
 
+// Projector::rays(), in place of whatever `out` had.
+void find_rays(const ProjectorSetup& setup, std::size_t view, std::span<HostRay> out) {
+  const ViewPose& at = setup.views[view];
+  const Vec3 from = to_voxels(setup, at.source);
+  const auto columns = static_cast<std::size_t>(setup.columns), rows = static_cast<std::size_t>(setup.rows);
+  parallel_for(rows, 0, [&](std::size_t row) {
+    const Vec3 middle = at.centre + (static_cast<double>(row) - (setup.rows - 1) / 2.0) * at.v;
+    for (std::size_t column = 0; column < columns; ++column) {
+      const Vec3 pixel = middle + (static_cast<double>(column) - (setup.columns - 1) / 2.0) * at.u;
+      const HostRay line{.position = from,
+                         .direction = to_voxels(setup, pixel) - from,
+                         .length = std::numeric_limits<double>::infinity()};
+      out[row * columns + column] = clip_to_volume(line, setup.dims).value_or(HostRay{});
+    }
+  });
+}
+
 void check_finite(const char* field, std::span<const float> values) {
   const auto bad = std::ranges::find_if(values, [](float value) { return !std::isfinite(value); });
   if (bad != values.end()) throw BadArgument(field, "finite values", std::to_string(*bad));
@@ -113,20 +130,8 @@ void Projector::load_nothing() {
 
 std::vector<HostRay> Projector::rays(std::size_t view) const {
   expect(view < setup_.views.size(), "view", fmt::format("below {}", setup_.views.size()), view);
-  const ViewPose& at = setup_.views[view];
-  const Vec3 from = to_voxels(setup_, at.source);
-  const auto columns = static_cast<std::size_t>(setup_.columns), rows = static_cast<std::size_t>(setup_.rows);
-  std::vector<HostRay> out(rows * columns);
-  parallel_for(rows, 0, [&](std::size_t row) {
-    const Vec3 middle = at.centre + (static_cast<double>(row) - (setup_.rows - 1) / 2.0) * at.v;
-    for (std::size_t column = 0; column < columns; ++column) {
-      const Vec3 pixel = middle + (static_cast<double>(column) - (setup_.columns - 1) / 2.0) * at.u;
-      const HostRay line{.position = from,
-                         .direction = to_voxels(setup_, pixel) - from,
-                         .length = std::numeric_limits<double>::infinity()};
-      out[row * columns + column] = clip_to_volume(line, setup_.dims).value_or(HostRay{});
-    }
-  });
+  std::vector<HostRay> out(pixels_of(setup_));
+  find_rays(setup_, view, out);
   return out;
 }
 
@@ -216,15 +221,19 @@ std::vector<float> Projector::backproject(Views views, double max, const ViewVal
       counts_.overflowed += report.deposits->overflowed;
     }
   };
+  std::vector<HostRay> of_view(pixels_of(setup_));
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::vector<double> of_rays = values(i);
-    expect(of_rays.size() == pixels_of(setup_), "values", fmt::format("{} of a view", pixels_of(setup_)),
-           of_rays.size());
-    std::vector<HostRay> some = rays(order[i]);
-    for (std::size_t k = 0; k < some.size(); ++k) some[k].energy = of_rays[k];
-    std::erase_if(some, [](const HostRay& ray) { return ray.length <= 0 || ray.energy == 0; });
+    expect(of_rays.size() == of_view.size(), "values", fmt::format("{} of a view", of_view.size()), of_rays.size());
+    find_rays(setup_, order[i], of_view);
+    std::size_t count = 0;  // rays that leave something
+    for (std::size_t k = 0; k < of_view.size(); ++k) {
+      of_view[k].energy = of_rays[k];
+      if (of_view[k].length > 0 && of_rays[k] != 0) of_view[count++] = of_view[k];
+    }
     receive_down_to(kUnderWay - 1);
-    counts_.rays += some.size();
+    counts_.rays += count;
+    const auto some = std::span<const HostRay>(of_view).first(count);
     under_way.push_back(board_.submit(some, {.type = RayType::kBackproject, .step = setup_.step}));
   }
   receive_down_to(0);

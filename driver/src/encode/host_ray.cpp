@@ -64,18 +64,17 @@ Vec3 direction_of(Vec3 v) {
   return (1 / std::sqrt(square)) * v;
 }
 
-// Physical length of a step; 0 of a ray of no length.
-double length_of_a_step(const HostRay& ray, const RaySetup& setup) {
+// Physical length of a step; 0 of a ray of no length. `along`: its direction_of().
+double length_of_a_step(const HostRay& ray, Vec3 along, const RaySetup& setup) {
   const std::uint32_t steps = wire::steps_of(static_cast<std::uint32_t>(length_word(ray)), step_word(setup.sampling));
   if (steps == 0) return 0;
-  const Vec3 along = direction_of(ray.direction);
   const Vec3 physical{along.x * setup.spacing.x, along.y * setup.spacing.y, along.z * setup.spacing.z};
   return ray.length / steps * std::sqrt(dot(physical, physical));
 }
 
 // Amount that a step of a backprojecting ray leaves, in units of its field in the packet.
-double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
-  const double units = ray.energy * length_of_a_step(ray, setup) / setup.energy_unit;
+double units_of_a_step(const HostRay& ray, Vec3 along, const RaySetup& setup) {
+  const double units = ray.energy * length_of_a_step(ray, along, setup) / setup.energy_unit;
   return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);
 }
 
@@ -85,7 +84,8 @@ void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetu
   const double longest = setup.sampling.step * std::max({setup.spacing.x, setup.spacing.y, setup.spacing.z});
   if (leaves_sums(setup) && std::abs(ray.energy) * longest < wire::kMaxAmount / 2 * setup.energy_unit) return;
   expect_finite(name, ray.energy);
-  const double units = units_of_a_step(ray, setup), min_units = leaves_sums(setup) ? -wire::kMaxAmount : 0;
+  const double units = units_of_a_step(ray, direction_of(ray.direction), setup),
+               min_units = leaves_sums(setup) ? -wire::kMaxAmount : 0;
   if (units >= min_units && units <= wire::kMaxAmount) return;
   const double one = ray.energy / units;
   expect_within(name(), ray.energy, min_units * one, wire::kMaxAmount * one);
@@ -164,7 +164,8 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
 }
 
 wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
-  const std::array<double, 3> position = components(ray.position), direction = components(direction_of(ray.direction));
+  const Vec3 along = direction_of(ray.direction);
+  const std::array<double, 3> position = components(ray.position), direction = components(along);
   wire::Ray packet;
   packet.set_host_id(ray.id);
   packet.flags = wire::kHostRay;
@@ -177,7 +178,7 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
   if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
   packet.set_colour_word(colour_word(ray, setup));
   if (setup.request.type == RayType::kBackproject) {
-    const double units = units_of_a_step(ray, setup);
+    const double units = units_of_a_step(ray, along, setup);
     const std::uint32_t size = wire::to_nearest(std::abs(units));
     packet.opacity = (units < 0 ? 0 - size : size) & wire::kOpacityOne;
   }
@@ -190,7 +191,8 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
 
 double integral_unit(const HostRay& ray, const RaySetup& setup) {
   constexpr double kDensitySteps = 8.0 * wire::kDensityMax;  // of a sample's 12.3 bits over the value range
-  return (setup.range.high - setup.range.low) / kDensitySteps * length_of_a_step(ray, setup);
+  return (setup.range.high - setup.range.low) / kDensitySteps *
+         length_of_a_step(ray, direction_of(ray.direction), setup);
 }
 
 std::uint64_t max_moved(const wire::Ray& packet, const RaySetup& setup) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "cone_beam/facing.h"
 #include "gicube/parallel_for.h"
@@ -49,7 +50,7 @@ std::vector<Taps> taps_of(std::size_t pixels, int rays) {
   return out;
 }
 
-std::vector<double> finer_view(const std::vector<double>& pixels, std::size_t columns, PixelRays rays) {
+std::vector<double> finer_view(std::vector<double> pixels, std::size_t columns, PixelRays rays) {
   if (rays == PixelRays{}) return pixels;
   const std::size_t rows = pixels.size() / columns;
   const std::vector<Taps> across = taps_of(columns, rays.u), down = taps_of(rows, rays.v);
@@ -178,16 +179,21 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
   const double distance = wide.source_to_detector;
   const WeightedRows rows(geometry, displaced);
   const auto columns = static_cast<std::size_t>(detector.columns);
-  std::vector<double> pixels(columns * static_cast<std::size_t>(detector.rows)), row(columns);
+  std::vector<double> pixels(columns * static_cast<std::size_t>(detector.rows)), slants(pixels.size()), row(columns);
   for (int j = 0; j < detector.rows; ++j) {
+    const std::size_t first = static_cast<std::size_t>(j) * columns;
     rows.row(projections, view, j, row.data());
     for (std::size_t i = 0; i < columns; ++i) {
-      row[i] *= slant(distance, u_of(detector, static_cast<double>(i)), v_of(detector, j));
+      row[i] *= slants[first + i] = slant(distance, u_of(detector, static_cast<double>(i)), v_of(detector, j));
     }
-    filter.apply(row.data(), pixels.data() + static_cast<std::size_t>(j) * columns);
+    filter.apply(row.data(), pixels.data() + first);
   }
-  std::vector<double> out = finer_view(pixels, columns, rays);
+  std::vector<double> out = finer_view(std::move(pixels), columns, rays);
   const double scale = density_scale(wide, arc_weights(geometry)[view], rays);
+  if (rays == PixelRays{}) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] *= scale * slants[i];
+    return out;
+  }
   double* value = out.data();
   for_each_ray(detector, rays, [&](double u, double v) { *value++ *= scale * slant(distance, u, v); });
   return out;

@@ -133,8 +133,8 @@ void WeightedRows::row(const Projections& projections, std::size_t view, int row
 
 SidesSeen sides_seen(const Projections& projections) {
   std::vector<double> sums(static_cast<std::size_t>(projections.columns));
-  for (std::size_t i = 0; i < projections.values.size(); ++i) {
-    sums[i % sums.size()] += static_cast<double>(projections.values[i]);
+  for (auto value = projections.values.begin(); value != projections.values.end();) {
+    for (double& sum : sums) sum += static_cast<double>(*value++);
   }
   const double most = std::ranges::max(sums);
   if (!(most > 0)) return {};

@@ -1,4 +1,6 @@
 // gicube-cone-beam: cone-beam tomography by a GI-Cube board.
+#include <malloc.h>
+
 #include <iostream>
 
 #include "cone_beam/program/options.h"
@@ -7,6 +9,9 @@
 using namespace gicube::samples;
 
 int main(int argc, char** argv) {
+  // Chosen: views of megabytes come and go; the memory of the last is kept for the next.
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 128 << 20);
   return run_program("gicube-cone-beam", [&] {
     CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
     app.footer(
