@@ -1,7 +1,7 @@
 // Facts of the format: ASTRA's page "3D geometries", cone_vec.
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -16,24 +16,30 @@ constexpr std::uintmax_t kMaxMib = 64;  // chosen
 
 }  // namespace
 
+std::optional<double> signed_number(std::string_view word) {
+  return parse_number<double>(word.substr(word.starts_with('+') ? 1 : 0));
+}
+
+std::vector<std::string_view> words_of_vectors(std::string& line) {
+  line.resize(std::min(line.find('#'), line.size()));
+  std::ranges::replace(line, ',', ' ');
+  return words_of(line);
+}
+
 ScanDescription read_astra(const std::filesystem::path& file, const StackFiles& projections, const PixelsGiven& given) {
   std::istringstream stream(read_text(file, "vectors of ASTRA", kMaxMib));
   std::vector<ViewPose> views;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    line.resize(std::min(line.find('#'), line.size()));
-    for (char& c : line) c = c == ',' ? ' ' : c;
-    std::istringstream words(line);
-    std::array<double, 12> numbers{};
-    std::size_t count = 0;
+    std::vector<double> numbers;
     const std::string where = fmt::format("line {}", number);
-    for (std::string word; words >> word; ++count) {
-      const auto value = parse_number<double>(std::string_view(word).substr(word.starts_with('+') ? 1 : 0));
-      expect(value && std::isfinite(*value), file, where, "numbers", '"' + word + '"');
-      if (count < 12) numbers[count] = *value;
+    for (const std::string_view word : words_of_vectors(line)) {
+      const auto value = signed_number(word);
+      expect(value && std::isfinite(*value), file, where, "numbers", fmt::format("\"{}\"", word));
+      numbers.push_back(*value);
     }
-    if (count == 0) continue;
-    expect(count == 12, file, where, "twelve numbers", fmt::format("{}", count));
+    if (numbers.empty()) continue;
+    expect(numbers.size() == 12, file, where, "twelve numbers", fmt::format("{}", numbers.size()));
     const auto vector = [&numbers](std::size_t i) { return Vec3{numbers[i], numbers[i + 1], numbers[i + 2]}; };
     views.push_back({vector(0), vector(3), vector(6), vector(9)});
     check_view(views.back(), file, where);

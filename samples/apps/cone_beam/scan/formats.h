@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cone_beam/scan/description.h"
@@ -111,6 +112,9 @@ void write_rtk(const ConeGeometry& geometry, const std::filesystem::path& file);
 // to the next column and the step to the next row, by white space or commas; # begins a comment. Throws FileError
 // naming the line.
 ScanDescription read_astra(const std::filesystem::path& file, const StackFiles& projections, const PixelsGiven& given);
+// The words of such a line, which it changes; and a number that may begin with +.
+std::vector<std::string_view> words_of_vectors(std::string& line);
+std::optional<double> signed_number(std::string_view word);
 void write_astra(const ConeGeometry& geometry, const std::filesystem::path& file);
 
 // Nikon's .xtekct: section [XTekCT]. Its projections are the .tif files in InputFolderName, or beside it those that

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -30,19 +32,12 @@ constexpr std::array kOthers{
 };
 
 // A line of twelve numbers before anything else.
-bool is_vectors(std::string_view text) {
-  while (!text.empty()) {
-    std::string line(text.substr(0, text.find('\n')));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    line.resize(std::min(line.find('#'), line.size()));
-    int numbers = 0;
-    for (std::size_t at = 0; (at = line.find_first_not_of(" \t\r,", at)) != std::string::npos; ++numbers) {
-      const std::size_t end = std::min(line.find_first_of(" \t\r,", at), line.size());
-      const std::size_t sign = line[at] == '+' ? 1 : 0;
-      if (!parse_number<double>(std::string_view(line).substr(at + sign, end - at - sign))) return false;
-      at = end;
-    }
-    if (numbers > 0) return numbers >= 3;
+bool is_vectors(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string_view> words = words_of_vectors(line);
+    const auto is_number = [](std::string_view word) { return signed_number(word).has_value(); };
+    if (!words.empty()) return words.size() >= 3 && std::ranges::all_of(words, is_number);
   }
   return false;
 }
@@ -58,13 +53,15 @@ ScanKind kind_of(const std::filesystem::path& file) {
   }
   expect(start.substr(std::min<std::size_t>(128, start.size()), 4) != "DICM", file, "file", "a scan's description",
          "a DICOM file");
+  const bool binary = std::ranges::any_of(start, [](unsigned char c) { return c < '\t' || (c > '\r' && c < ' '); });
+  expect(!binary, file, "file", "a scan's description", "a binary file of an unknown kind");
   const std::size_t text = start.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   const std::string_view begin = text == std::string::npos ? "" : std::string_view(start).substr(text);
   const std::string extension = lower_case(file.extension().string());
   if (extension == ".json" || begin.starts_with('{')) return ScanKind::kCtsimu;
   if (extension == ".xml" || begin.starts_with("<?xml") || begin.starts_with("<RTK")) return ScanKind::kRtk;
   if (extension == ".xtekct" || begin.starts_with("[XTekCT]")) return ScanKind::kNikon;
-  return is_vectors(begin) ? ScanKind::kAstra : ScanKind::kScanFile;
+  return is_vectors(std::string(begin)) ? ScanKind::kAstra : ScanKind::kScanFile;
 }
 
 }  // namespace gicube::samples

@@ -14,7 +14,7 @@ namespace {
 double read_number(std::istream& stream, const std::filesystem::path& file, const char* part, int number) {
   std::string word;
   stream >> word;
-  const auto value = parse_number<double>(std::string_view(word).substr(word.starts_with('+') ? 1 : 0));
+  const auto value = signed_number(word);
   expect(value && std::isfinite(*value), file, fmt::format("{} {}", part, number), "a number",
          word.empty() ? "the end" : '"' + word + '"');
   return *value;

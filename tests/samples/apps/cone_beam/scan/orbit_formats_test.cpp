@@ -205,7 +205,10 @@ TEST_F(OrbitFormats, OtherFilesAreNamedByWhatTheyAre) {
                                     {"II*\0abc"s, "a TIFF picture"},
                                     {"NRRD0004\n"s, "an NRRD file"},
                                     {"\x93NUMPY"s, "an array of numpy"},
-                                    {std::string(128, '\0') + "DICM", "a DICOM file"}}) {
+                                    {std::string(128, '\0') + "DICM", "a DICOM file"},
+                                    {"\x7f"
+                                     "ELF\2\1\1"s,
+                                     "a binary file of an unknown kind"}}) {
     const auto file = written("scan.dat", bytes);
     EXPECT_THAT(error_of([&] { read_description(file); }), HasSubstr(name));
   }
