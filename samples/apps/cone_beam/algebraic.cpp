@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <random>
 #include <utility>
 
 #include "gicube/parallel_for.h"
@@ -62,6 +61,7 @@ struct Loop {
   const AlgebraicSettings& settings;
   Projector projector = projector_of(board, geometry, settings.step);
   std::vector<std::vector<std::size_t>> subsets = view_subsets(geometry.angles.size(), settings);
+  std::vector<std::size_t> order = subset_order(subsets.size());
   std::vector<std::vector<float>> known_weights{subsets.size()};  // of subsets, once they are known
   Reconstruction out{.values = std::vector<float>(voxel_count(geometry.volume.dims))};
   // kCgls: what is missing of all projections, the direction that was gone last, and the gradient's square there.
@@ -80,7 +80,6 @@ struct Loop {
       const double residual =
           settings.method == Method::kCgls ? descend(iteration, progress) : iterate(iteration, progress);
       out.residuals.push_back(residual);
-      out.iteration_ends.push_back(board.now() - begin);
       if (subsets.size() == 1 && iteration > 0) judge(residual, out.residuals[out.residuals.size() - 2]);
       if (out.diverged) break;
       const bool is_least = residual < least;
@@ -124,7 +123,7 @@ struct Loop {
     Missing missing;
     std::uint32_t done = 0;
     bool first = subsets.size() > 1;
-    for (const std::size_t subset : subset_order(subsets.size(), settings, iteration)) {
+    for (const std::size_t subset : order) {
       told(progress, iteration, done++);
       Densities densities;
       const Missing here = project(subsets[subset], densities);
@@ -325,19 +324,13 @@ std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const Alge
   return subsets;
 }
 
-std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration) {
-  std::vector<std::size_t> order(subsets);
-  std::iota(order.begin(), order.end(), 0);
-  if (settings.order == ViewOrder::kRandom) {
-    std::mt19937_64 engine(settings.seed + 0x9E3779B97F4A7C15U * static_cast<std::uint64_t>(iteration + 1));
-    for (std::size_t i = subsets; i > 1; --i) std::swap(order[i - 1], order[engine() % i]);
-  } else if (settings.order == ViewOrder::kGolden) {
-    // The ranks of the fractions of multiples of the golden ratio: each is 0.62 of the way round from the one before.
-    std::vector<std::size_t> sorted = order;
-    std::ranges::sort(sorted, {},
-                      [](std::size_t i) { return std::fmod(static_cast<double>(i) * 0.6180339887498949, 1); });
-    for (std::size_t rank = 0; rank < subsets; ++rank) order[sorted[rank]] = rank;
-  }
+std::vector<std::size_t> subset_order(std::size_t subsets) {
+  std::vector<std::size_t> sorted(subsets), order(subsets);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  // The ranks of the fractions of multiples of the golden ratio.
+  std::ranges::sort(sorted, {},
+                    [](std::size_t i) { return std::fmod(static_cast<double>(i) * 0.6180339887498949, 1); });
+  for (std::size_t rank = 0; rank < subsets; ++rank) order[sorted[rank]] = rank;
   return order;
 }
 

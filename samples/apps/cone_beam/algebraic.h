@@ -25,13 +25,6 @@ enum class Method {
   kTv,
 };
 
-// In which order subsets take their turn within an iteration.
-enum class ViewOrder {
-  kSequential,  // by angle: neighbours follow each other, and learn little from each other
-  kRandom,      // anew in each iteration
-  kGolden,      // each about 0.62 of the scan's arc after the one before
-};
-
 struct AlgebraicSettings {
   Method method = Method::kSart;
   int iterations = 10;  // at most, each through all views; at least 1
@@ -39,7 +32,6 @@ struct AlgebraicSettings {
   // > 0: of a correction that would make the projections right if they were alone. Beyond 2 it diverges, sooner or
   // later. Not of kCgls and kOsem.
   double relaxation = 0.5;
-  ViewOrder order = ViewOrder::kGolden;
   bool non_negative = true;  // values below 0 become 0 after each correction; kCgls leaves them
   // Where the object may be: of each voxel, x fastest, not 0. The others stay 0. Empty: everywhere.
   std::vector<std::uint8_t> mask{};
@@ -50,13 +42,14 @@ struct AlgebraicSettings {
   // Ends once a residual is no more than this, say the noise in the measured projections (Morozov's discrepancy
   // principle): beyond it the volume only learns their noise. 0: never.
   double noise = 0;
-  double step = 1;         // 1/64..16 voxels between samples, of both directions
-  std::uint64_t seed = 0;  // of kRandom
+  double step = 1;  // 1/64..16 voxels between samples, of both directions
 };
 
-// How views fall into subsets, and which subset comes when.
+// The views of each subset.
 std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const AlgebraicSettings& settings);
-std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration);
+// The order in which subsets take their turn: each is about 0.62 of the scan's arc from the one before, since
+// neighbours see nearly the same.
+std::vector<std::size_t> subset_order(std::size_t subsets);
 
 // The gradient of the total variation (the sum of the lengths of differences to the next voxels on the axes) by each
 // voxel.

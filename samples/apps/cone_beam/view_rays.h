@@ -32,9 +32,8 @@ struct Reconstruction {
   // Algebraic methods only. The root of the sum of (measured - projected)^2 over that of measured^2, one an iteration,
   // of each view before it was corrected for.
   std::vector<double> residuals{};
-  std::vector<Picoseconds> iteration_ends{};  // simulated, from the first ray: when each of these iterations was done
-  int iterations = 0;                         // whole ones; `values` are those after the one with the least residual
-  bool diverged = false;                      // the residual grew: the relaxation is too large
+  int iterations = 0;     // whole ones; `values` are those after the one with the least residual
+  bool diverged = false;  // the residual grew: the relaxation is too large
 };
 
 // The densities that a view's rays leave in a unit of volume, in the order of Projector::rays().

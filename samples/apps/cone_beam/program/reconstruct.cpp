@@ -28,9 +28,6 @@ const std::map<std::string, Window> kWindows{
     {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
 const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
                                                        {"irradiance", Accumulator::kIrradiance}};
-const std::map<std::string, ViewOrder> kViewOrders{
-    {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
-
 const std::map<std::string, Method> kMethods{{"sart", Method::kSart}, {"os-sart", Method::kOsSart},
                                              {"sirt", Method::kSirt}, {"cgls", Method::kCgls},
                                              {"osem", Method::kOsem}, {"tv", Method::kTv}};
@@ -103,13 +100,11 @@ Json algebraic_json(const AlgebraicSettings& settings) {
   if (method == Method::kOsSart || method == Method::kOsem || method == Method::kTv) json["subsets"] = settings.subsets;
   if (method == Method::kTv) json.update(Json{{"tv_steps", settings.tv_steps}, {"tv_weight", settings.tv_weight}});
   if (method != Method::kCgls && method != Method::kOsem) json["relaxation"] = settings.relaxation;
-  json.update(Json{{"order", name_of(kViewOrders, settings.order)},
-                   {"non_negative", settings.non_negative && method != Method::kCgls},
+  json.update(Json{{"non_negative", settings.non_negative && method != Method::kCgls},
                    {"masked", !settings.mask.empty()},
                    {"stop", settings.stop},
                    {"noise_level", settings.noise},
-                   {"step", settings.step},
-                   {"seed", settings.seed}});
+                   {"step", settings.step}});
   return json;
 }
 
@@ -136,15 +131,12 @@ Json plan_json(const FdkPlan& plan) {
 }
 
 // Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last
-// value read), deposits, overflowed, clipped, iterations, residuals, iterations_ms (simulated, from the
-// first ray to the end of each), diverged, warnings, those of `cost` (cost_json()), and plan, null without
-// one.
+// value read), deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of `cost`
+// (cost_json()), and plan, null without one.
 Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
                    const std::optional<FdkPlan>& plan) {
   const Grid& volume = scan.geometry.volume;
   const Json grid{{"dims", volume.dims}, {"spacing", numbers(volume.spacing)}, {"centre", numbers(scan.centre)}};
-  std::vector<double> ends_ms;
-  for (const Picoseconds end : result.iteration_ends) ends_ms.push_back(to_ms(end));
   Json json{{"scan", scan_json(scan)},
             {"volume", grid},
             {"method", options.method},
@@ -156,7 +148,6 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
             {"clipped", result.clipped},
             {"iterations", result.iterations},
             {"residuals", result.residuals},
-            {"iterations_ms", ends_ms},
             {"diverged", result.diverged},
             {"warnings", scan.warnings}};
   json.update(cost);
@@ -225,7 +216,6 @@ void check(const CLI::App& app, ReconstructOptions& options) {
   AlgebraicSettings& algebraic = options.algebraic;
   if (!options.fdk()) algebraic.method = kMethods.at(options.method);
   algebraic.step = options.filtered.step;
-  algebraic.seed = options.board.seed;
   check_plan(options.plan);
   check_volume_name("--output", options.output);
   if (options.plan.wanted()) {
@@ -331,8 +321,6 @@ void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
                "of views, each corrected for at once; os-sart, osem, tv");
   group.number("--relaxation", settings.relaxation, CLI::PositiveNumber,
                "of a correction; beyond 2 it diverges; not of cgls, osem");
-  group.choice("--order", settings.order, kViewOrders,
-               "of the views or subsets: sequential, random or golden (golden)");
   app.add_flag_callback(
          "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
       ->group("Iterative methods");
