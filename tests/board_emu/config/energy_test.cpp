@@ -67,10 +67,10 @@ TEST(Energy, OfADdrRankIsThatOfItsDataSheet) {
   // 75 ns.
   const auto refresh = small({"memory=ddr", "ddr.clock_khz=133333", "ddr.refresh_interval=10"});
   EXPECT_NEAR(watts(refresh, "memory", {}), 2.5 * (2.360 - 0.300) * 9 / 8, 0.02 * 5.8);
-  // Power-down of that module, IDD2P: 160 mA of 16 chips.
+  // IDD2P of Infineon's module: 126 mA.
   const auto power_down =
-      small({"memory=ddr", "ddr.clock_khz=133333", "ddr.refresh_interval=0", "energy.ddr_rank_uw=225000"});
-  EXPECT_NEAR(watts(power_down, "memory", {}), 2.5 * 0.160 * 9 / 16, 0.001);
+      small({"memory=ddr", "ddr.clock_khz=133333", "ddr.refresh_interval=0", "energy.ddr_rank_uw=315000"});
+  EXPECT_NEAR(watts(power_down, "memory", {}), 2.5 * 0.126, 0.001);
 }
 
 // Eight Samsung K4S560832D-1H, 3.3 V: ICC4 100 mA, ICC2N 20 mA, ICC1 90 mA with a row and a read each 70 ns. Their I/O
