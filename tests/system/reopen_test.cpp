@@ -131,6 +131,32 @@ TEST_F(Reopen, ManyRandomFaultsChangeNoRayAndNoPicosecond) {
   EXPECT_EQ(board.now(), quiet.now());
 }
 
+TEST_F(Reopen, ABatchThatWasNotSubmittedIsNotTracedWhenTheSessionGoesOn) {
+  bool lost_within = false;
+  for (int message = 5; message < 200 && !lost_within; message += 5) {
+    start("fault { direction: down message: " + std::to_string(message) + " kind: link_loss }");
+    Board board = open();
+    try {
+      load(board);
+    } catch (const DeviceLost&) {
+      continue;
+    }
+    Ticket ticket;
+    try {
+      ticket = board.submit(rays(40'000));
+    } catch (const DeviceLost&) {
+      lost_within = true;
+      ASSERT_TRUE(board.reopen().resumed);
+      ticket = board.submit(rays(40'000));
+    }
+    if (!lost_within) continue;
+    EXPECT_EQ(board.receive(ticket).rays.size(), 40'000u);
+    board.counters();  // after all that was sent
+    EXPECT_THAT(board.poll(), testing::IsEmpty());
+  }
+  EXPECT_TRUE(lost_within);
+}
+
 TEST_F(Reopen, AfterALinkLossTheSessionGoesOnAndEachBatchComesOnce) {
   start("fault { direction: up message: 40 kind: link_loss }");
   Board board = open();

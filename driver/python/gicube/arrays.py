@@ -150,7 +150,8 @@ def elements(
     w: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Array:
     """Elements for Board.pair_factors(): arrays (n, 3) in voxels, or single vectors for all. A kind is an ElementKind
-    or its value, as "patch". Returns an array of ELEMENT."""
+    or its value, as "patch": origin + s u + t v, 0 to 1, inside the volume, with its front towards u x v. Returns an
+    array of ELEMENT."""
     vectors = {name: as_array(value, name, "float64") for name,
                value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
     kinds = [kind] if isinstance(kind, (ElementKind, str)) else list(kind)

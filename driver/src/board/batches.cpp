@@ -82,15 +82,20 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   Batch& kept = batches_.emplace(ticket, std::move(batch)).first->second;
   auto all = rays | std::views::join;
   auto ray = all.begin();
-  for (std::size_t left = kept.rays; left > 0;) {
-    const std::size_t count = std::min(left, max_rays);
-    if (back_pressure_ == BackPressure::kWait) make_room(count);
-    TraceCommand made = trace_command(ray, count, setup);
-    auto encoded = wire::share(std::move(made.bytes));
-    const std::uint32_t command = device_.command(encoded);
-    kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
-    rays_under_way_ += made.rays;
-    left -= made.rays;
+  try {
+    for (std::size_t left = kept.rays; left > 0;) {
+      const std::size_t count = std::min(left, max_rays);
+      if (back_pressure_ == BackPressure::kWait) make_room(count);
+      TraceCommand made = trace_command(ray, count, setup);
+      auto encoded = wire::share(std::move(made.bytes));
+      const std::uint32_t command = device_.command(encoded);
+      kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
+      rays_under_way_ += made.rays;
+      left -= made.rays;
+    }
+  } catch (...) {  // the caller has no ticket, and repeats the whole call
+    drop(ticket);
+    throw;
   }
   kept.completed = device_.clock().now();
   return {ticket};
@@ -112,6 +117,14 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   const std::uint32_t ticket = next_ticket();
   batches_.emplace(ticket, std::move(batch));
   return {ticket};
+}
+
+void Batches::drop(std::uint32_t ticket) {
+  for (const Part& part : batches_.at(ticket).parts) {
+    if (!part.result) device_.forget(part.command);
+    if (part.encoded) rays_under_way_ -= part.rays;
+  }
+  batches_.erase(ticket);
 }
 
 void Batches::make_room(std::size_t rays) {

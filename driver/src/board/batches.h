@@ -119,6 +119,7 @@ class Batches {
   std::size_t max_rays_of_command() const;
   Entry find(Ticket ticket);
   void make_room(std::size_t rays);
+  void drop(std::uint32_t ticket);
   void collect(Batch& batch);
   void complete(Batch& batch, Picoseconds deadline);
   // Takes a complete batch out of the list and decodes its rays, into as much room as it has rays.

@@ -118,7 +118,7 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
                  }
                  options.watchdog = std::chrono::seconds(*seconds);
                });
-  group.flag("--quiet", options.quiet, "print nothing but errors");
+  group.flag("--quiet", options.quiet, "print only warnings and errors");
 }
 
 std::string board_uri(const BoardOptions& options) {

@@ -1,5 +1,5 @@
-// Volumes in files: NRRD, MetaImage, NIfTI, folders of image slices, or raw samples, also gzipped (.gz), if a RawLayout
-// says how they lie. The end of a file's name says its format, or else its contents do.
+// Volumes in files (docs/guide/formats.md lists the formats), or raw samples, also gzipped (.gz), if a RawLayout says
+// how they lie. The end of a file's name says its format, or else its contents do.
 //
 // If a file says how its axes lie in a world, samples are permuted and flipped on loading so that the volume's x, y and
 // z run along the nearest axes of that world: to the left, to the back (posterior) and upwards (superior) of a patient,
