@@ -143,7 +143,7 @@ constexpr Case kCases[] = {
        owner.ends(ErrorCode::kTaken);
        thief.send(FrameType::kVersion, 0, wire::kPosted, {});
      }},
-    {5, "version.silence", "P107", "A client that sends nothing for five seconds is disconnected.",
+    {5, "version.silence", "P107", "A client that has not stated its version within five seconds is disconnected.",
      [](Place& place) {
        RawClient client = place.connect();
        const auto begin = std::chrono::steady_clock::now();
