@@ -297,6 +297,9 @@ def carry_out_sensitivity(options, folder, command):
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", csv_text(lines))
     write_whole(f"{base}.json", json_file({"cost": options.cost, "sensitivity": steps}, command))
+    for column, name in enumerate(options.also):
+        if all(math.isnan(row.also[column]) for row in rows):
+            print(f"{PROGRAM}: warning: --also {name}: no run has a number of that name", file=sys.stderr)
     if not options.quiet:
         print("\n".join(table(rows, options.cost)))
 

@@ -96,17 +96,19 @@ def circular_views(
     """Views (n, 12) about the z axis, for Projector: at an angle b (radians) the source is at source_to_axis (cos b,
     sin b, 0), and the detector faces it squarely; columns run along (-sin b, cos b, 0), rows along z.
 
-    pitch: of columns and rows, or one for both. offset: of the detector's middle from the ray through the axis.
+    pitch: of columns and rows, or one for both. offset: of the detector's middle from the ray through the axis,
+    as offset_u and offset_v of a scan file.
     heights: along z of source and detector, of each view or of all; angles that ascend with heights are a helix.
     """
     angles, heights = np.broadcast_arrays(as_array(np.atleast_1d(angles), "angles", "float64", (None,)),
                                           np.asarray(heights, "f8"))
     pitches = np.broadcast_to(np.asarray(pitch, "f8"), (2,))
+    offsets = as_array(offset, "offset", "float64", (2,))
     zero, one = np.zeros_like(angles), np.ones_like(angles)
     c, s = np.cos(angles), np.sin(angles)
     out, u, v = (np.stack(each, 1) for each in ((c, s, zero), (-s, c, zero), (zero, zero, one)))
     height = heights[:, None] * v
-    centre = (source_to_axis - source_to_detector) * out + offset[0] * u + offset[1] * v
+    centre = (source_to_axis - source_to_detector) * out + offsets[0] * u + offsets[1] * v
     return np.hstack([source_to_axis * out + height, centre + height, pitches[0] * u, pitches[1] * v])
 
 
