@@ -119,6 +119,7 @@ class Batches {
   std::size_t max_rays_of_command() const;
   Entry find(Ticket ticket);
   void make_room(std::size_t rays);
+  // Forgets a batch of which only a part was sent: results that still come are ignored.
   void drop(std::uint32_t ticket);
   void collect(Batch& batch);
   void complete(Batch& batch, Picoseconds deadline);
