@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 
 // A warning of Python's, which the caller of a function of the package sees; it may be an exception.
 void give_warning(const std::string& text) {
-  const py::gil_scoped_acquire interpreter;
-  if (PyErr_WarnFormat(PyExc_UserWarning, 2, "%U", decoded(text).ptr()) != 0) throw py::error_already_set();
+  with_interpreter([&] {
+    if (PyErr_WarnFormat(PyExc_UserWarning, 2, "%U", decoded(text).ptr()) != 0) throw py::error_already_set();
+  });
 }
 
 // The fields of a file's or scene's volume other than its samples.

@@ -157,6 +157,27 @@ time.sleep({wait})
         assert (process.returncode, out, error) == (0, "begin\n", "")
 
 
+def test_a_daemon_thread_may_ask_for_the_interpreter_after_its_end():
+    """The process sleeps for a second between the end of the interpreter and its own: on_exit() calls sleep(1) with the
+    exit code. Meanwhile the thread's call looks for signals, after the load's first 80 ms."""
+    for wait in (0.02, 0.03, 0.04, 0.05):
+        run(
+            f"""
+import ctypes
+libc = ctypes.CDLL(None)
+libc.on_exit(libc.sleep, None)
+board = gicube.open()
+many = np.ones((512, 512, 512), "u1")
+def work():
+    board.load_volume(many)
+threading.Thread(target=work, daemon=True).start()
+time.sleep({wait})
+sys.exit(1)
+""",
+            code=1,
+        )
+
+
 def test_a_forked_process_leaves_its_parents_board_alone_and_opens_its_own():
     run(
         """
