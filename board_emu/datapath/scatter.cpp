@@ -6,23 +6,16 @@
 #include <vector>
 
 #include "datapath/jitter.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
-double inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Vector scaled(const Vector& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-
-Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
 using wire::unit;
 
 Vector mirrored(const Vector& direction, const Vector& normal) {
-  return sum(direction, scaled(normal, -2 * inner(direction, normal)));
+  return along(direction, -2 * dot(direction, normal), normal);
 }
 
 // A Fibonacci lattice on the sphere (Gonzalez 2010), shuffled by the hash that indexes it.
@@ -58,7 +51,7 @@ Direction scattered(const wire::Material& material, const Direction& direction, 
   const Vector delta = random_direction(chance);
   const double gloss = static_cast<double>(material.gloss) / (1 << wire::kGlossFractionBits);
   Vector normal = normal_of(gradient, d);
-  if (inner(normal, d) > 0) normal = scaled(normal, -1);
+  if (dot(normal, d) > 0) normal = scaled(normal, -1);
   Vector out = d;
   switch (material.bsdf) {
     case wire::Bsdf::kSpecular: out = mirrored(d, normal); break;
@@ -69,8 +62,8 @@ Direction scattered(const wire::Material& material, const Direction& direction, 
     default: break;
   }
   // If gloss turns the ray into the surface, the ray is reflected out of it.
-  if (reflects(material.bsdf) && inner(out, normal) < 0) out = mirrored(out, normal);
-  if (inner(out, out) < 1e-12) out = reflects(material.bsdf) ? normal : d;
+  if (reflects(material.bsdf) && dot(out, normal) < 0) out = mirrored(out, normal);
+  if (dot(out, out) < 1e-12) out = reflects(material.bsdf) ? normal : d;
   return wire::direction_words(unit(out), spacing);
 }
 

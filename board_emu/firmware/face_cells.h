@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 #include "words/words.h"
 
 namespace gicube::emu {

@@ -21,6 +21,15 @@ std::uint64_t rescale(std::uint64_t sum, std::uint64_t weight, std::uint64_t fro
   return (sum * to + divisor / 2) / divisor;
 }
 
+// Calls use(x, y) for the four pixels of the tent filter whose centres, at 8/16, are less than a pixel away.
+template <typename Use>
+void for_each_in_tent(int u, int v, const Use& use) {
+  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
+  for (const int y : {top, top + 1}) {
+    for (const int x : {left, left + 1}) use(x, y);
+  }
+}
+
 }  // namespace
 
 void Framebuffer::clear(int width, const ImageRows& rows, wire::Filter filter) {
@@ -46,15 +55,11 @@ void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) 
 void Framebuffer::add(const wire::Ray& ray) {
   const int u = ray.u, v = ray.v;
   if (filter_ == wire::Filter::kBox) return add(u / kSubPixels, v / kSubPixels, 1, ray);
-  // Tent filter: the four pixels whose centres, at 8/16, are less than a pixel away.
-  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
-  for (int y = top; y <= top + 1; ++y) {
-    for (int x = left; x <= left + 1; ++x) {
-      const int dx = std::abs(u - (x * kSubPixels + kSubPixels / 2));
-      const int dy = std::abs(v - (y * kSubPixels + kSubPixels / 2));
-      add(x, y, static_cast<std::uint32_t>((kSubPixels - dx) * (kSubPixels - dy)), ray);
-    }
-  }
+  for_each_in_tent(u, v, [&](int x, int y) {
+    const int dx = std::abs(u - (x * kSubPixels + kSubPixels / 2));
+    const int dy = std::abs(v - (y * kSubPixels + kSubPixels / 2));
+    add(x, y, static_cast<std::uint32_t>((kSubPixels - dx) * (kSubPixels - dy)), ray);
+  });
 }
 
 DspTask Framebuffer::task(int u, int v, bool alone) const {
@@ -74,10 +79,7 @@ DspTask Framebuffer::task(int u, int v, bool alone) const {
     change(u / kSubPixels, v / kSubPixels);
     return task;
   }
-  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
-  for (const int y : {top, top + 1}) {
-    for (const int x : {left, left + 1}) change(x, y);
-  }
+  for_each_in_tent(u, v, change);
   if (task.use_count > 1) task.more_cycles = (task.use_count - 1u) * kAddToPixel.interval();
   return task;
 }

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 #include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"

@@ -35,49 +35,49 @@ Vector unit(const Vector& v) {
 }  // namespace
 
 std::optional<std::string> LightingRays::geometry_fault(const wire::IlluminateCommand& command) {
-  const std::string range = " must be finite and within 1e9";
+  const std::string range = "finite numbers of -1e9 to 1e9";
   switch (command.kind) {
     case wire::LightKind::kDirectional:
-      if (!all_within(command.u, std::numeric_limits<double>::max())) return "u, towards the light, must be finite";
-      if (command.u == Vector{}) return "u, towards the light, must not be 0";
+      if (!all_within(command.u, std::numeric_limits<double>::max())) return "u: expected a finite vector to the light";
+      if (command.u == Vector{}) return "u: expected a vector to the light, got 0";
       return std::nullopt;
     case wire::LightKind::kSphere:
       if (!(command.u[0] >= kMinLength && command.u[0] <= kFarthest))
-        return "u.x, the sphere's radius, must be 1e-6 to 1e9, not " + std::to_string(command.u[0]);
+        return "u.x: expected a sphere's radius of 1e-6 to 1e9, got " + std::to_string(command.u[0]);
       break;
     case wire::LightKind::kRectangle: {
-      if (!all_within(command.u, kFarthest)) return "u, an edge of the rectangle," + range;
-      if (!all_within(command.v, kFarthest)) return "v, an edge of the rectangle," + range;
+      if (!all_within(command.u, kFarthest)) return "u: expected an edge of the rectangle, " + range;
+      if (!all_within(command.v, kFarthest)) return "v: expected an edge of the rectangle, " + range;
       const double lu = length(command.u), lv = length(command.v);
-      if (lu < kMinLength || lv < kMinLength) return "u and v, the rectangle's edges, must be at least 1e-6 long";
+      if (lu < kMinLength || lv < kMinLength) return "u, v: expected edges of a rectangle, of at least 1e-6";
       if (length(cross(command.u, command.v)) < 1e-9 * lu * lv)
-        return "u and v, the rectangle's edges, are parallel: it has no area";
+        return "u, v: expected edges of a rectangle, got parallel vectors";
       break;
     }
     case wire::LightKind::kPoint: break;
   }
-  if (!all_within(command.position, kFarthest)) return "position" + range;
+  if (!all_within(command.position, kFarthest)) return "position: expected " + range;
   return std::nullopt;
 }
 
 std::optional<std::string> LightingRays::fault(const wire::IlluminateCommand& command, const Point& extent) {
-  if (command.kind > wire::LightKind::kSphere)
-    return "kind must be 0 to 3, not " + std::to_string(static_cast<unsigned>(command.kind));
-  if (command.albedo > wire::Albedo::kHigh)
-    return "albedo must be 0 or 1, not " + std::to_string(static_cast<unsigned>(command.albedo));
+  const auto beyond = [](const std::string& field, const std::string& range, auto got) {
+    return field + ": expected " + range + ", got " + std::to_string(got);
+  };
+  if (command.kind > wire::LightKind::kSphere) return beyond("kind", "0..3", static_cast<unsigned>(command.kind));
+  if (command.albedo > wire::Albedo::kHigh) return beyond("albedo", "0 or 1", static_cast<unsigned>(command.albedo));
   if (command.rules > wire::EnergyRules::kConserving)
-    return "rules must be 0 or 1, not " + std::to_string(static_cast<unsigned>(command.rules));
+    return beyond("rules", "0 or 1", static_cast<unsigned>(command.rules));
   const std::uint32_t k = command.rays_per_voxel;
-  if (k < 1 || k > wire::kMaxRaysPerVoxel) return "rays_per_voxel must be 1 to 4096, not " + std::to_string(k);
-  if (command.count < 1) return "count must be at least 1";
-  if (std::uint64_t{command.first} + command.count > k)
-    return "first + count must be at most rays_per_voxel, " + std::to_string(k) + ", not " +
-           std::to_string(std::uint64_t{command.first} + command.count);
+  if (k < 1 || k > wire::kMaxRaysPerVoxel) return beyond("rays_per_voxel", "1..4096", k);
+  if (command.count < 1) return beyond("count", "at least 1", command.count);
+  const std::uint64_t end = std::uint64_t{command.first} + command.count;
+  if (end > k) return beyond("first + count", "at most rays_per_voxel, " + std::to_string(k), end);
   if (!std::isfinite(command.energy) || command.energy < 0)
-    return "energy must be finite and not negative, not " + std::to_string(command.energy);
+    return beyond("energy", "a finite number of at least 0", command.energy);
   const std::uint64_t rays = FaceCells(extent).count() * k;
   if (rays > std::numeric_limits<std::uint32_t>::max())
-    return "rays_per_voxel makes " + std::to_string(rays) + " rays; their numbers have 32 bits";
+    return beyond("rays_per_voxel", "at most 2^32 - 1 rays on all face cells", rays);
   return geometry_fault(command);
 }
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "firmware/routines/built_in.h"
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 
@@ -32,7 +32,7 @@ ScatterAnswer scatter(const ScatterEvent& event) {
   const double eta = from / to;
   const double refracted = std::sqrt(std::fmax(0.0, 1 - eta * eta * (1 - cosine * cosine)));
   Vector bent{};
-  for (std::size_t i = 0; i < 3; ++i) {  // what is tangential grows by eta, and the rest goes on through the surface
+  for (std::size_t i = 0; i < 3; ++i) {  // the tangential part is scaled by eta; the rest crosses the surface
     const double tangential = event.direction[i] - slope * event.normal[i];
     bent[i] = eta * tangential + (enters ? -refracted : refracted) * event.normal[i];
   }

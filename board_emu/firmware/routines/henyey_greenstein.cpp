@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "firmware/routines/built_in.h"
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 
@@ -17,7 +17,7 @@ std::optional<std::string> fault(std::span<const float> parameters) {
 ScatterAnswer scatter(const ScatterEvent& event) {
   const double g = event.parameters.empty() ? 0 : event.parameters[0], chance = event.random[0];
   double cosine = 2 * chance - 1;
-  if (std::fabs(g) > 1e-4) {  // chosen: below that the inversion cancels, and the function is even to 3e-4
+  if (std::fabs(g) > 1e-4) {  // chosen: a smaller g cancels in the inversion, and changes the function by under 3e-4
     const double root = (1 - g * g) / (1 - g + 2 * g * chance);
     cosine = std::clamp((1 + g * g - root * root) / (2 * g), -1.0, 1.0);
   }

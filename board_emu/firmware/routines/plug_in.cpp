@@ -10,10 +10,10 @@ static_assert(kMaxParameters == wire::kMaterialParameters);
 
 namespace {
 
-constexpr const char* kLost = "its process was ended; it is not called again before the board process is started anew";
+constexpr const char* kLost = "its process was ended; it is not called again until the board process is restarted";
 
-// How often a side looks before it sleeps, while each has a processor of its own. chosen: tens of microseconds, in
-// which most rays come to their next call.
+// Number of checks before a side sleeps, if there is a processor for each side. chosen: tens of microseconds, within
+// which most rays reach their next call.
 constexpr unsigned kSpins = 1000;
 
 void put_event(const ScatterEvent& event, CallSlot::Event& to) {
@@ -39,8 +39,7 @@ ScatterAnswer answer_of(gicube_bsdf_answer answer) {
 
 }  // namespace
 
-// A slot that is this thread's for a call. A thread takes the one that it had, if it can: the processor still has its
-// memory.
+// Reserves a slot for a call of this thread. A thread prefers its last slot, whose memory is still in the cache.
 class PlugIn::Claim {
  public:
   explicit Claim(const PlugIn& of) : of_(of) {
@@ -58,7 +57,7 @@ class PlugIn::Claim {
 
   std::size_t index() const { return index_; }
   CallSlot& slot() const { return of_.process_.memory().slots[index_]; }
-  void lose() { is_lost_ = true; }  // nobody may use it any more: a process that did not end might
+  void lose() { is_lost_ = true; }  // keeps the slot reserved, because a process that did not end may still write to it
 
  private:
   const PlugIn& of_;
@@ -107,7 +106,7 @@ std::optional<std::string> PlugIn::call(Claim& claim, CallKind kind, std::uint32
   slot.count = count;
   static const unsigned processors = std::thread::hardware_concurrency();
   const auto number = static_cast<unsigned>(claim.index() + 1);
-  if (number > at_once_) at_once_ = number;  // of two such threads either may be the last: a hint
+  if (number > at_once_) at_once_ = number;  // a hint: two threads may overwrite each other's value
   const unsigned spins = 2 * at_once_ <= processors ? kSpins : 0;
   slot.spins = spins;
   if (!slot.turn.give(Party::kBoard, Party::kPlugIn)) {
@@ -145,7 +144,7 @@ std::optional<std::string> PlugIn::fault(std::span<const float> parameters) cons
   if (slot.has_thrown != 0) return "its parameter check threw an exception";
   if (slot.verdict == 0) return std::nullopt;
   const std::string text = printable(slot.text, kMaxText);
-  return text.empty() ? "it refuses its parameters and does not say why" : text;
+  return text.empty() ? "it refuses its parameters without a reason" : text;
 }
 
 void PlugIn::scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const {

@@ -1,7 +1,7 @@
 // A scattering routine from a shared object (gicube/bsdf.h).
 //
-// Its code runs in a process of its own (plug_ins/plug_in_process.h), with a copy of that for each call at a time, and
-// what it answers is checked. Whatever its code does, the board gets an answer or a fault.
+// Its code runs in its own process (plug_ins/plug_in_process.h), which has a copy for each simultaneous call. Answers are
+// checked. Whatever the code does, the board gets an answer or a fault.
 #pragma once
 
 #include <atomic>
@@ -29,10 +29,11 @@ class PlugIn {
   std::uint32_t cycles() const { return description_.cycles; }
   std::uint32_t cycle_budget() const { return description_.cycle_budget; }
 
-  // From several threads. A process that ended or had to be ended is begun anew by the next call.
+  // Returns the fault of these parameters, if there is one. Thread-safe, like scatter(). If the copy of the process for
+  // a call ends or must be killed, the next call starts a new one.
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // `events` and `answers` have one length; an event has at most kMaxParameters parameters. Of an answer only the
-  // cycles are checked. Throws RoutineFault.
+  // `events` and `answers` must have the same length, and an event at most kMaxParameters parameters. Only the cycles of
+  // an answer are checked. Throws RoutineFault.
   void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:
@@ -49,7 +50,7 @@ class PlugIn {
   const std::string name_;
   const std::string file_;
 
-  mutable std::atomic<unsigned> at_once_{0};  // calls that there were at once, at most
+  mutable std::atomic<unsigned> at_once_{0};  // maximum number of simultaneous calls so far
 
   struct alignas(64) SlotState {
     std::atomic<bool> is_taken{false};

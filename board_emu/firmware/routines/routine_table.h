@@ -1,6 +1,7 @@
-// The routines of a board by number: 0 .. those that every board has, kFirstUserRoutine .. those of whoever started it.
+// The routines of a board by number: the built-in ones from 0, those that the board's user has loaded from
+// kFirstUserRoutine.
 //
-// Set up before the first board has it, then only read: from any number of boards and threads.
+// A table is complete before the first board uses it. It is then only read, by any number of boards and threads.
 #pragma once
 
 #include <cmath>
@@ -27,7 +28,7 @@ struct RoutineInfo {
   std::uint32_t cycle_budget = 0;
 };
 
-// Returns the fault of an answer, if it has one: a direction without a length, a share that is none.
+// Returns the fault of an answer, if it has one.
 inline std::optional<std::string> fault(const ScatterAnswer& answer) {
   const auto& d = answer.direction;
   const double length = std::hypot(d[0], d[1], d[2]);
@@ -41,7 +42,7 @@ inline std::optional<std::string> fault(const ScatterAnswer& answer) {
 
 class RoutineTable final : public Routines {
  public:
-  // Gives the routine the next number. Throws PlugInFault, also when there is none left.
+  // Gives the routine the next number. Throws PlugInFault if none is left.
   void add(std::shared_ptr<const PlugIn> plug_in) {
     if (user_.size() == kMaxUserRoutines) {
       throw PlugInFault(plug_in->file() + ": expected at most " + std::to_string(kMaxUserRoutines) + " routines");

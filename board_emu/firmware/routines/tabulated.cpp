@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "firmware/routines/built_in.h"
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 
@@ -21,7 +21,7 @@ std::optional<std::string> fault(std::span<const float> parameters) {
   return "phase function: expected a value above 0, got only zeros";
 }
 
-// Where the function's integral from -1 reaches `chance` of the whole.
+// The cosine at which the function's integral from -1 reaches the fraction `chance` of the whole.
 double cosine_at(double chance, std::span<const float> f) {
   if (f.size() == 1) return 2 * chance - 1;
   double all = 0;
@@ -37,7 +37,7 @@ double cosine_at(double chance, std::span<const float> f) {
   double part = 1;  // of segment i; rounding can bring `left` to the end of all areas
   if (i + 1 == f.size()) {
     i = last;
-  } else {  // a t + (b - a) t^2 / 2 = left, in the form that does not cancel
+  } else {  // solves a t + (b - a) t^2 / 2 = left, in the form without cancellation
     const double a = f[i], b = f[i + 1];
     const double root = a + std::sqrt(std::fmax(0.0, a * a + 2 * (b - a) * left));
     part = root > 0 ? std::min(1.0, 2 * left / root) : 0;
@@ -55,7 +55,7 @@ ScatterAnswer scatter(const ScatterEvent& event) {
 const BuiltIn kTabulated{"tabulated", fault, scatter};
 
 const BuiltIn* built_in(std::uint8_t number) {
-  switch (number) {  // numbers are the host's too (BoardRoutine in the driver's material.h)
+  switch (number) {  // as in the driver's BoardRoutine (material.h)
     case 0: return &kFresnel;
     case 1: return &kHenyeyGreenstein;
     case 2: return &kTabulated;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "commands_rig.h"
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 namespace {
@@ -276,7 +276,7 @@ TEST(IlluminateCommand, HasItsLengthAndAValidLight) {
   EXPECT_EQ(refusal(board, payload), "payload: expected 104 bytes, got 105");
   wire::IlluminateCommand dark = sunlight(100);
   dark.count = 0;
-  EXPECT_EQ(refusal(board, wire::encoded(dark)), "count must be at least 1");
+  EXPECT_EQ(refusal(board, wire::encoded(dark)), "count: expected at least 1, got 0");
 }
 
 // 16 x 16 face cells under a light along z, none of whose rays meets anything.

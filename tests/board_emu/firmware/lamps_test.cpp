@@ -41,11 +41,11 @@ TEST(LampRecords, AreRefusedByTheFieldThatIsWrong) {
   EXPECT_EQ(refused([](wire::Lamp& lamp) {
               lamp.v = {0, 5, 0};
             }),
-            "lamp 1: u and v, the rectangle's edges, are parallel: it has no area");
+            "lamp 1: u, v: expected edges of a rectangle, got parallel vectors");
   EXPECT_EQ(refused([](wire::Lamp& lamp) { lamp.position[1] = std::numeric_limits<double>::quiet_NaN(); }),
-            "lamp 1: position must be finite and within 1e9");
+            "lamp 1: position: expected finite numbers of -1e9 to 1e9");
   EXPECT_EQ(refusal(board, with_lamps({sphere_lamp({30, 8, 8}, -1)})),
-            "lamp 0: u.x, the sphere's radius, must be 1e-6 to 1e9, not -1.000000");
+            "lamp 0: u.x: expected a sphere's radius of 1e-6 to 1e9, got -1.000000");
   EXPECT_EQ(refusal(board, with_lamps(std::vector(32, good))), "accepted");
   EXPECT_EQ(refusal(board, with_lamps(std::vector(33, good))), "lamps: expected 0..32, got 33");
   std::vector<std::uint8_t> cut = with_lamps({good, square});

@@ -311,28 +311,30 @@ TEST(LightingFaults, NameTheField) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   using C = IlluminateCommand;
   EXPECT_EQ(fault_of([](C&) {}), "");
-  EXPECT_EQ(fault_of([](C& c) { c.kind = static_cast<LightKind>(4); }), "kind must be 0 to 3, not 4");
-  EXPECT_EQ(fault_of([](C& c) { c.albedo = static_cast<wire::Albedo>(2); }), "albedo must be 0 or 1, not 2");
-  EXPECT_EQ(fault_of([](C& c) { c.rules = static_cast<EnergyRules>(9); }), "rules must be 0 or 1, not 9");
-  EXPECT_EQ(fault_of([](C& c) { c.rays_per_voxel = 0; }), "rays_per_voxel must be 1 to 4096, not 0");
-  EXPECT_EQ(fault_of([](C& c) { c.rays_per_voxel = 4097; }), "rays_per_voxel must be 1 to 4096, not 4097");
-  EXPECT_EQ(fault_of([](C& c) { c.count = 0; }), "count must be at least 1");
+  EXPECT_EQ(fault_of([](C& c) { c.kind = static_cast<LightKind>(4); }), "kind: expected 0..3, got 4");
+  EXPECT_EQ(fault_of([](C& c) { c.albedo = static_cast<wire::Albedo>(2); }), "albedo: expected 0 or 1, got 2");
+  EXPECT_EQ(fault_of([](C& c) { c.rules = static_cast<EnergyRules>(9); }), "rules: expected 0 or 1, got 9");
+  EXPECT_EQ(fault_of([](C& c) { c.rays_per_voxel = 0; }), "rays_per_voxel: expected 1..4096, got 0");
+  EXPECT_EQ(fault_of([](C& c) { c.rays_per_voxel = 4097; }), "rays_per_voxel: expected 1..4096, got 4097");
+  EXPECT_EQ(fault_of([](C& c) { c.count = 0; }), "count: expected at least 1, got 0");
   EXPECT_EQ(fault_of([](C& c) { c.first = 0xFFFF'FFFF; }),
-            "first + count must be at most rays_per_voxel, 8, not 4294967303");
-  EXPECT_EQ(fault_of([](C& c) { c.energy = -1; }), "energy must be finite and not negative, not -1.000000");
+            "first + count: expected at most rays_per_voxel, 8, got 4294967303");
+  EXPECT_EQ(fault_of([](C& c) { c.energy = -1; }), "energy: expected a finite number of at least 0, got -1.000000");
   EXPECT_NE(fault_of([](C& c) { c.energy = kNan; }), "");
-  EXPECT_EQ(fault_of([](C& c) { c.position[1] = kNan; }), "position must be finite and within 1e9");
+  EXPECT_EQ(fault_of([](C& c) { c.position[1] = kNan; }), "position: expected finite numbers of -1e9 to 1e9");
   EXPECT_EQ(fault_of([](C& c) { c.position[1] = -1e9; }), "");
-  EXPECT_EQ(fault_of([](C& c) { c.position[1] = -1.0000001e9; }), "position must be finite and within 1e9");
-  EXPECT_EQ(fault_of([](C& c) { c.u[2] = kNan; }), "u, an edge of the rectangle, must be finite and within 1e9");
-  EXPECT_EQ(fault_of([](C& c) { c.v = {}; }), "u and v, the rectangle's edges, must be at least 1e-6 long");
-  EXPECT_EQ(fault_of([](C& c) { c.v = {10, 2, 0}; }), "u and v, the rectangle's edges, are parallel: it has no area");
+  EXPECT_EQ(fault_of([](C& c) { c.position[1] = -1.0000001e9; }), "position: expected finite numbers of -1e9 to 1e9");
+  EXPECT_EQ(fault_of([](C& c) { c.u[2] = kNan; }),
+            "u: expected an edge of the rectangle, finite numbers of -1e9 to 1e9");
+  EXPECT_EQ(fault_of([](C& c) { c.v = {}; }), "u, v: expected edges of a rectangle, of at least 1e-6");
+  EXPECT_EQ(fault_of([](C& c) { c.v = {10, 2, 0}; }), "u, v: expected edges of a rectangle, got parallel vectors");
   EXPECT_EQ(fault_of([](C& c) { c.kind = LightKind::kSphere, c.u[0] = -2; }),
-            "u.x, the sphere's radius, must be 1e-6 to 1e9, not -2.000000");
-  EXPECT_EQ(fault_of([](C& c) { c.kind = LightKind::kDirectional, c.u = {}; }), "u, towards the light, must not be 0");
+            "u.x: expected a sphere's radius of 1e-6 to 1e9, got -2.000000");
+  EXPECT_EQ(fault_of([](C& c) { c.kind = LightKind::kDirectional, c.u = {}; }),
+            "u: expected a vector to the light, got 0");
   const IlluminateCommand many = light(LightKind::kPoint, 1, {}, 4096);
   EXPECT_EQ(LightingRays::fault(many, {511 * wire::kVoxel, 511 * wire::kVoxel, 511 * wire::kVoxel}),
-            "rays_per_voxel makes 6417309696 rays; their numbers have 32 bits");
+            "rays_per_voxel: expected at most 2^32 - 1 rays on all face cells, got 6417309696");
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "firmware/framebuffer.h"
 #include "firmware/lighting_rays.h"
 #include "firmware/ray_sources/image_rays.h"
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/vectors.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,4 +1,4 @@
-// Vectors of three doubles, for lighting rays and scattering routines.
+// Vectors of three doubles, for lighting rays and scattering.
 #pragma once
 
 #include <array>
