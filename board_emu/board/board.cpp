@@ -75,7 +75,7 @@ bool Board::carry_out(const wire::FrameHeader& header, std::span<const std::uint
   return parts_->command(header, payload, work);
 }
 
-void Board::set_minor_version(std::uint16_t minor) { parts_->commands.set_minor_version(minor); }
+void Board::set_minor_version(std::uint16_t minor) { parts_->card.minor_version = minor; }
 
 void Board::go_on(Progress& work) {
   if (!parts_->carried) return;
@@ -87,7 +87,7 @@ void Board::go_on(Progress& work) {
 void Board::add_memory_error(const MemoryError& error) {
   Progress work;
   go_on(work);
-  parts_->commands.add_memory_error(error);
+  parts_->card.add_memory_error(error);
 }
 
 std::uint64_t Board::held_bytes() const { return parts_->held_bytes(); }
@@ -151,12 +151,12 @@ void Board::publish(bool with_machine) {
   auto counters = parts_->count();
   parts_->power.count(counters);
   MachineLook machine;
-  if (with_machine) machine = parts_->commands.look();
+  if (with_machine) machine = parts_->level->look();
   const std::lock_guard lock(published_mutex_);
   published_.simulated_ps = parts_->timeline.now();
   published_.counters = std::move(counters);
   if (with_machine) published_.machine = std::move(machine);
-  published_memory_ = parts_->commands.limited_memory();
+  published_memory_ = parts_->card.limited_memory();
 }
 
 }  // namespace gicube::emu

@@ -55,14 +55,14 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
       observer(board_observer),
       pci(agp_rates(config.bus())),
       level(make_level(config, observer != nullptr ? observer->observer() : nullptr)),
-      commands(config, registers, *level),
+      card(config, registers, *level),
       timeline(BusTiming(config.bus()), config.dsp().clock_khz()),
       energy(config) {
-  commands.set_routines(routines);
-  commands.set_max_memory(max_memory_bytes);
+  card.routines = routines;
+  card.limit.set(max_memory_bytes);
   if (observer != nullptr) {
     observer->power_up(config);
-    if (auto pixel = observer->explained_pixel()) commands.set_explained(std::move(*pixel));
+    card.explained = observer->explained_pixel();
     timeline.set_watcher(observer);
   }
   registers.set_fixed(reg::kId, wire::kIdValue);
@@ -75,7 +75,7 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
   registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
   registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
   registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));
-  registers.set_fixed(reg::kMaxMemory, commands.memory_limit().max_mib());
+  registers.set_fixed(reg::kMaxMemory, card.limit.max_mib());
   registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
   registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
 }
@@ -83,13 +83,13 @@ Board::Parts::Parts(const v1::BoardConfig& board_config, std::uint64_t config_ha
 void Board::Parts::control(std::uint32_t bits) {
   if ((bits & wire::kControlReset) != 0) {
     registers.reset();
-    commands.reset();
+    card.reset();
   }
-  if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
-  if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
-  if ((bits & wire::kControlClearSums) != 0) commands.clear_accumulators();
-  if ((bits & wire::kControlDropBlocks) != 0) commands.drop_blocks();
-  if ((bits & wire::kControlDropRays) != 0) commands.drop_rays();
+  if ((bits & wire::kControlClearVolume) != 0) card.clear_volume();
+  if ((bits & wire::kControlClearIrradiance) != 0) card.clear_irradiance();
+  if ((bits & wire::kControlClearSums) != 0) card.clear_accumulators();
+  if ((bits & wire::kControlDropBlocks) != 0) card.drop_blocks();
+  if ((bits & wire::kControlDropRays) != 0) card.drop_rays();
 }
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
@@ -109,8 +109,8 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
       const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
       if (!registers.write(offset, value)) return {};
       if (offset == reg::kControl) control(value);
-      if (offset == reg::kDropBlock && !commands.drop_block(value)) registers.raise(wire::kStatusBadValue, offset);
-      switch (commands.accept_register(offset)) {
+      if (offset == reg::kDropBlock && !card.drop_block(value)) registers.raise(wire::kStatusBadValue, offset);
+      switch (card.accept_register(offset)) {
         case Acceptance::kTaken: return {};
         case Acceptance::kTooMuchMemory: lack_memory(); break;
         case Acceptance::kOutOfRange: break;
@@ -126,7 +126,7 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
 Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (payload.size() != 16) return refuse_payload("an address and a length", payload);
   const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
-  auto bytes = commands.aperture().read(address, length);
+  auto bytes = card.aperture.read(address, length);
   if (!bytes)
     return refusal_of(ErrorCode::kBadAddress, fmt::format("no memory of {} bytes at address {}", length, address));
   // The DSP sends the bytes as bus master when all earlier commands are done.
@@ -145,7 +145,7 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
   const auto address = wire::load<std::uint64_t>(payload, 0);
   const auto bytes = payload.subspan(8);
   timeline.add(header.time_ps, next_transaction++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
-  const Acceptance accepted = commands.write_memory(address, bytes);
+  const Acceptance accepted = card.write_memory(address, bytes);
   if (accepted == Acceptance::kTaken) return;
   if (accepted == Acceptance::kTooMuchMemory) lack_memory();
   registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
@@ -154,7 +154,7 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
 // Set in addition to the bit for the refused write, so that drivers that do not support this bit also detect the
 // refusal.
 void Board::Parts::lack_memory() {
-  registers.set_fixed(reg::kMemoryAsked, commands.memory_limit().asked_mib());
+  registers.set_fixed(reg::kMemoryAsked, card.limit.asked_mib());
   registers.raise(wire::kStatusNoMemory, 0);
 }
 
@@ -167,7 +167,7 @@ bool Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   if (observer != nullptr && observer->places_cycles()) {
     observer->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}), header.id);
   }
-  CommandResult result = commands.run(payload, work);
+  CommandResult result = card.run(payload, work);
   carried.reset();
   if (observer != nullptr) observer->end_command();
   if (result.error != ErrorCode::kNone) {

@@ -13,7 +13,7 @@
 #include "board/timeline.h"
 #include "config/energy.h"
 #include "config/power_peaks.h"
-#include "firmware/commands/commands.h"
+#include "firmware/commands/card.h"
 #include "firmware/register_file.h"
 
 namespace gicube::emu {
@@ -67,7 +67,7 @@ struct Board::Parts {
   RegisterFile registers;
   PciConfigFile pci;
   std::unique_ptr<Level> level;
-  DspCommands commands;
+  Card card;
   Timeline timeline;
   EnergyModel energy;
   PowerPeaks power{energy, config.asic().core_khz()};

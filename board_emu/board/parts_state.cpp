@@ -10,7 +10,7 @@ namespace gicube::emu {
 void Board::Parts::state(Archive& archive, bool with_level) {
   archive("registers", registers);
   archive("pci", pci);
-  archive("commands", commands);
+  archive("commands", card);
   archive("timeline", timeline);
   archive("next_transaction", next_transaction);
   archive.expect(!timeline.has_from(next_transaction), "next_transaction", "a number that none has", next_transaction);
@@ -47,7 +47,7 @@ void Board::Parts::state(Archive& archive, bool with_level) {
   }
   archive("power", power);
   if (with_level) {
-    archive.within("level", [&] { level->state(archive, commands.aperture().volume().blocks()); });
+    archive.within("level", [&] { level->state(archive, card.aperture.volume().blocks()); });
     archive.expect(in_command || !level->in_run(), "level.in_run", "0 without a command", 1);
   }
 }
@@ -72,7 +72,7 @@ std::vector<wire::Counter> Board::Parts::count() const {
   }
   list.push_back({"dsp.busy_ps", "ps", timeline.dsp_busy_ps()});
   list.push_back({"dsp.host_bus_wait_ps", "ps", timeline.host_bus_wait_ps()});
-  commands.count(list);
+  card.count(list);
   return list;
 }
 

@@ -79,14 +79,14 @@ constexpr std::size_t face_left_by(const Point& position, const FinePoint& step,
   return face;
 }
 
-// Whether a ray that leaves a kept half space has left it. A ray that enters one was started on the plane by the DSP,
-// and rounding may have put it slightly outside.
+// Whether a ray has left a kept half space. Rays that enter it do not count: the DSP starts them on the plane, and
+// rounding may put them slightly outside.
 constexpr bool beyond(const Plane& plane, const Point& position, const Point& step) {
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
-// Whether a sample lies within a voxel of a plane by which its ray came in: at a face that shows the inside, where the
-// gradient is not that of a surface.
+// Whether a sample lies at a cut face: within a voxel of a plane through which its ray has entered. The gradient there is
+// not that of a surface.
 constexpr bool at_cut_face(const Plane& plane, const Point& position, const Point& step) {
   constexpr std::int64_t kDepth = std::int64_t{1} << kPlaneFractionBits;
   return dot(plane.normal, step) > 0 && dot(plane.normal, position) - plane.offset < kDepth;

@@ -9,30 +9,12 @@
 #include <cstdint>
 
 #include "datapath/frame.h"
+#include "datapath/host_deposits.h"
 #include "datapath/ray_step.h"
+#include "datapath/waiting_rays.h"
 #include "words/block_grid.h"
 
 namespace gicube::emu {
-
-struct WaitingRay {
-  RayState ray_state{};
-  std::uint64_t number = 0;  // index among the rays of its commands; they continue in this order
-  std::uint32_t block = 0;
-  std::uint16_t home = 0;  // 0: this card made it; otherwise the maker's name (wire::ForwardedRay)
-  bool trapped = false;    // also waits for a routine's answer, which needs the sample at this position
-
-  void state(Archive::Record& record) { record(ray_state, number, block, home, trapped); }
-};
-
-class WaitingRayQueue {
- public:
-  virtual ~WaitingRayQueue() = default;
-  // Takes ray `index` of the run's source. May be called from several threads. Throws RoutineFault if there are too
-  // many.
-  virtual void add(const WaitingRay& ray, std::uint64_t index) = 0;
-  // Ray `index` of the run's source as it was when it began to wait; null: it starts.
-  virtual const WaitingRay* find(std::uint64_t index) const = 0;
-};
 
 // Whether a ray that reaches the block must wait.
 inline bool is_non_resident(std::size_t block, const Frame& frame) {
@@ -50,14 +32,6 @@ inline RayState begin_or_go_on(const wire::Ray& ray, std::uint64_t index, const 
   const WaitingRay* const waited = frame.in_bricks() ? frame.waiting->find(index) : nullptr;
   return waited != nullptr ? waited->ray_state : unpack(ray, frame);
 }
-
-class HostDepositList {
- public:
-  virtual ~HostDepositList() = default;
-  // `word`: block * n^3 + voxel of the block. May be called from several threads. Throws RoutineFault if there are too
-  // many.
-  virtual void add(std::uint64_t word, std::uint32_t units) = 0;
-};
 
 // The block that owns a voxel of the volume.
 inline std::size_t owner_of(const std::array<std::int32_t, 3>& voxel, const IrradianceMemory& words) {

@@ -21,11 +21,11 @@
 namespace gicube::emu {
 
 class DepthTable;
-class HostDepositList;
-class HostTrapQueue;
+class HostDeposits;
+class HostTraps;
 class Routines;
 class AccumulatorMemory;
-class WaitingRayQueue;
+class WaitingRays;
 
 // Three irradiance words: red, green, blue. Fractions of an energy, wire::kScatteringOne = all.
 inline constexpr std::size_t kColours = 3;
@@ -44,12 +44,12 @@ struct Frame {
   const DepthTable* depths = nullptr;            // table of `segmentation`, for lighting rays with the conserving rules
   std::vector<std::uint8_t> empty;               // one flag per block; nonzero = skip
   std::vector<std::uint8_t> non_resident;        // one flag per block; nonzero = rays wait. Empty: all are resident
-  WaitingRayQueue* waiting = nullptr;            // takes rays that wait, if some blocks are non-resident
+  WaitingRays* waiting = nullptr;                // takes rays that wait, if some blocks are non-resident
   std::vector<std::uint8_t> irradiance_at_host;  // one flag per block; nonzero = irradiance is at the host. Empty: none
-  HostDepositList* host_deposits = nullptr;  // takes the host's shares of deposits, if `irradiance_at_host` has flags
-  Point extent{};                            // size - 1 in position units
-  std::array<std::uint32_t, 3> spacing{};    // 16.16
-  std::uint32_t step = 0;                    // 16.16 voxels
+  HostDeposits* host_deposits = nullptr;   // takes the host's shares of deposits, if `irradiance_at_host` has flags
+  Point extent{};                          // size - 1 in position units
+  std::array<std::uint32_t, 3> spacing{};  // 16.16
+  std::uint32_t step = 0;                  // 16.16 voxels
   std::uint32_t opacity_threshold = wire::kOpacityOne;
   bool jitter = false;
   bool shade = false;
@@ -69,13 +69,13 @@ struct Frame {
   std::size_t light_words = 1;
   std::array<std::uint16_t, kColours> light_colour = kWhite;  // fractions of a ray's energy at its start
   std::array<std::array<std::uint16_t, kColours>, wire::kTags> scattering_colour = kAllWhite;  // for Ks, by material
-  const Routines* routines = nullptr;   // for materials that trap
-  HostTrapQueue* host_traps = nullptr;  // takes rays that the host must scatter
-  bool lit_by_irradiance = false;       // applies to rendering rays
-  bool scatter = false;                 // rendering rays are scattered, too
-  bool high_albedo = false;             // rendering rays take colour once, at their absorption
-  bool wide = false;                    // wide datapath
-  std::span<const float> wide_depths;   // its depths: wide_depths() of `segmentation`
+  const Routines* routines = nullptr;  // for materials that trap
+  HostTraps* host_traps = nullptr;     // takes rays that the host must scatter
+  bool lit_by_irradiance = false;      // applies to rendering rays
+  bool scatter = false;                // rendering rays are scattered, too
+  bool high_albedo = false;            // rendering rays take colour once, at their absorption
+  bool wide = false;                   // wide datapath
+  std::span<const float> wide_depths;  // its depths: wide_depths() of `segmentation`
   wire::EnergyRules rules = wire::EnergyRules::kConserving;
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;

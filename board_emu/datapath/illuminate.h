@@ -16,10 +16,7 @@ namespace gicube::emu {
 inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std::size_t slice,
                                 const std::array<int, 3>& weights, bool narrow) {
   const auto word = [cell, narrow](std::size_t i) { return irradiance_word(cell[i], narrow); };
-  const auto along_x = [&](std::size_t i) { return lerp(word(i), word(i + 1), weights[0]); };
-  const std::int16_t near = lerp(along_x(0), along_x(row), weights[1]);
-  const std::int16_t far = lerp(along_x(slice), along_x(slice + row), weights[1]);
-  return static_cast<std::uint32_t>(std::max<std::int16_t>(lerp(near, far, weights[2]), 0));
+  return static_cast<std::uint32_t>(std::max<std::int16_t>(resample_words({0, row, slice, weights}, word), 0));
 }
 
 // Colour of a classified sample lit by red, green and blue irradiance, which gives the diffuse part. `exposure`: 16.16.

@@ -61,8 +61,9 @@ std::uint32_t scattering_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>(std::lround(ks * alpha / (1 - (1 - ks) * alpha) * wire::kOpacityOne));
 }
 
-std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material) {
-  const std::uint64_t kept = wire::kScatteringOne - material.scattering;
+// The absorbed part of an opacity; `scattering`: wire::kScatteringOne = all is scattered.
+std::uint32_t absorption_opacity(std::uint32_t a, std::uint16_t scattering) {
+  const std::uint64_t kept = wire::kScatteringOne - scattering;
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
@@ -177,7 +178,7 @@ bool interact_photon(Interaction& interaction, RayState& ray, const RayInterval&
   const std::uint32_t a = interval.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
-  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, a, frame, share)) return true;
+  if (!interacts(ray, straight ? absorption_opacity(a, material.scattering) : a, a, frame, share)) return true;
   const bool scatters = !straight && draws_scattering(ray, material, frame);
   const EnergyUnits given = scatters ? keep_colour(ray, interval.tag(), frame) : all_units(ray, frame);
   deposit(interaction, ray, given, place_in(interval, share, ray, frame), frame);
@@ -194,7 +195,7 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterva
                        RayCounters& counters) {
   const std::uint32_t a = interval.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
-  const std::uint64_t lost = printed ? a : absorption_opacity(a, material);
+  const std::uint64_t lost = printed ? a : absorption_opacity(a, material.scattering);
   // Stochastic rounding: otherwise small energies would never decrease in thin fog.
   const std::uint64_t dither = (draw_here(RandomStream::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
   EnergyUnits given{};
@@ -232,7 +233,7 @@ bool interact_weighted(Interaction& interaction, RayState& ray, const RayInterva
   return any_left && !scatters;
 }
 
-Colour12 colour_of(const RayState& ray, const Classified& sample, const SampleSite& site, const Frame& frame) {
+Colour12 colour_of(const RayState& ray, const Classified& sample, std::size_t block, const Frame& frame) {
   const wire::SegmentationEntry entry = coloured(*sample.entry, sample.view, sample.at, frame);
   if (!frame.lit_by_irradiance) {
     return is_shaded(ray, frame) ? shade(entry, sample.gradient(), frame.reflectance_map)
@@ -240,27 +241,20 @@ Colour12 colour_of(const RayState& ray, const Classified& sample, const SampleSi
   }
   std::array<std::uint32_t, kColours> light{};
   for (std::size_t word = 0; word < frame.light_words; ++word) {
-    const std::uint32_t* const words = frame.irradiance[word].view(site.block);
+    const std::uint32_t* const words = frame.irradiance[word].view(block);
     if (words == nullptr) continue;
-    const Cell& at = site.cell;
-    const std::size_t row = site.edge, slice = site.edge * site.edge;
-    light[word] = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
-                             {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
+    light[word] = irradiance(words + sample.at.first, sample.at.row, sample.at.slice, sample.at.weight, frame.wide);
   }
   if (frame.light_words == 1) light.fill(light[0]);
   const Point gradient = entry.specular != 0 ? sample.gradient() : Point{};
   return illuminated(entry, light, frame.exposure, gradient, frame.reflectance_map);
 }
 
-// Composites the absorbed part of a sample's opacity; `scattering`: wire::kScatteringOne = all is scattered.
+// Composites the absorbed part of a sample's opacity.
 void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_t scattering, const Classified& sample,
             const Frame& frame) {
   constexpr float kOne = wire::kScatteringOne;
-  if (!gathers_wide(frame)) {
-    const std::uint64_t kept = wire::kScatteringOne - scattering;
-    over(ray, colour, static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne));
-    return;
-  }
+  if (!gathers_wide(frame)) return over(ray, colour, absorption_opacity(a, scattering));
   const float alpha = wide_alpha(frame.wide_depths[sample.index], ray.exponent);
   over(ray, ray.wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
@@ -278,7 +272,7 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
       scatter(interaction, ray, interval, share, material, sample, frame, counters);
       return false;
     }
-    const Colour12 colour = colour_of(ray, sample, site, frame);
+    const Colour12 colour = colour_of(ray, sample, site.block, frame);
     if (gathers_wide(frame)) {
       over(ray, ray.wide, colour, 1.0F);
     } else {
@@ -287,10 +281,11 @@ bool interact_rendering(Interaction& interaction, RayState& ray, const SampleSit
     interaction.outcome = Outcome::kEnded;
     return false;
   }
-  absorb(ray, colour_of(ray, sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
+  absorb(ray, colour_of(ray, sample, site.block, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample,
+         frame);
   if (!scatters) return true;
   const std::uint32_t scattered_part = scattering_opacity(a, material);
-  // The place goes by the depth of what scatters, as in past releases' pictures.
+  // The position depends on the depth of the scattering part only.
   if (!interacts(ray, scattered_part, scattered_part, frame, share)) return true;
   scatter(interaction, ray, interval, share, material, sample, frame, counters);
   return false;
@@ -377,7 +372,7 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
     const bool meets = interval.opacity() != 0 || !integrates;
     if (ray.is(wire::kTrapped)) {  // back from the DSP: still at the surface?
       const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
-      if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+      if (!at_surface) leave_surface(ray);
     }
     if (!meets || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) continue;
     if (!ray.is(wire::kLightingRay)) {
@@ -392,8 +387,6 @@ Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, 
   if (interaction.deposits) ++counters.deposits;
   return interaction;
 }
-
-std::uint16_t opacity_at(const Point& position, const Frame& frame) { return sample_at(position, frame).entry.opacity; }
 
 void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters) {
   ++counters.rays;

@@ -124,7 +124,7 @@ struct Trap {
   ScatterEvent event;
 };
 
-// The request of a trapped ray. Empty: the host must answer; the ray is in the frame's HostTrapQueue.
+// The request of a trapped ray. Empty: the host must answer; the ray is in the frame's HostTraps.
 std::optional<Trap> trap_of(RayState& ray, const Frame& frame);
 
 // Continues or ends the trapped ray according to the answer. Counts the cycles of the DSP.
@@ -147,9 +147,6 @@ inline std::uint32_t energy_units(const RayState& ray, const Frame& frame, std::
 EnergyUnits all_units(const RayState& ray, const Frame& frame);  // per word
 // Counts the energy of a ray at its start.
 void count_emitted(const RayState& ray, const Frame& frame, RayCounters& counters);
-
-// Opacity per voxel length at a position, 65535 = 1.
-std::uint16_t opacity_at(const Point& position, const Frame& frame);
 
 // Counts a ray that has ended, and the energy that leaves with it.
 void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters);

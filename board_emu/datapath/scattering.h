@@ -1,5 +1,4 @@
-// Interfaces to scattering beyond the pipeline's scattering unit: by routines on the DSP, and by the host [P §2.2,
-// §3.4] [H950-H953].
+// Scattering by routines on the DSP, beyond the pipeline's scattering unit [P §2.2, §3.4] [H950-H953].
 #pragma once
 
 #include <array>
@@ -53,14 +52,6 @@ class Routines {
                            std::span<ScatterAnswer> answers) const {
     for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = scatter(number, events[i]);
   }
-};
-
-// Takes rays that the host must scatter.
-class HostTrapQueue {
- public:
-  virtual ~HostTrapQueue() = default;
-  // May be called from several threads. Throws RoutineFault if there are too many.
-  virtual void add(const wire::TrappedRay& ray) = 0;
 };
 
 }  // namespace gicube::emu

@@ -1,6 +1,7 @@
 // Trapped rays: the event for a routine, and the continuation of the ray by its answer.
 #include <span>
 
+#include "datapath/host_traps.h"
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
 #include "datapath/scattering.h"
@@ -90,7 +91,7 @@ std::optional<Trap> trap_of(RayState& ray, const Frame& frame) {
   const unsigned tag = ray.flags >> kTrapTagShift;
   const wire::Material& material = frame.materials[tag];
   ray.flags &= (1u << kTrapTagShift) - 1;
-  if ((material.flags & wire::kTrapAtSurface) == 0) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+  if ((material.flags & wire::kTrapAtSurface) == 0) leave_surface(ray);
   const wire::TrappedRay trapped = trapped_ray(ray, tag, frame);
   if (material.routine != wire::kHostRoutine) return Trap{material.routine, event_of(trapped, material, frame)};
   frame.host_traps->add(trapped);

@@ -1,5 +1,5 @@
 // Opacity and compositing on the wide datapath [C]: a ray accumulates in floats, and a voxel's opacity has the table's
-// 12 further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h), without fused
+// 12 further bits. Lanes of rays repeat these operations one by one (functional/simd), without fused
 // multiply-add, so that the bits are the same [H501-H509].
 #pragma once
 

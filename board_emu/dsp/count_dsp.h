@@ -1,4 +1,4 @@
-// The counters of the DSP and of its memory, with the names that both timed levels use.
+// The counters of the DSP and of its memory by name.
 #pragma once
 
 #include <vector>

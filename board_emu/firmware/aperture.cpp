@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "words/record_list.h"
+
 namespace gicube::emu {
 
 namespace {
@@ -33,11 +35,18 @@ Aperture::Aperture(int block_voxels, wire::VoxelFormat format, std::size_t irrad
   for (std::size_t i = 0; i < irradiance_words; ++i) irradiance_.emplace_back(block_voxels, max_irradiance);
 }
 
-const IrradianceMemory* Aperture::irradiance_of(const wire::MemoryRegion& region) const {
+IrradianceMemory* Aperture::irradiance_of(const wire::MemoryRegion& region) {
   for (std::size_t word = 0; word < irradiance_.size(); ++word) {
     if (is(&region, wire::irradiance_region(word))) return &irradiance_[word];
   }
   return nullptr;
+}
+
+std::vector<std::uint8_t>& Aperture::plain_bytes(const wire::MemoryRegion& region) {
+  return is(&region, wire::kReflectanceMap) ? reflectance_map_
+         : is(&region, wire::kEmptyFlags)   ? empty_flags_
+         : is(&region, wire::kAbsentFlags)  ? absent_flags_
+                                            : dark_flags_;
 }
 
 std::uint64_t Aperture::stored_irradiance_bytes() const {
@@ -73,10 +82,10 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
     if (!volume_.write_colours(offset, bytes)) return false;
     ++volume_writes_;
   } else if (is_irradiance(region)) {
-    const IrradianceMemory* const words = irradiance_of(*region);
+    IrradianceMemory* const words = irradiance_of(*region);
     if (words == nullptr || offset + bytes.size() > words->bytes()) return false;
     if (offset % 4 != 0 || bytes.size() % 4 != 0) return false;
-    irradiance_[static_cast<std::size_t>(words - irradiance_.data())].write(offset, bytes);
+    words->write(offset, bytes);
     ++volume_writes_;
   } else if (is(region, wire::kMaterials)) {
     materials_.write(at, bytes);
@@ -89,11 +98,7 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
     gradients_.write(at, bytes);
     gradients_changed_ = true;
   } else {
-    std::vector<std::uint8_t>& target = is(region, wire::kReflectanceMap) ? reflectance_map_
-                                        : is(region, wire::kEmptyFlags)   ? empty_flags_
-                                        : is(region, wire::kAbsentFlags)  ? absent_flags_
-                                                                          : dark_flags_;
-    std::copy(bytes.begin(), bytes.end(), target.begin() + static_cast<std::ptrdiff_t>(at));
+    std::ranges::copy(bytes, plain_bytes(*region).begin() + static_cast<std::ptrdiff_t>(at));
   }
   return true;
 }
@@ -138,35 +143,21 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     return out;
   }
   if (is_irradiance(region)) {
-    const IrradianceMemory* const words = irradiance_of(*region);
+    IrradianceMemory* const words = irradiance_of(*region);
     return words != nullptr ? read_from(*words, 4) : std::nullopt;
   }
   if (is(region, wire::kSums)) return read_from(accumulators_, 9);
   if (is(region, wire::kHostDeposits)) return host_deposits_->read(offset, length);
-  if (is(region, wire::kHostRayMemory)) return read_host_rays(offset, length);
+  if (is(region, wire::kHostRayMemory)) return read_records(host_rays_, offset, length);
   const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)           ? materials_.bytes()
                                               : is(region, wire::kScatteringColours) ? scattering_colours_.bytes()
                                               : is(region, wire::kFramebuffer)       ? std::span(pixels_)
                                               : is(region, wire::kSegmentationLut)   ? segmentation_.bytes()
                                               : is(region, wire::kGradientLut)       ? gradients_.bytes()
-                                              : is(region, wire::kReflectanceMap)    ? std::span(reflectance_map_)
-                                              : is(region, wire::kEmptyFlags)        ? std::span(empty_flags_)
-                                              : is(region, wire::kAbsentFlags)       ? std::span(absent_flags_)
-                                                                                     : std::span(dark_flags_);
+                                                                                     : std::span(plain_bytes(*region));
   if (offset + length > bytes.size()) return std::nullopt;
   const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
   return std::vector(part.begin(), part.end());
-}
-
-std::optional<std::vector<std::uint8_t>> Aperture::read_host_rays(std::uint64_t offset, std::uint64_t length) const {
-  if (offset % wire::kRayBytes != 0 || length % wire::kRayBytes != 0) return std::nullopt;
-  if ((offset + length) / wire::kRayBytes > host_rays_.size()) return std::nullopt;
-  const auto first = static_cast<std::size_t>(offset / wire::kRayBytes);
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
-  for (std::size_t i = 0; i < out.size() / wire::kRayBytes; ++i) {
-    wire::encode(host_rays_[first + i], std::span(out).subspan(i * wire::kRayBytes));
-  }
-  return out;
 }
 
 void Aperture::state(Archive& archive) {
@@ -193,14 +184,7 @@ void Aperture::state(Archive& archive) {
   archive("framebuffer", framebuffer_);
   archive.bytes("pixels", pixels_, 0, wire::kFramebuffer.bytes);
   archive.within("host_deposits", [&] { host_deposits_->state(archive); });
-  std::vector<std::uint8_t> packets;
-  for (const wire::Ray& ray : host_rays_) wire::append(packets, ray);
-  archive.bytes("host_rays", packets, 0, wire::kHostRayMemory.bytes);
-  if (!archive.loads()) return;
-  host_rays_.resize(packets.size() / wire::kRayBytes);
-  for (std::size_t i = 0; i < host_rays_.size(); ++i) {
-    host_rays_[i] = wire::decode<wire::Ray>(std::span(packets).subspan(i * wire::kRayBytes));
-  }
+  records_state(archive, "host_rays", host_rays_, wire::kHostRayMemory.bytes);
 }
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {

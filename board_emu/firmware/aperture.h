@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "firmware/bricks/host_deposits.h"
+#include "datapath/host_deposits.h"
 #include "firmware/framebuffer.h"
 #include "gicube/archive.h"
 #include "gicube/wire/lut.h"
@@ -88,9 +88,10 @@ class Aperture {
   void drop_block(std::size_t block);
   // Updates the decoded form of the parts of the volume that `reads` lists.
   void decode(unsigned threads, const VolumeReads& reads);
-  bool empty(std::size_t block) const { return flag(empty_flags_, block); }
-  bool is_non_resident(std::size_t block) const { return flag(absent_flags_, block); }
-  bool is_irradiance_at_host(std::size_t block) const { return flag(dark_flags_, block); }
+  // One flag per block: it is empty, is non-resident, has its irradiance at the host.
+  std::vector<std::uint8_t> empty() const { return by_block(empty_flags_); }
+  std::vector<std::uint8_t> non_resident() const { return by_block(absent_flags_); }
+  std::vector<std::uint8_t> irradiance_at_host() const { return by_block(dark_flags_); }
   bool any_non_resident() const;
 
   const VolumeMemory& volume() const { return volume_; }
@@ -121,15 +122,16 @@ class Aperture {
   void state(Archive& archive);
 
  private:
-  std::optional<std::vector<std::uint8_t>> read_host_rays(std::uint64_t offset, std::uint64_t length) const;
-  static bool flag(const std::vector<std::uint8_t>& flags, std::size_t block) {
-    return (flags[block / 8] >> (block % 8) & 1) != 0;
+  IrradianceMemory* irradiance_of(const wire::MemoryRegion& region);  // null: not on this card
+  std::vector<std::uint8_t>& plain_bytes(const wire::MemoryRegion& region);
+  std::vector<std::uint8_t> by_block(const std::vector<std::uint8_t>& flags) const {
+    std::vector<std::uint8_t> out(volume_.block_count());
+    for (std::size_t block = 0; block < out.size(); ++block) out[block] = flags[block / 8] >> (block % 8) & 1;
+    return out;
   }
 
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
-  const IrradianceMemory* irradiance_of(const wire::MemoryRegion& region) const;  // null: not on this card
-
   Table<wire::Material, wire::kMaterialBytes> materials_;
   Table<wire::ScatteringColour, wire::kScatteringColourBytes> scattering_colours_;
   std::vector<IrradianceMemory> irradiance_;

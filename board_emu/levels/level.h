@@ -28,7 +28,7 @@ struct Progress {
 
   // Set by the board; called by the cycle level on the command's thread, often during a run, whenever all counters are
   // consistent. Counts of values (visible samples, how rays end) may then include rays that are still under way,
-  // because values are computed ahead. The other levels are fast and do not call it.
+  // because values are computed ahead. The functional level is fast and does not call it.
   std::function<void()> may_count{};
 };
 

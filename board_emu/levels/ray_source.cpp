@@ -15,8 +15,8 @@ std::uint64_t RaySource::dsp_cycles(std::uint64_t made, std::uint64_t taken) con
 }
 
 std::size_t RayByRaySource::divide(std::size_t rays) {
-  batch_rays_ = rays;
-  return static_cast<std::size_t>((count() + rays - 1) / rays);
+  batch_rays_ = std::max<std::size_t>(rays, 1);
+  return static_cast<std::size_t>((count() + batch_rays_ - 1) / batch_rays_);
 }
 
 std::unique_ptr<RayBatch> RayByRaySource::make_batch(std::size_t b) {

@@ -75,7 +75,7 @@ class RaySource {
   virtual bool misses_are_free() const { return false; }
   // The DSP makes rays i .. run_end(i) - 1 as one run, which is sent as a differential [P §3.6].
   virtual std::uint64_t run_end(std::uint64_t i) const { return i + 1; }
-  // Number of rays that the DSP's memory holds between two runs of the ASIC; levels with time trace so many per run.
+  // Number of rays that the DSP's memory holds between two runs of the ASIC; the cycle level traces that many per run.
   virtual std::uint64_t max_at_once() const { return count(); }
   // Most rays of this source under way, if the overflow store has room for them.
   virtual std::uint64_t max_under_way() const { return count(); }
@@ -111,7 +111,6 @@ class RayByRaySource : public RaySource {
   // Whether a ray for which make() returns nothing costs the DSP as much as one that returns.
   virtual bool pays_for_misses() const { return false; }
 
- private:
   std::size_t batch_rays_ = 1;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "asic/memory_standards.h"
 #include "command_fault.h"
 #include "datapath/scattering.h"
 #include "gicube/parallel_for.h"
@@ -13,17 +14,13 @@ namespace {
 
 namespace reg = wire::reg;
 
-std::uint32_t max_irradiance(const v1::BoardConfig& config) {
-  return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
-}
-
-}  // namespace
-
 Aperture make_aperture(const v1::BoardConfig& config) {
   return Aperture(static_cast<int>(config.asic().block_voxels()),
                   static_cast<wire::VoxelFormat>(config.asic().voxel_format()), config.asic().irradiance_words(),
-                  max_irradiance(config));
+                  config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost);
 }
+
+}  // namespace
 
 Card::Card(const v1::BoardConfig& board_config, const RegisterFile& board_registers, Level& its_level)
     : config(board_config),
@@ -44,6 +41,101 @@ void Card::clear_volume() {
   drop_rays();
   words_bytes = 0;
   level.volume_changed();
+}
+
+void Card::clear_irradiance() {
+  aperture.clear_irradiance();
+  level.deposits_cleared();
+}
+
+void Card::clear_accumulators() {
+  aperture.accumulators().clear();
+  level.deposits_cleared();
+}
+
+void Card::reset() {
+  level.reset();
+  host_traps.begin(false, {});
+  drop_rays();
+  memory_errors.clear();
+  aperture.resize_volume({});  // done first, because there may not be memory for both
+  words_bytes = 0;
+  aperture = make_aperture(config);
+  tables.clear();
+}
+
+// Checks the range of a register's value.
+Acceptance Card::range_of(std::uint32_t offset) const {
+  const std::uint32_t value = registers.value(offset);
+  const auto within = [value](std::uint32_t low, std::uint32_t high) {
+    return value >= low && value <= high ? Acceptance::kTaken : Acceptance::kOutOfRange;
+  };
+  switch (offset) {
+    case reg::kVolumeX:
+    case reg::kVolumeY:
+    case reg::kVolumeZ: {
+      const bool bricks = minor_version >= wire::kBricksMinor;
+      return within(2, bricks ? wire::kMaxVolumeEdge : config.asic().max_volume_voxels());
+    }
+    case reg::kSpacingX:
+    case reg::kSpacingY:
+    case reg::kSpacingZ: return within(wire::kSpacingOne / 64, wire::kSpacingMax);
+    case reg::kStep: return within(wire::kStepMin, wire::kStepMax);
+    case reg::kOpacityThreshold: return within(0, wire::kOpacityOne);
+    case reg::kPipeline: return within(0, wire::kPipelineBits);
+    case reg::kLifetime: return within(0, wire::kLifetimeMax);
+    case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
+    case reg::kBricks: return within(0, 1);
+    default: return Acceptance::kTaken;
+  }
+}
+
+Acceptance Card::accept_register(std::uint32_t offset) {
+  const Acceptance accepted = range_of(offset);
+  const bool is_size = offset == reg::kVolumeX || offset == reg::kVolumeY || offset == reg::kVolumeZ;
+  if (accepted != Acceptance::kTaken || !is_size) return accepted;
+  const std::uint64_t bytes =
+      Aperture::bytes_of_blocks(volume_size(), config.asic().block_voxels(), config.asic().irradiance_words());
+  if (!limit.fits(aperture.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
+  clear_volume();
+  return Acceptance::kTaken;
+}
+
+void Card::add_memory_error(const MemoryError& error) {
+  if (error.detected) {
+    memory_errors.push_back(error);
+    return;
+  }
+  const auto place = aperture.volume().find_bit(error.block, error.bit);
+  if (place) aperture.flip(*place);
+}
+
+// chosen: the first word that the command reads has the error, so nothing has changed.
+void Card::report_memory_error() {
+  const MemoryError error = memory_errors.front();
+  memory_errors.pop_front();
+  std::string text =
+      std::string("the ") + memory_standard(config).label + " reported an error that it could not correct";
+  const auto place = aperture.volume().find_bit(error.block, error.bit);
+  if (place) {
+    const std::size_t word_bits = 8 * aperture.volume().block_bytes();
+    const bool is_colour = place->bit >= word_bits;
+    const std::size_t voxel =
+        is_colour ? (place->bit - word_bits) / (8 * wire::kColourBytes) : place->bit / wire::kVoxelBits;
+    text += ": block " + std::to_string(place->block) + (is_colour ? ", colour " : ", word ") + std::to_string(voxel);
+  }
+  throw CommandFault{wire::ErrorCode::kMemory, text};
+}
+
+void Card::drop_blocks() {
+  aperture.drop_blocks();
+  level.volume_changed();
+}
+
+bool Card::drop_block(std::uint32_t block) {
+  if (block >= aperture.volume().block_count()) return false;
+  aperture.drop_block(block);
+  return true;
 }
 
 void Card::check_all_there() const {
@@ -141,8 +233,9 @@ void Card::check_materials(bool host_answers) const {
       if (material.routine == wire::kHostRoutine) {
         if (!host_answers)
           refuse(
-              "routine 255: the host is not asked for rays of a trace command, for light in three irradiance words, or "
-              "while blocks are absent");
+              "routine",
+              "one of the board for a trace command, for light in three irradiance words, and while blocks are absent",
+              material.routine);
         return;
       }
       expect(routines != nullptr && routines->has(material.routine), "routine",

@@ -1,28 +1,32 @@
-// The card as its commands share it: the DSP's memory and registers, the fidelity level, and what several commands do
-// with them.
+// The card behind the bus: the DSP's memory, what its commands share, and their execution on a fidelity level.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "datapath/frame.h"
+#include "datapath/host_traps.h"
 #include "datapath/ray_interval.h"
+#include "datapath/waiting_rays.h"
 #include "firmware/aperture.h"
-#include "firmware/bricks/waiting_rays.h"
-#include "firmware/host_traps.h"
 #include "firmware/lamps.h"
+#include "firmware/pixel_life.h"
 #include "firmware/register_file.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/registers.h"
 #include "levels/level.h"
 #include "words/clock.h"
+#include "words/words.h"
 
 namespace gicube::emu {
+
+using Payload = std::span<const std::uint8_t>;
 
 // Result and cost of a command.
 struct CommandResult {
@@ -39,13 +43,6 @@ struct CommandResult {
 // Result of a posted write.
 enum class Acceptance { kTaken, kOutOfRange, kTooMuchMemory };
 
-// Throws CommandFault with the faulty field's name. Does not check `count`.
-void check_trace_header(const wire::TraceHeader& header);
-
-// Configures the frame for rays of this type, which must not deposit.
-void set_type(Frame& frame, const wire::TraceHeader& header);
-
-// Limits the host memory of volume, words and image.
 class MemoryLimit {
  public:
   void set(std::uint64_t bytes) { max_ = bytes; }
@@ -82,27 +79,43 @@ class SegmentationTables {
   std::uint64_t wide_depths_of_ = ~std::uint64_t{0}, depths_of_ = ~std::uint64_t{0};  // Aperture::segmentation_writes()
 };
 
-Aperture make_aperture(const v1::BoardConfig& config);
-
 struct Card {
   // All parameters must outlive this object.
   Card(const v1::BoardConfig& board_config, const RegisterFile& board_registers, Level& its_level);
 
-  std::array<int, 3> volume_size() const;  // 0 on all axes until all are set
-  void clear_volume();
-  void drop_rays();
+  CommandResult run(Payload payload, Progress& work);
+
+  // See Board::add_memory_error().
+  void add_memory_error(const MemoryError& error);
+  // Called after a write to a register. A new volume size discards the volume.
+  Acceptance accept_register(std::uint32_t offset);
   // Nothing is written unless the result is kTaken.
   Acceptance write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
-  std::uint64_t capacity_blocks() const;  // blocks that the card can store
-  bool in_bricks() const {
-    return registers.value(wire::reg::kBricks) != 0 || aperture.volume().block_count() > capacity_blocks();
-  }  // the card does not store the whole volume, or BRICKS is set
+  void clear_volume();
+  void drop_blocks();
+  // Returns false if the volume has no such block.
+  bool drop_block(std::uint32_t block);
+  void drop_rays();
+  void clear_irradiance();
+  void clear_accumulators();
+  void reset();
 
-  // Memory that counts towards the limit; 0 without a limit.
+  // Host memory that counts towards the limit; 0 without a limit.
   std::uint64_t limited_memory() const {
     return limit.is_set() ? aperture.volume_bytes() + aperture.image_bytes() + words_bytes + rays_bytes() : 0;
   }
-  std::uint64_t rays_bytes() const { return waiting_rays.memory_bytes() + aperture.host_rays_bytes(); }
+  void count(std::vector<wire::Counter>& list) const;
+  // The state except for the level's. When loading, `registers` must already be restored.
+  void state(Archive& archive);
+
+  // The following functions are for commands.
+
+  // Blocks that the card can store.
+  std::uint64_t capacity_blocks() const;
+  // The card does not store the whole volume, or BRICKS is set.
+  bool in_bricks() const {
+    return registers.value(wire::reg::kBricks) != 0 || aperture.volume().block_count() > capacity_blocks();
+  }
   // Throws CommandFault if there is not enough memory for the data that the frame's rays read and write, and for the
   // image.
   void expect_memory(const Frame& frame, std::uint64_t pixels = 0);
@@ -133,29 +146,40 @@ struct Card {
   OpacityCorrection opacity_correction;
   Aperture aperture;
   SegmentationTables tables;
+  // Limits the host memory of volume, words and image. Allocations are checked in advance: register and memory writes
+  // are refused, commands end with an error, and nothing else has changed.
   MemoryLimit limit;
-  std::uint64_t words_bytes = 0;  // bytes of irradiance and accumulators, upper limit
-  const Routines* routines = nullptr;
-  std::uint16_t minor_version = wire::kMinorVersion;
+  std::uint64_t words_bytes = 0;                      // bytes of irradiance and accumulators, upper limit
+  const Routines* routines = nullptr;                 // for materials that trap; null: none. Must outlive the card
+  std::uint16_t minor_version = wire::kMinorVersion;  // of the host's protocol
+  std::optional<ExplainedPixel> explained;            // its rays are reported for each image
+  std::deque<MemoryError> memory_errors;              // detected, and not yet reported by a command
   HostTraps host_traps;
   Lamps lamps;  // of the last image
   WaitingRays waiting_rays;
-  std::uint64_t level_volume = 0;  // Aperture::volume_writes() at the level's last update
-  std::size_t opcode = 0;          // of the current command
+  std::vector<wire::Ray> host_ray_room;  // rays of the current trace command
+  std::uint64_t level_volume = 0;        // Aperture::volume_writes() at the level's last update
+  std::size_t opcode = 0;                // of the current command
   bool goes_on = false;  // the command resumes from a checkpoint: changes made before its rays are already done
+
   // Number of commands, by answering level and opcode.
   std::array<std::array<std::uint64_t, wire::kOpcodeNames.size()>, v1::FidelityLevel_ARRAYSIZE> answered{};
-  std::uint64_t lighting_rays = 0;
+  std::uint64_t viewing_rays = 0, host_rays = 0, lighting_rays = 0, pair_rays = 0;
   std::uint64_t host_traps_total = 0;
   std::uint64_t waits_total = 0;  // rays that began to wait for a block
   // Blocks sent to a card that does not store the whole volume. The second counts those for which rays of an image, a
   // light or a series of trace commands waited, each once.
   std::uint64_t block_loads = 0, min_block_loads = 0;
-  std::uint64_t host_deposits_total = 0;  // voxels of deposits for the host, each once per command
+  std::uint64_t host_deposits_total = 0;               // voxels of deposits for the host, each once per command
+  std::uint64_t forwarded_rays = 0, arrived_rays = 0;  // sent from the card to others, and from others to it
 
  private:
+  [[noreturn]] void report_memory_error();
+  Acceptance range_of(std::uint32_t offset) const;
+  std::uint64_t rays_bytes() const { return waiting_rays.memory_bytes() + aperture.host_rays_bytes(); }
   bool has_room(std::uint64_t address, std::uint64_t length);
-  std::uint64_t stored_words();  // bytes of irradiance and accumulators
+  std::uint64_t stored_words();            // bytes of irradiance and accumulators
+  std::array<int, 3> volume_size() const;  // 0 on all axes until all are set
   void set_irradiance_at_host(Frame& frame);
 };
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "datapath/advance.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/ray.h"
+#include "gicube/wire/record.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -25,6 +28,14 @@ struct CommandFault {
 inline void expect(bool good, const char* field, const char* range, std::uint64_t got) {
   if (!good) [[unlikely]]
     refuse(field, range, got);
+}
+
+// The record with which a payload begins.
+template <typename Header>
+Header header_of(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t kBytes = wire::bytes_of<Header>();
+  if (payload.size() < kBytes) refuse("payload", "at least " + std::to_string(kBytes) + " bytes", payload.size());
+  return wire::decode<Header>(payload);
 }
 
 // Checks one of a command's parts and prefixes its errors with the number: "ray 7: ...".

@@ -61,8 +61,7 @@ Frame Card::frame() {
     frame.extent[axis] = (volume.size()[axis] - 1) * wire::kVoxel;
     frame.spacing[axis] = registers.value(reg::kSpacingX + 4 * axis);
   }
-  frame.empty.resize(volume.block_count());
-  for (std::size_t block = 0; block < frame.empty.size(); ++block) frame.empty[block] = aperture.empty(block) ? 1 : 0;
+  frame.empty = aperture.empty();
   for (std::uint32_t i = 0; i < registers.value(reg::kCutPlanes); ++i) {
     Plane plane;
     const std::uint32_t at = reg::kCutPlane0 + 16 * i;
@@ -111,19 +110,15 @@ void Card::set_bricks(Frame& frame) {
     set_irradiance_at_host(frame);
   }
   if (!aperture.any_non_resident() && waiting_rays.count() == 0 && waiting_rays.continued().empty()) return;
-  frame.non_resident.resize(frame.empty.size());
-  for (std::size_t block = 0; block < frame.non_resident.size(); ++block) {
-    frame.non_resident[block] = aperture.is_non_resident(block) ? 1 : 0;
-  }
+  frame.non_resident = aperture.non_resident();
   frame.waiting = &waiting_rays;
 }
 
 void Card::set_irradiance_at_host(Frame& frame) {
   const VolumeMemory& volume = aperture.volume();
   std::uint64_t on_card = 0;
-  std::vector<std::uint8_t> at_host(frame.empty.size());
+  std::vector<std::uint8_t> at_host = aperture.irradiance_at_host();
   for (std::size_t block = 0; block < at_host.size(); ++block) {
-    at_host[block] = aperture.is_irradiance_at_host(block) ? 1 : 0;
     on_card += at_host[block] == 0 || volume.is_stored(block) ? 1 : 0;
   }
   if (on_card > capacity_blocks()) {

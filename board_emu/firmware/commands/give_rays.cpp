@@ -46,7 +46,7 @@ void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
     constexpr std::uint32_t kMost = wire::steps_of(wire::kMaxLength, wire::kStepMin);
     expect(ray.interacted <= kMost, "interacted", "at most 262144 steps of a segment", ray.interacted);
   } else if (ray.step == Point{}) {
-    refuse("step: expected one that leads on, got 0");
+    refuse("step: expected a vector other than 0, got 0");
   }
   expect(ray.opacity <= wire::kOpacityOne, "opacity", "at most 2^24 - 1", ray.opacity);
   expect(ray.generation <= 15, "generation", "0..15", ray.generation);
@@ -59,12 +59,10 @@ void check_forwarded(const wire::ForwardedRay& ray, const Frame& frame) {
   }
 }
 
-}  // namespace
-
 // The rays belong to the commands whose rays wait here, or start a new series.
-void GiveRays::begin_given(const wire::GiveRaysHeader& header) {
+void begin_given(Card& card, const wire::GiveRaysHeader& header) {
   if (header.of == wire::RaysOf::kPicture) {
-    const bool begun = card_.waiting_rays.kind() == WaitingKind::kPicture && card_.aperture.framebuffer().width() > 0;
+    const bool begun = card.waiting_rays.kind() == WaitingKind::kPicture && card.aperture.framebuffer().width() > 0;
     if (!begun) refuse("of: expected 1 or 2, since no picture was begun, got 0");
     return;
   }
@@ -72,31 +70,32 @@ void GiveRays::begin_given(const wire::GiveRaysHeader& header) {
   trace.count = 0;
   const WaitingKind kind = header.of == wire::RaysOf::kTrace ? WaitingKind::kHostRays : WaitingKind::kLight;
   if (kind == WaitingKind::kLight) trace = {.type = wire::RayType::kDeposit, .rules = trace.rules};
-  if (card_.waiting_rays.kind() == kind && card_.waiting_rays.header() == trace) return;
-  if (card_.waiting_rays.count() > 0) refuse("of, trace: expected those of the rays that wait, got others");
-  card_.drop_rays();
-  card_.waiting_rays.begin(kind, trace);
+  if (card.waiting_rays.kind() == kind && card.waiting_rays.header() == trace) return;
+  if (card.waiting_rays.count() > 0) refuse("of, trace: expected those of the rays that wait, got others");
+  card.drop_rays();
+  card.waiting_rays.begin(kind, trace);
 }
 
-CommandResult GiveRays::run(Payload payload) {
-  expect(payload.size() >= wire::kGiveRaysHeaderBytes, "payload", "at least 32 bytes", payload.size());
-  const auto header = wire::decode<wire::GiveRaysHeader>(payload);
+}  // namespace
+
+CommandResult give_rays(Card& card, Payload payload, Progress& /*work*/) {
+  const auto header = header_of<wire::GiveRaysHeader>(payload);
   const std::uint64_t bytes = std::uint64_t{header.rays} * wire::kForwardedRayBytes;
   if (payload.size() != wire::kGiveRaysHeaderBytes + bytes + std::uint64_t{header.ended} * wire::kEndedRayBytes) {
     refuse("payload", "32 bytes, 128 for each of its rays and 64 for each that has ended", payload.size());
   }
   expect(header.of <= wire::RaysOf::kLight, "of", "0..2", static_cast<std::uint64_t>(header.of));
-  card_.check_volume();
-  if (!card_.in_bricks()) refuse("BRICKS: expected 1, or a volume with more blocks than the card stores");
+  card.check_volume();
+  if (!card.in_bricks()) refuse("BRICKS: expected 1, or a volume with more blocks than the card stores");
   if (header.of != wire::RaysOf::kPicture) {
     check_trace_header(header.trace);
     expect(header.trace.type != wire::RayType::kBackproject, "type", "0..5",
            static_cast<std::uint64_t>(header.trace.type));
   }
-  begin_given(header);
-  const Frame frame = card_.continued_frame();
+  begin_given(card, header);
+  const Frame frame = card.continued_frame();
   const bool picture = header.of == wire::RaysOf::kPicture;
-  const std::span<wire::Ray> host_rays(card_.aperture.host_rays());
+  const std::span<wire::Ray> host_rays(card.aperture.host_rays());
   std::vector<WaitingRay> rays;
   rays.reserve(header.rays);
   for (std::size_t i = 0; i < header.rays; ++i) {
@@ -104,8 +103,8 @@ CommandResult GiveRays::run(Payload payload) {
         wire::decode<wire::ForwardedRay>(payload.subspan(wire::kGiveRaysHeaderBytes + i * wire::kForwardedRayBytes));
     check_part("ray", i, [&] {
       check_forwarded(record, frame);
-      expect(((record.flags & wire::kLightingRay) != 0) == frame.lights(), "flags", "those of a ray of these commands",
-             record.flags);
+      expect(((record.flags & wire::kLightingRay) != 0) == frame.lights(), "flags",
+             frame.lights() ? "those of a lighting ray" : "those of a rendering ray", record.flags);
       const bool has_place = record.home != 0 || header.of != wire::RaysOf::kTrace || frame.lights();
       expect(has_place || record.number < host_rays.size(), "number", "one of the host rays in the DSP's memory",
              record.number);
@@ -122,23 +121,23 @@ CommandResult GiveRays::run(Payload payload) {
              ended.back().number);
     });
   }
-  card_.aperture.host_deposits().begin();
-  card_.waiting_rays.give(rays);
-  arrived_rays += rays.size() + ended.size();
+  card.aperture.host_deposits().begin();
+  card.waiting_rays.give(rays);
+  card.arrived_rays += rays.size() + ended.size();
   for (const wire::EndedRay& each : ended) {
     if (picture) {
-      card_.aperture.framebuffer().add(card_.lamps.seen_by(each.ray));
+      card.aperture.framebuffer().add(card.lamps.seen_by(each.ray));
     } else {
       put_back(each.ray, host_rays[static_cast<std::size_t>(each.number)]);
     }
   }
-  if (picture && card_.waiting_rays.count() == 0) card_.aperture.resolve_framebuffer(card_.threads);
+  if (picture && card.waiting_rays.count() == 0) card.aperture.resolve_framebuffer(card.threads);
   CommandResult result;
-  if (card_.config.ideal().dsp() == 0) {
+  if (card.config.ideal().dsp() == 0) {
     const std::size_t packets = (payload.size() - wire::kGiveRaysHeaderBytes) / wire::kRayBytes;
     result.dsp_cycles = packets * kPassRay.interval() + (picture ? ended.size() * kAddToPixel.interval() : 0);
   }
-  card_.add_waiting(result);
+  card.add_waiting(result);
   return result;
 }
 

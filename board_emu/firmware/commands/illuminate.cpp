@@ -22,41 +22,41 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
     if (!(voxels >= 0) || voxels * wire::kVoxel > frame.extent[axis]) return false;
     at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
   }
-  return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
+  return sample_at(at, frame).entry.opacity >= wire::kClassifiedOpacityOne / 2;
 }
 
 }  // namespace
 
-CommandResult IlluminateVolume::run(Payload payload, Progress& work) {
+CommandResult illuminate_volume(Card& card, Payload payload, Progress& work) {
   expect(payload.size() == wire::kIlluminateCommandBytes, "payload", "104 bytes", payload.size());
   const auto command = wire::decode<wire::IlluminateCommand>(payload);
-  card_.check_volume();
-  const bool waits = card_.in_bricks();
-  if (!waits) card_.check_all_there();
-  Frame frame = card_.frame();
-  card_.check_materials(!waits && frame.light_words == 1);
+  card.check_volume();
+  const bool waits = card.in_bricks();
+  if (!waits) card.check_all_there();
+  Frame frame = card.frame();
+  card.check_materials(!waits && frame.light_words == 1);
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
-  card_.set_light(frame, command.rules);
+  card.set_light(frame, command.rules);
   for (std::uint32_t word = 0; frame.light_words > 1 && word < kColours; ++word) {
-    frame.light_colour[word] = static_cast<std::uint16_t>(card_.registers.value(wire::reg::kLightRed + 4 * word));
+    frame.light_colour[word] = static_cast<std::uint16_t>(card.registers.value(wire::reg::kLightRed + 4 * word));
   }
-  if (waits && !card_.goes_on) {
-    card_.drop_rays();
-    card_.waiting_rays.begin(WaitingKind::kLight, {.type = wire::RayType::kDeposit, .rules = command.rules});
+  if (waits && !card.goes_on) {
+    card.drop_rays();
+    card.waiting_rays.begin(WaitingKind::kLight, {.type = wire::RayType::kDeposit, .rules = command.rules});
   }
-  if (waits) card_.set_bricks(frame);
-  card_.expect_memory(frame);
-  if (!card_.goes_on) card_.host_traps.begin(true, command.rules);
+  if (waits) card.set_bricks(frame);
+  card.expect_memory(frame);
+  if (!card.goes_on) card.host_traps.begin(true, command.rules);
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
-  card_.aperture.decode(card_.threads, reads(frame));
+  card.aperture.decode(card.threads, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
   LightRays rays(maker, frame);
-  const RunResult ran = card_.run_level(rays, frame, work);
-  card_.lighting_rays += ran.made;
+  const RunResult ran = card.run_level(rays, frame, work);
+  card.lighting_rays += ran.made;
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  card_.add_ledger(result, ran.rays, light_in_solid(command, frame));
-  card_.add_waiting(result);
-  card_.add_trap_list(result, 0);
+  card.add_ledger(result, ran.rays, light_in_solid(command, frame));
+  card.add_waiting(result);
+  card.add_trap_list(result, 0);
   return result;
 }
 

@@ -15,18 +15,17 @@ constexpr DspLoop kCopyVoxel{"voxel of a coarse block", 0, 3, 2};
 
 }  // namespace
 
-CommandResult LoadCoarse::run(Payload payload) {
-  expect(payload.size() >= wire::kLoadCoarseHeaderBytes, "payload", "at least 12 bytes", payload.size());
-  const auto header = wire::decode<wire::LoadCoarseHeader>(payload);
-  card_.check_volume();
-  const std::size_t n = card_.config.asic().block_voxels(), f = std::size_t{1} << (header.level & 7);
-  const VolumeMemory& volume = card_.aperture.volume();
+CommandResult load_coarse(Card& card, Payload payload, Progress& /*work*/) {
+  const auto header = header_of<wire::LoadCoarseHeader>(payload);
+  card.check_volume();
+  const std::size_t n = card.config.asic().block_voxels(), f = std::size_t{1} << (header.level & 7);
+  const VolumeMemory& volume = card.aperture.volume();
   expect(header.block < volume.block_count(), "block", "one of the volume", header.block);
   expect(header.level >= 1 && header.level <= wire::kMaxCoarseLevel && 2 * f <= n, "level",
          "1..3 and cells of at most half a block", header.level);
   const std::size_t cells = n / f, count = cells * cells * cells, all = n * n * n;
   const std::size_t words = wire::packed36_bytes(count);
-  const bool coloured = card_.config.asic().voxel_format() != v1::density;
+  const bool coloured = card.config.asic().voxel_format() != v1::density;
   if (payload.size() != wire::kLoadCoarseHeaderBytes + words + (coloured ? wire::kColourBytes * count : 0)) {
     refuse("payload", "12 bytes and the words (and colours) of " + std::to_string(count) + " cells", payload.size());
   }
@@ -42,16 +41,16 @@ CommandResult LoadCoarse::run(Payload payload) {
     }
   }
   const auto write = [&](const wire::MemoryRegion& region, const std::vector<std::uint8_t>& bytes) {
-    switch (card_.write_memory(region.base + std::uint64_t{header.block} * bytes.size(), bytes)) {
+    switch (card.write_memory(region.base + std::uint64_t{header.block} * bytes.size(), bytes)) {
       case Acceptance::kTaken: return;
-      case Acceptance::kOutOfRange: refuse("block: expected one for which the card has a place");
+      case Acceptance::kOutOfRange: refuse("block: expected one for which the card has room");
       case Acceptance::kTooMuchMemory: refuse("block: expected memory for it (gicube-board --max-memory)");
     }
   };
   write(wire::kVolume, block);
   if (coloured) write(wire::kColours, colours);
   CommandResult result;
-  if (card_.config.ideal().dsp() == 0) result.dsp_cycles = kCopyVoxel.setup() + all * kCopyVoxel.interval();
+  if (card.config.ideal().dsp() == 0) result.dsp_cycles = kCopyVoxel.setup() + all * kCopyVoxel.interval();
   return result;
 }
 }  // namespace gicube::emu

@@ -42,14 +42,13 @@ void check_element(const wire::Element& element, const Point& extent) {
 
 }  // namespace
 
-CommandResult TracePairs::run(Payload payload, Progress& work) {
-  expect(payload.size() >= wire::kPairsHeaderBytes, "payload", "at least 32 bytes", payload.size());
+CommandResult trace_pairs(Card& card, Payload payload, Progress& work) {
   PairJob job;
-  job.header = wire::decode<wire::PairsHeader>(payload);
+  job.header = header_of<wire::PairsHeader>(payload);
   check_header(job.header, payload.size());
-  card_.check_volume();
-  card_.check_all_there();
-  Frame frame = card_.frame();
+  card.check_volume();
+  card.check_all_there();
+  Frame frame = card.frame();
   set_type(frame, {.type = wire::RayType::kOpacity, .opacity = job.header.opacity});
   for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};
   std::size_t at = wire::kPairsHeaderBytes;
@@ -65,12 +64,12 @@ CommandResult TracePairs::run(Payload payload, Progress& work) {
            std::max(job.pairs[p].a, job.pairs[p].b));
   }
 
-  card_.expect_memory(frame);
-  card_.aperture.decode(card_.threads, reads(frame));
+  card.expect_memory(frame);
+  card.aperture.decode(card.threads, reads(frame));
   std::vector<std::uint8_t> results(job.pairs.size() * wire::kPairResultBytes);
   PairRays rays(job, results);
-  if (!card_.goes_on) pair_rays += rays.count();
-  const RunResult ran = card_.run_level(rays, frame, work);
+  if (!card.goes_on) card.pair_rays += rays.count();
+  const RunResult ran = card.run_level(rays, frame, work);
   const std::uint64_t up_bytes = std::max<std::uint64_t>(results.size(), 4);
   return {.payload = std::move(results), .dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps, .up_bytes = up_bytes};
 }

@@ -8,6 +8,7 @@
 
 #include "command_fault.h"
 #include "each_command.h"
+#include "firmware/pixel_life.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "gicube/wire/command.h"
 
@@ -63,38 +64,87 @@ std::vector<wire::Lamp> checked_lamps(const wire::RenderCommand& command, std::s
   return lamps;
 }
 
+// Generates the pixel's rays again from the image's command, and traces them through the datapath.
+void follow_pixel(Card& card, const wire::RenderCommand& command, const Frame& frame, PixelLife& life) {
+  Framebuffer own;
+  const RunRules runs{card.config.dsp().run_rays(), card.config.dsp().run_error()};
+  ImageRays rays(command, frame, own, runs, card.lamps);
+  // The tent filter of a pixel extends to the centres of its neighbours.
+  const int reach = command.filter == wire::Filter::kTent ? 1 : 0, samples = command.samples_per_axis;
+  const auto first = [&](int at) { return std::max(at - reach, 0) * samples; };
+  const auto last = [&](int at, int edge) { return std::min(at + reach + 1, edge) * samples; };
+  const std::uint64_t across = std::uint64_t{command.width} * command.samples_per_axis;
+  for (int row = first(life.y); row < last(life.y, command.height); ++row) {
+    for (int column = first(life.x); column < last(life.x, command.width); ++column) {
+      const std::uint64_t i = static_cast<std::uint64_t>(row) * across + static_cast<std::uint64_t>(column);
+      RayCounters ignored;
+      const auto ray = rays.make(i, ignored);
+      RayLife followed;
+      followed.end = "missed";
+      if (ray) {
+        followed = follow(*ray, frame);
+        rays.take(i, followed.ray);
+      }
+      followed.number = i;
+      life.rays.push_back(std::move(followed));
+    }
+  }
+  life.explained = own.pixel(life.x, life.y);
+  life.pixel = card.aperture.framebuffer().pixel(life.x, life.y);
+}
+
+// Reports the rays of the pixel in card.explained, for an image that is in the framebuffer.
+void explain(Card& card, const wire::RenderCommand& command, const Frame& frame) {
+  PixelLife life;
+  life.x = card.explained->x;
+  life.y = card.explained->y;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    life.blocks[axis] = static_cast<std::uint32_t>(card.aperture.volume().blocks()[axis]);
+  }
+  if (life.x >= command.width || life.y >= command.height) {
+    life.refused = "pixel: expected one of the picture's " + std::to_string(command.width) + " x " +
+                   std::to_string(command.height) + ", got " + std::to_string(life.x) + "," + std::to_string(life.y);
+  } else if (command.parts != 0) {
+    life.refused = "picture: expected a whole one, got a part of one that several boards make";
+  } else if (frame.in_bricks()) {
+    life.refused = "volume: expected one that the card stores whole, got one in bricks";
+  } else {
+    follow_pixel(card, command, frame, life);
+  }
+  card.explained->report(life);
+}
+
 }  // namespace
 
-CommandResult RenderImage::run(Payload payload, Progress& work) {
-  expect(payload.size() >= wire::kRenderCommandBytes, "payload", "at least 112 bytes", payload.size());
-  const auto command = wire::decode<wire::RenderCommand>(payload);
-  check_image(command, card_.config.dsp().framebuffer_mb());
+CommandResult render_image(Card& card, Payload payload, Progress& work) {
+  const auto command = header_of<wire::RenderCommand>(payload);
+  check_image(command, card.config.dsp().framebuffer_mb());
   const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
-  card_.check_volume();
-  Frame frame = card_.frame();
-  card_.check_materials(!frame.scatter || !card_.aperture.any_non_resident());
+  card.check_volume();
+  Frame frame = card.frame();
+  card.check_materials(!frame.scatter || !card.aperture.any_non_resident());
   frame.lamps = !lamps.empty();
-  if (card_.goes_on) {
-    expect(card_.aperture.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
+  if (card.goes_on) {
+    expect(card.aperture.framebuffer().is_of(command), "width, height, part", "those of the checkpoint's framebuffer",
            command.width);
   } else {
-    card_.drop_rays();
-    card_.waiting_rays.begin(WaitingKind::kPicture);
+    card.drop_rays();
+    card.waiting_rays.begin(WaitingKind::kPicture);
   }
-  card_.set_bricks(frame);
-  card_.expect_memory(frame, pixels_of(command));
-  if (!card_.goes_on) card_.host_traps.begin(false, {});
-  card_.aperture.decode(card_.threads, reads(frame));
-  card_.lamps = Lamps(lamps, frame.spacing);
-  const RunRules runs{card_.config.dsp().run_rays(), card_.config.dsp().run_error()};
-  ImageRays rays(command, frame, card_.aperture.framebuffer(), runs, card_.lamps, card_.goes_on);
-  const RunResult ran = card_.run_level(rays, frame, work);
-  viewing_rays += rays.count();
-  if (explained_) explain(command, frame);
+  card.set_bricks(frame);
+  card.expect_memory(frame, pixels_of(command));
+  if (!card.goes_on) card.host_traps.begin(false, {});
+  card.aperture.decode(card.threads, reads(frame));
+  card.lamps = Lamps(lamps, frame.spacing);
+  const RunRules runs{card.config.dsp().run_rays(), card.config.dsp().run_error()};
+  ImageRays rays(command, frame, card.aperture.framebuffer(), runs, card.lamps, card.goes_on);
+  const RunResult ran = card.run_level(rays, frame, work);
+  card.viewing_rays += rays.count();
+  if (card.explained) explain(card, command, frame);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  if (card_.waiting_rays.count() == 0) card_.aperture.resolve_framebuffer(card_.threads);
-  card_.add_waiting(result);
-  card_.add_trap_list(result, 0);
+  if (card.waiting_rays.count() == 0) card.aperture.resolve_framebuffer(card.threads);
+  card.add_waiting(result);
+  card.add_trap_list(result, 0);
   return result;
 }
 

@@ -21,44 +21,45 @@ void check_answer(const wire::Ray& ray, const Point& extent, bool light) {
 
 }  // namespace
 
-CommandResult ResumeRays::run(Payload payload, Progress& work) {
-  expect(payload.size() >= wire::kResumeHeaderBytes, "payload", "at least 16 bytes", payload.size());
-  const auto [count, max_rays] = wire::decode<wire::ResumeHeader>(payload);
+CommandResult resume_rays(Card& card, Payload payload, Progress& work) {
+  const auto [count, max_rays] = header_of<wire::ResumeHeader>(payload);
   if (payload.size() != wire::kResumeHeaderBytes + std::uint64_t{count} * wire::kRayBytes) {
     refuse("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size());
   }
-  expect(max_rays <= kMaxInList, "most", "0..65536", max_rays);
-  if (!card_.goes_on && count > card_.host_traps.out()) {
-    refuse("count", "at most the rays handed out and not answered, " + std::to_string(card_.host_traps.out()), count);
+  expect(max_rays <= kMaxInList, "max_rays", "0..65536", max_rays);
+  if (!card.goes_on && count > card.host_traps.out()) {
+    refuse("count",
+           "at most the number of rays that were handed out and not answered, " + std::to_string(card.host_traps.out()),
+           count);
   }
-  card_.check_volume();
-  card_.check_all_there();
-  card_.check_materials();
-  Frame frame = card_.frame();
-  const bool light = card_.host_traps.is_light();
-  if (light) card_.set_light(frame, card_.host_traps.rules());
-  frame.lamps = !light && !card_.lamps.empty();
+  card.check_volume();
+  card.check_all_there();
+  card.check_materials();
+  Frame frame = card.frame();
+  const bool light = card.host_traps.is_light();
+  if (light) card.set_light(frame, card.host_traps.rules());
+  frame.lamps = !light && !card.lamps.empty();
   std::vector<wire::Ray> answers(count);
   for (std::size_t i = 0; i < count; ++i) {
     answers[i] = wire::decode<wire::Ray>(payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
     check_part("ray", i, [&] { check_answer(answers[i], frame.extent, light); });
   }
-  card_.expect_memory(frame);
-  card_.aperture.decode(card_.threads, reads(frame));
-  if (!card_.goes_on) card_.host_traps.answered(count);
+  card.expect_memory(frame);
+  card.aperture.decode(card.threads, reads(frame));
+  if (!card.goes_on) card.host_traps.answered(count);
   RunResult ran;
   if (count > 0) {
-    ResumedRays rays(answers, frame, card_.aperture.framebuffer(), card_.lamps);
-    ran = card_.run_level(rays, frame, work);
+    ResumedRays rays(answers, frame, card.aperture.framebuffer(), card.lamps);
+    ran = card.run_level(rays, frame, work);
   }
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   result.takes_rays = count > 0;
   if (light) {
-    card_.add_ledger(result, ran.rays, false);
+    card.add_ledger(result, ran.rays, false);
   } else {
-    card_.aperture.resolve_framebuffer(card_.threads);
+    card.aperture.resolve_framebuffer(card.threads);
   }
-  card_.add_trap_list(result, max_rays);
+  card.add_trap_list(result, max_rays);
   return result;
 }
 

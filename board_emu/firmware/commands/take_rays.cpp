@@ -39,9 +39,8 @@ wire::ForwardedRay to_record(const WaitingRay& ray) {
 
 }  // namespace
 
-CommandResult TakeRays::run(Payload payload) {
-  expect(payload.size() >= wire::kTakeRaysHeaderBytes, "payload", "at least 16 bytes", payload.size());
-  const auto header = wire::decode<wire::TakeRaysHeader>(payload);
+CommandResult take_rays(Card& card, Payload payload, Progress& /*work*/) {
+  const auto header = header_of<wire::TakeRaysHeader>(payload);
   if (payload.size() != wire::kTakeRaysHeaderBytes + std::uint64_t{header.blocks} * 4) {
     refuse("payload", "16 bytes and 4 for each of its " + std::to_string(header.blocks) + " blocks", payload.size());
   }
@@ -57,22 +56,22 @@ CommandResult TakeRays::run(Payload payload) {
   std::size_t taken = 0, left = 0;
   std::vector<std::uint8_t> records;
   if (header.ended != 0) {
-    const auto rays = card_.waiting_rays.take_ended(header.max_rays);
+    const auto rays = card.waiting_rays.take_ended(header.max_rays);
     for (const wire::EndedRay& ray : rays) wire::append(records, ray);
-    taken = rays.size(), left = card_.waiting_rays.ended();
+    taken = rays.size(), left = card.waiting_rays.ended();
   } else {
-    const auto rays = card_.waiting_rays.take(blocks, header.max_rays);
+    const auto rays = card.waiting_rays.take(blocks, header.max_rays);
     for (const WaitingRay& ray : rays) wire::append(records, to_record(ray));
-    taken = rays.size(), left = card_.waiting_rays.count(blocks);
+    taken = rays.size(), left = card.waiting_rays.count(blocks);
   }
   result.payload =
       wire::encoded(wire::TakenHeader{static_cast<std::uint32_t>(taken), static_cast<std::uint32_t>(left)});
   result.payload.insert(result.payload.end(), records.begin(), records.end());
   result.up_bytes = result.payload.size();
-  forwarded_rays += taken;
-  const bool last = taken > 0 && card_.waiting_rays.count() == 0;
-  if (last && card_.waiting_rays.kind() == WaitingKind::kPicture) card_.aperture.resolve_framebuffer(card_.threads);
-  if (card_.config.ideal().dsp() == 0) result.dsp_cycles = records.size() / wire::kRayBytes * kPassRay.interval();
+  card.forwarded_rays += taken;
+  const bool last = taken > 0 && card.waiting_rays.count() == 0;
+  if (last && card.waiting_rays.kind() == WaitingKind::kPicture) card.aperture.resolve_framebuffer(card.threads);
+  if (card.config.ideal().dsp() == 0) result.dsp_cycles = records.size() / wire::kRayBytes * kPassRay.interval();
   return result;
 }
 

@@ -101,20 +101,18 @@ void add_deposits(CommandResult& result, const RayCounters& counts, const Overfl
   result.up_bytes = result.payload.size();
 }
 
-}  // namespace
-
 // Adds the rays to those in the DSP's memory, for an out-of-core volume. Deposit rays are not kept.
-std::span<wire::Ray> TraceRays::take_in(const wire::TraceHeader& header, std::span<wire::Ray> rays) {
-  std::vector<wire::Ray>& all = card_.aperture.host_rays();
+std::span<wire::Ray> take_in(Card& card, const wire::TraceHeader& header, std::span<wire::Ray> rays) {
+  std::vector<wire::Ray>& all = card.aperture.host_rays();
   const bool stay = comes_back(header.type);
-  if (!card_.goes_on) {
-    if (!card_.waiting_rays.go_on_with(header)) {
-      card_.drop_rays();
-      card_.waiting_rays.begin(WaitingKind::kHostRays, header);
+  if (!card.goes_on) {
+    if (!card.waiting_rays.go_on_with(header)) {
+      card.drop_rays();
+      card.waiting_rays.begin(WaitingKind::kHostRays, header);
     }
     const std::uint64_t sum = stay ? all.size() + rays.size() : 0;
     expect(sum <= wire::kMaxHostRays, "rays", "at most 2^24 in all trace commands of a series", sum);
-    card_.waiting_rays.number(rays.size());
+    card.waiting_rays.number(rays.size());
     if (stay) all.insert(all.end(), rays.begin(), rays.end());
   }
   if (!stay) return rays;
@@ -122,27 +120,28 @@ std::span<wire::Ray> TraceRays::take_in(const wire::TraceHeader& header, std::sp
   return std::span(all).last(rays.size());
 }
 
-CommandResult TraceRays::run(Payload payload, Progress& work) {
-  expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
-  const auto header = wire::decode<wire::TraceHeader>(payload);
+}  // namespace
+
+CommandResult trace_rays(Card& card, Payload payload, Progress& work) {
+  const auto header = header_of<wire::TraceHeader>(payload);
   if (payload.size() != wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes) {
     refuse("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays", payload.size());
   }
   check_trace_header(header);
-  card_.check_volume();
-  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = card_.in_bricks();
-  if (!waits) card_.check_all_there();
+  card.check_volume();
+  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type), waits = card.in_bricks();
+  if (!waits) card.check_all_there();
   expect(!waits || header.type != RayType::kBackproject, "type",
          "0..5 of a volume with more blocks than the card stores", static_cast<std::uint64_t>(header.type));
-  Frame frame = card_.trace_frame(header);
-  if (frame.scatter || deposit) card_.check_materials(false);
+  Frame frame = card.trace_frame(header);
+  if (frame.scatter || deposit) card.check_materials(false);
   if (frame.backprojects() && frame.accumulators == nullptr) {
     expect(frame.light_words == 1, "words", "1 (sums) on a card of three irradiance words", 0);
-    card_.aperture.expect_deposits();
+    card.aperture.expect_deposits();
   }
   const std::size_t count = header.count;
   const std::uint64_t max_energy = max_energy_of(header, frame.wide);
-  std::vector<wire::Ray>& rays = room_;
+  std::vector<wire::Ray>& rays = card.host_ray_room;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     rays[i] = wire::decode<wire::Ray>(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes));
@@ -154,26 +153,27 @@ CommandResult TraceRays::run(Payload payload, Progress& work) {
   }
   if (frame.accumulators != nullptr) {
     frame.max_moved = max_moved(rays, frame);
-    expect(frame.max_moved <= kMaxMoved, "rays", "that can move no sum by more than 2^34", frame.max_moved);
+    expect(frame.max_moved <= kMaxMoved, "rays", "at most 2^34 as the largest possible change of one accumulator",
+           frame.max_moved);
   }
   std::span<wire::Ray> traced(rays);
-  if (waits) traced = take_in(header, rays);
-  if (waits) card_.set_bricks(frame);
-  card_.expect_memory(frame);
-  if (!frame.backprojects()) card_.aperture.decode(card_.threads, reads(frame));
+  if (waits) traced = take_in(card, header, rays);
+  if (waits) card.set_bricks(frame);
+  card.expect_memory(frame);
+  if (!frame.backprojects()) card.aperture.decode(card.threads, reads(frame));
   HostRays source(traced, frame, back);
-  const RunResult ran = card_.run_level(source, frame, work);
+  const RunResult ran = card.run_level(source, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  host_rays += count;
+  card.host_rays += count;
   result.takes_rays = count > 0;
   if (deposit) {
-    card_.lighting_rays += count;
-    card_.add_ledger(result, ran.rays, false);
-    card_.add_waiting(result);
+    card.lighting_rays += count;
+    card.add_ledger(result, ran.rays, false);
+    card.add_waiting(result);
     return result;
   }
   if (waits) {
-    card_.add_waiting(result);
+    card.add_waiting(result);
     return result;
   }
   if (frame.backprojects()) {

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "datapath/bricks.h"
-#include "firmware/bricks/waiting_rays.h"
+#include "datapath/waiting_rays.h"
 #include "firmware/framebuffer.h"
 #include "firmware/lamps.h"
 #include "firmware/ray_sources/host_rays.h"
@@ -46,7 +45,7 @@ class ContinuedRays : public RayByRaySource {
     return ends_.lamps != nullptr ? ends_.lamps->task(ray) : DspTask{};
   }
 
-  // Returns the packet. The level gets the remaining bits from the frame's WaitingRayQueue.
+  // Returns the packet. The level gets the remaining bits from the frame's WaitingRays.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override { return pack(rays_[i].ray_state, frame_); }
   void take(std::uint64_t i, const wire::Ray& ray) override {
     if (rays_[i].home != 0) {

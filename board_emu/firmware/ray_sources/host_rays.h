@@ -27,7 +27,7 @@ inline void put_back(const wire::Ray& ray, wire::Ray& place) {
   place.interaction = interaction;
 }
 
-class HostRays : public RaySource {
+class HostRays : public RayByRaySource {
  public:
   // `come_back`: results are written to `rays`; otherwise their contents are undefined afterwards. A ray behind a cut
   // plane is unchanged. Both parameters must outlive this object.
@@ -67,42 +67,28 @@ class HostRays : public RaySource {
     }
   }
 
-  std::size_t divide(std::size_t rays) override {
-    batch_rays_ = std::max<std::size_t>(rays, 1);
-    return (rays_.size() + batch_rays_ - 1) / batch_rays_;
-  }
   // Rays are traced in place, unless some do not enter or may wait.
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
+    if (!frame_.cut_planes.empty() || frame_.in_bricks()) return RayByRaySource::make_batch(b);
     auto batch = std::make_unique<RayBatch>();
-    const std::size_t begin = b * batch_rays_, count = std::min(batch_rays_, rays_.size() - begin);
-    if (frame_.cut_planes.empty() && !frame_.in_bricks()) {
-      batch->rays = rays_.subspan(begin, count);
-      if (!frame_.lights()) return batch;
-      for (const wire::Ray& ray : batch->rays) {
-        count_emitted(unpack(ray, frame_), frame_, batch->counters);
-      }
-      return batch;
+    const std::size_t begin = b * batch_rays_;
+    batch->rays = rays_.subspan(begin, std::min(batch_rays_, rays_.size() - begin));
+    for (std::size_t i = 0; frame_.lights() && i < batch->rays.size(); ++i) {
+      count_emitted(unpack(batch->rays[i], frame_), frame_, batch->counters);
     }
-    for (std::size_t i = begin; i < begin + count; ++i) {
-      if (const auto ray = make(i, batch->counters)) {
-        batch->room.push_back(*ray);
-        batch->index.push_back(i);
-      } else {
-        ++batch->returned;
-      }
-    }
-    batch->rays = batch->room;
     return batch;
   }
   void take_batch(RayBatch& batch) override {
-    for (std::size_t k = 0; k < batch.index.size(); ++k) rays_[batch.index[k]] = batch.rays[k];
+    if (!batch.index.empty()) RayByRaySource::take_batch(batch);
   }
+
+ protected:
+  bool pays_for_misses() const override { return true; }
 
  private:
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   bool come_back_;
-  std::size_t batch_rays_ = 1;
 };
 
 }  // namespace gicube::emu

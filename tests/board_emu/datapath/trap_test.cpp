@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datapath/host_traps.h"
 #include "datapath/random_stream.h"
 #include "datapath/scattering.h"
 #include "fog.h"
@@ -55,15 +56,10 @@ TEST(Shares, ARayThatMeetsATrapWaitsThereWithItsMaterialsTag) {
 }
 
 // What the host's routine is told of a ray, and what it does to the ray by its answer.
-struct Caught : HostTrapQueue {
-  void add(const wire::TrappedRay& ray) override { rays.push_back(ray); }
-  std::vector<wire::TrappedRay> rays;
-};
-
 TEST(Traps, TellTheHostTheRaySampleAndFourRandomNumbers) {
   Fog fog;
   Frame& frame = fog.lit.scene.frame;
-  Caught caught;
+  HostTraps caught;
   frame.host_traps = &caught;
   frame.seed = 11;
   frame.materials[0].routine = wire::kHostRoutine;
@@ -76,8 +72,9 @@ TEST(Traps, TellTheHostTheRaySampleAndFourRandomNumbers) {
   ray.set_energy(std::uint64_t{100} << kEnergyFractionBits);
   RayCounters counters;
   EXPECT_FALSE(trap_of(ray, frame));
-  ASSERT_EQ(caught.rays.size(), 1u);
-  const wire::TrappedRay& told = caught.rays[0];
+  caught.settle();
+  ASSERT_EQ(caught.waiting(), 1u);
+  const wire::TrappedRay told = caught.take(1).front();
   EXPECT_EQ(told.ray.u, 21);
   EXPECT_EQ(told.ray.v, 22);
   EXPECT_EQ(told.ray.position[0], 5u << 13);

@@ -138,7 +138,7 @@ TEST_F(ForwardedRays, AreGivenOnlyIfTheyCanGoOn) {
   };
   EXPECT_EQ(given([](auto& ray) { ray.position[1] = -1; }), "ray 0: position: expected a point of the volume");
   EXPECT_EQ(given([](auto& ray) { ray.block = 27; }), "ray 0: block: expected one of the volume, got 27");
-  EXPECT_EQ(given([](auto& ray) { ray.step = {}; }), "ray 0: step: expected one that leads on, got 0");
+  EXPECT_EQ(given([](auto& ray) { ray.step = {}; }), "ray 0: step: expected a vector other than 0, got 0");
   EXPECT_EQ(given([](auto& ray) { ray.opacity = 1 << 24; }), "ray 0: opacity: expected at most 2^24 - 1, got 16777216");
   EXPECT_EQ(given([](auto& ray) { ray.generation = 16; }), "ray 0: generation: expected 0..15, got 16");
   EXPECT_EQ(given([](auto& ray) { ray.under_way = 2; }), "ray 0: under_way: expected 0 or 1, got 2");
@@ -146,7 +146,7 @@ TEST_F(ForwardedRays, AreGivenOnlyIfTheyCanGoOn) {
   EXPECT_EQ(given([](auto& ray) { ray.colour[2] = 4096; }), "ray 0: colour: expected at most 4095, got 4096");
   EXPECT_EQ(given([](auto& ray) { ray.wide[0] = 0x7FC0'0000; }), "ray 0: wide: expected an opacity of 0..1");
   EXPECT_EQ(given([](auto& ray) { ray.flags = wire::kLightingRay; }),
-            "ray 0: flags: expected those of a ray of these commands, got 1");
+            "ray 0: flags: expected those of a rendering ray, got 1");
   EXPECT_EQ(refusal(first_, give({.rays = 2}, one.records)),
             "payload: expected 32 bytes, 128 for each of its rays and 64 for each that has ended, got 160");
   EXPECT_EQ(refusal(first_, give({.rays = 1, .of = wire::RaysOf::kTrace}, one.records)),

@@ -175,7 +175,7 @@ TEST_P(Sums, ACommandThatCouldRunASumOverIsRefused) {
   const Completion completion = deposit(wire::kMaxAmount, 410);  // 5 a ray at most, by command.h
   EXPECT_EQ(completion.error, wire::ErrorCode::kBadValue);
   EXPECT_EQ(std::string(completion.payload.begin(), completion.payload.end()),
-            "rays: expected that can move no sum by more than 2^34, got 17196644350");
+            "rays: expected at most 2^34 as the largest possible change of one accumulator, got 17196644350");
   EXPECT_EQ(deposit(wire::kMaxAmount, 400).error, wire::ErrorCode::kNone);
 }
 

@@ -8,8 +8,8 @@
 
 #include "bare_board.h"
 #include "config/config.h"
+#include "datapath/host_traps.h"
 #include "datapath/scattering.h"
-#include "firmware/host_traps.h"
 #include "gicube/wire/trap.h"
 
 namespace gicube::emu {
@@ -163,7 +163,7 @@ TEST(HostTraps, CarryTheirEnergyThroughEveryRound) {
 
 TEST(HostTraps, RefuseAnswersThatNoRayOfTheirsCanBe) {
   HostFog fog;
-  EXPECT_THAT(fog.refusal({wire::Ray{}}), HasSubstr("count: expected at most the rays handed out and not answered, 0"));
+  EXPECT_THAT(fog.refusal({wire::Ray{}}), HasSubstr("count: expected at most the number of rays that were handed out and not answered, 0"));
   fog.light();
   const std::vector<wire::Ray> rays = straight_on(fog.resume({}, 2).rays);
   ASSERT_EQ(rays.size(), 2u);
@@ -177,7 +177,7 @@ TEST(HostTraps, RefuseAnswersThatNoRayOfTheirsCanBe) {
   EXPECT_THAT(refusal([](wire::Ray& ray) { ray.lifetime = 0; }), HasSubstr("ray 1: lifetime"));
   EXPECT_THAT(refusal([](wire::Ray& ray) { ray.flags = 0; }), HasSubstr("ray 1: flags: expected a lighting ray"));
   EXPECT_THAT(fog.refusal({rays[0], rays[0], rays[1]}), HasSubstr("handed out and not answered, 2, got 3"));
-  EXPECT_THAT(fog.refusal({}, 65537), HasSubstr("most: expected 0..65536, got 65537"));
+  EXPECT_THAT(fog.refusal({}, 65537), HasSubstr("max_rays: expected 0..65536, got 65537"));
   EXPECT_EQ(fog.resume(rays, 0).error, wire::ErrorCode::kNone) << "nothing of that was taken";
   EXPECT_THAT(fog.refusal({rays[0]}), HasSubstr("answered, 0, got 1"));
   std::vector<std::uint8_t> cut(20);

@@ -7,20 +7,18 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <span>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
-#include "datapath/bricks.h"
 #include "datapath/scattering.h"
 #include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/memory_map.h"
+#include "words/record_list.h"
 
 namespace gicube::emu {
 
-class HostDeposits : public HostDepositList {
+class HostDeposits {
  public:
   static constexpr std::size_t kMax = wire::kHostDeposits.bytes / wire::kHostDepositBytes;
 
@@ -28,10 +26,11 @@ class HostDeposits : public HostDepositList {
     sums_.clear();
     list_.clear();
   }
-  void add(std::uint64_t word, std::uint32_t units) override {
+  // `word`: block * n^3 + voxel of the block. Thread-safe. Throws RoutineFault if there are too many.
+  void add(std::uint64_t word, std::uint32_t units) {
     const std::lock_guard lock(mutex_);
     sums_[word] += units;
-    if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of other blocks got energy in one command");
+    if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of blocks at the host received energy in one command");
   }
   // Only add() and state() may be called during a command. settle() lists the added deposits in an order that does not
   // depend on threads.
@@ -44,29 +43,15 @@ class HostDeposits : public HostDepositList {
   std::uint64_t memory_bytes() const { return list_.capacity() * sizeof(wire::HostDeposit); }
   // Offset and length must be multiples of a record.
   std::optional<std::vector<std::uint8_t>> read(std::uint64_t offset, std::uint64_t length) const {
-    constexpr std::uint64_t kEach = wire::kHostDepositBytes;
-    if (offset % kEach != 0 || length % kEach != 0 || (offset + length) / kEach > list_.size()) return std::nullopt;
-    std::vector<std::uint8_t> out;
-    const auto first = static_cast<std::size_t>(offset / kEach);
-    for (const auto& each : std::span(list_).subspan(first, static_cast<std::size_t>(length / kEach))) {
-      wire::append(out, each);
-    }
-    return out;
+    return read_records(list_, offset, length);
   }
   // Also valid during a command.
   void state(Archive& archive) {
     std::vector<wire::HostDeposit> sums;
     for (const auto& [word, units] : sums_) sums.push_back({word, units});
     std::ranges::sort(sums, {}, &wire::HostDeposit::word);
-    for (auto* const list : {&sums, &list_}) {
-      std::vector<std::uint8_t> bytes;
-      for (const wire::HostDeposit& each : *list) wire::append(bytes, each);
-      archive.bytes(list == &sums ? "sums" : "list", bytes, 0, wire::kHostDeposits.bytes);
-      list->clear();
-      for (std::size_t at = 0; at + wire::kHostDepositBytes <= bytes.size(); at += wire::kHostDepositBytes) {
-        list->push_back(wire::decode<wire::HostDeposit>(std::span(bytes).subspan(at)));
-      }
-    }
+    records_state(archive, "sums", sums, wire::kHostDeposits.bytes);
+    records_state(archive, "list", list_, wire::kHostDeposits.bytes);
     if (!archive.loads()) return;
     for (const wire::HostDeposit& each : sums) sums_[each.word] += each.units;
   }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,10 +13,11 @@
 #include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/trap.h"
+#include "words/record_list.h"
 
 namespace gicube::emu {
 
-class HostTraps : public HostTrapQueue {
+class HostTraps {
  public:
   static constexpr std::size_t kMax = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
 
@@ -32,11 +32,12 @@ class HostTraps : public HostTrapQueue {
   bool is_light() const { return light_; }
   wire::EnergyRules rules() const { return rules_; }
 
-  void add(const wire::TrappedRay& ray) override {
+  // Thread-safe. Throws RoutineFault if there are too many.
+  void add(const wire::TrappedRay& ray) {
     const std::lock_guard lock(mutex_);
     if (added_.size() + waiting_.size() == kMax) {
       throw RoutineFault("more than " + std::to_string(kMax) +
-                         " rays wait for the host: a smaller image or fewer lighting rays a command would help");
+                         " rays wait for the host: a smaller image or fewer lighting rays per command would help");
     }
     added_.push_back(ray);
   }
@@ -61,25 +62,14 @@ class HostTraps : public HostTrapQueue {
   std::uint64_t out() const { return out_; }
   void answered(std::uint64_t rays) { out_ -= rays; }
   void state(Archive& archive) {
-    rays_state(archive, "added", added_);
-    rays_state(archive, "waiting", waiting_);
+    records_state(archive, "added", added_, kMax * wire::kTrappedRayBytes);
+    records_state(archive, "waiting", waiting_, kMax * wire::kTrappedRayBytes);
     archive("out", out_);
     archive("light", light_);
     archive.at_most("rules", rules_, wire::EnergyRules::kConserving);
   }
 
  private:
-  template <typename Rays>
-  static void rays_state(Archive& archive, const char* name, Rays& rays) {
-    std::vector<std::uint8_t> packets;
-    for (const wire::TrappedRay& ray : rays) wire::append(packets, ray);
-    archive.bytes(name, packets, 0, kMax * wire::kTrappedRayBytes);
-    rays.clear();
-    for (std::size_t at = 0; at + wire::kTrappedRayBytes <= packets.size(); at += wire::kTrappedRayBytes) {
-      rays.push_back(wire::decode<wire::TrappedRay>(std::span(packets).subspan(at)));
-    }
-  }
-
   std::mutex mutex_;  // for added_
   std::vector<wire::TrappedRay> added_;
   std::deque<wire::TrappedRay> waiting_;
