@@ -1,18 +1,6 @@
 // The gradient of samples in lanes, and the colour of their voxels.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_GRADIENT) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_GRADIENT
-#undef GICUBE_PACKET_GRADIENT
-#else
-#define GICUBE_PACKET_GRADIENT
-#endif
-
-#include "stages-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/stages-inl.h"
 
 // resample_all() for the low or, with `kOdd`, high halves of 64-bit lanes, all four channels. `pair(offset)`: the words
 // of the voxels at `offset` from the sample's first, and of their neighbours along x.
@@ -77,9 +65,3 @@ HWY_INLINE std::array<V, 3> voxel_colour(const PackedPosition& at, const PacketF
       {hn::And(low, word), hn::ShiftRight<16>(low), hn::And(high, word), hn::ShiftRight<16>(high)},
       field.premultiplied);
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

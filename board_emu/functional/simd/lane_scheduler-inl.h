@@ -1,26 +1,6 @@
 // Assigns rays to lanes: takes a ray that has ended off its lane, packs it, and puts the next one there.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_EXCHANGE) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_EXCHANGE
-#undef GICUBE_PACKET_EXCHANGE
-#else
-#define GICUBE_PACKET_EXCHANGE
-#endif
-
-#include <algorithm>
-#include <bit>
-#include <new>
-#include <span>
-
-#include "datapath/interaction.h"
-#include "datapath/ray_step.h"
-#include "functional/functional.h"
-#include "march-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/march-inl.h"
 
 constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
@@ -223,9 +203,3 @@ class LaneScheduler : public LaneSlots<LaneScheduler> {
   const bool wide_ = frame_.wide;
   std::array<Slot, 16> slots_{};
 };
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

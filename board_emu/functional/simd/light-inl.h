@@ -1,23 +1,6 @@
-// Stages for frames that are jittered, lit by irradiance, or on the wide datapath, for lanes of rays, like
-// functional/simd/stages-inl.h.
+// Stages for lanes of rays of frames that are jittered, lit by irradiance, or on the wide datapath.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_LIGHT) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_LIGHT
-#undef GICUBE_PACKET_LIGHT
-#else
-#define GICUBE_PACKET_LIGHT
-#endif
-
-#include "datapath/illuminate.h"
-#include "datapath/jitter.h"
-#include "datapath/wide.h"
-#include "gradient-inl.h"
-#include "stages-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/gradient-inl.h"
 
 // a * b modulo 2^64.
 HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
@@ -181,9 +164,3 @@ HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry<V>& shading, V entry,
   }
   return illuminated(shading, specular, diffuse, gradient, SquareOf{*field.tables});
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

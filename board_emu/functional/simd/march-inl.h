@@ -4,21 +4,7 @@
 // composited; a ray that has become opaque continues, and its further values are dropped. Jittered steps are drawn at
 // the ray's position, so a ray that ends there stays there.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_MARCH
-#undef GICUBE_PACKET_MARCH
-#else
-#define GICUBE_PACKET_MARCH
-#endif
-
-#include "light-inl.h"
-#include "shading_queue-inl.h"
-#include "stages-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/shading_queue-inl.h"
 
 // One word of all rays under way, by lane.
 struct alignas(64) Word {
@@ -354,9 +340,3 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     lanes.left.store(hn::Sub(lanes.left.load(), taken));
   }
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -2,19 +2,7 @@
 // over invisible parts and, for lighting rays, through samples that take energy and do nothing else. At any other
 // sample the lane is masked until scalar code has taken the sample (take_iteration()).
 
-// Included once for each instruction set.
-#if defined(GICUBE_PATH_MARCH) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PATH_MARCH
-#undef GICUBE_PATH_MARCH
-#else
-#define GICUBE_PATH_MARCH
-#endif
-
-#include "path_sample-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/path_sample-inl.h"
 
 // Advances all lanes until at least `enough` of them are masked or have no steps left.
 template <PathKind kKind, bool kWide>
@@ -97,9 +85,3 @@ HWY_INLINE void march(PathLanes& lanes, ShadingQueue& seen, const PacketField& f
   lanes.left.store(ray.left);
   lanes.masked.store(hn::VecFromMask(d, masked));
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

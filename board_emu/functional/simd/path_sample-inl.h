@@ -1,21 +1,6 @@
 // One iteration of lighting and scattered rays, side by side, through samples after which a ray only continues.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PATH_SAMPLE) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PATH_SAMPLE
-#undef GICUBE_PATH_SAMPLE
-#else
-#define GICUBE_PATH_SAMPLE
-#endif
-
-#include "gradient-inl.h"
-#include "march-inl.h"
-#include "ray_interval-inl.h"
-#include "shading_queue-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/ray_interval-inl.h"
 
 // Words of lighting and scattered rays in lanes, in addition to those of others. `taken` counts the steps since a ray
 // was put on its lane, and `ray` is its index among the paths.
@@ -313,9 +298,3 @@ HWY_INLINE void gather_colour(ShadingQueue& seen, const SampleLanes& sample, con
   const V at_face = field.cut_faces ? at_cut_faces(ray, coloured, field) : lit;
   seen.add<false>(sample.at, sample.entry, lanes.ray.load(), taken.weight, lit, at_face, coloured, field);
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -1,25 +1,6 @@
 // Assigns paths to lanes: takes a ray off its masked lane for a scalar iteration, then puts it back, or the next one.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PATH_SCHEDULER) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PATH_SCHEDULER
-#undef GICUBE_PATH_SCHEDULER
-#else
-#define GICUBE_PATH_SCHEDULER
-#endif
-
-#include <algorithm>
-#include <span>
-
-#include "datapath/interaction.h"
-#include "datapath/random_stream.h"
-#include "functional/traced_path.h"
-#include "lane_scheduler-inl.h"
-#include "path_march-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/path_march-inl.h"
 
 inline PathKind kind_of(const RayState& ray, const Frame& frame) {
   if (!ray.is(wire::kLightingRay)) return PathKind::kRendering;
@@ -164,9 +145,3 @@ class PathScheduler : public LaneSlots<PathScheduler> {
   RayCounters& counters_;
   std::array<TracedPath*, 16> path_{};
 };
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

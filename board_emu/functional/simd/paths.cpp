@@ -4,9 +4,22 @@
 #define HWY_TARGET_INCLUDE "functional/simd/paths.cpp"
 #include <hwy/foreach_target.h>  // includes this file again
 
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <vector>
+
+#include "datapath/illuminate.h"
+#include "datapath/interaction.h"
+#include "datapath/one_lane.h"
+#include "datapath/random_stream.h"
 #include "datapath/ray_interval.h"
-#include "functional/traced_path.h"
-#include "path_scheduler-inl.h"
+#include "functional/functional.h"
 #include "simd_tracer.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,6 +32,8 @@ void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const Pack
 }
 
 #else
+
+#include "functional/simd/path_scheduler-inl.h"
 
 template <PathKind kKind, bool kWide>
 void trace_paths_with(PathScheduler& scheduler, const PacketField& field, RayCounters& counters) {

@@ -2,23 +2,7 @@
 // vectors, and datapath/interaction.h's absorption and scattering. Intervals with an opaque entry or voxels of several
 // tags are left to scalar code.
 
-// Included once for each instruction set.
-#if defined(GICUBE_RAY_INTERVAL) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_RAY_INTERVAL
-#undef GICUBE_RAY_INTERVAL
-#else
-#define GICUBE_RAY_INTERVAL
-#endif
-
-#include <limits>
-
-#include "datapath/one_lane.h"
-#include "datapath/ray_interval.h"
-#include "march-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/lane_scheduler-inl.h"
 
 using DI64 = hn::RebindToSigned<DU64>;
 using MaskD = hn::Mask<DD>;
@@ -256,9 +240,9 @@ HWY_INLINE DepthLanes depth_of_interval(const Interval<VD>& interval, const WayL
   return out;
 }
 
-// Intervals that lanes know of their samples (KnownInterval), by lane.
+// The intervals of samples that lanes have computed (KnownInterval), by lane.
 struct KnownLanes {
-  Word found;  // all ones: of one medium that is nowhere opaque; of others nothing is known
+  Word found;  // all ones: one medium that is nowhere opaque; of other intervals nothing is computed
   Word entry, opacity, even;
   std::array<DoubleWord, 5> ends;
   std::array<DoubleWord, 3> density;
@@ -320,9 +304,3 @@ HWY_INLINE V opacity_of(const Doubles& depth, Mask which) {
   }
   return opacity.load();
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

@@ -5,22 +5,7 @@
 // a ray keep their order, because sums of floats depend on it. Sums of integers may saturate at each addition or at the
 // end.
 
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_SEEN) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_SEEN
-#undef GICUBE_PACKET_SEEN
-#else
-#define GICUBE_PACKET_SEEN
-#endif
-
-#include <vector>
-
-#include "light-inl.h"
-#include "stages-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
+#include "functional/simd/light-inl.h"
 
 // Accumulated colour of a ray: three channels, floats on the wide datapath. The fourth completes a vector.
 struct alignas(16) ColourSum {
@@ -126,9 +111,3 @@ class ShadingQueue {
   // The queued samples. Unused elements are old values or zero, which may be read.
   alignas(64) std::array<std::array<std::int32_t, kMax + 16>, kWords> columns_{};
 };
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

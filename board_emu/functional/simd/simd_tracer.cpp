@@ -6,14 +6,18 @@
 
 #include "simd_tracer.h"
 
-#include <algorithm>
-#include <bit>
+#include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "datapath/illuminate.h"
 #include "datapath/interaction.h"
-#include "datapath/ray_step.h"
 #include "functional/functional.h"
-#include "lane_scheduler-inl.h"
-#include "march-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
@@ -28,6 +32,8 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, Ra
 }
 
 #else
+
+#include "functional/simd/lane_scheduler-inl.h"
 
 template <Gathers kGathers, bool kJitter, bool kWide>
 void trace_with(LaneScheduler& exchange, const PacketField& field, RayCounters& counters) {
@@ -94,7 +100,6 @@ void SimdTracer::clear() {
   irradiance_.clear();
   ranges_.clear();
   volume_ = rays_ = 0;
-  seen_lut_ = ~std::uint64_t{0};
   lut_writes_ = ~std::uint64_t{0};
 }
 
@@ -114,13 +119,12 @@ void SimdTracer::read(std::span<const wire::SegmentationEntry> segmentation) {
   tables_.specular.resize(segmentation.size() + 3);  // four bytes are read at any index
 }
 
-void SimdTracer::correct(const Frame& frame) {
+void SimdTracer::correct(const Frame& frame, bool lut_changed) {
   const std::uint32_t exponent = common_exponent(frame);
   const bool wide = gathers_wide(frame);
-  if (exponent_ == exponent && wide_ == wide && alpha_lut_ == lut_writes_) return;
+  if (exponent_ == exponent && wide_ == wide && !lut_changed) return;
   exponent_ = exponent;
   wide_ = wide;
-  alpha_lut_ = lut_writes_;
   tables_.alpha.clear();
   if (exponent == 0) return;
   for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
@@ -144,8 +148,6 @@ bool SimdTracer::follow_irradiance(const Frame& frame) {
 }
 
 void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
-  if (seen_lut_ == lut_writes_) return;
-  seen_lut_ = lut_writes_;
   ranges_.follow(*frame.volume, threads);
   constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
   // Number of a tag's visible entries below a density. All entries visible on the paper's datapath are visible on the
@@ -204,10 +206,13 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   if (rays_ < volume.stored_blocks()) return false;   // chosen: a block's ranges take about as long as a long ray
   constexpr std::size_t kMax = std::size_t{1} << 30;  // byte offsets have 31 bits
   if (volume.decoded_densities().size() >= kMax || !follow_irradiance(frame)) return false;
-  if (lut_writes_ != lut_writes) read(frame.segmentation);
+  const bool lut_changed = lut_writes_ != lut_writes;  // also after clear()
   lut_writes_ = lut_writes;
-  correct(frame);
-  find_seen(frame, threads);
+  if (lut_changed) {
+    read(frame.segmentation);
+    find_seen(frame, threads);
+  }
+  correct(frame, lut_changed);
   find_first(frame);
   if (frame.jitter) {
     for (std::size_t i = 0; i < kJitterEntries; ++i) {

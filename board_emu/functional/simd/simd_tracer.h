@@ -101,7 +101,7 @@ class SimdTracer {
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);
   bool follow_irradiance(const Frame& frame);
-  void correct(const Frame& frame);
+  void correct(const Frame& frame, bool lut_changed);
   void find_seen(const Frame& frame, unsigned threads);
   void find_first(const Frame& frame);
   PacketField field_of(const Frame& frame) const;
@@ -109,12 +109,10 @@ class SimdTracer {
   const OpacityCorrection& correction_;
   IrradianceCopy irradiance_;
   CellRanges ranges_;
-  LargeArray<std::uint8_t> seen_;               // per cell: one of its densities has an opacity
-  std::uint64_t seen_lut_ = ~std::uint64_t{0};  // lut_writes_ of seen_
+  LargeArray<std::uint8_t> seen_;  // per cell: one of its densities has an opacity
   PacketTables tables_;
   std::uint32_t exponent_ = 0;  // tables_.alpha was made for this, and for:
   bool wide_ = false;
-  std::uint64_t alpha_lut_ = ~std::uint64_t{0};
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
   std::uint64_t rays_ = 0;    // rays since then
   std::uint64_t lut_writes_ = ~std::uint64_t{0};

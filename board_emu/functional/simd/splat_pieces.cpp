@@ -35,24 +35,15 @@ using D16 = hn::Repartition<std::int16_t, D>;
 using V16 = hn::Vec<D16>;
 constexpr int kBits = wire::kPositionFractionBits;
 
-// upper_part() if the product has 32 bits.
-HWY_INLINE V upper(V amount, V fraction) {
-  return hn::ShiftRight<kBits>(hn::Add(hn::Mul(amount, fraction), hn::Set(D(), 1 << (kBits - 1))));
-}
-// upper_part() for amounts of 16 bits and twice the fraction.
-HWY_INLINE V16 upper(V16 amount, V16 fraction) { return hn::MulFixedPoint15(amount, fraction); }
-
-// A node of the trilinear tree run backwards: `all` keeps the lower half.
-template <typename Words>
-HWY_INLINE void halve(Words& all, Words& high, Words fraction) {
-  high = upper(all, fraction);
+// A node of the trilinear tree run backwards, for amounts of 16 bits and twice the fraction: `all` keeps the lower half.
+HWY_INLINE void halve(V16& all, V16& high, V16 fraction) {
+  high = hn::MulFixedPoint15(all, fraction);  // upper_part()
   all = hn::Sub(all, high);
 }
 
 // spread() for each lane. Without loops, because compilers would keep them and put the shares into memory.
-template <typename Words>
-HWY_INLINE std::array<Words, 8> spread_lanes(Words amount, const std::array<Words, 3>& fraction) {
-  Words a = amount, b, c, d, e, f, g, h;
+HWY_INLINE std::array<V16, 8> spread_lanes(V16 amount, const std::array<V16, 3>& fraction) {
+  V16 a = amount, b, c, d, e, f, g, h;
   halve(a, e, fraction[2]);
   halve(a, c, fraction[1]);
   halve(e, g, fraction[1]);
@@ -104,43 +95,11 @@ struct Places {
 constexpr std::size_t kMaxLanes = 8, kMaxAcross = 64;
 
 // Adds a sample's eight shares to its cell.
-template <typename Share>
-HWY_INLINE void add_to_cell(const Share* shares, std::int32_t* cell) {
+HWY_INLINE void add_to_cell(const std::int16_t* shares, std::int32_t* cell) {
   const D d;
   for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
-    const auto share = hn::Load(hn::Rebind<Share, D>(), shares + k);
-    if constexpr (sizeof(Share) == 2) {
-      hn::Store(hn::Add(hn::Load(d, cell + k), hn::PromoteTo(d, share)), d, cell + k);
-    } else {
-      hn::Store(hn::Add(hn::Load(d, cell + k), share), d, cell + k);
-    }
-  }
-}
-
-template <bool kWide>
-HWY_INLINE void splat_words(const Piece& piece, int across_bits, std::int32_t* cells) {
-  const D d;
-  const std::size_t lanes = hn::Lanes(d);
-  Places<kWide> places(piece);
-  for (std::size_t done = 0; done < piece.count; done += lanes, places.advance()) {
-    alignas(32) std::array<std::int32_t, kMaxLanes> words;
-    alignas(32) std::array<std::int32_t, 4 * kMaxLanes> low, high;
-    alignas(32) std::array<std::int32_t, 8 * kMaxLanes> parts;
-    hn::Store(places.words(across_bits), d, words.data());
-    std::array<V, 3> fraction;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      fraction[axis] = hn::And(places.at[axis], hn::Set(d, wire::kVoxel - 1));
-    }
-    const std::array<V, 8> shares = spread_lanes(hn::Set(d, piece.amount), fraction);
-    hn::StoreInterleaved4(shares[0], shares[1], shares[2], shares[3], d, low.data());
-    hn::StoreInterleaved4(shares[4], shares[5], shares[6], shares[7], d, high.data());
-    for (std::size_t i = 0; i < lanes; ++i) {
-      std::copy_n(low.data() + 4 * i, 4, parts.data() + 8 * i);
-      std::copy_n(high.data() + 4 * i, 4, parts.data() + 8 * i + 4);
-    }
-    for (std::size_t i = 0; i < std::min(lanes, piece.count - done); ++i) {
-      add_to_cell(parts.data() + 8 * i, cells + words[i]);
-    }
+    const V share = hn::PromoteTo(d, hn::Load(hn::Rebind<std::int16_t, D>(), shares + k));
+    hn::Store(hn::Add(hn::Load(d, cell + k), share), d, cell + k);
   }
 }
 
@@ -217,15 +176,12 @@ class Samples {
 };
 
 void splat(std::span<const Piece> pieces, const Tile& tile, std::int32_t* cells) {
-  constexpr std::int32_t kWords = (1 << (31 - kBits)) - 1;  // amounts whose products have 32 bits
   constexpr std::int32_t kHalves = (1 << 15) - 1;
   const int bits = std::countr_zero(tile.across);
   Samples samples;
   for (const Piece& piece : pieces) {
-    if (piece.amount > kWords || piece.amount < -kWords) {
+    if (piece.amount > kHalves || piece.amount < -kHalves) {
       splat_one_by_one({&piece, 1}, tile, cells);
-    } else if (piece.amount > kHalves || piece.amount < -kHalves) {
-      piece.wide ? splat_words<true>(piece, bits, cells) : splat_words<false>(piece, bits, cells);
     } else {
       piece.wide ? samples.append<true>(piece, bits, cells) : samples.append<false>(piece, bits, cells);
     }

@@ -1,32 +1,10 @@
 // The pipeline's stages for lanes of rays. Each names the scalar stage that it repeats; the bits are the same.
 //
+// The files *-inl.h of this folder form one source, in which each begins with the file before it. simd_tracer.cpp and
+// paths.cpp include it once for each instruction set, into the namespace of that set.
+//
 // Words of 32 bits are in 16 lanes. Products of more than 32 bits are computed in 64-bit lanes, once for the even and
 // once for the odd ones.
-
-// Included once for each instruction set.
-#if defined(GICUBE_PACKET_STAGES) == defined(HWY_TARGET_TOGGLE)
-#ifdef GICUBE_PACKET_STAGES
-#undef GICUBE_PACKET_STAGES
-#else
-#define GICUBE_PACKET_STAGES
-#endif
-
-#include <hwy/highway.h>
-
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-
-#include "datapath/advance.h"
-#include "datapath/composite.h"
-#include "datapath/resample.h"
-#include "datapath/shade.h"
-#include "simd_tracer.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace gicube::emu::HWY_NAMESPACE {
-#if HWY_TARGET != HWY_SCALAR
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -255,9 +233,3 @@ HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const InverseSt
   }
   return hn::Add(hn::ConvertTo(D32(), least), set(1));
 }
-
-#endif
-}  // namespace gicube::emu::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#endif

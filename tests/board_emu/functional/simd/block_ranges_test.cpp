@@ -1,4 +1,4 @@
-#include "functional/simd/block_ranges.h"
+#include "functional/simd/cell_ranges.h"
 
 #include <gtest/gtest.h>
 
