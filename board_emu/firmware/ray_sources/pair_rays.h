@@ -89,13 +89,13 @@ class PairRays : public RaySource {
   std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
     auto batch = std::make_unique<Batch>();
     batch->begin = b * batch_pairs_;
-    batch->end = std::min(batch->begin + batch_pairs_, job_.pairs.size());
-    batch->weights.reserve((batch->end - batch->begin) * job_.header.rays);
-    batch->room.reserve((batch->end - batch->begin) * job_.header.rays);
-    for (std::size_t pair = batch->begin; pair < batch->end; ++pair) {
+    const std::size_t end = std::min(batch->begin + batch_pairs_, job_.pairs.size());
+    batch->samples.reserve((end - batch->begin) * job_.header.rays);
+    batch->room.reserve((end - batch->begin) * job_.header.rays);
+    for (std::size_t pair = batch->begin; pair < end; ++pair) {
       for (std::uint32_t i = 0; i < job_.header.rays; ++i) {
         const wire::PairSample made = sample(pair, i);
-        batch->weights.push_back(made.weight);
+        batch->samples.push_back({made.weight});
         if (made.weight > 0) batch->room.push_back(wire::segment_packet(made.from, made.to, job_.pairs[pair].id));
       }
     }
@@ -103,16 +103,12 @@ class PairRays : public RaySource {
     return batch;
   }
   void take_batch(RayBatch& taken) override {
-    const auto& batch = static_cast<const Batch&>(taken);
+    auto& batch = static_cast<Batch&>(taken);
     auto ray = batch.rays.begin();
-    auto weight = batch.weights.begin();
-    for (std::size_t pair = batch.begin; pair < batch.end; ++pair) {
-      wire::PairSum sum(job_.header.rays);
-      for (std::uint32_t i = 0; i < job_.header.rays; ++i, ++weight) {
-        sum.add(i, *weight, transparency(*weight > 0 ? (ray++)->opacity : 0));
-      }
-      write(pair, sum);
+    for (Measured& each : batch.samples) {
+      if (each.weight > 0) each.opacity = (ray++)->opacity;
     }
+    write(batch.begin, batch.samples);
   }
 
  private:
@@ -121,33 +117,37 @@ class PairRays : public RaySource {
 
   static constexpr std::uint32_t kElementBytes = 64;  // in the SDRAM, including the normal
 
-  // Whole pairs, with the weights of all samples.
-  struct Batch : RayBatch {
-    std::size_t begin = 0, end = 0;
-    std::vector<double> weights;
-  };
+  struct Measured {
+    double weight = 0;
+    std::uint32_t opacity = 0;
 
-  static double transparency(std::uint32_t opacity) { return 1 - opacity / double{wire::kOpacityOne}; }
+    void state(Archive::Record& record) { record(weight, opacity); }
+  };
+  // Whole pairs, with all their samples.
+  struct Batch : RayBatch {
+    std::size_t begin = 0;
+    std::vector<Measured> samples;
+  };
 
   wire::PairSample sample(std::size_t pair, std::uint32_t i) const {
     const wire::Pair& of = job_.pairs[pair];
     return wire::pair_sample(job_.elements[of.a], job_.elements[of.b], {job_.normals[of.a], job_.normals[of.b]},
                              job_.spacing, of.id, job_.header.seed, job_.header.first + i);
   }
-  void write(std::size_t pair, const wire::PairSum& sum) const {
-    wire::encode(sum.result(), out_.subspan(pair * wire::kPairResultBytes));
-  }
-  // Rays return in any order, but sums of doubles must be computed in the samples' order.
-  void write_if_complete() {
-    if (dealt_with_ < measured_.size()) return;
-    std::size_t pair = static_cast<std::size_t>(begin_ / job_.header.rays), at = 0;
-    for (; at < measured_.size(); ++pair) {
+  // Writes the results of the pairs from `pair` on. Rays return in any order, but sums of doubles must be computed in the
+  // samples' order.
+  void write(std::size_t pair, std::span<const Measured> samples) const {
+    for (std::size_t at = 0; at < samples.size(); ++pair) {
       wire::PairSum sum(job_.header.rays);
       for (std::uint32_t i = 0; i < job_.header.rays; ++i, ++at) {
-        sum.add(i, measured_[at].weight, transparency(measured_[at].opacity));
+        sum.add(i, samples[at].weight, 1 - samples[at].opacity / double{wire::kOpacityOne});
       }
-      write(pair, sum);
+      wire::encode(sum.result(), out_.subspan(pair * wire::kPairResultBytes));
     }
+  }
+  void write_if_complete() {
+    if (dealt_with_ < measured_.size()) return;
+    write(static_cast<std::size_t>(begin_ / job_.header.rays), measured_);
     measured_.clear();
     dealt_with_ = 0;
   }
@@ -157,12 +157,6 @@ class PairRays : public RaySource {
   std::size_t batch_pairs_ = 1;
 
   // Ray by ray: the rays of the current run, from `begin_` on.
-  struct Measured {
-    double weight = 0;
-    std::uint32_t opacity = 0;
-
-    void state(Archive::Record& record) { record(weight, opacity); }
-  };
   std::uint64_t begin_ = 0;
   std::vector<Measured> measured_;
   std::uint64_t dealt_with_ = 0;  // number of completed rays
