@@ -128,7 +128,8 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
   const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
   auto bytes = card.aperture.read(address, length);
   if (!bytes)
-    return refusal_of(ErrorCode::kBadAddress, fmt::format("no memory of {} bytes at address {}", length, address));
+    return refusal_of(ErrorCode::kBadAddress,
+                      fmt::format("address: expected that of {} bytes of readable memory, got {}", length, address));
   // The DSP sends the bytes as bus master when all earlier commands are done.
   const BusTransaction transaction{.kind = TransferKind::kRegisterWrite,
                                    .down_bytes = kReadRequestBytes,
@@ -199,9 +200,9 @@ Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
   const Picoseconds deadline = payload.size() == 12 ? wire::load<std::uint64_t>(payload, 4) : kNever;
   const auto found = tickets.find(ticket);
   if (found == tickets.end())
-    return refusal_of(ErrorCode::kBadValue, fmt::format("ticket {} is not under way", ticket));
+    return refusal_of(ErrorCode::kBadValue, fmt::format("ticket: expected one of a command under way, got {}", ticket));
   if (const auto time = timeline.finish(found->second, std::max(deadline, timeline.now()))) return {.time_ps = *time};
-  Reply late = refusal_of(ErrorCode::kDeadline, fmt::format("ticket {} has not completed at {} ps", ticket, deadline));
+  Reply late = refusal_of(ErrorCode::kDeadline, fmt::format("ticket {} has not completed by {} ps", ticket, deadline));
   late.time_ps = timeline.now();
   return late;
 }
