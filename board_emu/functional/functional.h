@@ -17,8 +17,8 @@ namespace gicube::emu {
 
 class SimdTracer;
 
-// A ray under way, and its iterations through the pipeline. Lanes of rays (functional/simd) do the iterations in which a
-// ray only continues; all others are done here.
+// A ray under way. Lanes of rays (functional/simd) do the iterations in which it only continues; the functions below do
+// all others.
 struct TracedPath {
   TracedPath(std::size_t its_ray, const RayState& as_it_begins) : ray(its_ray), ray_state(as_it_begins) {}
 

@@ -35,7 +35,7 @@ using D16 = hn::Repartition<std::int16_t, D>;
 using V16 = hn::Vec<D16>;
 constexpr int kBits = wire::kPositionFractionBits;
 
-// A node of the trilinear tree run backwards, for amounts of 16 bits and twice the fraction: `all` keeps the lower half.
+// A node of the trilinear tree run backwards, for amounts of 16 bits and fractions of 15: `all` keeps the lower half.
 HWY_INLINE void halve(V16& all, V16& high, V16 fraction) {
   high = hn::MulFixedPoint15(all, fraction);  // upper_part()
   all = hn::Sub(all, high);

@@ -1,5 +1,5 @@
 // Splats pieces of backprojecting rays, each in one tile, with the host's vectors: the shares of trilinear_splat.h for
-// several samples at once. Amounts of more than 16 bits, which the driver's Projector never has, are splatted one by one.
+// several samples at once. Amounts of more than 16 bits are splatted one by one; the driver's Projector has none.
 //
 // A tile has eight words of 32 bits per cell, the shares of the voxels around it: a sample's eight shares are one
 // vector addition, and consecutive samples seldom use the same cell. join() adds the cells to the voxels' words.
