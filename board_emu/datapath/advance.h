@@ -85,8 +85,8 @@ constexpr bool beyond(const Plane& plane, const Point& position, const Point& st
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
-// Whether a sample lies at a cut face: within a voxel of a plane through which its ray has entered. The gradient there is
-// not that of a surface.
+// Whether a sample lies at a cut face: within a voxel of a plane through which its ray has entered. The gradient there
+// is not that of a surface.
 constexpr bool at_cut_face(const Plane& plane, const Point& position, const Point& step) {
   constexpr std::int64_t kDepth = std::int64_t{1} << kPlaneFractionBits;
   return dot(plane.normal, step) > 0 && dot(plane.normal, position) - plane.offset < kDepth;

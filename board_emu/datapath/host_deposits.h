@@ -30,7 +30,8 @@ class HostDeposits {
   void add(std::uint64_t word, std::uint32_t units) {
     const std::lock_guard lock(mutex_);
     sums_[word] += units;
-    if (sums_.size() > kMax) throw RoutineFault("more than 2^26 voxels of blocks at the host received energy in one command");
+    if (sums_.size() > kMax)
+      throw RoutineFault("more than 2^26 voxels of blocks at the host received energy in one command");
   }
   // Only add() and state() may be called during a command. settle() lists the added deposits in an order that does not
   // depend on threads.

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "words/vectors.h"
 #include "gicube/archive.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
+#include "words/vectors.h"
 
 namespace gicube::emu {
 

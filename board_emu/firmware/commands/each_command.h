@@ -1,5 +1,5 @@
-// The DSP's commands. Each checks its payload, has its rays traced by the card's level, and reports its cost. They throw
-// CommandFault.
+// The DSP's commands. Each checks its payload, has its rays traced by the card's level, and reports its cost. They
+// throw CommandFault.
 #pragma once
 
 #include "card.h"

@@ -134,8 +134,8 @@ class PairRays : public RaySource {
     return wire::pair_sample(job_.elements[of.a], job_.elements[of.b], {job_.normals[of.a], job_.normals[of.b]},
                              job_.spacing, of.id, job_.header.seed, job_.header.first + i);
   }
-  // Writes the results of the pairs from `pair` on. Rays return in any order, but sums of doubles must be computed in the
-  // samples' order.
+  // Writes the results of the pairs from `pair` on. Rays return in any order, but sums of doubles must be computed in
+  // the samples' order.
   void write(std::size_t pair, std::span<const Measured> samples) const {
     for (std::size_t at = 0; at < samples.size(); ++pair) {
       wire::PairSum sum(job_.header.rays);

@@ -20,9 +20,9 @@ struct BuiltIn {
 };
 
 // Dielectric surface. The normal points into vacuum; the other side has the index of refraction parameters[0] (default:
-// 1.5). Unpolarised light is reflected with the probability of Fresnel's reflectance, and otherwise refracted by Snell's
-// law. Beyond the critical angle all light is reflected. Without a normal, the ray continues. Born and Wolf, Principles
-// of Optics, §1.5.2.
+// 1.5). Unpolarised light is reflected with the probability of Fresnel's reflectance, and otherwise refracted by
+// Snell's law. Beyond the critical angle all light is reflected. Without a normal, the ray continues. Born and Wolf,
+// Principles of Optics, §1.5.2.
 extern const BuiltIn kFresnel;
 double fresnel_reflectance(double cosine, double index_from, double index_to);  // cosine of incidence, 0..1
 

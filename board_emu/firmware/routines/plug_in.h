@@ -1,7 +1,7 @@
 // A scattering routine from a shared object (gicube/bsdf.h).
 //
-// Its code runs in its own process (plug_ins/plug_in_process.h), which has a copy for each simultaneous call. Answers are
-// checked. Whatever the code does, the board gets an answer or a fault.
+// Its code runs in its own process (plug_ins/plug_in_process.h), which has a copy for each simultaneous call. Answers
+// are checked. Whatever the code does, the board gets an answer or a fault.
 #pragma once
 
 #include <atomic>
@@ -32,8 +32,8 @@ class PlugIn {
   // Returns the fault of these parameters, if there is one. Thread-safe, like scatter(). If the copy of the process for
   // a call ends or must be killed, the next call starts a new one.
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // `events` and `answers` must have the same length, and an event at most kMaxParameters parameters. Only the cycles of
-  // an answer are checked. Throws RoutineFault.
+  // `events` and `answers` must have the same length, and an event at most kMaxParameters parameters. Only the cycles
+  // of an answer are checked. Throws RoutineFault.
   void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:

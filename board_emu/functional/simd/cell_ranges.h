@@ -29,8 +29,8 @@ struct BlockCells {
   std::size_t voxels = 0;                   // n: 8, 16, 32 or 64
 };
 
-// Computes the ranges of the cells of one decoded block, with the host's vectors. Writes to `out`, in which neighbouring
-// cells along y and z are `across` and `slice` apart.
+// Computes the ranges of the cells of one decoded block, with the host's vectors. Writes to `out`, in which
+// neighbouring cells along y and z are `across` and `slice` apart.
 void find_ranges(const BlockCells& block, CellRange* out, std::size_t across, std::size_t slice);
 // find_ranges() voxel by voxel.
 void find_ranges_one_by_one(const BlockCells& block, CellRange* out, std::size_t across, std::size_t slice);

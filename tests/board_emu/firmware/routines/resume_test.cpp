@@ -163,7 +163,8 @@ TEST(HostTraps, CarryTheirEnergyThroughEveryRound) {
 
 TEST(HostTraps, RefuseAnswersThatNoRayOfTheirsCanBe) {
   HostFog fog;
-  EXPECT_THAT(fog.refusal({wire::Ray{}}), HasSubstr("count: expected at most the number of rays that were handed out and not answered, 0"));
+  EXPECT_THAT(fog.refusal({wire::Ray{}}),
+              HasSubstr("count: expected at most the number of rays that were handed out and not answered, 0"));
   fog.light();
   const std::vector<wire::Ray> rays = straight_on(fog.resume({}, 2).rays);
   ASSERT_EQ(rays.size(), 2u);
