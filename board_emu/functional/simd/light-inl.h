@@ -141,7 +141,7 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
   constexpr int kTooMany = kIrradianceFractionBits + wire::kGainFractionBits + 16 - kShadeFractionBits;
   const V gained = hn::Mul(light, gain);  // 15 and 16 bits
   const auto half = [&](VU64 v) {
-    const VU64 t = hn::Add(product(v, set64(field.exposure)), set64(std::uint64_t{1} << (kTooMany - 1)));
+    const VU64 t = hn::Add(product(v, set64(field.frame->exposure)), set64(std::uint64_t{1} << (kTooMany - 1)));
     return hn::Min(hn::ShiftRight<kTooMany>(t), set64(std::uint64_t{8} << kShadeFractionBits));
   };
   return together(half(evens(gained)), half(odds(gained)));

@@ -127,10 +127,10 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   Mask out = hn::FirstN(d, 0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Mask outside =
-        hn::Or(hn::Lt(ray.position[axis], hn::Zero(d)), hn::Gt(ray.position[axis], set(field.extent[axis])));
+        hn::Or(hn::Lt(ray.position[axis], hn::Zero(d)), hn::Gt(ray.position[axis], set(field.frame->extent[axis])));
     out = hn::Or(out, outside);
   }
-  if (!field.cut_planes.empty()) {
+  if (!field.frame->cut_planes.empty()) {
     std::array<Word, 3> position, step, rest, step_rest;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       position[axis].store(ray.position[axis]);
@@ -151,7 +151,7 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
         return out;
       };
       const Point p = of_lane(position), s = of_lane(step);
-      for (const Plane& plane : field.cut_planes) {
+      for (const Plane& plane : field.frame->cut_planes) {
         const bool is_beyond = kWide ? fine_beyond(plane, fine(p, rest_of_lane(rest)), fine(s, rest_of_lane(step_rest)))
                                      : beyond(plane, p, s);
         cut.lane[i] |= is_beyond ? -1 : 0;
@@ -172,7 +172,7 @@ HWY_INLINE V at_cut_faces(const LaneState& ray, Mask which, const PacketField& f
   for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
     const Point p{position[0].lane[i], position[1].lane[i], position[2].lane[i]};
     const Point s{step[0].lane[i], step[1].lane[i], step[2].lane[i]};
-    for (const Plane& plane : field.cut_planes) out.lane[i] |= at_cut_face(plane, p, s) ? -1 : 0;
+    for (const Plane& plane : field.frame->cut_planes) out.lane[i] |= at_cut_face(plane, p, s) ? -1 : 0;
   }
   return hn::IfThenElseZero(which, out.load());
 }

@@ -231,7 +231,7 @@ HWY_INLINE void gather_light(SampleResult& out, const PathLanes& lanes, const La
   const MaterialLanes material = material_of(hn::ShiftRight<12>(sample.entry), light);
   Mask masked;
   pass_surfaces(out, in_medium, masked, lanes, trapped, material, sample, field);
-  if (field.wide) {  // floats are summed in the order of samples
+  if (field.frame->wide) {  // floats are summed in the order of samples
     out.goes_on = hn::AndNot(hn::Or(masked, in_medium), out.goes_on);
     return;
   }

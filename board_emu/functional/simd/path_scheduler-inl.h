@@ -20,7 +20,7 @@ class PathScheduler : public LaneSlots<PathScheduler> {
 
   // To be called when all paths have stopped: adds the colours that rendering rays have gathered on lanes.
   void finish_colours(const PacketField& field) {
-    if (kind_ != PathKind::kRendering || field.wide) return;
+    if (kind_ != PathKind::kRendering || field.frame->wide) return;
     seen_.finish<false>(field);
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {

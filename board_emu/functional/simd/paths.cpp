@@ -45,8 +45,8 @@ void trace_paths_with(PathScheduler& scheduler, const PacketField& field, RayCou
 
 template <PathKind kKind>
 void trace_paths_of(PathScheduler& scheduler, const PacketField& field, RayCounters& counters) {
-  return field.wide ? trace_paths_with<kKind, true>(scheduler, field, counters)
-                    : trace_paths_with<kKind, false>(scheduler, field, counters);
+  return field.frame->wide ? trace_paths_with<kKind, true>(scheduler, field, counters)
+                           : trace_paths_with<kKind, false>(scheduler, field, counters);
 }
 
 void trace_all_paths(std::span<TracedPath> paths, const Frame& frame, const PacketField& field, RayCounters& counters) {

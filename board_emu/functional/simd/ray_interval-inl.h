@@ -162,7 +162,7 @@ HWY_INLINE WayLanes way_of(const LaneState& ray, const std::array<Doubles, 3>& s
       previous = hn::Add(previous, hn::ShiftRight<kRestBits>(back));
       next = hn::Add(next, hn::ShiftRight<kRestBits>(on));
     }
-    const V extent = set(field.extent[axis]);
+    const V extent = set(field.frame->extent[axis]);
     outside = hn::Or(outside, hn::Or(next, hn::Sub(extent, next)));  // negative: outside
     const Mask backward = hn::Lt(ray.step[axis], hn::Zero(D32()));   // a step's rest is not negative
     out.ahead[axis] = hn::Sub(hn::IfThenZeroElse(backward, extent), ray.position[axis]);

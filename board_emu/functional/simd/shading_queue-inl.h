@@ -72,7 +72,7 @@ class ShadingQueue {
       for (std::size_t c = 0; c < 3; ++c) shading.colour[c] = tinted(shading.colour[c], factor[c]);
     }
     auto seen = field.irradiance != nullptr ? illuminated(shading, entry, at, get(kLit), field)
-                : field.shaded              ? shade(shading, resample_gradient(at, field), SquareOf{*field.tables})
+                : field.frame->shade        ? shade(shading, resample_gradient(at, field), SquareOf{*field.tables})
                                             : shading.colour;
     if (field.cut_faces) {
       const Mask plain = hn::Ne(get(kAtFace), hn::Zero(D32()));

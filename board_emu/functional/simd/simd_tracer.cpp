@@ -44,25 +44,23 @@ void trace_with(LaneScheduler& exchange, const PacketField& field, RayCounters& 
   exchange.finish_colours();
 }
 
-template <Gathers kGathers>
+template <Gathers kGathers, bool kJitter>
 void trace_gathering(LaneScheduler& exchange, const PacketField& field, RayCounters& counters) {
-  if (field.jitter) {
-    return field.wide ? trace_with<kGathers, true, true>(exchange, field, counters)
-                      : trace_with<kGathers, true, false>(exchange, field, counters);
-  }
-  return field.wide ? trace_with<kGathers, false, true>(exchange, field, counters)
-                    : trace_with<kGathers, false, false>(exchange, field, counters);
+  return field.frame->wide ? trace_with<kGathers, kJitter, true>(exchange, field, counters)
+                           : trace_with<kGathers, kJitter, false>(exchange, field, counters);
 }
 
 void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
            std::span<std::int32_t> steps) {
   LaneScheduler exchange(rays, frame, counters, steps);
   switch (field.gathers) {
-    case Gathers::kOpacity: return trace_gathering<Gathers::kOpacity>(exchange, field, counters);
-    case Gathers::kColour: return trace_gathering<Gathers::kColour>(exchange, field, counters);
-    case Gathers::kIntegral:
-      return field.wide ? trace_with<Gathers::kIntegral, false, true>(exchange, field, counters)
-                        : trace_with<Gathers::kIntegral, false, false>(exchange, field, counters);
+    case Gathers::kOpacity:
+      return frame.jitter ? trace_gathering<Gathers::kOpacity, true>(exchange, field, counters)
+                          : trace_gathering<Gathers::kOpacity, false>(exchange, field, counters);
+    case Gathers::kColour:
+      return frame.jitter ? trace_gathering<Gathers::kColour, true>(exchange, field, counters)
+                          : trace_gathering<Gathers::kColour, false>(exchange, field, counters);
+    case Gathers::kIntegral: return trace_gathering<Gathers::kIntegral, false>(exchange, field, counters);
   }
 }
 
@@ -235,6 +233,7 @@ bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
 PacketField SimdTracer::field_of(const Frame& frame) const {
   const VolumeMemory& volume = *frame.volume;
   PacketField field{};
+  field.frame = &frame;
   field.densities = volume.decoded_densities().data();
   field.codes = volume.decoded_codes().empty() ? nullptr : volume.decoded_codes().data();
   field.gradients = volume.gradients().data();
@@ -242,7 +241,6 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
   field.colours = volume.decoded_colours().empty() ? nullptr : volume.decoded_colours().data();
   field.premultiplied = volume.format() == wire::VoxelFormat::kRgba;
   field.tables = &tables_;
-  field.wide = frame.wide;
   field.corrected = !tables_.alpha.empty() && frame.gathers();
   field.opacities = field.corrected       ? static_cast<const void*>(tables_.alpha.data())
                     : gathers_wide(frame) ? static_cast<const void*>(frame.wide_depths.data())
@@ -252,7 +250,6 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
     field.irradiance_plane = frame.light_words > 1 ? irradiance_.plane() : 0;
     field.irradiance_first = irradiance_.first();
     field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();
-    field.exposure = frame.exposure;
   }
   field.threshold = static_cast<std::int32_t>(frame.opacity_threshold);
   field.edge = volume.block_voxels() + 1;
@@ -262,11 +259,7 @@ PacketField SimdTracer::field_of(const Frame& frame) const {
   field.cells_across = ranges_.size()[0];
   field.cells_slice = ranges_.size()[0] * ranges_.size()[1];
   field.gathers = frame.integral() ? Gathers::kIntegral : frame.colourless() ? Gathers::kOpacity : Gathers::kColour;
-  field.extent = frame.extent;
-  field.cut_planes = frame.cut_planes;
-  field.shaded = frame.shade;
   field.cut_faces = frame.shade && frame.cut_faces && !frame.lit_by_irradiance;
-  field.jitter = frame.jitter;
   return field;
 }
 

@@ -54,6 +54,7 @@ enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 
 // Other inputs of lanes.
 struct PacketField {
+  const Frame* frame;
   const std::int16_t* densities;
   const std::uint16_t* codes;        // may be null: all are 0
   const DecodedGradient* gradients;  // by code
@@ -67,17 +68,14 @@ struct PacketField {
   std::size_t irradiance_plane;  // distance to green's words, and to blue's; 0: one word for all colours
   const std::int32_t* irradiance_first;
   const std::uint8_t* specular;
-  std::uint32_t exposure;
   std::int32_t threshold;
   std::int32_t edge;  // voxels of a block with its +1 face
   int block_shift;    // from position units to blocks
   std::int32_t across, slice;
   std::int32_t cells_across, cells_slice;
-  Point extent;
-  std::span<const Plane> cut_planes;
   const LightField* light;  // for lighting and scattered rays
   Gathers gathers;
-  bool shaded, cut_faces, jitter, wide, premultiplied;
+  bool cut_faces, premultiplied;
 };
 
 class SimdTracer {
