@@ -1,12 +1,23 @@
 #include "dsp.h"
 
 #include <algorithm>
+#include <cstring>
+#include <span>
 
 namespace gicube::emu {
 
 namespace {
 
 constexpr std::uint64_t kCodeOfLoop = Dsp::kProgramBytes;  // chosen: the most code that a loop may have
+
+// Loops have different names. A loop from a checkpoint is not at the address of the process's own loop of its name.
+bool is_same(const DspLoop* a, const DspLoop* b) {
+  return a == b || (a != nullptr && b != nullptr && std::strcmp(a->name, b->name) == 0);
+}
+std::size_t place_of(const DspLoop* loop, std::span<const DspLoop* const> list) {
+  const auto found = std::ranges::find_if(list, [loop](const DspLoop* each) { return is_same(each, loop); });
+  return static_cast<std::size_t>(found - list.begin());
+}
 
 }  // namespace
 
@@ -53,9 +64,8 @@ DspCycle Dsp::access_line(std::uint64_t line, SdramUse::Kind kind, DspCycle at) 
 
 // Returns the cycle in which the loop's code has arrived.
 DspCycle Dsp::fetch(const DspLoop& loop, DspCycle at) {
-  const auto linked = std::ranges::find(linked_, &loop);
-  const auto place = static_cast<std::uint64_t>(linked - linked_.begin());
-  if (linked == linked_.end()) linked_.push_back(&loop);
+  const std::uint64_t place = place_of(&loop, linked_);
+  if (place == linked_.size()) linked_.push_back(&loop);
   const std::uint64_t first = (sdram_map::kCode + place * kCodeOfLoop) / kLineBytes;
   const std::uint64_t lines = (std::min(loop.code_bytes(), kProgramBytes) + kLineBytes - 1) / kLineBytes;
   DspCycle there = at;
@@ -68,28 +78,14 @@ DspCycle Dsp::fetch(const DspLoop& loop, DspCycle at) {
 DspCycle Dsp::begin_loop(const DspLoop& loop, DspCycle at) {
   loop_ = &loop;
   ++counters_.loops;
-  const auto cached = std::ranges::find(program_, &loop);
-  const bool miss = cached == program_.end();
-  if (miss) {
-    program_.insert(program_.begin(), &loop);
-  } else {
-    std::rotate(program_.begin(), cached, cached + 1);
-  }
+  const std::size_t cached = place_of(&loop, program_);
+  const bool miss = cached == program_.size();
+  if (!miss) program_.erase(program_.begin() + static_cast<std::ptrdiff_t>(cached));
+  program_.insert(program_.begin(), &loop);
   std::uint32_t bytes = loop.code_bytes();
   const auto fits = [&bytes](const DspLoop* each) { return (bytes += each->code_bytes()) <= kProgramBytes; };
   program_.erase(std::find_if_not(program_.begin() + 1, program_.end(), fits), program_.end());
   return miss ? fetch(loop, at) : at;
-}
-
-// Replaces a loop of a checkpoint by the process's own: loops are compared by address, which differs between processes.
-void Dsp::adopt(const DspLoop& loop) {
-  const auto is_it = [&loop](const NamedLoop& each) { return each.name == loop.name; };
-  const auto found = std::ranges::find_if(named_, is_it);
-  if (found == named_.end()) return;
-  std::ranges::replace(program_, &found->loop, &loop);
-  std::ranges::replace(linked_, &found->loop, &loop);
-  if (loop_ == &found->loop) loop_ = &loop;
-  *found = {"", found->loop};
 }
 
 void Dsp::state(Archive& archive) {
@@ -113,12 +109,9 @@ void Dsp::state(Archive& archive) {
       linked_.push_back(&each.loop);
     }
   }
-  const auto place_of = [this](const DspLoop* loop) {
-    return static_cast<std::uint32_t>(std::ranges::find(linked_, loop) - linked_.begin());
-  };
   std::vector<std::uint32_t> cached;
-  for (const DspLoop* loop : program_) cached.push_back(place_of(loop));
-  auto current = place_of(loop_);
+  for (const DspLoop* loop : program_) cached.push_back(static_cast<std::uint32_t>(place_of(loop, linked_)));
+  auto current = static_cast<std::uint32_t>(place_of(loop_, linked_));
   archive.list("program_cache", cached, linked_.size());
   archive.at_most("loop", current, static_cast<std::uint32_t>(linked_.size()));
   if (archive.loads()) {
@@ -137,9 +130,7 @@ void Dsp::state(Archive& archive) {
 DspCycle Dsp::work(const DspTask& task, DspCycle begin) {
   if (task.loop == nullptr || ideal_) return begin;
   DspCycle compute = task.cycles(), there = begin;
-  if (task.loop != loop_ && !named_.empty()) [[unlikely]]
-    adopt(*task.loop);
-  if (task.loop != loop_) {
+  if (!is_same(task.loop, loop_)) {
     there = begin_loop(*task.loop, begin);
     compute += task.loop->setup();
   }

@@ -62,12 +62,11 @@ class Dsp {
 
     void state(Archive::Record& record) { record(number, changed); }
   };
-  // A loop from a checkpoint, until the process uses its own loop of that name.
+  // A loop from a checkpoint.
   struct NamedLoop {
     std::string name;
     DspLoop loop;
   };
-  void adopt(const DspLoop& loop);
   DspCycle read(std::uint64_t line, DspCycle at);
   DspCycle write(std::uint64_t line, DspCycle at);
   DspCycle access_line(std::uint64_t line, SdramUse::Kind kind, DspCycle at);
