@@ -39,10 +39,6 @@ void Framebuffer::clear(int width, const ImageRows& rows, wire::Filter filter) {
   sums_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height()), Sum{});
 }
 
-void Framebuffer::begin(const wire::RenderCommand& command, bool goes_on) {
-  if (!goes_on) clear(command.width, ImageRows(command), command.filter);
-}
-
 void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
   const int row = rows_.place(y);
   if (weight == 0 || x < 0 || x >= width_ || row < 0) return;

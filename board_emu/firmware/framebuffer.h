@@ -29,8 +29,6 @@ class Framebuffer {
 
   // Starts a black, transparent image and discards the previous one.
   void clear(int width, const ImageRows& rows, wire::Filter filter);
-  // Clears it for the rows of this card, unless `goes_on` continues an image.
-  void begin(const wire::RenderCommand& command, bool goes_on);
   // Whether the current image belongs to such a command.
   bool is_of(const wire::RenderCommand& command) const {
     return width_ == command.width && filter_ == command.filter && rows_ == ImageRows(command);

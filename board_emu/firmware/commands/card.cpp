@@ -157,7 +157,7 @@ RunResult Card::run_level(RaySource& rays, const Frame& frame, Progress& work) {
   if (level_volume != aperture.volume_writes()) level.volume_changed();
   level_volume = aperture.volume_writes();
   RunResult ran = level.run(rays, frame, work);
-  if (config.ideal().dsp() != 0) ran.dsp_cycles = 0;
+  ran.dsp_cycles = dsp_cycles(ran.dsp_cycles);
   if (ran.cancelled) throw CommandFault{wire::ErrorCode::kCancelled, ""};
   ++answered[static_cast<std::size_t>(ran.answered)][opcode];
   return ran;

@@ -132,6 +132,8 @@ struct Card {
   void set_light(Frame& frame, wire::EnergyRules rules);
   void set_bricks(Frame& frame);
 
+  // `cycles` of the DSP, or 0 if it is ideal.
+  std::uint64_t dsp_cycles(std::uint64_t cycles) const { return config.ideal().dsp() != 0 ? 0 : cycles; }
   // Runs the level. Throws CommandFault if the command was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);
 

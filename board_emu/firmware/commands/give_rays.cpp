@@ -132,11 +132,9 @@ CommandResult give_rays(Card& card, Payload payload, Progress& /*work*/) {
     }
   }
   if (picture && card.waiting_rays.count() == 0) card.aperture.resolve_framebuffer(card.threads);
-  CommandResult result;
-  if (card.config.ideal().dsp() == 0) {
-    const std::size_t packets = (payload.size() - wire::kGiveRaysHeaderBytes) / wire::kRayBytes;
-    result.dsp_cycles = packets * kPassRay.interval() + (picture ? ended.size() * kAddToPixel.interval() : 0);
-  }
+  const std::size_t packets = (payload.size() - wire::kGiveRaysHeaderBytes) / wire::kRayBytes;
+  const std::size_t cycles = packets * kPassRay.interval() + (picture ? ended.size() * kAddToPixel.interval() : 0);
+  CommandResult result{.dsp_cycles = card.dsp_cycles(cycles)};
   card.add_waiting(result);
   return result;
 }

@@ -49,8 +49,6 @@ CommandResult load_coarse(Card& card, Payload payload, Progress& /*work*/) {
   };
   write(wire::kVolume, block);
   if (coloured) write(wire::kColours, colours);
-  CommandResult result;
-  if (card.config.ideal().dsp() == 0) result.dsp_cycles = kCopyVoxel.setup() + all * kCopyVoxel.interval();
-  return result;
+  return {.dsp_cycles = card.dsp_cycles(kCopyVoxel.setup() + all * kCopyVoxel.interval())};
 }
 }  // namespace gicube::emu

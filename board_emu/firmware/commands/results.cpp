@@ -43,7 +43,7 @@ void Card::add_trap_list(CommandResult& result, std::size_t max_rays) {
   for (const wire::TrappedRay& ray : rays) wire::append(result.payload, ray);
   result.up_bytes = result.payload.size();
   result.returns_rays = !rays.empty();
-  const std::uint64_t cycles = config.ideal().dsp() != 0 ? 0 : rays.size() * kPassRay.interval();
+  const std::uint64_t cycles = dsp_cycles(rays.size() * kPassRay.interval());
   result.dsp_cycles += cycles;
   if (result.asic_ps != 0) result.asic_ps += cycles_to_ps(cycles, config.dsp().clock_khz());
   host_traps_total += rays.size();
@@ -67,7 +67,7 @@ void Card::add_waiting(CommandResult& result) {
   for (const wire::WaitingBlock& each : blocks) {
     min_block_loads += waiting_rays.note_wait(each.block, aperture.volume().block_count()) ? 1 : 0;
   }
-  if (config.ideal().dsp() == 0 && result.asic_ps == 0) result.dsp_cycles += added * kPassRay.interval();
+  if (result.asic_ps == 0) result.dsp_cycles += dsp_cycles(added * kPassRay.interval());
 }
 
 }  // namespace gicube::emu

@@ -71,7 +71,7 @@ CommandResult take_rays(Card& card, Payload payload, Progress& /*work*/) {
   card.forwarded_rays += taken;
   const bool last = taken > 0 && card.waiting_rays.count() == 0;
   if (last && card.waiting_rays.kind() == WaitingKind::kPicture) card.aperture.resolve_framebuffer(card.threads);
-  if (card.config.ideal().dsp() == 0) result.dsp_cycles = records.size() / wire::kRayBytes * kPassRay.interval();
+  result.dsp_cycles = card.dsp_cycles(records.size() / wire::kRayBytes * kPassRay.interval());
   return result;
 }
 

@@ -30,7 +30,7 @@ class ImageRays : public RaySource {
         tiles_across_((command.width + kTile - 1) / kTile),
         rules_(rules),
         lamps_(lamps) {
-    framebuffer.begin(command, goes_on);
+    if (!goes_on) framebuffer.clear(command.width, ImageRows(command), command.filter);
   }
 
   std::uint64_t count() const override { return across_ * rows_.size(); }
