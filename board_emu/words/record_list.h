@@ -23,6 +23,7 @@ void records_state(Archive& archive, std::string_view name, List& list, std::uin
   if (!archive.loads()) return;
   list.clear();
   constexpr std::size_t kEach = wire::bytes_of<Record>();
+  if constexpr (requires { list.reserve(0); }) list.reserve(bytes.size() / kEach);
   for (std::size_t at = 0; at + kEach <= bytes.size(); at += kEach) {
     list.push_back(wire::decode<Record>(std::span(bytes).subspan(at)));
   }
@@ -35,6 +36,7 @@ std::optional<std::vector<std::uint8_t>> read_records(const std::vector<Record>&
   constexpr std::uint64_t kEach = wire::bytes_of<Record>();
   if (offset % kEach != 0 || length % kEach != 0 || (offset + length) / kEach > list.size()) return std::nullopt;
   std::vector<std::uint8_t> out;
+  out.reserve(static_cast<std::size_t>(length));
   const auto first = static_cast<std::size_t>(offset / kEach);
   for (const Record& each : std::span(list).subspan(first, static_cast<std::size_t>(length / kEach))) {
     wire::append(out, each);
