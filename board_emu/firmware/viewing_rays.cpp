@@ -51,22 +51,6 @@ std::uint32_t to_word(double voxels, std::int32_t extent) {
   return static_cast<std::uint32_t>(rounded(std::clamp(voxels * kUnitsPerVoxel, 0.0, static_cast<double>(extent))));
 }
 
-// The entry of a line, without its face, after `begin` times its direction.
-std::optional<Entry> start(const Line& line, const Point& extent, std::span<const Plane> planes, double& begin) {
-  const std::array<double, 3>& d = line.direction;
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
-  const auto interval = clip(line, extent, planes);
-  if (!interval) return std::nullopt;
-  begin = interval->begin;
-  Entry out;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.position[axis] = line.origin[axis] + begin * d[axis];
-    out.direction[axis] = d[axis] / length;
-  }
-  return out;
-}
-
 }  // namespace
 
 Line viewing_line(const wire::RenderCommand& command, double x, double y) {
@@ -85,12 +69,19 @@ std::optional<Interval> clip(const Line& line, const Point& extent, std::span<co
 }
 
 std::optional<Entry> entry(const Line& line, const Point& extent, std::span<const Plane> planes) {
-  double begin = 0;
-  std::optional<Entry> out = start(line, extent, planes, begin);
-  if (!out) return out;
+  const std::array<double, 3>& d = line.direction;
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  const auto interval = clip(line, extent, planes);
+  if (!interval) return std::nullopt;
+  Entry out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = line.origin[axis] + interval->begin * d[axis];
+    out.direction[axis] = d[axis] / length;
+  }
   int face = 0;
   each_half_space(line, extent, planes, [&](double value, double slope) {
-    if (slope > 0 && -value / slope == begin) out->face = face;
+    if (slope > 0 && -value / slope == interval->begin) out.face = face;
     ++face;
   });
   return out;
@@ -98,15 +89,17 @@ std::optional<Entry> entry(const Line& line, const Point& extent, std::span<cons
 
 std::optional<wire::Ray> viewing_ray(const Line& line, std::uint16_t u, std::uint16_t v, const Point& extent,
                                      std::span<const Plane> planes) {
-  double begin = 0;
-  const std::optional<Entry> at = start(line, extent, planes, begin);
-  if (!at) return std::nullopt;
+  const std::array<double, 3>& d = line.direction;
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  const auto interval = clip(line, extent, planes);
+  if (!interval) return std::nullopt;
   wire::Ray ray;
   ray.u = u;
   ray.v = v;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.position[axis] = to_word(at->position[axis], extent[axis]);
-    ray.direction[axis] = static_cast<std::int16_t>(rounded(at->direction[axis] * (1 << wire::kDirectionFractionBits)));
+    ray.position[axis] = to_word(line.origin[axis] + interval->begin * d[axis], extent[axis]);
+    ray.direction[axis] = static_cast<std::int16_t>(rounded(d[axis] / length * (1 << wire::kDirectionFractionBits)));
   }
   return ray;
 }

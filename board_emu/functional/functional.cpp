@@ -12,43 +12,47 @@ namespace gicube::emu {
 
 namespace {
 
-// The block in which a ray is.
-struct BlockOfRay {
-  explicit BlockOfRay(const Frame& frame) : grid(*frame.volume) {}
-
-  // Returns false if the ray's block is non-resident.
-  bool follow(const RayState& ray_state, const Frame& frame) {
-    const std::size_t block = grid.block(ray_state.position);
-    if (block == index) return true;
-    if (is_non_resident(block, frame)) return false;
-    index = block;
-    view = frame.volume->view(block);
-    low = grid.low(ray_state.position);
-    return true;
-  }
-
-  BlockGrid grid;
-  std::size_t index = ~std::size_t{0};
+// Traces a ray that only gathers.
+Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
+  const BlockGrid grid(*frame.volume);
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  std::size_t here = ~std::size_t{0};
   BlockView view;
   Point low{};
-};
+  Termination how = Termination::kActive;
+  while ((how = end(ray_state, frame)) == Termination::kActive) {
+    const std::size_t block = grid.block(ray_state.position);
+    if (block != here) {
+      if (is_non_resident(block, frame)) return Termination::kNonResident;
+      here = block;
+      view = frame.volume->view(block);
+      low = grid.low(ray_state.position);
+    }
+    if (is_skipped(block, frame)) {
+      taken += skip_block(ray_state, low, grid.size(), frame, counters);
+      continue;
+    }
+    const Cell at = cell(ray_state.position, low);
+    gather(ray_state, {at, view, block, edge}, frame, counters);
+    ++taken;
+  }
+  return how;
+}
 
-// One iteration. Adds the number of steps of a ray that only gathers to `steps`.
-Termination iterate(RayState& ray_state, BlockOfRay& block, bool plain, const Frame& frame, RayCounters& counters,
-                    std::int32_t& steps, const KnownInterval* known = nullptr) {
-  if (!block.follow(ray_state, frame)) return Termination::kNonResident;
-  if (is_skipped(block.index, frame)) {
-    steps += skip_block(ray_state, block.low, block.grid.size(), frame, counters);
+// One iteration of a ray that also deposits or is scattered.
+Termination iterate(RayState& ray_state, const BlockGrid& grid, const Frame& frame, RayCounters& counters,
+                    const KnownInterval* known = nullptr) {
+  const std::size_t block = grid.block(ray_state.position);
+  if (is_non_resident(block, frame)) return Termination::kNonResident;
+  const Point low = grid.low(ray_state.position);
+  if (is_skipped(block, frame)) {
+    skip_block(ray_state, low, grid.size(), frame, counters);
     return Termination::kActive;
   }
-  const Cell at = cell(ray_state.position, block.low);
-  const SampleSite site{at, block.view, block.index, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
-  if (plain) {
-    gather(ray_state, site, frame, counters);
-    ++steps;
-    return Termination::kActive;
-  }
-  const Interaction interaction = sample(ray_state, site, frame, counters, known);
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  const Cell at = cell(ray_state.position, low);
+  const BlockView view = frame.volume->view(block);
+  const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters, known);
   if (interaction.deposits && frame.light_words == 1) {
     give_host(interaction.deposit, frame);
     counters.energy.deposited += frame.irradiance->add(on_card(interaction.deposit, frame));
@@ -61,13 +65,11 @@ Termination iterate(RayState& ray_state, BlockOfRay& block, bool plain, const Fr
   return interaction.outcome == Outcome::kTrapped ? Termination::kWaits : Termination::kActive;
 }
 
-// All iterations until the ray stops.
-Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& steps) {
-  BlockOfRay block(frame);
-  const bool plain = frame.plain();
+Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) {
+  const BlockGrid grid(*frame.volume);
   Termination how = Termination::kActive;
   while (how == Termination::kActive && (how = end(ray_state, frame)) == Termination::kActive) {
-    how = iterate(ray_state, block, plain, frame, counters, steps);
+    how = iterate(ray_state, grid, frame, counters);
   }
   return how;
 }
@@ -177,21 +179,20 @@ class PathTracer {
 void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
   RayState ray_state = unpack(ray, frame);
   std::int32_t taken = 0;
-  const Termination how = run(ray_state, frame, counters, taken);
+  const Termination how =
+      frame.plain() ? run_plain(ray_state, frame, counters, taken) : run(ray_state, frame, counters);
   if (steps != nullptr) *steps = taken;
   count_end(ray_state, how, frame, counters);
   pack(ray_state, frame, ray);
 }
 
 Termination take_iteration(RayState& ray_state, const Frame& frame, RayCounters& counters, const KnownInterval* known) {
-  BlockOfRay block(frame);
-  std::int32_t ignored = 0;
-  return iterate(ray_state, block, false, frame, counters, ignored, known);
+  return iterate(ray_state, BlockGrid(*frame.volume), frame, counters, known);
 }
 
 void trace_path(TracedPath& path, const Frame& frame, RayCounters& counters) {
-  std::int32_t ignored = 0;
-  path.how = run(path.ray_state, frame, counters, ignored);
+  std::int32_t taken = 0;
+  path.how = frame.plain() ? run_plain(path.ray_state, frame, counters, taken) : run(path.ray_state, frame, counters);
 }
 
 std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
