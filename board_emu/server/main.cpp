@@ -111,13 +111,7 @@ void serve(const Options& options, const RoutineTable& routines) {
     if (!options.fault_log_file.empty()) faults.append_log_to(options.fault_log_file + suffix);
     boards.push_back(slots.back().get());
   }
-  BusOptions bus;
-  bus.resume_limit = options.resume_limit;
-  bus.max_held_bytes = options.max_results_bytes;
-  bus.max_unowned = options.max_connections;
-  bus.max_unowned_of_peer = options.max_connections_of_peer;
-  bus.max_wait = options.max_wait;
-  bus.max_command_time = options.max_command_time;
+  BusOptions bus = options.bus;
   bus.audit = &audit;
   if (!options.certificate_file.empty()) bus.tls = make_tls(options.certificate_file, options.key_file);
   const AccessToken own{Right::kControl, new_token()};

@@ -14,6 +14,7 @@
 namespace gicube::emu {
 namespace {
 
+constexpr const char* kWindow = "BEGIN:END in core cycles, with BEGIN < END";
 constexpr std::uint64_t kBytesOfMib = std::uint64_t{1} << 20;
 constexpr std::uint32_t kMaxConnections = 400;  // chosen: with as many closing ones and 64 boards below 1,024 files
 constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
@@ -48,7 +49,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "times: the first is routine 8, the next 9. Its code runs in a process of its own")
       ->allow_extra_args(false);
   add("--resume-seconds", flags.resume_seconds, "N",
-      "time that a session waits for its client after a broken connection, unless another client comes; 0 = none")
+      "time that a session waits for its client after a broken connection, unless another client requests the board; "
+      "0 = none")
       ->check(CLI::Range(0u, 86'400u))
       ->capture_default_str();
 
@@ -81,11 +83,11 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "memory that a board holds for a client: results not yet waited or polled for, answers not yet taken")
       ->check(CLI::Range(1u, kMaxMib))
       ->capture_default_str();
-  add("--max-connections", options.max_connections, "N",
+  add("--max-connections", options.bus.max_unowned, "N",
       "connections that own no board: a further one replaces the oldest that has not sent its version")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
-  add("--max-connections-of-peer", options.max_connections_of_peer, "N",
+  add("--max-connections-of-peer", options.bus.max_unowned_of_peer, "N",
       "the same for one address, or one process of this machine")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
@@ -211,11 +213,21 @@ std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text,
   }
 }
 
+// The error for a flag without the other one that it needs.
+std::string alone(std::string_view flag, std::string_view other) {
+  return fmt::format("{}: expected {} beside it, got none", flag, other);
+}
+
 void check_tls(const Options& options, std::vector<std::string>& errors) {
   if (options.certificate_file.empty() == options.key_file.empty()) return;
   const bool has_key = options.certificate_file.empty();
-  errors.push_back(fmt::format("{}: expected {} beside it, got none", has_key ? "--tls-key" : "--tls-cert",
-                               has_key ? "--tls-cert" : "--tls-key"));
+  errors.push_back(has_key ? alone("--tls-key", "--tls-cert") : alone("--tls-cert", "--tls-key"));
+}
+
+void need_cycles(const char* flag, const char* what, const Options& options, std::vector<std::string>& errors) {
+  if (options.config.fidelity() == v1::cycle) return;
+  errors.push_back(fmt::format("{}: expected fidelity=cycle, got {}: only that level has {}", flag,
+                               v1::FidelityLevel_Name(options.config.fidelity()), what));
 }
 
 void read_listen(const Flags& flags, Options& options, std::vector<std::string>& errors) {
@@ -272,14 +284,19 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
-constexpr const char* kWindow = "BEGIN:END in core cycles, with BEGIN < END";
+// Returns an empty window, and reports it, if the text is not one.
+CycleWindow read_window(const char* flag, const std::string& text, std::vector<std::string>& errors) {
+  const auto window = parse_window(text);
+  if (!window && !text.empty()) errors.push_back(fmt::format("{}: expected {}, got {}", flag, kWindow, text));
+  return window.value_or(CycleWindow{});
+}
 
 void read_events(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   const bool is_asked = !flags.event_file.empty() || !flags.observer_file.empty();
   const char* const flag = flags.event_file.empty() ? "--observer" : "--events";
   if (is_asked == flags.events_of.empty()) {
-    errors.push_back(is_asked ? fmt::format("{}: expected --events-of ITEM,... beside it, got none", flag)
-                              : "--events-of: expected --events FILE or --observer FILE beside it, got none");
+    errors.push_back(is_asked ? alone(flag, "--events-of ITEM,...")
+                              : alone("--events-of", "--events FILE or --observer FILE"));
   }
   if (!is_asked || flags.events_of.empty()) return;
   options.observation.event_file = flags.event_file;
@@ -290,43 +307,26 @@ void read_events(const Flags& flags, Options& options, std::vector<std::string>&
   } catch (const std::invalid_argument& error) {
     errors.push_back(fmt::format("--events-of: {}", error.what()));
   }
-  if (options.config.fidelity() != v1::cycle && !options.observation.events.life) {
-    errors.push_back(fmt::format("{}: expected fidelity=cycle, got {}: only that level has parts with events", flag,
-                                 v1::FidelityLevel_Name(options.config.fidelity())));
-  }
+  if (!options.observation.events.life) need_cycles(flag, "parts with events", options, errors);
   if (!flags.event_file.empty() && (flags.event_file == flags.trace_file || flags.event_file == flags.vcd_file)) {
     errors.push_back(fmt::format("--events: expected another file than --trace and --vcd, got {}", flags.event_file));
   }
 }
 
-void read_trace_window(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  if (flags.trace_window.empty()) return;
-  const auto window = parse_window(flags.trace_window);
-  if (flags.trace_file.empty()) errors.push_back("--trace-window: expected --trace FILE beside it, got none");
-  if (!window) errors.push_back(fmt::format("--trace-window: expected {}, got {}", kWindow, flags.trace_window));
-  options.observation.trace_window = window.value_or(CycleWindow{});
-}
-
 // Call after read_config().
 void read_observation(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   options.observation = {.trace_file = flags.trace_file, .vcd_file = flags.vcd_file};
-  read_trace_window(flags, options, errors);
+  options.observation.trace_window = read_window("--trace-window", flags.trace_window, errors);
+  options.observation.vcd_window = read_window("--vcd-window", flags.vcd_window, errors);
+  if (!flags.trace_window.empty() && flags.trace_file.empty())
+    errors.push_back(alone("--trace-window", "--trace FILE"));
   read_events(flags, options, errors);
   if (flags.vcd_file.empty()) {
-    if (!flags.vcd_window.empty()) errors.push_back("--vcd-window: expected --vcd FILE beside it, got none");
+    if (!flags.vcd_window.empty()) errors.push_back(alone("--vcd-window", "--vcd FILE"));
     return;
   }
-  if (flags.vcd_window.empty()) {
-    errors.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", kWindow));
-  } else if (const auto window = parse_window(flags.vcd_window)) {
-    options.observation.vcd_window = *window;
-  } else {
-    errors.push_back(fmt::format("--vcd-window: expected {}, got {}", kWindow, flags.vcd_window));
-  }
-  if (options.config.fidelity() != v1::cycle) {
-    errors.push_back(fmt::format("--vcd: expected fidelity=cycle, got {}: only that level has clocked signals",
-                                 v1::FidelityLevel_Name(options.config.fidelity())));
-  }
+  if (flags.vcd_window.empty()) errors.push_back(alone("--vcd", fmt::format("--vcd-window {}", kWindow)));
+  need_cycles("--vcd", "clocked signals", options, errors);
   if (flags.vcd_file == flags.trace_file) {
     errors.push_back(fmt::format("--vcd: expected another file than --trace, got {}", flags.vcd_file));
   }
@@ -353,11 +353,12 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.errors.push_back(usage_fault(app, error.what()));
     return result;
   }
-  result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
   if (flags.max_memory_mib > 0) result.options.max_memory_bytes = flags.max_memory_mib * kBytesOfMib;
-  result.options.max_command_time = std::chrono::seconds(flags.max_command_seconds);
-  result.options.max_wait = std::chrono::seconds(flags.max_wait_seconds);
-  result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
+  BusOptions& bus = result.options.bus;
+  bus.resume_limit = std::chrono::seconds(flags.resume_seconds);
+  bus.max_command_time = std::chrono::seconds(flags.max_command_seconds);
+  bus.max_wait = std::chrono::seconds(flags.max_wait_seconds);
+  bus.max_held_bytes = flags.max_results_mib * kBytesOfMib;
   result.options.is_boxed = flags.box == "auto";
   check_tls(result.options, result.errors);
   read_listen(flags, result.options, result.errors);

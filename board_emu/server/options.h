@@ -1,7 +1,6 @@
 // The command line of gicube-board.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,20 +26,15 @@ struct Options {
   std::shared_ptr<const Checkpoint> checkpoint;  // initial state of the boards; null: none
   std::uint32_t boards = 1;
   ObservationOptions observation;
-  std::string fault_plan;               // plan text; empty: no faults
-  std::string fault_log_file;           // empty: none
-  std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
-  std::chrono::milliseconds resume_limit = BusOptions().resume_limit;
+  std::string fault_plan;                             // plan text; empty: no faults
+  std::string fault_log_file;                         // empty: none
+  std::vector<std::string> bsdf_files;                // scattering routines, in the order of their numbers
+  BusOptions bus;                                     // without tokens, TLS and audit log
   std::uint64_t max_memory_bytes = kUnlimitedMemory;  // per board
-  std::uint64_t max_results_bytes = BusOptions().max_held_bytes;
-  std::uint32_t max_connections = static_cast<std::uint32_t>(BusOptions().max_unowned);
-  std::uint32_t max_connections_of_peer = static_cast<std::uint32_t>(BusOptions().max_unowned_of_peer);
-  std::chrono::milliseconds max_wait = BusOptions().max_wait;
-  std::chrono::milliseconds max_command_time{0};
-  std::string audit_log_file;              // empty: lines go to the process's log
-  std::string certificate_file, key_file;  // for TLS; empty: plain TCP
-  std::string token_file;                  // for clients over TCP; empty: only this process's own token
-  bool is_boxed = true;                    // if the kernel supports it
+  std::string audit_log_file;                         // empty: lines go to the process's log
+  std::string certificate_file, key_file;             // for TLS; empty: plain TCP
+  std::string token_file;                             // for clients over TCP; empty: only this process's own token
+  bool is_boxed = true;                               // if the kernel supports it
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

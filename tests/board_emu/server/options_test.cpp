@@ -36,8 +36,8 @@ TEST(CommandLine, TakesAListeningBoardWithOverrides) {
 }
 
 TEST(CommandLine, SaysHowLongASessionMayBeResumed) {
-  EXPECT_EQ(parse({"--listen", "unix:/tmp/b"}).options.resume_limit, std::chrono::seconds(10));
-  EXPECT_EQ(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "0"}).options.resume_limit.count(), 0);
+  EXPECT_EQ(parse({"--listen", "unix:/tmp/b"}).options.bus.resume_limit, std::chrono::seconds(10));
+  EXPECT_EQ(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "0"}).options.bus.resume_limit.count(), 0);
   EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "86401"}).errors,
               Contains(HasSubstr("--resume-seconds")));
 }
