@@ -50,28 +50,15 @@ class Service final : public v1::BoardManagement::Service {
   Status GetInfo(ServerContext*, const v1::GetInfoRequest* in, v1::BoardInfo* out) override { return show(in, out); }
 
   Status Configure(ServerContext* context, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
-    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) {
-      std::string reason;
-      const auto result = slot.configure(request->config_text(), reason, given_up(*context));
-      const bool is_done = result == BoardSlot::Configured::kDone;
-      return noted(AuditEvent::kConfigured, *context, slot,
-                   is_done ? shown(slot, *info) : refusal(result, slot, reason));
+    return control(*context, AuditEvent::kConfigured, *request, *info, [&](BoardSlot& slot, Report& report) {
+      return slot.configure(request->config_text(), report.reason, given_up(*context));
     });
   }
 
   Status Reset(ServerContext* context, const v1::ResetRequest* request, v1::BoardInfo* info) override {
-    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) -> Status {
-      std::string reason;
-      const auto result = slot.power_reset(reason, given_up(*context));
-      Status status{StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
-      if (result == BoardSlot::Configured::kDone) {
-        status = shown(slot, *info);
-      } else if (result != BoardSlot::Configured::kInUse) {
-        status = refusal(result, slot, reason);
-      }
-      return noted(AuditEvent::kReset, *context, slot, status);
+    return control(*context, AuditEvent::kReset, *request, *info, [&](BoardSlot& slot, Report& report) {
+      report.in_use = {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+      return slot.power_reset(report.reason, given_up(*context));
     });
   }
 
@@ -80,25 +67,16 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   Status SetTrace(ServerContext* context, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
-    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) -> Status {
-      std::string reason, path;
-      try {
-        if (!request->file().empty()) path = trace_path(trace_folder_, request->file());
-      } catch (const std::invalid_argument& error) {
-        return noted(AuditEvent::kTraced, *context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
-      }
-      const auto result = slot.set_trace_file(path, reason, given_up(*context));
-      const bool is_done = result == BoardSlot::Configured::kDone;
-      return noted(AuditEvent::kTraced, *context, slot, is_done ? shown(slot, *info) : refusal(result, slot, reason),
-                   path.empty() ? "no trace" : path);
+    return control(*context, AuditEvent::kTraced, *request, *info, [&](BoardSlot& slot, Report& report) {
+      const std::string path = request->file().empty() ? "" : trace_path(trace_folder_, request->file());
+      report.what = path.empty() ? "no trace" : path;
+      return slot.set_trace_file(path, report.reason, given_up(*context));
     });
   }
 
   Status SaveCheckpoint(ServerContext* context, const v1::SaveCheckpointRequest* request,
                         v1::CheckpointInfo* info) override {
-    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) { return save(*context, slot, request->file(), *info); });
+    return save(*context, *request, *info);
   }
 
   Status GetTrace(ServerContext*, const v1::GetTraceRequest* in, v1::TraceInfo* out) override { return show(in, out); }
@@ -110,11 +88,9 @@ class Service final : public v1::BoardManagement::Service {
 
   Status SetFaultPlan(ServerContext* context, const v1::SetFaultPlanRequest* request,
                       v1::FaultPlanInfo* info) override {
-    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
-    return on_board(*request, [&](BoardSlot& slot) -> Status {
-      const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
-      const Status refused{StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
-      return noted(AuditEvent::kFaultsSet, *context, slot, found.empty() ? shown(slot, *info) : refused);
+    return control(*context, AuditEvent::kFaultsSet, *request, *info, [&](BoardSlot& slot, Report& report) {
+      report.reason = to_string(slot.faults().set_plan(request->plan_text()));
+      return report.reason.empty() ? Result::kDone : Result::kFaulty;
     });
   }
 
@@ -148,29 +124,57 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
-  Status save(const ServerContext& context, BoardSlot& slot, const std::string& file, v1::CheckpointInfo& info) {
-    std::string reason, path;
-    try {
-      path = trace_path(trace_folder_, file);
-    } catch (const std::invalid_argument& error) {
-      return noted(AuditEvent::kSaved, context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
-    }
-    BoardSlot::Saved saved;
-    const auto result = slot.save(path, saved, reason, given_up(context));
-    if (result != BoardSlot::Configured::kDone) {
-      return noted(AuditEvent::kSaved, context, slot, refusal(result, slot, reason), path);
-    }
-    info.set_board(slot.index());
-    info.set_file(path);
-    info.set_simulated_ps(saved.simulated_ps);
-    info.set_bytes(saved.bytes);
-    return noted(AuditEvent::kSaved, context, slot, Status::OK, path);
+  using Result = BoardSlot::Configured;
+
+  // Describes a call that changes a board.
+  struct Report {
+    std::string reason;  // of kFaulty and kFailed
+    std::string what;    // for the audit log
+    Status in_use{};     // for kInUse; OK: the usual status
+  };
+
+  // Carries out `work` for a caller with the right to control the board, fills `out` if describe.h can, and logs the
+  // result.
+  template <typename Request, typename Message, typename Work>
+  Status control(const ServerContext& context, AuditEvent event, const Request& request, Message& out,
+                 const Work& work) {
+    if (Status refused = lacks(context, Right::kControl); !refused.ok()) return refused;
+    return on_board(request, [&](BoardSlot& slot) {
+      Report report;
+      Result result = Result::kFaulty;
+      try {
+        result = work(slot, report);
+      } catch (const std::invalid_argument& error) {
+        report.reason = error.what();
+      }
+      if constexpr (requires { describe(slot, out); }) {
+        if (result == Result::kDone) describe(slot, out);
+      }
+      const bool has_own = result == Result::kInUse && !report.in_use.ok();
+      return noted(event, context, slot, has_own ? report.in_use : status_of(result, slot, report.reason), report.what);
+    });
+  }
+
+  Status save(const ServerContext& context, const v1::SaveCheckpointRequest& request, v1::CheckpointInfo& info) {
+    return control(context, AuditEvent::kSaved, request, info, [&](BoardSlot& slot, Report& report) {
+      report.what = trace_path(trace_folder_, request.file());
+      BoardSlot::Saved saved;
+      const Result result = slot.save(report.what, saved, report.reason, given_up(context));
+      info.set_board(slot.index());
+      info.set_file(report.what);
+      info.set_simulated_ps(saved.simulated_ps);
+      info.set_bytes(saved.bytes);
+      return result;
+    });
   }
 
   // Executes the line "checkpoint FILE" of a debugger.
   Debugger::Answer save_in_debug(const ServerContext& context, BoardSlot& slot, const std::string& file) {
+    v1::SaveCheckpointRequest request;
+    request.set_board(slot.index());
+    request.set_file(file);
     v1::CheckpointInfo info;
-    const Status status = save(context, slot, file, info);
+    const Status status = save(context, request, info);
     const bool is_paused = slot.debugger().is_paused();
     if (!status.ok()) return {"checkpoint: " + status.error_message() + '\n', true, is_paused};
     return {fmt::format("board {} at {} ps is in {}, {} bytes\n", info.board(), info.simulated_ps(), info.file(),
@@ -182,7 +186,7 @@ class Service final : public v1::BoardManagement::Service {
     Debugger& debugger = slot.debugger();
     if (!debugger.attach()) {
       return noted(AuditEvent::kDebugged, context, slot,
-                   {StatusCode::FAILED_PRECONDITION, fmt::format("another caller debugs board {}", slot.index())});
+                   {StatusCode::FAILED_PRECONDITION, fmt::format("another caller debugs board {}", slot.index())}, "");
     }
     const ScopeExit detached{[&debugger] { debugger.detach(); }};
     noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
@@ -209,7 +213,7 @@ class Service final : public v1::BoardManagement::Service {
   }
   // Logs the result of a call.
   Status noted(AuditEvent event, const ServerContext& context, const BoardSlot& slot, const Status& status,
-               const std::string& what = "") const {
+               const std::string& what) const {
     const std::string result = status.ok() ? "done" : "refused: " + status.error_message();
     note(event, context, fmt::format("board {}: {}{}{}", slot.index(), what, what.empty() ? "" : ": ", result));
     return status;
@@ -220,7 +224,7 @@ class Service final : public v1::BoardManagement::Service {
     if (!tokens_) return Status::OK;
     const std::optional<Right> right = tokens_->right_in(context.client_metadata());
     if (right && *right >= needed) return Status::OK;
-    note(AuditEvent::kForbidden, context, fmt::format("asked for what needs the right to {}", name_of(needed)));
+    note(AuditEvent::kForbidden, context, fmt::format("made a call that needs the right to {}", name_of(needed)));
     return {StatusCode::PERMISSION_DENIED,
             fmt::format("expected a token with the right to {}, got one with the right to {}", name_of(needed),
                         right ? name_of(*right) : "nothing")};
@@ -236,17 +240,21 @@ class Service final : public v1::BoardManagement::Service {
   // Fills a message with the public state of the board that the request names.
   template <typename Request, typename Message>
   Status show(const Request* request, Message* out) const {
-    return on_board(*request, [&](BoardSlot& slot) { return shown(slot, *out); });
+    return on_board(*request, [&](BoardSlot& slot) {
+      describe(slot, *out);
+      return Status::OK;
+    });
   }
 
-  static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
+  static Status status_of(Result result, const BoardSlot& slot, const std::string& reason) {
     switch (result) {
-      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, in_short(reason)};
-      case BoardSlot::Configured::kFailed: return {StatusCode::RESOURCE_EXHAUSTED, reason};
-      case BoardSlot::Configured::kCancelled:
-        return {StatusCode::CANCELLED, "the caller has given up, or the process ends"};
-      default: return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
+      case Result::kDone: return Status::OK;
+      case Result::kFaulty: return {StatusCode::INVALID_ARGUMENT, in_short(reason)};
+      case Result::kFailed: return {StatusCode::RESOURCE_EXHAUSTED, reason};
+      case Result::kCancelled: return {StatusCode::CANCELLED, "the call was cancelled, or the board process ends"};
+      case Result::kInUse: break;
     }
+    return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
   }
 
   // gRPC refuses metadata above 8 KiB, in which a status is sent percent-encoded.
@@ -285,13 +293,6 @@ class Service final : public v1::BoardManagement::Service {
     } while (sleep_until(next, context));
     if (context.IsCancelled()) return Status::CANCELLED;
     return {StatusCode::UNAVAILABLE, "the board process ends"};
-  }
-
-  // Fills a message with the public state of a board (describe.h).
-  template <typename Slot, typename Message>
-  static Status shown(Slot& slot, Message& out) {
-    describe(slot, out);
-    return Status::OK;
   }
 
   // Returns false if the call is cancelled or the service stops before that time.
