@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -22,6 +23,8 @@ constexpr std::uint64_t kFj = 1000;       // attojoules
 constexpr std::uint64_t kPj = 1'000'000;  // attojoules
 constexpr std::uint64_t kPsPerMs = 1'000'000'000;
 constexpr std::uint64_t kBitsPerMbit = 1 << 20;
+constexpr std::uint64_t kTableBits = 8 * 30 + 84;  // gradients and a segmentation entry, per sample [P Table 1]
+constexpr std::uint64_t kReflectanceBits = 4 * 8;  // four texels per visible sample
 
 // Parts of the card, by their places in the list of the result.
 enum Part {
@@ -51,12 +54,6 @@ struct Price {
   std::uint64_t percent = 0;  // by which it may be wrong
 };
 
-Price price(const v1::BoardConfig& config, const char* field_name) {
-  const auto& energy = config.energy();
-  const auto* field = energy.GetDescriptor()->FindFieldByName(field_name);
-  return {energy.GetReflection()->GetUInt32(energy, field), field->options().GetExtension(v1::uncertainty)};
-}
-
 struct Sum {
   Attojoules value = 0, low = 0, high = 0;
 
@@ -69,14 +66,6 @@ struct Sum {
   // A microwatt for a picosecond is an attojoule.
   void power(Price each, Attojoules ps) { add(ps, each, 1); }
 };
-
-std::uint64_t transistors(const std::vector<LogicItem>& items, std::string_view name) {
-  std::uint64_t all = 0;
-  for (const LogicItem& item : items) {
-    if (name == item.name) all += item.transistors();
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -101,31 +90,33 @@ class EnergyModel::Values {
   std::unordered_map<std::string_view, std::uint64_t> by_name_;
 };
 
-// All that does not change while a board works.
+// Everything that is constant while a board works.
 struct EnergyModel::Prices {
   explicit Prices(const v1::BoardConfig& config);
 
-  bool is_ddr, is_agp;
-  std::string memory;                         // the prefix of its counters
+  Price price(const std::string& field) const { return by_field.at(field); }
+
+  std::map<std::string, Price> by_field;      // all fields of EnergyConfig
+  std::string memory, bus_byte;               // prefix of the memory's fields and counters; field of the bus
   std::uint64_t channels, devices;            // devices of all channels: RDRAMs, or ranks
   std::uint64_t memory_khz, memory_interval;  // clocks between two refreshes
   std::uint64_t sdram_khz, sdram_interval, ranks;
-  std::uint64_t dsp_mhz_times_1000, core_khz, link_bits;
-  std::uint64_t voxel_bits, table_bits, reflectance_bits, register_bits, sram_bits, edram_bits;
-  // Transistors that work for one event, of one processor.
+  std::uint64_t dsp_khz, core_khz, link_bits;
+  std::uint64_t voxel_bits, register_bits, sram_bits, edram_bits;
+  // Transistors of one processor that are used by one event.
   std::uint64_t sample_logic, leap_logic, deposit_logic, light_logic, insert_logic, check_logic;
-
-  Price standby, attention, activate, read, write, refresh, io, interface;
-  Price sdram_rank, sdram_activate, sdram_burst, sdram_refresh, sdram_io;
-  Price dsp_busy, dsp_idle, edram_bit, sram_bit, edram_rest, sram_rest, logic, clock_bit, link_bit, ray_bus_bit,
-      bus_byte;
 };
 
 EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
-  const auto of = [&config](const char* name) { return price(config, name); };
-  is_ddr = config.memory() == v1::ddr;
-  is_agp = config.bus().model() != v1::pci33;
-  memory = is_ddr ? "ddr." : "rdram.";
+  const v1::EnergyConfig& energy = config.energy();
+  for (int i = 0; i < energy.GetDescriptor()->field_count(); ++i) {
+    const auto& field = *energy.GetDescriptor()->field(i);
+    by_field[field.name()] = {energy.GetReflection()->GetUInt32(energy, &field),
+                              field.options().GetExtension(v1::uncertainty)};
+  }
+  const bool is_ddr = config.memory() == v1::ddr;
+  memory = is_ddr ? "ddr" : "rdram";
+  bus_byte = config.bus().model() == v1::pci33 ? "pci_byte_fj" : "agp_byte_fj";
   const std::uint32_t p = config.asic().processors();
   const dram::Standard standard = memory_standard(config);
   const std::uint32_t sharing = std::min(standard.sharing, p);
@@ -138,16 +129,13 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   sdram_khz = config.sdram().clock_khz();
   sdram_interval = config.sdram().refresh_interval();
   ranks = config.sdram().ranks();
-  dsp_mhz_times_1000 = config.dsp().clock_khz();
+  dsp_khz = config.dsp().clock_khz();
   core_khz = config.asic().core_khz();
   link_bits = config.link().bits();
 
   const HardwareCost cost = hardware_cost(config);
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
   voxel_bits = static_cast<std::uint64_t>(wire::voxel_bits(format, config.asic().irradiance_words()));
-  constexpr std::uint64_t kGradientBits = 8 * 30, kSegmentationBits = 84, kTexels = 4, kTexelBits = 8;  // [P Table 1]
-  table_bits = kGradientBits + kSegmentationBits;
-  reflectance_bits = kTexels * kTexelBits;
   register_bits = p * cost.registers.bits;
   for (const LogicItem& item : cost.logic) {
     if (std::string_view(item.part) == "Control") register_bits += item.count;
@@ -156,7 +144,9 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   edram_bits = cost.ray_queues.bits;
   const auto logic_of = [&](std::initializer_list<std::string_view> names) {
     std::uint64_t all = 0;
-    for (const std::string_view name : names) all += transistors(cost.logic, name);
+    for (const LogicItem& item : cost.logic) {
+      if (std::ranges::find(names, item.name) != names.end()) all += item.transistors();
+    }
     return all / p;
   };
   sample_logic = logic_of({"interpolators", "opacity correction", "reflectance", "shading", "compositing",
@@ -166,31 +156,6 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   light_logic = logic_of({"parts of lighting rays"});
   insert_logic = logic_of({"ranks of the sorters"});
   check_logic = logic_of({"comparators of eight voxels"});
-
-  standby = of(is_ddr ? "ddr_rank_uw" : "rdram_standby_uw");
-  attention = is_ddr ? standby : of("rdram_attention_uw");
-  activate = of(is_ddr ? "ddr_activate_fj" : "rdram_activate_fj");
-  read = of(is_ddr ? "ddr_read_fj" : "rdram_read_fj");
-  write = of(is_ddr ? "ddr_write_fj" : "rdram_write_fj");
-  refresh = of(is_ddr ? "ddr_refresh_fj" : "rdram_refresh_fj");
-  io = of(is_ddr ? "ddr_io_fj" : "rdram_io_fj");
-  interface = is_ddr ? Price{} : of("rdram_interface_uw");
-  sdram_rank = of("sdram_rank_uw");
-  sdram_activate = of("sdram_activate_fj");
-  sdram_burst = of("sdram_burst_fj");
-  sdram_refresh = of("sdram_refresh_fj");
-  sdram_io = of("sdram_io_fj");
-  dsp_busy = of("dsp_busy_uw_per_mhz");
-  dsp_idle = of("dsp_idle_uw_per_mhz");
-  edram_bit = of("edram_bit_fj");
-  sram_bit = of("sram_bit_fj");
-  edram_rest = of("edram_uw_per_mbit");
-  sram_rest = of("sram_uw_per_mbit");
-  logic = of("logic_aj");
-  clock_bit = of("clock_bit_fj");
-  link_bit = of("link_bit_fj");
-  ray_bus_bit = of("ray_bus_bit_fj");
-  bus_byte = of(is_agp ? "agp_byte_fj" : "pci_byte_fj");
 }
 
 EnergyModel::EnergyModel(const v1::BoardConfig& config) : config_(config) {}
@@ -211,53 +176,64 @@ std::vector<PartEnergy> EnergyModel::parts_of(const Values& counted, Picoseconds
   std::array<Sum, kParts> sums;
   const Attojoules time = now;
   const auto clocks = [time](std::uint64_t khz) { return time * khz / kPsPerMs; };
+  const auto price = [&of](const std::string& field) { return of.price(field); };
+  const auto memory_price = [&of](const std::string& what) { return of.price(of.memory + "_" + what); };
+  const auto memory_count = [&](const std::string& what) { return counted(of.memory + "." + what); };
 
-  // Memory of the volume. All devices rest in standby; the one whose data pass is in attention meanwhile.
-  const std::uint64_t reads = counted(of.memory + "reads"), writes = counted(of.memory + "writes");
-  sums[kMemory].power(of.standby, time * of.devices);
-  sums[kMemory].power({of.attention.value - std::min(of.attention.value, of.standby.value), of.attention.percent},
-                      Attojoules{counted(of.memory + "data_busy")} * kPsPerMs / of.memory_khz);
-  sums[kMemory].add(counted(of.memory + "activates"), of.activate);
-  sums[kMemory].add(reads, of.read);
-  sums[kMemory].add(writes, of.write);
-  if (of.memory_interval > 0) sums[kMemory].add(clocks(of.memory_khz) / of.memory_interval * of.devices, of.refresh);
-  sums[kMemoryInterface].add(Attojoules{reads} + writes, of.io);
-  sums[kMemoryInterface].power(of.interface, time * of.channels);
+  // Memory of the volume. All devices rest in standby. A device whose data is on the channel is in attention meanwhile.
+  const std::uint64_t reads = memory_count("reads"), writes = memory_count("writes");
+  const bool is_ddr = of.memory == "ddr";
+  const Price standby = memory_price(is_ddr ? "rank_uw" : "standby_uw");
+  sums[kMemory].power(standby, time * of.devices);
+  if (!is_ddr) {
+    const Price attention = price("rdram_attention_uw");
+    sums[kMemory].power({attention.value - std::min(attention.value, standby.value), attention.percent},
+                        Attojoules{memory_count("data_busy")} * kPsPerMs / of.memory_khz);
+    sums[kMemoryInterface].power(price("rdram_interface_uw"), time * of.channels);
+  }
+  sums[kMemory].add(memory_count("activates"), memory_price("activate_fj"));
+  sums[kMemory].add(reads, memory_price("read_fj"));
+  sums[kMemory].add(writes, memory_price("write_fj"));
+  if (of.memory_interval > 0)
+    sums[kMemory].add(clocks(of.memory_khz) / of.memory_interval * of.devices, memory_price("refresh_fj"));
+  sums[kMemoryInterface].add(Attojoules{reads} + writes, memory_price("io_fj"));
 
   // The DSP and its memory.
   const std::uint64_t bursts = counted("sdram.reads") + counted("sdram.writes");
-  sums[kSdram].power(of.sdram_rank, time * of.ranks);
-  sums[kSdram].add(counted("sdram.row_misses") + counted("sdram.row_conflicts"), of.sdram_activate);
-  sums[kSdram].add(bursts, of.sdram_burst);
-  sums[kSdram].add(bursts, of.sdram_io);
-  if (of.sdram_interval > 0) sums[kSdram].add(clocks(of.sdram_khz) / of.sdram_interval * of.ranks, of.sdram_refresh);
+  sums[kSdram].power(price("sdram_rank_uw"), time * of.ranks);
+  sums[kSdram].add(counted("sdram.row_misses") + counted("sdram.row_conflicts"), price("sdram_activate_fj"));
+  sums[kSdram].add(bursts, price("sdram_burst_fj"));
+  sums[kSdram].add(bursts, price("sdram_io_fj"));
+  if (of.sdram_interval > 0)
+    sums[kSdram].add(clocks(of.sdram_khz) / of.sdram_interval * of.ranks, price("sdram_refresh_fj"));
   const Attojoules busy = std::min<Attojoules>(counted("dsp.busy_ps"), time);
-  sums[kDsp].power(of.dsp_busy, busy * of.dsp_mhz_times_1000 / 1000);
-  sums[kDsp].power(of.dsp_idle, (time - busy) * of.dsp_mhz_times_1000 / 1000);
+  sums[kDsp].power(price("dsp_busy_uw_per_mhz"), busy * of.dsp_khz / 1000);
+  sums[kDsp].power(price("dsp_idle_uw_per_mhz"), (time - busy) * of.dsp_khz / 1000);
 
   // The ASIC. A ray is written to its queue, and read from it.
+  const Price sram = price("sram_bit_fj"), logic = price("logic_aj");
   const std::uint64_t samples = counted("processor.samples"), checks = counted("processor.cache.checks");
   const std::uint64_t deposits = counted("processor.splat.deposits"), tiles = counted("processor.splat.tiles");
   const Attojoules passes = Attojoules{counted("processor.sorter.written")} + counted("processor.sorter.issued");
-  sums[kQueues].add(passes * wire::kRayBits, of.edram_bit);
-  sums[kSorters].add(Attojoules{counted("processor.sorter.inserts")} * of.insert_logic, of.logic, 1);
-  sums[kCache].add(Attojoules{checks} * 8 * of.voxel_bits, of.sram_bit);
-  sums[kCache].add(Attojoules{counted("processor.cache.packets") + tiles} * 4 * of.voxel_bits, of.sram_bit);
-  sums[kCache].add(Attojoules{checks} * of.check_logic, of.logic, 1);
-  sums[kTables].add(Attojoules{samples} * of.table_bits, of.sram_bit);
-  sums[kTables].add(Attojoules{counted("pipeline.visible_samples")} * of.reflectance_bits, of.sram_bit);
-  sums[kPipelines].add(Attojoules{samples} * of.sample_logic, of.logic, 1);
-  sums[kPipelines].add(Attojoules{counted("processor.cycles.leap")} * of.leap_logic, of.logic, 1);
-  sums[kPipelines].add(Attojoules{deposits} * of.deposit_logic, of.logic, 1);
-  sums[kPipelines].add(Attojoules{counted("pipeline.deposits")} * of.light_logic, of.logic, 1);
-  sums[kLinks].add(Attojoules{counted("link.busy")} * of.link_bits, of.link_bit);
+  sums[kQueues].add(passes * wire::kRayBits, price("edram_bit_fj"));
+  sums[kSorters].add(Attojoules{counted("processor.sorter.inserts")} * of.insert_logic, logic, 1);
+  sums[kCache].add(Attojoules{checks} * 8 * of.voxel_bits, sram);
+  sums[kCache].add(Attojoules{counted("processor.cache.packets") + tiles} * 4 * of.voxel_bits, sram);
+  sums[kCache].add(Attojoules{checks} * of.check_logic, logic, 1);
+  sums[kTables].add(Attojoules{samples} * kTableBits, sram);
+  sums[kTables].add(Attojoules{counted("pipeline.visible_samples")} * kReflectanceBits, sram);
+  sums[kPipelines].add(Attojoules{samples} * of.sample_logic, logic, 1);
+  sums[kPipelines].add(Attojoules{counted("processor.cycles.leap")} * of.leap_logic, logic, 1);
+  sums[kPipelines].add(Attojoules{deposits} * of.deposit_logic, logic, 1);
+  sums[kPipelines].add(Attojoules{counted("pipeline.deposits")} * of.light_logic, logic, 1);
+  sums[kLinks].add(Attojoules{counted("link.busy")} * of.link_bits, price("link_bit_fj"));
   sums[kRayBus].add(
       (Attojoules{counted("dsp.rays_sent")} + counted("dsp.rays_taken") + counted("dsp.overflows")) * wire::kRayBits,
-      of.ray_bus_bit);
-  sums[kClock].add(clocks(of.core_khz) * of.register_bits, of.clock_bit);
-  sums[kLeakage].power(of.edram_rest, time * of.edram_bits / kBitsPerMbit);
-  sums[kLeakage].power(of.sram_rest, time * of.sram_bits / kBitsPerMbit);
-  sums[kHostBus].add(Attojoules{counted("bus.down.bytes")} + counted("bus.up.bytes"), of.bus_byte);
+      price("ray_bus_bit_fj"));
+  sums[kClock].add(clocks(of.core_khz) * of.register_bits, price("clock_bit_fj"));
+  sums[kLeakage].power(price("edram_uw_per_mbit"), time * of.edram_bits / kBitsPerMbit);
+  sums[kLeakage].power(price("sram_uw_per_mbit"), time * of.sram_bits / kBitsPerMbit);
+  sums[kHostBus].add(Attojoules{counted("bus.down.bytes")} + counted("bus.up.bytes"), of.price(of.bus_byte));
 
   std::vector<PartEnergy> parts;
   for (std::size_t i = 0; i < kParts; ++i) {
@@ -271,21 +247,21 @@ std::uint64_t EnergyModel::dsp_pj(Picoseconds busy, Picoseconds time) const {
   const Prices* const of = prices();
   if (of == nullptr) return 0;
   Sum sum;
-  sum.power(of->dsp_busy, Attojoules{busy} * of->dsp_mhz_times_1000 / 1000);
-  sum.power(of->dsp_idle, Attojoules{time - busy} * of->dsp_mhz_times_1000 / 1000);
+  sum.power(of->price("dsp_busy_uw_per_mhz"), Attojoules{busy} * of->dsp_khz / 1000);
+  sum.power(of->price("dsp_idle_uw_per_mhz"), Attojoules{time - busy} * of->dsp_khz / 1000);
   return static_cast<std::uint64_t>(sum.value / kPj);
 }
 
 std::uint64_t EnergyModel::host_bus_pj(std::uint64_t bytes) const {
   const Prices* const of = prices();
-  return of != nullptr ? static_cast<std::uint64_t>(Attojoules{bytes} * of->bus_byte.value * kFj / kPj) : 0;
+  return of != nullptr ? static_cast<std::uint64_t>(Attojoules{bytes} * of->price(of->bus_byte).value * kFj / kPj) : 0;
 }
 
 std::vector<PartEnergy> EnergyModel::of_machine(const std::vector<wire::Counter>& counters) const {
   const Prices* const of = prices();
   if (of == nullptr) return {};
   Values counted(counters);
-  counted.set("dsp.busy_ps", cycles_to_ps(counted("dsp.busy_cycles"), of->dsp_mhz_times_1000));
+  counted.set("dsp.busy_ps", cycles_to_ps(counted("dsp.busy_cycles"), of->dsp_khz));
   counted.set("pipeline.visible_samples", counted("processor.samples"));
   counted.set("pipeline.deposits", counted("processor.splat.deposits"));
   counted.set("bus.down.bytes", 0);
