@@ -1,6 +1,5 @@
 #include "token_files.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <stdexcept>
@@ -12,12 +11,9 @@
 namespace gicube::emu {
 
 TokenFiles::TokenFiles(const std::vector<Endpoint>& endpoints, std::string token) : token_(std::move(token)) {
-  const std::string folder = registry_folder();
   for (const Endpoint& endpoint : endpoints) {
     if (endpoint.kind != EndpointKind::kTcp) continue;
-    ::mkdir(folder.c_str(), S_IRWXU);  // registry_fault() reports an error
-    if (const std::string fault = registry_fault(folder); !fault.empty()) throw std::runtime_error(fault);
-    paths_.push_back(token_file(folder, endpoint.address, endpoint.port));
+    paths_.push_back(token_file(open_registry(), endpoint.address, endpoint.port));
     write_token(paths_.back(), token_);
   }
 }

@@ -12,6 +12,7 @@
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 
@@ -26,19 +27,6 @@ pid_t process_of(std::string_view name) {
   pid_t process = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
   return error == std::errc{} && end == name.data() + name.size() && process > 0 ? process : 0;
-}
-
-bool listens(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return true;  // unknown, so it is kept
-  path.copy(address.sun_path, path.size());
-  const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (caller < 0) return true;
-  const bool refused =
-      ::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 && errno == ECONNREFUSED;
-  ::close(caller);
-  return !refused;
 }
 
 // Returns the folder that an environment variable names, or an empty string if it is not a folder of this user. So root
@@ -75,6 +63,26 @@ std::string registry_fault(const std::string& folder) {
   std::string digits;
   for (const int shift : {6, 3, 0}) digits += static_cast<char>('0' + (status.st_mode >> shift & 7));
   return expected + "mode " + digits;
+}
+
+std::string open_registry() {
+  const std::string folder = registry_folder();
+  ::mkdir(folder.c_str(), S_IRWXU);  // registry_fault() reports an error
+  if (const std::string fault = registry_fault(folder); !fault.empty()) throw std::runtime_error(fault);
+  return folder;
+}
+
+bool listens(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return true;
+  path.copy(address.sun_path, path.size());
+  const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (caller < 0) return true;
+  const bool refused = ::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+                       errno == ECONNREFUSED;  // EAGAIN: its backlog is full
+  ::close(caller);
+  return !refused;
 }
 
 void remove_dead_sockets(const std::string& folder) {

@@ -16,6 +16,12 @@ std::string registry_folder();
 // to this user and be closed to all others.
 std::string registry_fault(const std::string& folder);
 
+// Creates this user's registry if necessary and returns its path. Throws std::runtime_error if it cannot be trusted.
+std::string open_registry();
+
+// Returns false if no process listens at this Unix socket. If that cannot be determined, returns true.
+bool listens(const std::string& path);
+
 // Removes sockets that killed processes have left in this folder. They have no listener, and their process does not
 // exist.
 void remove_dead_sockets(const std::string& folder);

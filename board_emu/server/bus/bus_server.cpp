@@ -26,10 +26,9 @@ using wire::FrameType;
 
 namespace {
 
-constexpr milliseconds kBusyPatience{200};   // chosen: the owner may be about to close its socket
-constexpr milliseconds kClaimInterval{10};   // chosen
-constexpr milliseconds kTokenPauseLook{50};  // chosen: latency for detecting the end of the server
-constexpr milliseconds kLastWords{300};      // chosen: time for clients to read the final message
+constexpr milliseconds kBusyPatience{200};  // chosen: the owner may be about to close its socket
+constexpr milliseconds kClaimInterval{10};  // chosen
+constexpr milliseconds kLastWords{300};     // chosen: time for clients to read the final message
 
 std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire::VersionInfo& ours) {
   if (incoming.fault && incoming.fault->error == ErrorCode::kTooLarge) return incoming.fault;
@@ -254,11 +253,8 @@ awaitable<bool> BusServer::may_use(Connection& connection, std::uint32_t id, con
   }
   note(AuditEvent::kUnknown, connection, token.empty() ? "it has no token" : "its token is wrong");
   wrong_tokens_.happened(steady_clock::now());
-  const auto end = steady_clock::now() + wrong_tokens_.left(steady_clock::now());
-  asio::steady_timer timer(connection.executor());
-  while (connection.is_open() && steady_clock::now() < end) {
-    co_await sleep(timer, std::min<steady_clock::duration>(end - steady_clock::now(), kTokenPauseLook));
-  }
+  co_await sleep_unless(connection.executor(), wrong_tokens_.left(steady_clock::now()),
+                        [&connection] { return !connection.is_open(); });
   connection.refuse(
       {ErrorCode::kForbidden, id,
        fmt::format("expected a token of this board, got {}: a program of another user needs one in the file "

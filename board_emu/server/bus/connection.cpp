@@ -6,16 +6,23 @@
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/ssl.hpp>
 #include <boost/asio/write.hpp>
 
 #include "gicube/wire/checksum.h"
 #include "server/faults/fault_point.h"
-#include "tls_stream.h"
 
 namespace gicube::emu {
 
 using wire::ErrorCode;
 using wire::FrameHeader;
+
+struct TlsStream {
+  TlsStream(Connection::Socket& socket, Tls& tls) : stream(socket, tls) {}
+
+  asio::ssl::stream<Connection::Socket&> stream;
+  bool is_up = false;  // the TLS handshake has succeeded
+};
 
 namespace {
 

@@ -1,6 +1,7 @@
 // Asio helpers for the coroutines of the sockets.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 
@@ -27,6 +28,17 @@ inline awaitable<void> sleep(asio::steady_timer& timer, std::chrono::steady_cloc
   timer.expires_after(duration);
   error_code ignored;
   co_await timer.async_wait(into(ignored));
+}
+
+// Sleeps for `duration`, or until `ends()` returns true.
+template <typename Executor, typename Ends>
+awaitable<void> sleep_unless(Executor executor, std::chrono::steady_clock::duration duration, Ends ends) {
+  using std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kLook{50};  // chosen: latency for detecting the end
+  asio::steady_timer timer(executor);
+  for (const auto end = steady_clock::now() + duration; !ends() && steady_clock::now() < end;) {
+    co_await sleep(timer, std::min<steady_clock::duration>(end - steady_clock::now(), kLook));
+  }
 }
 
 }  // namespace gicube::emu

@@ -7,11 +7,10 @@
 #include <unistd.h>
 
 #include <boost/asio/ip/address.hpp>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <stdexcept>
-#include <system_error>
+
+#include "gicube/registry.h"
 
 namespace gicube::emu {
 namespace {
@@ -39,18 +38,6 @@ Endpoint parse_tcp(std::string_view text, std::string_view rest) {
   if (error) refuse(text, "a numeric address or \"localhost\" in tcp:HOST:PORT");
   endpoint.address = address.to_string();
   return endpoint;
-}
-
-bool answers(const std::string& path) {
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (fd < 0) throw std::system_error(errno, std::generic_category(), "socket");
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int result = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  const bool refused = result != 0 && errno == ECONNREFUSED;  // EAGAIN: its backlog is full
-  ::close(fd);
-  return !refused;
 }
 
 }  // namespace
@@ -113,8 +100,9 @@ void remove_stale_socket(const std::string& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return;  // not found; bind() reports other errors
   if (!S_ISSOCK(status.st_mode))
-    throw std::runtime_error(fmt::format("unix:{}: expected a free path, got a file", path));
-  if (answers(path)) throw std::runtime_error(fmt::format("unix:{}: another process is listening there", path));
+    throw std::runtime_error(
+        fmt::format("unix:{}: expected a path without a file, got a file that is no socket", path));
+  if (listens(path)) throw std::runtime_error(fmt::format("unix:{}: another process is listening there", path));
   ::unlink(path.c_str());
 }
 

@@ -130,16 +130,6 @@ void Session::end_for_its_time(std::chrono::milliseconds limit) {
         fmt::format("expected commands of at most {} s of this machine's time, got a longer one", seconds)});
 }
 
-awaitable<void> Session::pause(std::chrono::microseconds duration) {
-  constexpr std::chrono::milliseconds kLook{50};  // chosen: latency for detecting the end of the session
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + duration;
-  asio::steady_timer timer(wake_.get_executor());
-  while (!stopped_ && Clock::now() < end) {
-    co_await sleep(timer, std::min<Clock::duration>(end - Clock::now(), kLook));
-  }
-}
-
 awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress,
                                                       std::chrono::milliseconds limit) {
   using Clock = std::chrono::steady_clock;

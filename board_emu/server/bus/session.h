@@ -123,7 +123,9 @@ class Session : public std::enable_shared_from_this<Session> {
   awaitable<void> give_board_back();
   void end_for_its_time(std::chrono::milliseconds limit);
   // Ends early if the session ends.
-  awaitable<void> pause(std::chrono::microseconds duration);
+  awaitable<void> pause(std::chrono::microseconds duration) {
+    return sleep_unless(wake_.get_executor(), duration, [this] { return stopped_; });
+  }
   void lose(const Connected& connection, const std::optional<LastWord>& word);
   // Errors that clients should not be able to cause: lack of memory, or an internal fault.
   void fail(const std::exception& error);

@@ -1,12 +1,17 @@
-// TLS of the data plane on the board's side. The implementation is hidden in tls_stream.h.
+// TLS of the data plane on the board's side. The headers of the implementation are heavy, so they are included only by
+// the sources that need them.
 #pragma once
 
 #include <memory>
 #include <string>
 
+namespace boost::asio::ssl {
+class context;
+}
+
 namespace gicube::emu {
 
-class Tls;
+using Tls = boost::asio::ssl::context;
 
 // Loads the certificate and its private key from PEM files. Throws std::runtime_error with the name of the invalid
 // file.

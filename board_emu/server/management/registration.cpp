@@ -1,6 +1,5 @@
 #include "registration.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -23,10 +22,7 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until file de
 
 Registration::Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit, Quotas quotas)
     : management_(std::move(management)), boards_(std::move(boards)), audit_(audit), quotas_(std::move(quotas)) {
-  const std::string folder = registry_folder();
-  ::mkdir(folder.c_str(), S_IRWXU);  // registry_fault() reports an error
-  const std::string fault = registry_fault(folder);
-  if (!fault.empty()) throw std::runtime_error(fault);
+  const std::string folder = open_registry();
   remove_dead_sockets(folder);
   path_ = folder + '/' + std::to_string(::getpid());
   // The socket is renamed when it answers, because readers assume that a socket that refuses connections belongs to a
