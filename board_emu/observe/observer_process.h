@@ -15,7 +15,7 @@ class ObserverProcess {
   // Throws PlugInFault.
   ObserverProcess(const std::string& file, bool is_boxed)
       : process_(PlugInProcess::Kind::kObserver, file, is_boxed), file_(file) {}
-  // Sends the remaining events, and ends the process.
+  // Sends the remaining events, then ends the process.
   ~ObserverProcess() { flush(); }
   ObserverProcess(const ObserverProcess&) = delete;
   ObserverProcess& operator=(const ObserverProcess&) = delete;
@@ -28,7 +28,7 @@ class ObserverProcess {
     const std::size_t bytes = events_.size() * sizeof(gicube_event);
     if (fault_.empty() && bytes > 0 && !process_.send(events_.data(), bytes, PlugInProcess::kPatience)) {
       process_.give_up();
-      fault_ = "observer " + file_ + ": it has ended, or took no events for 30 s; it gets no more";
+      fault_ = "observer " + file_ + ": it has ended, or took no events for 30 s; it gets no further events";
     }
     events_.clear();
   }

@@ -1,9 +1,9 @@
-// The memory that a board's process shares with the process of a plug-in: how its start went, and the calls of a
-// routine, one at a time in each slot, of one event or many, and whose turn it is. Orders to a routine's process and
-// the events of an observer go through a socket.
+// The memory that a board process shares with the process of a plug-in: the result of loading the plug-in, and slots
+// for calls of a routine. A slot holds one call at a time, with one or more events. Orders to a routine's process and
+// events for an observer go through a socket.
 //
-// Whoever reads here what the other one wrote takes a copy first, and believes nothing of it: code of others can write
-// it at any time.
+// The plug-in's code can write this memory at any time. Readers must copy a value before they check it, and must not
+// trust it.
 #pragma once
 
 #include <linux/futex.h>
@@ -20,10 +20,11 @@
 
 namespace gicube::emu {
 
-inline constexpr std::size_t kMaxCalls = 256;  // chosen: at once; threads that find no slot wait for one
-inline constexpr std::size_t kMaxEvents = 64;  // chosen: of a call; what the functional level has under way in a thread
+inline constexpr std::size_t kMaxCalls = 256;  // chosen: concurrent calls; further threads wait for a free slot
+inline constexpr std::size_t kMaxEvents =
+    64;  // chosen: per call; as many as a thread of the functional level has in progress
 inline constexpr std::size_t kMaxParameters = 32;  // gicube_bsdf_event
-inline constexpr std::size_t kMaxObserved = 256;   // chosen: events that an observer gets at once, some ten kilobytes
+inline constexpr std::size_t kMaxObserved = 256;   // chosen: events per message to an observer, about 40 KB
 inline constexpr std::size_t kMaxName = 64;
 inline constexpr std::size_t kMaxText = 512;
 inline constexpr std::size_t kPage = 4096;
@@ -34,11 +35,11 @@ enum class Party : std::uint32_t {
   kPlugIn,
 };
 
-// How a side waits: it looks for the other's word for a while, and then sleeps. After it has looked in vain, as on a
-// machine that is busy with something else, it sleeps at once the next times.
+// Decides how one side waits for the other: it polls for a while, then sleeps. If polling was in vain, as on a busy
+// machine, the next waits sleep at once.
 class Patience {
  public:
-  // How often to look now.
+  // How often to poll in this wait.
   unsigned spins(unsigned at_most) {
     if (sleeps_ == 0) return at_most;
     --sleeps_;
@@ -47,11 +48,11 @@ class Patience {
   void was_in_vain() { sleeps_ = kSleeps; }
 
  private:
-  static constexpr unsigned kSleeps = 15;  // chosen: looking in vain then costs a tenth of what sleeping does
+  static constexpr unsigned kSleeps = 15;  // chosen: polling in vain then costs a tenth as much as sleeping
   unsigned sleeps_ = 0;
 };
 
-// Who may read and write what stands beside it.
+// States which side may read and write the data beside it, and lets the other side wait.
 class Turn {
  public:
   Party now() const { return party_.load(std::memory_order_acquire); }
@@ -60,21 +61,21 @@ class Turn {
     party_.store(to);
     wake(to);
   }
-  // False, and nothing is done, if it is not `from`'s.
+  // Returns false, and changes nothing, if it is not the turn of `from`.
   bool give(Party from, Party to) {
     if (!party_.compare_exchange_strong(from, to)) return false;
     wake(to);
     return true;
   }
 
-  // Called for a new process: the previous one may have ended while it slept.
+  // To be called by a new process of the plug-in, because the previous one may have ended while it slept.
   void begin() { plug_in_sleeps_ = 0; }
 
-  // How much has been done in all turns, as the plug-in's side says.
+  // Counts the finished steps of all turns. The plug-in's side calls step().
   void step() { steps_.store(steps_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed); }
   std::uint32_t steps() const { return steps_.load(std::memory_order_relaxed); }
 
-  // Until it is not `other`'s any more. False: it still is, after `limit` or a signal.
+  // Waits while it is the turn of `other`. Returns false if it still is, after `limit` or a signal.
   bool wait_for(Party other, unsigned max_spins, Patience& patience, std::chrono::milliseconds limit) {
     const unsigned spins = patience.spins(max_spins);
     for (unsigned i = 0; i < spins; ++i) {
@@ -113,7 +114,7 @@ static_assert(std::atomic<Party>::is_always_lock_free && sizeof(std::atomic<Part
 // The fields of a gicube_bsdf that are not addresses.
 struct RoutineDescription {
   std::uint32_t abi = 0;
-  std::uint32_t size = 0;  // the rest is only there if these two are the board's
+  std::uint32_t size = 0;  // the other fields are set only if these two match the board's
   char name[kMaxName + 1] = {};
   std::uint32_t cycles = 0;
   std::uint32_t cycle_budget = 0;
@@ -121,10 +122,10 @@ struct RoutineDescription {
   std::uint32_t has_check = 0;
 };
 
-// The plug-in's process says here how its start went.
+// The result of loading, written by the plug-in's process.
 struct Loading {
-  Turn turn;                  // the board's: it is done
-  char fault[kMaxText] = {};  // empty: the description holds
+  Turn turn;                  // kBoard: loading has ended
+  char fault[kMaxText] = {};  // empty: the description is valid
   RoutineDescription description;
 };
 
@@ -134,19 +135,19 @@ struct alignas(kPage) CallSlot {
   Turn turn;
   CallKind call = CallKind::kScatter;
   std::uint32_t has_thrown = 0;
-  std::uint32_t spins = 0;   // how often the plug-in's side looks for the next call before it sleeps
-  std::int32_t verdict = 0;  // of a check
-  std::uint32_t count = 0;   // of the events
+  std::uint32_t spins = 0;   // how often the plug-in's side polls for the next call before it sleeps
+  std::int32_t verdict = 0;  // result of a check
+  std::uint32_t count = 0;   // number of events
   struct Event {
-    gicube_bsdf_event event{};  // without the parameters' address
+    gicube_bsdf_event event{};  // its pointer to the parameters is not set
     float parameters[kMaxParameters] = {};
   };
   gicube_bsdf_answer answers[kMaxEvents] = {};
-  alignas(64) Event events[kMaxEvents] = {};      // a check has the parameters of the first
-  char text[kMaxText] = {};                       // of a check that refuses, or of an exception
-  std::int32_t process = 0;                       // that serves the slot
-  std::int32_t wait_status = 0;                   // of its end (waitpid), or:
-  static constexpr std::int32_t kNoProcess = -1;  // none could be started
+  alignas(64) Event events[kMaxEvents] = {};      // a check uses the parameters of the first
+  char text[kMaxText] = {};                       // reason of a failed check, or text of an exception
+  std::int32_t process = 0;                       // the process that serves the slot
+  std::int32_t wait_status = 0;                   // status of its end (waitpid), or kNoProcess
+  static constexpr std::int32_t kNoProcess = -1;  // no process could be started
 };
 
 struct CallMemory {
@@ -154,18 +155,18 @@ struct CallMemory {
   CallSlot slots[kMaxCalls];
 };
 
-// An order to a routine's process: a process for a slot, or an end to one.
+// An order to a routine's process: start or end the process that serves a slot.
 struct SlotOrder {
   enum class Kind : std::uint32_t { kBegin, kEnd };
   Kind kind = Kind::kBegin;
   std::uint32_t slot = 0;
 };
 
-// The arguments of that process after the library: what it is; whether its code runs in a box once it is loaded.
+// The arguments of that process after the library: its kind, and whether its code runs in the box once it is loaded.
 inline constexpr const char *kRoutineWord = "routine", *kObserverWord = "observer";
 inline constexpr const char *kBoxedWord = "boxed", *kUnboxedWord = "unboxed";
 
-// The descriptors that the plug-in's process is started with, beside the first three.
+// The descriptors that the plug-in's process inherits, in addition to the first three.
 inline constexpr int kSocketDescriptor = 3, kMemoryDescriptor = 4;
 
 }  // namespace gicube::emu

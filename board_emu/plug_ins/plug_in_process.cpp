@@ -24,14 +24,14 @@ namespace gicube::emu {
 
 namespace {
 
-// Installed and built beside the programs, as seen from theirs; so a tree may be moved.
+// Path relative to the folder of the program, so that an installed tree can be moved.
 constexpr const char* kProgram = "../libexec/gicube/gicube-plug-in-host";
 
 [[noreturn]] void fail(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
 }
 
-// Beyond those that the new process has: no copy of one overwrites another.
+// Moves a descriptor above those that the new process inherits, so that copying one does not overwrite another.
 int high(int fd) {
   const int copy = ::fcntl(fd, F_DUPFD_CLOEXEC, kMemoryDescriptor + 1);
   const int error = errno;
@@ -40,7 +40,7 @@ int high(int fd) {
   return copy;
 }
 
-// The variables that configure the dynamic linker and sanitizers, and no more: the rest may hold secrets.
+// Only the variables that configure the dynamic linker and sanitizers, because others may hold secrets.
 std::vector<char*> environment_of_routine() {
   std::vector<char*> out;
   for (char** each = environ; *each != nullptr; ++each) {
@@ -51,8 +51,8 @@ std::vector<char*> environment_of_routine() {
   return out;
 }
 
-// Without what the thread blocks and ignores, and in a group of its own: a terminal's signals are for the board. An
-// observer has the board's environment and its standard error.
+// The process starts with default signal handling, and in its own process group, because a terminal's signals are for
+// the board. An observer gets the board's environment and standard error.
 pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket, int memory) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
@@ -75,7 +75,7 @@ pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket
   ::posix_spawnattr_setsigdefault(&attributes, &all);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   const std::string program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / kProgram).string();
-  // A name without a slash would be looked for in the system's library folders.
+  // dlopen() would search a name without a slash in the system's library folders.
   std::string name = "gicube-plug-in-host", argument = std::filesystem::absolute(file).string();
   std::string kind = is_observer ? kObserverWord : kRoutineWord, box = is_boxed ? kBoxedWord : kUnboxedWord;
   char* const arguments[]{name.data(), argument.data(), kind.data(), box.data(), nullptr};
@@ -86,7 +86,7 @@ pid_t start(bool is_observer, const std::string& file, bool is_boxed, int socket
   return process;
 }
 
-// Processor time of all threads of a process; 0 once it is gone.
+// Processor time of all threads of a process; 0 after its end.
 std::chrono::nanoseconds cpu_time(pid_t process) {
   clockid_t clock{};
   timespec used{};
@@ -97,7 +97,7 @@ std::chrono::nanoseconds cpu_time(pid_t process) {
 }  // namespace
 
 std::string end_of(int status) {
-  if (status == CallSlot::kNoProcess) return "no process for its call could be started";
+  if (status == CallSlot::kNoProcess) return "no process could be started for its call";
   if (WIFSIGNALED(status)) {
     const char* const name = ::sigdescr_np(WTERMSIG(status));
     return "its process was ended by signal " + std::to_string(WTERMSIG(status)) +
@@ -121,7 +121,7 @@ PlugInProcess::PlugInProcess(Kind kind, const std::string& file, bool is_boxed)
     load(kind, file, is_boxed);
   } catch (const std::system_error& error) {
     stop();
-    throw PlugInFault(file + ": no process for it: " + error.what());
+    throw PlugInFault(file + ": its process could not be started: " + error.what());
   } catch (...) {
     stop();
     throw;
@@ -132,7 +132,7 @@ PlugInProcess::~PlugInProcess() { stop(); }
 
 void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   const bool is_observer = kind == Kind::kObserver;
-  // Its size is sealed, or a process that has it could have this one read beyond its end.
+  // The size is sealed. Otherwise the plug-in could shrink the memory, and reading it would end this process.
   const int memory = high(::memfd_create("gicube-plug-in", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   const ScopeExit closed{[memory] { ::close(memory); }};
   if (::ftruncate(memory, sizeof(CallMemory)) != 0 ||
@@ -150,10 +150,10 @@ void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   loading.turn.give(Party::kPlugIn);
   {
     const int its = high(ends[1]);
-    const ScopeExit its_closed{[its] { ::close(its); }};  // so that this end says when the process has gone
+    const ScopeExit its_closed{[its] { ::close(its); }};  // so that this end detects the end of the process
     process_ = start(is_observer, file, is_boxed, its, memory);
   }
-  const std::int32_t limited = is_observer ? 0 : process_;  // an observer may compute for as long as it is waited for
+  const std::int32_t limited = is_observer ? 0 : process_;  // an observer may compute as long as the board waits
   Patience patience;
   const Waited waited = wait(loading.turn, limited, 0, patience);
   if (waited == Waited::kStuck) {
@@ -162,7 +162,7 @@ void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   }
   if (waited != Waited::kAnswered) {
     int status = CallSlot::kNoProcess;
-    ::kill(process_, SIGKILL);  // if it has not ended by itself
+    ::kill(process_, SIGKILL);  // if it has not ended yet
     ::waitpid(process_, &status, 0);
     process_ = 0;
     throw PlugInFault(file + ": loading it: " + end_of(status));
@@ -171,7 +171,7 @@ void PlugInProcess::load(Kind kind, const std::string& file, bool is_boxed) {
   if (!fault.empty()) throw PlugInFault(fault);
 }
 
-// Where the board's process may neither end nor wait for others (its box), the closed socket ends it all the same.
+// In the box, the board process may neither kill nor wait for others. Then the closed socket ends the process.
 void PlugInProcess::stop() {
   if (process_ != 0) {
     ::shutdown(socket_, SHUT_WR);
@@ -203,12 +203,12 @@ bool PlugInProcess::send(const void* message, std::size_t bytes, std::chrono::mi
 PlugInProcess::Waited PlugInProcess::wait(Turn& turn, const std::int32_t& process, unsigned max_spins,
                                           Patience& patience, std::uint32_t steps) const {
   using std::chrono::steady_clock;
-  std::optional<std::chrono::nanoseconds> used;  // at the first tick
+  std::optional<std::chrono::nanoseconds> used;  // processor time at the first tick
   int ticks = 0;
   std::uint32_t at_step = 0;
   for (auto tick = steady_clock::now() + kTick; !turn.wait_for(Party::kPlugIn, max_spins, patience, kTick);) {
     if (has_gone() && turn.now() == Party::kPlugIn) return Waited::kLost;
-    if (steady_clock::now() < tick) continue;  // woken for nothing
+    if (steady_clock::now() < tick) continue;  // spurious wakeup
     tick += kTick;
     const auto now = cpu_time(process);
     if (!used || (steps > 0 && turn.steps() != at_step)) {

@@ -87,7 +87,7 @@ class Workers {
       memory_.slots[slot].turn.begin();
       make_calls(memory_, routine_, memory_.slots[slot], is_boxed_);
     }
-    if (process < 0) return say_ended(slot, CallSlot::kNoProcess);
+    if (process < 0) return report_end(slot, CallSlot::kNoProcess);
     processes_[slot] = process;
     memory_.slots[slot].process = process;
   }
@@ -100,7 +100,7 @@ class Workers {
     processes_[slot] = 0;
   }
 
-  void take_ended() {
+  void collect_ended() {
     for (;;) {
       int status = 0;
       const pid_t process = ::waitpid(-1, &status, WNOHANG);
@@ -108,12 +108,12 @@ class Workers {
       const auto ended = std::ranges::find(processes_, process);
       if (ended == processes_.end()) continue;
       *ended = 0;
-      say_ended(static_cast<std::size_t>(ended - processes_.begin()), status);
+      report_end(static_cast<std::size_t>(ended - processes_.begin()), status);
     }
   }
 
  private:
-  void say_ended(std::size_t slot, int status) {
+  void report_end(std::size_t slot, int status) {
     memory_.slots[slot].wait_status = status;
     memory_.slots[slot].turn.give(Party::kNobody);
   }
@@ -139,7 +139,7 @@ void serve_orders(CallMemory& memory, const gicube_bsdf& routine, bool is_boxed)
     if (events[1].revents != 0) {
       signalfd_siginfo info;
       while (::read(ended, &info, sizeof info) > 0) continue;
-      workers.take_ended();
+      workers.collect_ended();
     }
     if (events[0].revents == 0) continue;
     SlotOrder order;

@@ -14,14 +14,15 @@ void write(char (&to)[kSize], const std::string& text) {
   to[text.copy(to, kSize - 1)] = '\0';
 }
 
-// Returns the description that the library's one function returns. Null: the report says why.
+// Returns the description that the library's exported function returns, or null; the report then states the reason.
 template <typename Description>
 const Description* described_by(const std::string& function, const std::string& file, Loading& report) {
   void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     const char* const text = ::dlerror();
-    const std::string said = text != nullptr ? text : "no reason given";
-    write(report.fault, said.starts_with(file) ? said : file + ": " + said);  // the reason may name another library
+    const std::string reason = text != nullptr ? text : "no reason given";
+    // The reason may name another library.
+    write(report.fault, reason.starts_with(file) ? reason : file + ": " + reason);
     return nullptr;
   }
   void* const symbol = ::dlsym(library, function.c_str());

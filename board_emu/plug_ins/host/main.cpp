@@ -1,9 +1,9 @@
-// gicube-plug-in-host: the process in which a board has the code of one plug-in run (plug_ins/plug_in_process.h starts
+// gicube-plug-in-host: the process that runs the code of one plug-in for a board (plug_ins/plug_in_process.h starts
 // it).
 //
-// It loads the library. For a routine it then makes a copy of itself for each call that goes on at a time: so what
-// crashes or never returns is one call, a new process costs no new loading, and the file may change meanwhile. It and
-// its copies have none of the board's memory but the calls. An observer's events it takes itself.
+// It loads the library. For a routine it then forks a process for each concurrent call. So a crash or an endless loop
+// affects one call, a new process need not load the library again, and the file may change meanwhile. These processes
+// share only the memory of the calls with the board. For an observer, it processes the events itself.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
   if (memory == nullptr) {
     std::fprintf(
         stderr,
-        "gicube-plug-in-host: gicube-board --bsdf FILE or --observer FILE starts this program; by itself it does "
-        "nothing\n");
+        "gicube-plug-in-host: expected to be started by gicube-board with --bsdf FILE or --observer FILE, got started "
+        "directly\n");
     return 2;
   }
   const bool is_observer = std::strcmp(argv[2], kObserverWord) == 0, is_boxed = std::strcmp(argv[3], kBoxedWord) == 0;
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   end_with_parent(true);
   const gicube_bsdf* const routine = is_observer ? nullptr : load_routine(argv[1], memory->loading);
   const gicube_observer* const observer = is_observer ? load_observer(argv[1], memory->loading) : nullptr;
-  end_with_parent(false);  // its thread may go; the socket says when the process does
+  end_with_parent(false);  // that thread may end; the socket shows when the board process has ended
   if (observer != nullptr && is_boxed) enter_box({.has_clients = false});
   memory->loading.turn.give(Party::kBoard);
   if (observer != nullptr) {
@@ -36,5 +36,5 @@ int main(int argc, char** argv) {
     return serve_events(*observer, argv[1]);
   }
   if (routine != nullptr) serve_orders(*memory, *routine, is_boxed);
-  ::_exit(0);  // no more code of the library
+  ::_exit(0);  // without running further code of the library
 }

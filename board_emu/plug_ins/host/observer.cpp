@@ -14,11 +14,11 @@ namespace gicube::emu {
 
 namespace {
 
-// The board closes its end once it has ended, or waits for this process no longer. An observer whose code does not
-// return then is ended.
+// Ends the process if the observer's code does not return after the board has closed its end of the socket, because it
+// has ended or no longer waits for this process.
 [[noreturn]] void end_with_board() {
-  constexpr int kPatienceMs = 30'000;  // as the board's
-  constexpr int kLeftMs = 2'000;       // chosen: without a board, what is in the socket takes milliseconds
+  constexpr int kPatienceMs = 30'000;  // PlugInProcess::kPatience
+  constexpr int kLeftMs = 2'000;       // chosen: the events left in the socket take milliseconds
   const auto wait_for = [](short event, int limit_ms) {
     pollfd board{kSocketDescriptor, event, 0};
     while (::poll(&board, 1, limit_ms) < 0 && errno == EINTR) continue;

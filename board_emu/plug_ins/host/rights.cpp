@@ -26,13 +26,13 @@ void give_up_rights(bool is_observer) {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   __user_cap_data_struct has[_LINUX_CAPABILITY_U32S_3]{}, none[_LINUX_CAPABILITY_U32S_3]{};
   ::syscall(SYS_capget, &header, has);
-  // A service's filter of system calls may end who calls it.
+  // A service's system call filter may kill a process for this call.
   if ((has[0].permitted | has[1].permitted) != 0) ::syscall(SYS_capset, &header, none);
 }
 
 void end_with_parent(bool does) {
   ::prctl(PR_SET_PDEATHSIG, does ? SIGKILL : 0, 0, 0, 0);
-  pollfd board{kSocketDescriptor, 0, 0};  // it may have gone before
+  pollfd board{kSocketDescriptor, 0, 0};  // it may have ended before this call
   if (::poll(&board, 1, 0) > 0 && (board.revents & POLLHUP) != 0) ::_exit(0);
 }
 
