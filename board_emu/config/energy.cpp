@@ -23,8 +23,8 @@ constexpr std::uint64_t kFj = 1000;       // attojoules
 constexpr std::uint64_t kPj = 1'000'000;  // attojoules
 constexpr std::uint64_t kPsPerMs = 1'000'000'000;
 constexpr std::uint64_t kBitsPerMbit = 1 << 20;
-constexpr std::uint64_t kTableBits = 8 * 30 + 84;  // gradients and a segmentation entry, per sample [P Table 1]
-constexpr std::uint64_t kReflectanceBits = 4 * 8;  // four texels per visible sample
+constexpr std::uint64_t kBitsOfTables = 8 * 30 + 84;  // gradients and a segmentation entry, per sample [P Table 1]
+constexpr std::uint64_t kBitsOfReflection = 4 * 8;    // four texels per visible sample
 
 // Parts of the card, by their places in the list of the result.
 enum Part {
@@ -220,8 +220,8 @@ std::vector<PartEnergy> EnergyModel::parts_of(const Values& counted, Picoseconds
   sums[kCache].add(Attojoules{checks} * 8 * of.voxel_bits, sram);
   sums[kCache].add(Attojoules{counted("processor.cache.packets") + tiles} * 4 * of.voxel_bits, sram);
   sums[kCache].add(Attojoules{checks} * of.check_logic, logic, 1);
-  sums[kTables].add(Attojoules{samples} * kTableBits, sram);
-  sums[kTables].add(Attojoules{counted("pipeline.visible_samples")} * kReflectanceBits, sram);
+  sums[kTables].add(Attojoules{samples} * kBitsOfTables, sram);
+  sums[kTables].add(Attojoules{counted("pipeline.visible_samples")} * kBitsOfReflection, sram);
   sums[kPipelines].add(Attojoules{samples} * of.sample_logic, logic, 1);
   sums[kPipelines].add(Attojoules{counted("processor.cycles.leap")} * of.leap_logic, logic, 1);
   sums[kPipelines].add(Attojoules{deposits} * of.deposit_logic, logic, 1);

@@ -3,17 +3,51 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 namespace gicube::emu {
 
 namespace {
 
-constexpr double kVoxel = wire::kVoxel;
-
 template <typename From, typename To>
 void copy(const From& from, To& to) {
   std::ranges::transform(from, to, [](auto word) { return static_cast<std::remove_reference_t<decltype(*to)>>(word); });
+}
+
+template <typename Words>
+std::string list(const Words& words) {
+  return fmt::format("[{},{},{}]", words[0], words[1], words[2]);
+}
+
+// In voxels.
+template <typename Words>
+std::string position_text(const Words& at) {
+  constexpr double kVoxel = wire::kVoxel;
+  return list(std::array{at[0] / kVoxel, at[1] / kVoxel, at[2] / kVoxel});
+}
+
+std::string block_text(std::size_t block, const std::array<std::uint32_t, 3>& blocks) {
+  return fmt::format("[{},{},{}]", block % blocks[0], block / blocks[0] % blocks[1], block / blocks[0] / blocks[1]);
+}
+
+std::string pixel_text(const wire::Pixel& pixel) {
+  return fmt::format("[{},{},{},{}]", pixel.red, pixel.green, pixel.blue, pixel.alpha);
+}
+
+std::string iteration_text(const RayIteration& iteration, const std::array<std::uint32_t, 3>& blocks) {
+  std::string out = fmt::format(R"({{"position":{},"block":{},)", position_text(iteration.position),
+                                block_text(iteration.block, blocks));
+  if (iteration.skipped > 0) {
+    out += fmt::format(R"("leap":{},)", iteration.skipped);
+  } else {
+    constexpr double kDensity = 1 << kDensityFractionBits;
+    out += fmt::format(R"("density":{},"gradient":[{},{},{}],"tag":{},"entry":{},"colour":{},"opacity":{},)",
+                       iteration.channels[0] / kDensity, iteration.channels[1], iteration.channels[2],
+                       iteration.channels[3], iteration.tag, iteration.entry, list(iteration.colour), iteration.alpha);
+    if (iteration.scattered) out += R"("scattered":true,)";
+  }
+  return out + fmt::format(R"("gathered":{{"colour":{},"opacity":{}}}}})", list(iteration.gathered), iteration.opacity);
 }
 
 }  // namespace
@@ -84,9 +118,6 @@ std::string to_json(const gicube_event& event) {
   const auto add = [&out](auto text, const auto&... values) {
     fmt::format_to(std::back_inserter(out), fmt::runtime(text), values...);
   };
-  const auto position = [](const std::int32_t(&at)[3]) {
-    return fmt::format("[{},{},{}]", at[0] / kVoxel, at[1] / kVoxel, at[2] / kVoxel);
-  };
   if (event.kind == GICUBE_EVENT_COUNTERS) {
     add(R"({{"cycle":{},"event":"counters","run":{},"processor":{},"samples":{},"busy_cycles":{},"waiting":{}}})",
         event.cycle, event.run, event.processor, event.values[0], event.values[1], event.values[2]);
@@ -95,19 +126,31 @@ std::string to_json(const gicube_event& event) {
   add(R"({{"cycle":{},"event":"{}","run":{},"ray":{},"pixel":[{},{}])", event.cycle, kRayStepNames[event.kind],
       event.run, event.ray, event.u / 16.0, event.v / 16.0);
   if (event.processor >= 0) add(R"(,"processor":{},"queue":{})", event.processor, event.queue);
-  add(R"(,"block":[{},{},{}],"count":{})", event.block[0], event.block[1], event.block[2], event.count);
+  add(R"(,"block":{},"count":{})", list(event.block), event.count);
   if (event.is_carrier != 0) add(R"(,"carrier":true)");
   if (event.kind == GICUBE_EVENT_SAMPLED && event.is_carrier == 0) {
     constexpr std::array kEnds{"", "left", "opaque", "absorbed", "waits"};
-    add(R"(,"sample":{{"position":{},"density":{},"gradient":[{},{},{}],"tag":{},)"
-        R"("colour":[{},{},{}],"opacity":{},"end":"{}"}})",
-        position(event.sample_position), event.density / 8.0, event.gradient[0], event.gradient[1], event.gradient[2],
-        event.tag, event.sample_colour[0], event.sample_colour[1], event.sample_colour[2], event.sample_opacity,
-        kEnds[std::min<std::size_t>(event.end, kEnds.size() - 1)]);
+    add(R"(,"sample":{{"position":{},"density":{},"gradient":{},"tag":{},"colour":{},"opacity":{},"end":"{}"}})",
+        position_text(event.sample_position), event.density / 8.0, list(event.gradient), event.tag,
+        list(event.sample_colour), event.sample_opacity, kEnds[std::min<std::size_t>(event.end, kEnds.size() - 1)]);
   }
-  add(R"(,"position":{},"colour":[{},{},{}],"opacity":{}}})", position(event.position), event.colour[0],
-      event.colour[1], event.colour[2], event.opacity);
+  add(R"(,"position":{},"colour":{},"opacity":{}}})", position_text(event.position), list(event.colour), event.opacity);
   return out;
+}
+
+std::string to_json(const PixelLife& life) {
+  std::string out = fmt::format(R"({{"event":"life","pixel":[{},{}],)", life.x, life.y);
+  if (!life.refused.empty()) return out + fmt::format(R"("refused":"{}"}})", life.refused);
+  out += fmt::format(R"("framebuffer":{},"explained":{},"rays":[)", pixel_text(life.pixel), pixel_text(life.explained));
+  for (const RayLife& ray : life.rays) {
+    out += fmt::format(R"({}{{"ray":{},"at":[{},{}],"end":"{}","passes":[)", &ray == life.rays.data() ? "" : ",",
+                       ray.number, ray.ray.u / 16.0, ray.ray.v / 16.0, ray.end);
+    for (const RayIteration& iteration : ray.iterations) {
+      out += (&iteration == ray.iterations.data() ? "" : ",") + iteration_text(iteration, life.blocks);
+    }
+    out += "]}";
+  }
+  return out + "]}";
 }
 
 }  // namespace gicube::emu

@@ -1,4 +1,5 @@
-// Converts the events of a machine to records for files and plug-ins (gicube/observer.h).
+// Converts the events of a machine to records for files and plug-ins (gicube/observer.h), and these and the lives of
+// pixels to JSON.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "cycle/machine.h"
+#include "firmware/pixel_life.h"
 #include "gicube/observer.h"
 #include "observe/selection.h"
 #include "observe/text_file.h"
@@ -30,8 +32,9 @@ class Events : public Observer {
   std::uint32_t runs_ = 0;
 };
 
-// Converts a record to a JSON object.
+// Return a JSON object in one line. docs/guide/observation.md lists their fields.
 std::string to_json(const gicube_event& event);
+std::string to_json(const PixelLife& life);
 
 inline constexpr std::uint32_t kEventKinds = GICUBE_EVENT_KINDS;
 static_assert(kRayStepNames.size() + 1 == kEventKinds);

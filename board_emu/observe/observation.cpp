@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "observe/life.h"
-
 namespace gicube::emu {
 
 namespace {
