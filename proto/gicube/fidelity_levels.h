@@ -1,6 +1,7 @@
 // The parts that each fidelity level omits. The statistics of a run print this table of docs/reference/hardware.md.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -32,44 +33,35 @@ inline constexpr std::array kLeftOut{
     LeftOut{kAtEveryLevel, "the timing of the eDRAM's cells"},
 };
 
-// Fields of gicube.v1.BoardConfig that a level does not model. A name that ends with a dot or an underscore is a
-// prefix. On these levels the fields do not change values, counts or times of rays.
-struct UnmodelledField {
-  unsigned levels;
-  std::string_view field;
-};
-
-inline constexpr std::array kUnmodelledFields{
-    UnmodelledField{kAtFunctional, "asic.processors"},
-    UnmodelledField{kAtFunctional, "asic.partition"},
-    UnmodelledField{kAtFunctional, "asic.skew_"},
-    UnmodelledField{kAtFunctional, "asic.queue_rays"},
-    UnmodelledField{kAtFunctional, "asic.core_khz"},
-    UnmodelledField{kAtFunctional, "sorter."},
-    UnmodelledField{kAtFunctional, "pipeline."},
-    UnmodelledField{kAtFunctional, "cache."},
-    UnmodelledField{kAtFunctional, "link."},
-    UnmodelledField{kAtFunctional, "memory"},
-    UnmodelledField{kAtFunctional, "rdram."},
-    UnmodelledField{kAtFunctional, "ddr."},
-    UnmodelledField{kAtFunctional, "sdram.t_"},
-    UnmodelledField{kAtFunctional, "sdram.clock_khz"},
-    UnmodelledField{kAtFunctional, "sdram.refresh_interval"},
-    UnmodelledField{kAtFunctional, "sdram.controller_latency"},
-    UnmodelledField{kAtFunctional, "ideal.memory"},
-    UnmodelledField{kAtFunctional, "ideal.queues"},
-    UnmodelledField{kAtFunctional, "ideal.sorter"},
-    UnmodelledField{kAtFunctional, "dsp.overflow_rays"},
-    UnmodelledField{kAtFunctional, "energy."},
-};
+// Fields of gicube.v1.BoardConfig that the functional level does not model: there they do not change values, counts or
+// times of rays. A name that ends with a dot or an underscore is a prefix.
+inline constexpr std::string_view kUnmodelledFields[] = {"asic.processors",
+                                                         "asic.partition",
+                                                         "asic.skew_",
+                                                         "asic.queue_rays",
+                                                         "asic.core_khz",
+                                                         "sorter.",
+                                                         "pipeline.",
+                                                         "cache.",
+                                                         "link.",
+                                                         "memory",
+                                                         "rdram.",
+                                                         "ddr.",
+                                                         "sdram.t_",
+                                                         "sdram.clock_khz",
+                                                         "sdram.refresh_interval",
+                                                         "sdram.controller_latency",
+                                                         "ideal.memory",
+                                                         "ideal.queues",
+                                                         "ideal.sorter",
+                                                         "dsp.overflow_rays",
+                                                         "energy."};
 
 constexpr bool is_modelled(unsigned level, std::string_view field) {
-  for (const UnmodelledField& each : kUnmodelledFields) {
-    const bool is_prefix = each.field.ends_with('.') || each.field.ends_with('_');
-    const bool is_it = is_prefix ? field.starts_with(each.field) : field == each.field;
-    if (is_it && (each.levels & level) != 0) return false;
-  }
-  return true;
+  const bool is_left_out = std::ranges::any_of(kUnmodelledFields, [field](std::string_view each) {
+    return each.ends_with('.') || each.ends_with('_') ? field.starts_with(each) : field == each;
+  });
+  return (level & kAtFunctional) == 0 || !is_left_out;
 }
 
 }  // namespace gicube
