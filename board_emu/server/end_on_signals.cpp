@@ -44,7 +44,7 @@ void EndOnSignals::watch() {
   if (stop_) {
     stop_();
     if (changed_.wait_for(lock, kMaxEnding, [this] { return gone_; })) return;
-    spdlog::warn("what was still in work after {} ms is broken off", kMaxEnding.count());
+    spdlog::warn("work that had not ended after {} ms was aborted", kMaxEnding.count());
   }
   for (const std::string& file : files_) ::unlink(file.c_str());
   ::_exit(0);

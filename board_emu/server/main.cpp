@@ -152,7 +152,7 @@ void serve(const Options& options, const RoutineTable& routines) {
     for (const std::string& path : token_files->paths()) add_made(path);
   } catch (const std::runtime_error& error) {  // tokens of --token-file still work
     if (options.token_file.empty()) throw;
-    spdlog::warn("programs of this user will need a token: {}", error.what());
+    spdlog::warn("programs of this user need a token: {}", error.what());
   }
   std::optional<Registration> registration;
   try {
@@ -160,7 +160,7 @@ void serve(const Options& options, const RoutineTable& routines) {
                          [&server] { return server.quotas(); });
     add_made(registration->path());
   } catch (const std::runtime_error& error) {  // the boards are usable without it
-    spdlog::warn("gicube-smi will not find this process: {}", error.what());
+    spdlog::warn("gicube-smi cannot find this process: {}", error.what());
   }
   if (options.is_boxed) enter(box_of(options, token_files ? token_files->paths() : std::vector<std::string>(), made));
   for (std::size_t i = 0; i < endpoints.size(); ++i) say_ready(fmt::format("board {}", i), endpoints[i]);

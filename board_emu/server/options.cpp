@@ -42,11 +42,11 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "fd:N for a connected socket or a listening Unix socket, as from systemd;\n"
       "board i > 0 is at PATH.i or PORT+i");
   add("--boards", options.boards, "N", fmt::format("number of boards, 1 to {}", kMaxBoards));
-  app.add_flag("--private", options.is_private, "with fd:N: end with that session");
+  app.add_flag("--private", options.is_private, "with fd:N: end when that session ends");
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
-      "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
-      "times: the first is routine 8, the next 9. Its code runs in a process of its own")
+      "a scattering routine for materials that trap, as a shared object (gicube/bsdf.h); may be given several\n"
+      "times: the first is routine 8, the next 9. Its code runs in a separate process")
       ->allow_extra_args(false);
   add("--resume-seconds", flags.resume_seconds, "N",
       "time that a session waits for its client after a broken connection, unless another client requests the board; "
@@ -56,21 +56,20 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   app.option_defaults()->group("Access");
   add("--tls-cert", options.certificate_file, "FILE",
-      "TLS certificate, PEM: all TCP of both planes then uses TLS; needed beyond this machine");
-  add("--tls-key", options.key_file, "FILE", "its private key, PEM");
+      "TLS certificate, PEM: all TCP of both planes then uses TLS; required if other machines can connect");
+  add("--tls-key", options.key_file, "FILE", "private key of --tls-cert, PEM");
   add("--token-file", options.token_file, "FILE",
-      "tokens for clients and callers over TCP, one a line: TOKEN, read TOKEN, use TOKEN or control TOKEN\n"
-      "(docs/reference/security.md); only its owner may read the file. Programs of this user on this machine need "
-      "none");
+      "tokens for clients and callers over TCP, one per line: TOKEN, read TOKEN, use TOKEN or control TOKEN\n"
+      "(docs/reference/security.md); only its owner may be able to read the file. Programs of this user on this\n"
+      "machine need no token");
 
   add("--audit-log", options.audit_log_file, "FILE",
-      "append a line for each client that connects, is refused, uses force or changes something; FILE.1 holds the\n"
-      "earlier lines; unset: these lines are in the log");
+      "append a line for each client that connects, is refused, uses force or changes something; FILE.1 holds earlier\n"
+      "lines; unset: these lines go to the log");
 
   add("--box", flags.box, "MODE",
-      "auto: after its start the process gives up all rights that a running board does not need: other files, "
-      "programs,\n"
-      "outgoing connections, as far as the kernel can refuse them; off: it keeps them")
+      "auto: after its start the process gives up all rights that a running board does not need (other files,\n"
+      "programs, outgoing connections), as far as the kernel supports it; off: it keeps them")
       ->check(CLI::IsMember({"auto", "off"}))
       ->capture_default_str();
 
@@ -84,11 +83,11 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       ->check(CLI::Range(1u, kMaxMib))
       ->capture_default_str();
   add("--max-connections", options.bus.max_unowned, "N",
-      "connections that own no board: a further one replaces the oldest that has not sent its version")
+      "connections that own no board; a further one replaces the oldest that has not sent its version")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
   add("--max-connections-of-peer", options.bus.max_unowned_of_peer, "N",
-      "the same for one address, or one process of this machine")
+      "the same limit for one address, or for one process of this machine")
       ->check(CLI::Range(2u, kMaxConnections))
       ->capture_default_str();
   add("--max-wait", flags.max_wait_seconds, "SECONDS", "longest time that a client may wait for a board")
@@ -102,7 +101,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   app.option_defaults()->group("Configuration");
   add("--config", flags.config_file, "FILE", "board configuration, protobuf text of gicube.v1.BoardConfig");
-  add("--set", flags.overrides, "FIELD=VALUE", "set one field after that, as asic.processors=8; may come several times")
+  add("--set", flags.overrides, "FIELD=VALUE",
+      "set one field, for example asic.processors=8, after --config; may be given several times")
       ->allow_extra_args(false);
   add("--restore", flags.restore_file, "FILE",
       "each board continues from the checkpoint, with its configuration; --config and --set may change fields that do\n"
@@ -125,18 +125,18 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, without END");
 
   add("--events", flags.event_file, "FILE",
-      "write the events of chosen rays, a JSON object per line; needs fidelity=cycle, except for life=X:Y; board i > "
-      "0\n"
-      "writes FILE.i");
+      "write the events of chosen rays, one JSON object per line; needs fidelity=cycle, except for life=X:Y;\n"
+      "board i > 0 writes FILE.i");
   add("--observer", flags.observer_file, "FILE",
-      "the same events to a shared object (gicube/observer.h), whose code runs in a process of its own for each board");
+      "send the same events to a shared object (gicube/observer.h), which runs in a separate process for each board");
   add("--events-of", flags.events_of, "ITEM,...",
-      "which: life=X:Y (the values of a pixel's rays at every level too), pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, "
+      "the chosen events: life=X:Y (values of a pixel's rays, at every level), pixel=X:Y, rays=BEGIN:END,\n"
+      "cycles=BEGIN:END, "
       "parts=dsp+sorter+pipeline+links, counters=CYCLES");
 
   app.option_defaults()->group("Faults");
   add("--faults", flags.fault_file, "FILE",
-      "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)");
+      "faults between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)");
   add("--fault-log", options.fault_log_file, "FILE",
       "append each fault to FILE before it takes effect; board i > 0 writes FILE.i");
 

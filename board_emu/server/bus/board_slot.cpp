@@ -109,7 +109,7 @@ void BoardSlot::renew(std::string& why) {
   } catch (const std::exception& error) {
     why = error.what();
   }
-  if (!why.empty()) spdlog::error("board {} could not be built anew: {}; the next session tries again", index_, why);
+  if (!why.empty()) spdlog::error("board {} could not be rebuilt: {}; the next session tries again", index_, why);
 }
 
 void BoardSlot::log_fault(const Observation* observation) const {
@@ -124,7 +124,8 @@ Claim BoardSlot::claim(const Claimant& who) {
   if (owner_ == Owner::kSession) {
     if (!who.force && !away_) return Claim::kBusy;
     const bool forces = !away_;
-    ask_to_end(wire::ErrorCode::kTaken, who.name + (forces ? " took the board by force" : " came for the board"));
+    ask_to_end(wire::ErrorCode::kTaken,
+               who.name + (forces ? " took the board by force" : " took the board while its client was away"));
     return forces ? Claim::kForced : Claim::kSoonFree;
   }
   owner_ = Owner::kSession;
@@ -259,7 +260,7 @@ BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std
                                       const Cancelled& cancelled) {
   struct Answer {
     std::atomic<bool> unwanted{false};
-    std::atomic<bool> is_taken{false};  // set by the first of three paths to the board's thread
+    std::atomic<bool> is_taken{false};  // set by the first of the three ways to the board's thread
     Saved saved;
     std::string reason;
     std::promise<Configured> done;
@@ -270,7 +271,7 @@ BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std
     const std::lock_guard here(saving_);
     Configured result = Configured::kDone;
     try {
-      if (!board_) throw std::runtime_error("expected a board, got none: it could not be built");
+      if (!board_) throw std::runtime_error("expected a board, got none because it could not be built");
       if (std::filesystem::exists(std::filesystem::symlink_status(file)))
         throw std::runtime_error("file: expected a new one, got " + file);
       SavedSurroundings around{faults_.saved()};

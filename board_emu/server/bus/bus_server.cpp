@@ -37,7 +37,7 @@ std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire
                           frame->header.error == ErrorCode::kNone;
   if (!is_version) {
     const std::string damage = incoming.fault ? ": " + incoming.fault->text : "";
-    return LastWord{ErrorCode::kProtocol, 0, "expected a version frame first, got something else" + damage};
+    return LastWord{ErrorCode::kProtocol, 0, "expected a version frame first, got another one" + damage};
   }
   const std::uint32_t id = frame->header.id;
   if (frame->payload.size() < wire::kVersionBytes) {
@@ -168,8 +168,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
                                    bool wants_token) {
   if (stopped_) co_return connection->close();
   if (const auto out = guests_.enter(connection)) {
-    turn_away(*out,
-              {ErrorCode::kBusy, 0, "another connection takes the place of this one, which had not said its version"});
+    turn_away(*out, {ErrorCode::kBusy, 0, "expected a version frame, got none before another client needed its place"});
   }
   const ScopeExit left{[&] { guests_.leave(connection); }};
   std::uint32_t id = 0;
@@ -303,13 +302,13 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
     if (claim == Claim::kGranted) co_return true;
     if (claim == Claim::kForced) {
       forces.happened(now);
-      note(AuditEvent::kForced, *connection, fmt::format("board {}: ends another one's session", slot.index()));
+      note(AuditEvent::kForced, *connection, fmt::format("board {}: ends another client's session", slot.index()));
     }
     if (claim == Claim::kBusy && now > patience) {
       const std::string owner = slot.owner();
       std::string text = fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner);
       if (const auto left_ms = forces.left(now).count(); wants_force && left_ms > 0) {
-        text += fmt::format("; it was taken by force not long ago, and can be again in {:.1f} s",
+        text += fmt::format("; it was recently taken by force, and can be taken again in {:.1f} s",
                             static_cast<double>(left_ms) / 1000);
       }
       turn_away(*connection, {ErrorCode::kBusy, id, std::move(text)});

@@ -45,7 +45,7 @@ awaitable<std::string> Session::prepare() {
   std::string why;
   std::function<void()> build = [this, &why] { slot_.renew(why); };
   co_await run_on_compute(std::move(build), false);
-  if (why.empty() && stopped_) why = "others have taken it, or the board shuts down";
+  if (why.empty() && stopped_) why = "another client has taken it, or the board process is shutting down";
   co_return why;
 }
 
@@ -66,7 +66,7 @@ void Session::attach(Connected connection, std::uint32_t id, const wire::Version
   const bool is_new = peer_.empty();
   connection_ = std::move(connection);
   peer_ = connection_->peer();
-  note(is_new ? AuditEvent::kOpened : AuditEvent::kResumed, is_new ? "a session begins" : "its session goes on");
+  note(is_new ? AuditEvent::kOpened : AuditEvent::kResumed, is_new ? "a session begins" : "its session continues");
 
   wire::VersionInfo answer = options_.version;
   answer.session = token_;
@@ -101,7 +101,7 @@ void Session::lose(const Connected& connection, const std::optional<LastWord>& w
 
 void Session::fail(const std::exception& error) {
   const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
-  const char* const why = no_memory ? "the system has no memory left for what was asked" : error.what();
+  const char* const why = no_memory ? "the system has no memory left for this request" : error.what();
   spdlog::error("board {}: a session has ended: {}", slot_.index(), why);
   fail({ErrorCode::kInternal, 0, why});
 }
@@ -117,7 +117,7 @@ awaitable<void> Session::give_board_back() {
       slot_.renew(logged);
     };
     co_await run_on_compute(std::move(renew), false);
-  } catch (const std::bad_alloc&) {  // not even for the job; no work is running, so it is done here
+  } catch (const std::bad_alloc&) {  // the job could not be posted; no other work is running
     slot_.drop_board();
   }
   slot_.release();
@@ -127,7 +127,7 @@ void Session::end_for_its_time(std::chrono::milliseconds limit) {
   const double seconds = std::chrono::duration<double>(limit).count();
   note(AuditEvent::kLimitReached, fmt::format("a command of more than {} s", seconds));
   fail({ErrorCode::kTooLarge, 0,
-        fmt::format("expected commands of at most {} s of this machine's time, got a longer one", seconds)});
+        fmt::format("expected a command that takes at most {} s of this machine's time, got a longer one", seconds)});
 }
 
 awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress,

@@ -73,9 +73,8 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
   }
   admit(header);
   if (window_.arrival(header) == Arrival::kGap) {
-    lose(connection,
-         LastWord{ErrorCode::kCorrupted, header.id,
-                  fmt::format("expected the frame number {}, it was sent and did not come", window_.taken() + 1)});
+    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                              fmt::format("expected frame number {}, which was sent, got none", window_.taken() + 1)});
     co_return false;
   }
   // A client that waits too long asks what was sent. No answer is needed while a frame is being sent.
@@ -91,8 +90,8 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
   if (arrival == Arrival::kAgain) co_return true;
   if (arrival == Arrival::kGap) {
     lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
-                              fmt::format("expected the frame number {}, got {}: frames are missing",
-                                          window_.taken() + 1, header.sequence)});
+                              fmt::format("expected frame number {}, got {}: frames are missing", window_.taken() + 1,
+                                          header.sequence)});
     co_return false;
   }
   FaultAction action;
@@ -183,7 +182,7 @@ awaitable<void> Session::work() {
     if (stopped_) break;
     if (result.ticket_in_use) {
       throw LastWord{ErrorCode::kProtocol, frame.header.id,
-                     fmt::format("ticket: expected one that no command under way has, got {}", frame.header.id)};
+                     fmt::format("ticket: expected one that no command in progress has, got {}", frame.header.id)};
     }
     check_held(frame.header);
     co_await send_result(frame.header, std::move(result));
@@ -204,11 +203,10 @@ std::uint64_t Session::held() const {
 void Session::check_held(const FrameHeader& header) const {
   const std::uint64_t bytes = held();
   if (bytes <= options_.max_held_bytes) return;
-  note(AuditEvent::kLimitReached, fmt::format("results of {} bytes", bytes));
-  throw LastWord{
-      ErrorCode::kTooLarge, header.id,
-      fmt::format("expected at most {} bytes of results before they are waited or polled for and taken, got {}",
-                  options_.max_held_bytes, bytes)};
+  note(AuditEvent::kLimitReached, fmt::format("unfetched results of {} bytes", bytes));
+  throw LastWord{ErrorCode::kTooLarge, header.id,
+                 fmt::format("expected at most {} bytes of results that the client has not fetched, got {}",
+                             options_.max_held_bytes, bytes)};
 }
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
@@ -274,8 +272,9 @@ void Session::return_credit() {
 // Waits until the client has room, or until the session ends.
 awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payload) {
   if (payload.size() > agreed_.max_payload_bytes) {
-    throw LastWord{ErrorCode::kInternal, header.id,
-                   fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes)};
+    throw LastWord{
+        ErrorCode::kInternal, header.id,
+        fmt::format("expected an answer of at most {1} bytes, got {0}", payload.size(), agreed_.max_payload_bytes)};
   }
   while (!stopped_ && !window_.can_send(payload.size())) {
     return_credit();

@@ -26,7 +26,7 @@ constexpr std::size_t kMaxMemoryBytes = std::size_t{64} << 20;  // chosen: a con
 
 std::string read_pem(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(fmt::format("{}: can't be read", path));
+  if (!file) throw std::runtime_error(fmt::format("{}: expected a readable file", path));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -78,7 +78,7 @@ std::vector<Diagnostic> check(const ManagementOptions& options) {
 
 std::string trace_path(const std::string& folder, const std::string& file) {
   if (folder.empty()) {
-    throw std::invalid_argument("file: expected none, the board process has no --trace-dir; got " + file);
+    throw std::invalid_argument("file: expected none, because the board process has no --trace-dir, got " + file);
   }
   const std::filesystem::path path(file);
   const std::string name = path.filename().string();
@@ -131,7 +131,7 @@ Management::Management(const ManagementOptions& options, std::vector<BoardSlot*>
   builder.RegisterService(&parts_->service);
   parts_->server = builder.BuildAndStart();
   if (!parts_->server)
-    throw std::runtime_error(fmt::format("{}: can't listen there, or the certificate is no good", text));
+    throw std::runtime_error(fmt::format("{}: cannot listen there, or the certificate is not valid", text));
   if (!is_unix) parts_->endpoint.port = static_cast<std::uint16_t>(port);
   grpc::HealthCheckServiceInterface* health = parts_->server->GetHealthCheckService();
   health->SetServingStatus(v1::BoardManagement::service_full_name(), true);

@@ -44,11 +44,11 @@ TEST(Audit, SaysWhenWhoDidWhatInOneLine) {
   const std::string path = folder.file("audit");
   for (int process = 0; process < 2; ++process) {
     Audit audit(to_file(path));
-    audit.note(AuditEvent::kForced, "127.0.0.1:5", "board 0: ends another one's session");
+    audit.note(AuditEvent::kForced, "127.0.0.1:5", "board 0: ends another client's session");
     audit.note(AuditEvent::kTraced, "a\nb", "\x1b[2J{}");
   }
   const auto when = "[0-9]+-[0-9]+-[0-9]+T[0-9]+:[0-9]+:[0-9]+\\.[0-9]+Z ";
-  const auto first = MatchesRegex(std::string(when) + "forced: 127.0.0.1:5: board 0: ends another one's session");
+  const auto first = MatchesRegex(std::string(when) + "forced: 127.0.0.1:5: board 0: ends another client's session");
   const auto second = EndsWith("traced: a?b: ?[2J{}");
   EXPECT_THAT(lines_of(path), ElementsAre(first, second, first, second)) << "it is appended to";
 }

@@ -254,7 +254,7 @@ TEST(LocalBoards, ARegistryThatOthersMayEnterIsNotTrusted) {
   EXPECT_THAT(run.err, HasSubstr(registry.folder() + ": expected a folder of user"));
   EXPECT_THAT(run.err, HasSubstr("mode 700, got mode 777"));
   board.process.send_signal(SIGTERM);
-  EXPECT_THAT(board.process.read_errors(), HasSubstr("gicube-smi will not find this process"));
+  EXPECT_THAT(board.process.read_errors(), HasSubstr("gicube-smi cannot find this process"));
 }
 
 TEST(Options, StandBeforeTheCommandOrBehindIt) {

@@ -195,7 +195,7 @@ TEST(Ending, ASignalEndsAProcessWhoseRoutineNeverDoes) {
   EXPECT_EQ(fickle.process->exit_code(), 0);
   EXPECT_FALSE(std::filesystem::exists(fickle.path));
   EXPECT_FALSE(std::filesystem::exists(fickle.management));
-  EXPECT_THAT(fickle.process->read_errors(), HasSubstr("what was still in work after 900 ms is broken off"));
+  EXPECT_THAT(fickle.process->read_errors(), HasSubstr("work that had not ended after 900 ms was aborted"));
   EXPECT_EQ(fickle.routines(false), 0u) << "no process is left behind";
 }
 

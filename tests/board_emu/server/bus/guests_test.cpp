@@ -165,7 +165,7 @@ TEST(Guests, ForceInALoopIsHeldBack) {
   RawClient thief = boards.open(forcing);
   EXPECT_EQ(owner.receive()->header.error, ErrorCode::kTaken);
   for (int i = 0; i < 3; ++i) {
-    expect_busy(boards.connect().handshake(forcing), "; it was taken by force not long ago, and can be again in 3");
+    expect_busy(boards.connect().handshake(forcing), "; it was recently taken by force, and can be taken again in 3");
   }
   EXPECT_EQ(thief.read_register(wire::reg::kId), wire::kIdValue);
   const RawClient other_owner = boards.open({}, 1);

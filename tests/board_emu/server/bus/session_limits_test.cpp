@@ -98,7 +98,7 @@ TEST(Session, OneTicketForAllCommandsEndsItAtTheSecond) {
   const ServedBoards boards;
   RawClient client = boards.open();
   for (int i = 0; i < 3; ++i) client.send(FrameType::kCommand, 7, wire::kPosted, word(99));
-  expect_ended(client, ErrorCode::kProtocol, 7, "ticket: expected one that no command under way has, got 7");
+  expect_ended(client, ErrorCode::kProtocol, 7, "ticket: expected one that no command in progress has, got 7");
 }
 
 TEST(Session, ATicketMayComeAgainOnceItsCompletionHasCome) {

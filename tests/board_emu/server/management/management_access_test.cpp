@@ -118,7 +118,7 @@ TEST(ManagementAccess, APortThatSomeoneServesIsNotShared) {
   const Management first(options, boards.all());
   ASSERT_NE(first.endpoint().port, 0);
   options.endpoint = first.endpoint();
-  EXPECT_THAT(refusal(options), HasSubstr("can't listen there"));
+  EXPECT_THAT(refusal(options), HasSubstr("cannot listen there"));
 }
 
 // Loopback without TLS.
@@ -302,10 +302,10 @@ TEST_F(SecuredManagement, RefusesATokenFileThatOthersCanRead) {
 TEST_F(SecuredManagement, RefusesFilesThatAreMissingOrNoCertificate) {
   ManagementOptions missing = options_;
   missing.key_file = boards_.folder.file("nothing");
-  EXPECT_THAT(refusal(missing), HasSubstr("nothing: can't be read"));
+  EXPECT_THAT(refusal(missing), HasSubstr("nothing: expected a readable file"));
   ManagementOptions swapped = options_;
   swapped.certificate_file = options_.token_file;
-  EXPECT_THAT(refusal(swapped), HasSubstr("the certificate is no good"));
+  EXPECT_THAT(refusal(swapped), HasSubstr("the certificate is not valid"));
 }
 
 }  // namespace
