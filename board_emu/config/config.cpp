@@ -128,7 +128,7 @@ ParsedConfig parse_config(std::string_view text) {
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos || equals == 0) {
-    return {{"", "field=value, as asic.processors=8", fmt::format("\"{}\"", assignment)}};
+    return {{"", "FIELD=VALUE, such as asic.processors=8", fmt::format("\"{}\"", assignment)}};
   }
   const std::string path(assignment.substr(0, equals)), value(assignment.substr(equals + 1));
   v1::BoardConfig changed = config;
@@ -142,14 +142,15 @@ std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view
     }
     const bool is_message = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
     if (dot == std::string_view::npos) {
-      if (is_message) return {{path, "a field of it: " + expected_names(*field->message_type()), "the whole message"}};
+      if (is_message)
+        return {{path, "one of its fields: " + expected_names(*field->message_type()), "the whole message"}};
       if (!read_value(value, *field, *message)) {
         return {{path, expected_value(*field), fmt::format("\"{}\"", value)}};
       }
       config = std::move(changed);
       return {};
     }
-    if (!is_message) return {{path, fmt::format("\"{}\" to be the last name: it has no fields", name), path}};
+    if (!is_message) return {{path, fmt::format("no name after \"{}\", which has no fields", name), path}};
     message = message->GetReflection()->MutableMessage(message, field);
     rest.remove_prefix(dot + 1);
   }

@@ -1,6 +1,6 @@
 // The board's configuration: reads protobuf text and overrides, returns a complete and checked BoardConfig.
 //
-// There are no guesses and no ignored fields. All errors are collected with their field names and reported together.
+// No value is guessed and no field is ignored. All errors are collected and reported together, with their field names.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ ParsedConfig parse_config(std::string_view text);
 // Sets one field from text such as "asic.processors=8". On an error the configuration does not change.
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment);
 
-// For one release a board takes this level of 0.2, number 2, for `cycle`, and logs this.
+// Level 2 of release 0.2. For one release a board uses `cycle` instead, and logs this text.
 inline bool wants_approximate(const v1::BoardConfig& config) { return config.fidelity() == 2; }
 inline constexpr std::string_view kApproximateIsCycle =
-    "fidelity: approximate is gone; cycle answers, exactly. Later releases refuse the name";
+    "fidelity: expected functional or cycle, got approximate: cycle is used. Later releases refuse the name";
 
 // Returns the configuration with all fields set, including defaults. Its level is never `approximate`.
 v1::BoardConfig resolve(const v1::BoardConfig& config);

@@ -26,7 +26,7 @@ constexpr std::uint64_t kBitsPerMbit = 1 << 20;
 constexpr std::uint64_t kBitsOfTables = 8 * 30 + 84;  // gradients and a segmentation entry, per sample [P Table 1]
 constexpr std::uint64_t kBitsOfReflection = 4 * 8;    // four texels per visible sample
 
-// Parts of the card, by their places in the list of the result.
+// Parts of the card, in the order of the result.
 enum Part {
   kMemory,
   kMemoryInterface,
@@ -51,7 +51,7 @@ constexpr std::array<const char*, kParts> kNames{
 // A field of EnergyConfig.
 struct Price {
   std::uint64_t value = 0;
-  std::uint64_t percent = 0;  // by which it may be wrong
+  std::uint64_t percent = 0;  // uncertainty
 };
 
 struct Sum {

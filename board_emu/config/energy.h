@@ -1,8 +1,7 @@
-// Where a board's energy goes, from what it counted and the simulated time: each event and each moment of a part has a
-// price, a field of EnergyConfig with its source and its uncertainty.
+// Computes a board's energy from its counters and the simulated time. Each event costs an energy and each part a power:
+// fields of EnergyConfig, with their sources and uncertainties.
 //
-// Only the cycle level counts what costs energy. It is computed when somebody asks, so the simulation does nothing for
-// it.
+// Only the cycle level has the counters. The energy is computed on request, so it costs the simulation nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,8 @@
 
 namespace gicube::emu {
 
-// The energy of one part of the card. `low` and `high` are what it took if all its prices are wrong in one direction by
-// their uncertainty.
+// The energy of one part of the card. `low` and `high` are the results if all prices are wrong by their uncertainty, in
+// one direction.
 struct PartEnergy {
   const char* part = "";
   std::uint64_t pj = 0, low_pj = 0, high_pj = 0;
@@ -36,24 +35,25 @@ class EnergyModel {
   EnergyModel(const EnergyModel&) = delete;
   EnergyModel& operator=(const EnergyModel&) = delete;
 
-  // Since power-up, by part, in an order that stays. `counters`: the board's at the time `now`.
+  // Energy since power-up by part, always in the same order; empty at the functional level. `counters`: those of the
+  // board at the time `now`.
   std::vector<PartEnergy> parts(const std::vector<wire::Counter>& counters, Picoseconds now) const;
-  // While a command runs: in the time of `asic.cycles`, with the DSP's work for the ASIC and without the host bus. All
-  // samples count as visible, since values are computed ahead.
+  // The same while a command runs: for the time of `asic.cycles`, with the DSP's work for the ASIC and without the host
+  // bus. All samples count as visible, because their values are computed ahead of the clock.
   std::vector<PartEnergy> of_machine(const std::vector<wire::Counter>& counters) const;
-  // The DSP in `time` with work in `busy` of it, and bytes on the host bus; 0 at the functional level.
+  // Energy of the DSP in `time`, of which it works for `busy`, and of bytes on the host bus; 0 at the functional level.
   std::uint64_t dsp_pj(Picoseconds busy, Picoseconds time) const;
   std::uint64_t host_bus_pj(std::uint64_t bytes) const;
 
-  // Appends energy.<part>, .low and .high, and their sums as energy.total, in picojoules. Nothing at the functional
-  // level.
+  // Appends energy.<part>, .low and .high, and their sums as energy.total, in picojoules. Appends nothing at the
+  // functional level.
   void count(std::vector<wire::Counter>& counters, Picoseconds now) const;
 
  private:
   struct Prices;
   class Values;
 
-  // Made when they are first needed; null at the functional level.
+  // Computed at the first call; null at the functional level.
   const Prices* prices() const;
   std::vector<PartEnergy> parts_of(const Values& counted, Picoseconds now) const;
 

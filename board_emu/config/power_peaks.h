@@ -1,7 +1,7 @@
-// The highest power of each part of a card, and of all: means over windows of two milliseconds of the ASIC's work,
-// since the host first read the counters. The host bus is left out.
+// The highest power of each part of a card, and of the whole card: the mean over a window of two milliseconds of the
+// ASIC's work, since the host first read the counters. The host bus is omitted.
 //
-// Nothing is done before that read. Afterwards all counters are read once a window.
+// Nothing is computed before that read. Afterwards all counters are read once per window.
 #pragma once
 
 #include <algorithm>
@@ -20,13 +20,14 @@ class PowerPeaks {
   PowerPeaks(const EnergyModel& model, std::uint64_t core_khz)
       : model_(model), core_khz_(core_khz), window_(kMilliseconds * core_khz) {}
 
-  // Whether see() is to be called, some thousand cycles of the ASIC after the last call of this.
+  // Returns whether see() is to be called. Must be called every kReportCycles cycles of the ASIC.
   bool is_due() { return asked_ && ++reports_ * kReportCycles >= window_; }
   // `counters`: the board's, while a command runs.
   void see(const std::vector<wire::Counter>& counters) {
     if (cycles_of(counters) - since_ >= window_) end_window(counters);
   }
-  // The host reads the counters. Until the first whole window, the part of it that has passed counts as one.
+  // To be called when the host reads the counters. Before the end of the first window, the part that has passed counts
+  // as a window.
   void ask(const std::vector<wire::Counter>& counters) {
     if (asked_ && peaks_.empty() && cycles_of(counters) > since_) end_window(counters);
     if (!asked_) begin_window(counters);
@@ -52,7 +53,8 @@ class PowerPeaks {
 
  private:
   static constexpr std::uint64_t kReportCycles = 4096;  // as cycle/machine.cpp reports
-  static constexpr std::uint64_t kMilliseconds = 2;  // chosen: a read of all counters takes 1% of a millisecond's time
+  static constexpr std::uint64_t kMilliseconds =
+      2;  // chosen: reading all counters takes 1% of the time of simulating a millisecond
 
   static std::uint64_t cycles_of(const std::vector<wire::Counter>& counters) {
     const auto found = std::ranges::find(counters, "asic.cycles", &wire::Counter::name);
@@ -69,7 +71,7 @@ class PowerPeaks {
       all[i].pj = numbers[3 * i], all[i].low_pj = numbers[3 * i + 1], all[i].high_pj = numbers[3 * i + 2];
     }
   }
-  // Without the host bus, and with the sum as a last part.
+  // Without the host bus; the last part is the sum.
   std::vector<PartEnergy> parts(const std::vector<wire::Counter>& counters) const {
     std::vector<PartEnergy> parts = model_.of_machine(counters);
     if (parts.empty()) return parts;

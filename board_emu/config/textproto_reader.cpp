@@ -1,5 +1,5 @@
-// One pass over protobuf's tokens, since TextFormat ends at the first value that it can't read. It reads the single
-// values.
+// Reads the text in one pass over protobuf's tokens, because TextFormat stops at the first invalid value. TextFormat is
+// used for single values.
 #include "textproto_reader.h"
 
 #include <fmt/format.h>
@@ -22,8 +22,8 @@ using google::protobuf::Message;
 using google::protobuf::io::ColumnNumber;
 using google::protobuf::io::Tokenizer;
 
-constexpr std::size_t kMaxDiagnostics = 100;  // chosen: nobody reads more
-constexpr std::size_t kMaxShown = 60;         // chosen: characters of a value in a fault
+constexpr std::size_t kMaxDiagnostics = 100;  // chosen: more than a person reads
+constexpr std::size_t kMaxShown = 60;         // chosen: characters of a value in an error message
 
 class FirstError : public google::protobuf::io::ErrorCollector {
  public:
@@ -105,8 +105,8 @@ class Reader {
     }
   }
 
-  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words. It does
-  // not recurse, so that no text can exhaust the stack: read_fields() goes only as deep as the schema.
+  // Skips a value: a token with its sign, or everything between brackets. Returns its text. It does not recurse, so no
+  // text can exhaust the stack; read_fields() recurses only as deep as the schema.
   std::string skip_value() {
     const bool is_message = opens_message();
     std::string text;
@@ -136,7 +136,7 @@ class Reader {
     return true;
   }
 
-  // 1 at one that opens, -1 at one that closes.
+  // Returns 1 for an opening bracket, -1 for a closing one, otherwise 0.
   int bracket() {
     const std::string& text = tokens_.current().text;
     if (text == "{" || text == "<" || text == "[") return 1;

@@ -26,7 +26,7 @@ Picoseconds time_of(const std::string& text) {
   const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
   const double ps = unit == "ps" ? 1 : unit == "ns" ? 1e3 : unit == "us" ? 1e6 : unit == "ms" ? 1e9 : 0;
   if (error != std::errc{} || ps == 0 || value < 0 || value * ps > 4e18)
-    refuse("a time as 12.5us (ps, ns, us, ms)", text);
+    refuse("a time such as 12.5us (ps, ns, us, ms)", text);
   return static_cast<Picoseconds>(std::llround(value * ps));
 }
 
@@ -161,7 +161,7 @@ Breakpoint parse_breakpoint(const std::vector<std::string>& words, const Command
   } else if (kind == "time") {
     const Picoseconds at = time_of(words.size() > 1 ? words[1] : "");
     if (at < clock.begin_ps)
-      refuse(fmt::format("a time after {} ps, when the command began", clock.begin_ps), words[1]);
+      refuse(fmt::format("a time from {} ps on, the beginning of the command", clock.begin_ps), words[1]);
     const Picoseconds after = at - clock.begin_ps;
     constexpr Picoseconds kMillisecond = 1'000'000'000;
     out = at_cycle(clock.begin_cycle + after / kMillisecond * clock.core_khz +

@@ -20,15 +20,15 @@ constexpr std::size_t kMaxHistory = 200, kMaxHistories = 1000;  // chosen: lines
 constexpr const char* kHelp =
     "break cycle N | time 12.5us | ray N | pixel X Y | voxel X Y Z | block X Y Z | queue P Q RAYS | overflow | trap |\n"
     "      conflict | counter NAME VALUE | command        breaks: lists them; delete N\n"
-    "watch ray N | pixel X Y        keeps the history of rays that are made from now on; a ray is also TICKET:N\n"
+    "watch ray N | pixel X Y        keeps the history of rays that are made after this; a ray is also TICKET:N\n"
     "continue [SECONDS], step [cycle | sample | ray | command] [N], stop [SECONDS], detach\n"
     "where, why, parts, queue P [Q], cache P X Y Z, cache P set S, bank MEMORY DEVICE BANK, link, counters [BEGIN]\n"
     "ray N, history N, set ray N colour R G B | opacity N, checkpoint FILE\n";
 
 // Error at levels where only the start and the end of a command can be observed.
 constexpr const char* kNoCycles =
-    "this level has no cycles: expected break command, step command, or break counter, which is looked at when a "
-    "command ends";
+    "expected break command, step command, or break counter, which is checked at the end of a command: this level has "
+    "no cycles";
 
 }  // namespace
 
@@ -209,7 +209,7 @@ void Debugger::wait_while_paused(Lock& lock, Moment moment) {
 
 std::string Debugger::where() {
   reported_stops_ = stops_;
-  if (!is_paused_) return "the board does not stand\n";
+  if (!is_paused_) return "the board is not paused\n";
   const std::string at = machine_ == nullptr ? fmt::format("{} ps", clock_.begin_ps)
                                              : fmt::format("cycle {}, {} ps", now_, clock_.time(now_));
   return fmt::format("command {}, {}: {}\n", commands_, at, why_);
@@ -230,14 +230,13 @@ std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancel
   std::chrono::seconds limit = kMaxContinue;
   const std::uint64_t before = stops_;
   if (words[0] == "step") {
-    if (!is_paused_) throw std::invalid_argument("step: expected a board that stands; break or stop comes first");
+    if (!is_paused_) throw std::invalid_argument("step: expected a paused board; use break or stop first");
     const std::string unit = words.size() > 1 ? words[1] : "cycle";
     const std::uint64_t count = words.size() > 2 ? number_at(words, 2, "a number of steps") : 1;
     if (unit == "command") {
       stops_at_command_ = true;
     } else {
-      if (machine_ == nullptr)
-        throw std::invalid_argument("step: expected a command that is under way, or step command");
+      if (machine_ == nullptr) throw std::invalid_argument("step: expected a command in progress, or step command");
       step_ = step_of(unit, count, now_, *machine_);
     }
   } else if (words.size() > 1) {
@@ -252,12 +251,11 @@ const Debugger::History& Debugger::history_of(const Words& words, std::size_t at
   const auto [ticket, ray] = ray_at(words, at);
   if (ticket.value_or(ticket_) != ticket_) {
     throw std::invalid_argument(
-        fmt::format("ticket: expected {}, that of the latest command, got {}", ticket_, *ticket));
+        fmt::format("ticket: expected that of the latest command, {}, got {}", ticket_, *ticket));
   }
   const auto found = histories_.find(ray);
   if (found != histories_.end()) return found->second;
-  throw std::invalid_argument(
-      fmt::format("ray {}: expected one that was watched as it was made, by break or watch", ray));
+  throw std::invalid_argument(fmt::format("ray {}: expected one that break or watch selected before it was made", ray));
 }
 
 void Debugger::add(Breakpoint breakpoint) {
@@ -268,8 +266,7 @@ void Debugger::add(Breakpoint breakpoint) {
 
 std::string Debugger::answer_paused(const Words& words) {
   const std::string& what = words[0];
-  if (machine_ == nullptr)
-    throw std::invalid_argument(what + ": expected a command that is under way at fidelity=cycle");
+  if (machine_ == nullptr) throw std::invalid_argument(what + ": expected a command in progress at fidelity=cycle");
   if (what == "why") return why_nothing_moves(now_, *machine_);
   if (what == "counters") {
     std::vector<wire::Counter> counters;
@@ -287,7 +284,7 @@ std::string Debugger::answer_paused(const Words& words) {
   }
   if (what == "set") {
     const History& history = history_of(words, 2);
-    if (!history.is_under_way) throw std::invalid_argument("expected a ray under way, got one that has ended");
+    if (!history.is_under_way) throw std::invalid_argument("expected a ray in progress, got one that has ended");
     RayUnderWay& ray = machine_->rays()[history.handle];
     set_word(words, 3, ray);
     return words_of(ray);
@@ -308,12 +305,13 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
         words.size() > 1 ? std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400) : 5;
     const std::string text = wait_for_stop(lock, stops_, std::chrono::seconds(seconds), cancelled);
     if (is_paused_) stops_at_command_ = false;
-    return is_paused_ ? text : "nothing runs on the board; it will stop at its next command\n";
+    return is_paused_ ? text : "no command is in progress; the board will stop at the next one\n";
   }
   if (what == "break") {
     // The start of the command is needed to convert a time to a cycle.
     if (!rest.empty() && rest[0] == "time" && !is_paused_) {
-      throw std::invalid_argument("time: expected a board that stands in a command; break command or stop comes first");
+      throw std::invalid_argument(
+          "time: expected a board that is paused in a command; use break command or stop first");
     }
     add(parse_breakpoint(rest, clock_));
     return fmt::format("break {}: {}\n", breakpoints_.back().number, breakpoints_.back().text);
@@ -323,7 +321,7 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
     if (!watched.watches) throw std::invalid_argument("watch: expected ray N or pixel X Y");
     if (!has_cycles_) throw std::invalid_argument(kNoCycles);
     watched_.push_back(std::move(watched));
-    return "watches " + watched_.back().text + '\n';
+    return "watching " + watched_.back().text + '\n';
   }
   if (what == "breaks") {
     std::string out;
@@ -334,7 +332,7 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
     const std::uint64_t number = number_at(words, 1, "the number of a break");
     if (std::erase_if(breakpoints_, [number](const Breakpoint& each) { return each.number == number; }) > 0)
       return "\n";
-    throw std::invalid_argument(fmt::format("break {}: there is none", number));
+    throw std::invalid_argument(fmt::format("expected the number of a break, got {}", number));
   }
   if (what == "history") {
     std::string out;
@@ -343,9 +341,9 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
   }
   constexpr std::array kOfMachine{"why", "parts", "queue", "cache", "bank", "link", "counters", "ray", "set"};
   if (std::ranges::find(kOfMachine, what) == kOfMachine.end()) {
-    throw std::invalid_argument(fmt::format("expected a command as help lists them, got \"{}\"", what));
+    throw std::invalid_argument(fmt::format("expected a command that help lists, got \"{}\"", what));
   }
-  if (!is_paused_) throw std::invalid_argument(what + ": expected a board that stands; break or stop comes first");
+  if (!is_paused_) throw std::invalid_argument(what + ": expected a paused board; use break or stop first");
   return answer_paused(words);
 }
 

@@ -64,7 +64,8 @@ std::string view_set(const std::vector<std::string>& words, std::size_t processo
   const VolumeCache& cache = machine.processors()[processor]->cache();
   if (cache.has_tags_of_voxels()) throw std::invalid_argument("set: expected cache.tags of tiles, got of_voxels");
   const std::size_t set = below(words, 3, "set", cache.sets());
-  std::string out = fmt::format("processor {}, set {} of {}, the latest used first:\n", processor, set, cache.sets());
+  std::string out =
+      fmt::format("processor {}, set {} of {}, most recently used first:\n", processor, set, cache.sets());
   for (std::size_t way = 0; way < cache.ways(); ++way) {
     const auto held = cache.way(set, way);
     out += held ? fmt::format("  way {}: block {}, tile {}{}\n", way, position_of_block(held->tile.block, machine),
@@ -86,7 +87,7 @@ std::string view_cache(const std::vector<std::string>& words, const Machine& mac
   const auto block = static_cast<std::uint32_t>(at[0] + across * (at[1] + down * at[2]));
   const VolumeCache& cache = machine.processors()[processor]->cache();
   std::string out =
-      fmt::format("processor {}, block {} {} {}: tiles in its cache or asked for:", processor, at[0], at[1], at[2]);
+      fmt::format("processor {}, block {} {} {}: tiles in its cache or requested:", processor, at[0], at[1], at[2]);
   std::size_t held = 0;
   for (std::size_t tile = 0; tile < cache.tiles_of_block(); ++tile) {
     if (!cache.probe(block, static_cast<std::uint32_t>(tile))) continue;
@@ -124,13 +125,13 @@ bool is_full(const Fifo<T>& fifo) {
 std::string dsp_in_words(Cycle now, const Machine& machine) {
   const RayEngine& dsp = machine.dsp();
   if (dsp.waits(now)) return fmt::format("DSP: waits for its SDRAM until cycle {}", dsp.free_at());
-  if (dsp.busy(now)) return fmt::format("DSP: works at one ray's task until cycle {}", dsp.free_at());
-  if (is_full(machine.down())) return "DSP: its ray waits for the ray bus";
-  return dsp.has_rays_to_send() ? "DSP: has rays to send" : "DSP: has sent all rays, and waits for those that are away";
+  if (dsp.busy(now)) return fmt::format("DSP: works on one ray until cycle {}", dsp.free_at());
+  if (is_full(machine.down())) return "DSP: a ray waits for the ray bus";
+  return dsp.has_rays_to_send() ? "DSP: has rays to send" : "DSP: has sent all rays, and waits for their return";
 }
 
 std::string path_up(Cycle now, const Machine& machine) {
-  if (!is_full(machine.up())) return "merge tree: moves";
+  if (!is_full(machine.up())) return "merge tree: not blocked";
   return "merge tree: its output is full <- " + dsp_in_words(now, machine);
 }
 
@@ -139,13 +140,14 @@ std::string sorter_in_words(Cycle now, std::size_t number, const Machine& machin
   if (is_full(processor.overflow)) {
     return fmt::format("sorter {}: an overflowed ray waits <- {}", number, path_up(now, machine));
   }
-  return fmt::format("sorter {}: takes two rays a cycle, {} wait in its queues", number, processor.sorter().waiting());
+  return fmt::format("sorter {}: not blocked, accepts two rays per cycle, {} wait in its queues", number,
+                     processor.sorter().waiting());
 }
 
 std::string ray_bus_in_words(Cycle now, const Machine& machine) {
-  if (machine.down().empty()) return "ray bus: moves";
+  if (machine.down().empty()) return "ray bus: not blocked";
   const std::size_t to = machine.down().front().processor;
-  if (!is_full(machine.processors()[to]->from_bus)) return fmt::format("ray bus: brings a ray to processor {}", to);
+  if (!is_full(machine.processors()[to]->from_bus)) return fmt::format("ray bus: transfers a ray to processor {}", to);
   return fmt::format("ray bus: its first ray waits for processor {}, whose input is full <- {}", to,
                      sorter_in_words(now, to, machine));
 }
@@ -163,18 +165,18 @@ std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
     case Cause::kMiss:
     case Cause::kBank:
     case Cause::kRefresh: {
-      if (processor.misses().empty()) return out + "the packets came in this cycle";
+      if (processor.misses().empty()) return out + "the packets arrived in this cycle";
       const Packet& packet = processor.misses().oldest();
       out += fmt::format(
-          "its oldest sample waits for {} packets <- memory: tile {} of its block {}, asked for in cycle {}",
+          "its oldest sample waits for {} packets <- memory: tile {} of its block {}, requested in cycle {}",
           processor.stages().prefetching() > 0 ? processor.stages().oldest_prefetching().packets : 0, packet.tile,
           packet.block, packet.asked);
       if (packet.arrival == kNoCycle) return out + ", not sent yet";
-      constexpr std::array kDelays{"the wires", "its bank", "a refresh"};
-      return out + fmt::format(", comes in cycle {}, held up by {}", packet.arrival,
+      constexpr std::array kDelays{"the data wires", "its bank", "a refresh"};
+      return out + fmt::format(", arrives in cycle {}, delayed by {}", packet.arrival,
                                kDelays[static_cast<std::size_t>(packet.delay)]);
     }
-    case Cause::kLatency: return out + "its rays are on their way through its own pipeline";
+    case Cause::kLatency: return out + "all its rays are in its pipeline";
     case Cause::kSorter: return out + sorter_in_words(now, number, machine);
     case Cause::kLink: {
       if (processor.out_links.empty()) return out + "links";
@@ -189,7 +191,7 @@ std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
     case Cause::kRayBus:
       if (is_full(processor.done)) return out + "a finished ray waits <- " + path_up(now, machine);
       return out + "has no ray <- " + ray_bus_in_words(now, machine);
-    case Cause::kQueueEmpty: return out + "has no ray; others have";
+    case Cause::kQueueEmpty: return out + "has no ray, but other processors have";
     case Cause::kDsp:
     case Cause::kSdram: return out + "has no ray <- " + dsp_in_words(now, machine);
   }
@@ -236,7 +238,7 @@ std::string line_of(const RayEvent& event) {
   if (event.step == kQueued || event.step == kIssued || event.step == kOverflowed)
     out += fmt::format(", queue {}", event.queue);
   if (event.step == kSampled && event.count > 0) out += fmt::format(", {} packets missing", event.count);
-  if (event.step == kFilled) out += fmt::format(", the pipeline stood for {} cycles", event.count);
+  if (event.step == kFilled) out += fmt::format(", the pipeline stalled for {} cycles", event.count);
   if (event.step == kLinked) out += fmt::format(", to processor {}", event.count);
   return out + '\n';
 }

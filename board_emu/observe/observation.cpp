@@ -112,7 +112,9 @@ void Observation::served(const BusTransaction& transaction, Picoseconds begin, P
 }
 
 std::string Observation::fault() const {
-  const auto incomplete = [](const TextFile& file) { return "could not write all of " + file.path(); };
+  const auto incomplete = [](const TextFile& file) {
+    return "expected to write all of " + file.path() + ", but a write failed";
+  };
   if (trace_ && !trace_->file().good()) return incomplete(trace_->file());
   if (waveform_ && !waveform_->file().good()) return incomplete(waveform_->file());
   if (event_file_ && !event_file_->good()) return incomplete(*event_file_);

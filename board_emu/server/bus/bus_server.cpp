@@ -252,8 +252,8 @@ awaitable<bool> BusServer::may_use(Connection& connection, std::uint32_t id, con
   }
   note(AuditEvent::kUnknown, connection, token.empty() ? "it has no token" : "its token is wrong");
   wrong_tokens_.happened(steady_clock::now());
-  co_await sleep_unless(connection.executor(), wrong_tokens_.left(steady_clock::now()),
-                        [&connection] { return !connection.is_open(); });
+  const auto has_closed = [&connection] { return !connection.is_open(); };
+  co_await sleep_unless(connection.executor(), wrong_tokens_.left(steady_clock::now()), has_closed);
   connection.refuse(
       {ErrorCode::kForbidden, id,
        fmt::format("expected a token of this board, got {}: a program of another user needs one in the file "

@@ -234,7 +234,7 @@ TEST(BoardObservation, LeavesNoFileOnAFullDisk) {
       BareBoard board(observed_config(), &observation);
       session(board);
       observation.power_up(observed_config());  // as when a client leaves
-      EXPECT_EQ(observation.fault(), "could not write all of " + file);
+      EXPECT_EQ(observation.fault(), "expected to write all of " + file + ", but a write failed");
       EXPECT_EQ(reference::files_in(folder).size(), 1u);
     }
   });

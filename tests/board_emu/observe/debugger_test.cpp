@@ -219,7 +219,7 @@ TEST(Debugger, LetsABoardGoOnThatHasStoodForItsLimit) {
   board.render();
   board.finish();
   EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(100));
-  EXPECT_THAT(board.say("where"), HasSubstr("the board does not stand"));
+  EXPECT_THAT(board.say("where"), HasSubstr("the board is not paused"));
 }
 
 TEST(Debugger, DoesAJobAtTheEndOfTheCycleInWhichTheBoardStands) {
@@ -245,7 +245,7 @@ TEST(Debugger, DoesAJobAtTheEndOfTheCycleInWhichTheBoardStands) {
 TEST(Debugger, SaysWhatEachPartWaitsFor) {
   DebuggedBoard board(observed_config());
   ASSERT_TRUE(board.debugger.attach());
-  EXPECT_THAT(board.refused("break time 3us"), HasSubstr("time: expected a board that stands in a command"));
+  EXPECT_THAT(board.refused("break time 3us"), HasSubstr("time: expected a board that is paused in a command"));
   board.say("break cycle 1");
   board.render();
   board.say("continue 20");
@@ -289,7 +289,7 @@ TEST(Debugger, SaysWhatALevelWithoutCyclesDoesNotHave) {
   board.say("break command");
   board.render();
   EXPECT_THAT(board.say("continue 20"), HasSubstr("command 1 begins"));
-  EXPECT_THAT(board.refused("why"), HasSubstr("expected a command that is under way at fidelity=cycle"));
+  EXPECT_THAT(board.refused("why"), HasSubstr("expected a command in progress at fidelity=cycle"));
   EXPECT_THAT(board.say("continue 20"), HasSubstr("pipeline.rays is "));
 }
 

@@ -304,7 +304,7 @@ TEST(Management, OneCallerAtATimeDebugsABoardWhichAnswersAllOthers) {
   for (int round = 0; round < 2; ++round) {  // the second is let in when the first has left
     Call call, other_call;
     const auto debugger = managed.stub->Debug(&call), other = managed.stub->Debug(&other_call);
-    EXPECT_EQ(say(*debugger, "where").text(), "the board does not stand\n");
+    EXPECT_EQ(say(*debugger, "where").text(), "the board is not paused\n");
     say(*other, "where");
     EXPECT_EQ(other->Finish().error_code(), StatusCode::FAILED_PRECONDITION);
     EXPECT_FALSE(say(*debugger, "break command").is_fault());
