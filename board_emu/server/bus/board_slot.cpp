@@ -75,35 +75,22 @@ std::vector<std::uint8_t> BoardSlot::restore(const Checkpoint& checkpoint, bool 
   }
   auto fresh = build_from(&checkpoint, config_, observation_.get());
   if (same_plan || takes_plan) faults_.restore(saved.faults);
-  const std::scoped_lock lock(saving_, mutex_);
-  board_.swap(fresh);
+  replace(std::move(fresh));
   return std::move(saved.driver);
 }
 
 std::vector<std::uint8_t> BoardSlot::restore_start(bool is_new) {
   SavedSurroundings saved = surroundings_of(*start_);
-  if (!is_new) {
-    auto fresh = build(config_, observation_.get());
-    const std::scoped_lock lock(saving_, mutex_);
-    board_.swap(fresh);
-  }
+  if (!is_new) replace(build(config_, observation_.get()));
   if (saved.faults.plan_text == faults_.info().plan_text) faults_.restore(saved.faults);
   return std::move(saved.driver);
-}
-
-void BoardSlot::drop_board() {
-  std::unique_ptr<Board> last;
-  const std::scoped_lock lock(saving_, mutex_);
-  board_.swap(last);
 }
 
 void BoardSlot::renew(std::string& why) {
   why.clear();
   drop_board();
   try {
-    auto fresh = build(config_, observation_.get());
-    const std::scoped_lock lock(saving_, mutex_);
-    board_.swap(fresh);
+    replace(build(config_, observation_.get()));
   } catch (const std::bad_alloc&) {
     why = kNoMemory;
   } catch (const std::exception& error) {
@@ -166,6 +153,23 @@ bool BoardSlot::take_for_management(std::unique_lock<std::mutex>& lock, const Ca
   return true;
 }
 
+BoardSlot::Configured BoardSlot::manage(std::unique_lock<std::mutex>& lock, std::string& reason,
+                                        const Cancelled& cancelled, const std::function<Configured()>& work) {
+  if (is_true(cancelled)) return Configured::kCancelled;
+  if (!take_for_management(lock, cancelled)) return Configured::kInUse;
+  lock.unlock();
+  const ScopeExit released{[this] { release(); }};
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    reason = kNoMemory;
+    return Configured::kFailed;
+  } catch (const std::exception& error) {
+    reason = error.what();
+    return Configured::kFaulty;
+  }
+}
+
 std::string BoardSlot::owner() const {
   const std::lock_guard lock(mutex_);
   if (owner_ == Owner::kNone) return {};
@@ -197,23 +201,14 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   if (!found.empty()) return Configured::kFaulty;
   if (wants_approximate(merged)) spdlog::warn("board {}: {}", index_, kApproximateIsCycle);
   merged = resolve(merged);
-  if (is_true(cancelled)) return Configured::kCancelled;
-  if (!take_for_management(lock, cancelled)) return Configured::kInUse;
-  lock.unlock();
-  // Building a large board takes a while, so the lock is not held. The claim keeps others out.
-  const ScopeExit released{[this] { release(); }};
-  std::unique_ptr<Board> rebuilt;
-  try {
-    rebuilt = build(merged, observation_.get());
-  } catch (const std::bad_alloc&) {
-    reason = kNoMemory;
-    return Configured::kFailed;
-  }
-  if (is_true(cancelled)) return Configured::kCancelled;
-  const std::scoped_lock swapping(saving_, mutex_);
-  board_.swap(rebuilt);
-  config_ = std::move(merged);
-  return Configured::kDone;
+  return manage(lock, reason, cancelled, [&] {
+    auto rebuilt = build(merged, observation_.get());
+    if (is_true(cancelled)) return Configured::kCancelled;
+    const std::scoped_lock swapping(saving_, mutex_);
+    board_.swap(rebuilt);
+    config_ = std::move(merged);
+    return Configured::kDone;
+  });
 }
 
 BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason,
@@ -225,33 +220,21 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
     reason = "trace: expected a board without --vcd, --events and --observer, got one with " + other;
     return Configured::kFaulty;
   }
-  if (is_true(cancelled)) return Configured::kCancelled;
-  if (!take_for_management(lock, cancelled)) return Configured::kInUse;
-  const v1::BoardConfig config = config_;
-  lock.unlock();
-  // See configure(). The board is destroyed before its observation, and both before the release.
-  const ScopeExit released{[this] { release(); }};
-  std::unique_ptr<Observation> observation;
-  std::unique_ptr<Board> board;
-  try {
+  return manage(lock, reason, cancelled, [&] {
     ObservationOptions options;
     options.trace_file = file;
     options.trace_creation = Creation::kNew;
-    observation = std::make_unique<Observation>(options, &debugger_);
-    board = build(config, observation.get());
-    const std::scoped_lock swapping(saving_, mutex_);
-    board_.swap(board);
-    observation_.swap(observation);
-  } catch (const std::bad_alloc&) {
-    reason = kNoMemory;
-    return Configured::kFailed;
-  } catch (const std::exception& error) {
-    reason = error.what();
-    return Configured::kFaulty;
-  }
-  board.reset();
-  log_fault(observation.get());
-  return Configured::kDone;
+    auto observation = std::make_unique<Observation>(options, &debugger_);
+    auto board = build(config_, observation.get());
+    {
+      const std::scoped_lock swapping(saving_, mutex_);
+      board_.swap(board);
+      observation_.swap(observation);
+    }
+    board.reset();  // before its observation
+    log_fault(observation.get());
+    return Configured::kDone;
+  });
 }
 
 // The file is written on the board's own thread: between two transactions, within a command, or while the debugger

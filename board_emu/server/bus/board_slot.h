@@ -125,7 +125,7 @@ class BoardSlot {
   std::vector<std::uint8_t> restore_start(bool is_new);
   bool has_start() const { return start_ != nullptr; }
   // Only for the owner, while compute() is idle.
-  void drop_board();
+  void drop_board() { replace(nullptr); }
   bool has_board() const {
     const std::lock_guard lock(mutex_);
     return board_ != nullptr;
@@ -217,6 +217,15 @@ class BoardSlot {
   // Waits for `free()`. Returns false on a timeout or if the caller has cancelled.
   bool wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled, const std::function<bool()>& free);
   bool take_for_management(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled);
+  // Calls `work`, which rebuilds the board, as the owner and without the lock, because building a large board takes a
+  // while. Exceptions become kFailed or kFaulty.
+  Configured manage(std::unique_lock<std::mutex>& lock, std::string& reason, const Cancelled& cancelled,
+                    const std::function<Configured()>& work);
+  // The previous board is destroyed without the locks.
+  void replace(std::unique_ptr<Board> board) {
+    const std::scoped_lock lock(saving_, mutex_);
+    board_.swap(board);
+  }
   void log_fault(const Observation* observation) const;
   void ask_to_end(wire::ErrorCode error, const std::string& text);
 

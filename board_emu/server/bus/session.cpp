@@ -130,8 +130,8 @@ void Session::end_for_its_time(std::chrono::milliseconds limit) {
         fmt::format("expected a command that takes at most {} s of this machine's time, got a longer one", seconds)});
 }
 
-awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress,
-                                                      std::chrono::milliseconds limit) {
+awaitable<void> Session::run_on_compute(std::function<void()> job, bool shows_progress,
+                                        std::chrono::milliseconds limit) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + (limit.count() > 0 ? limit : kUntilWoken);
   job_done_ = false;
@@ -156,7 +156,7 @@ awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job,
     if (limit.count() > 0 && !job_done_ && !stopped_ && Clock::now() >= end) end_for_its_time(limit);
     if (shows_progress && !job_done_ && !stopped_) send_progress();
   }
-  co_return fault;
+  if (fault) std::rethrow_exception(fault);
 }
 
 }  // namespace gicube::emu

@@ -114,8 +114,9 @@ class Session : public std::enable_shared_from_this<Session> {
   awaitable<void> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
   awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
   void put(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
-  awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress,
-                                               std::chrono::milliseconds limit = std::chrono::milliseconds{0});
+  // Rethrows the exceptions of the job.
+  awaitable<void> run_on_compute(std::function<void()> job, bool shows_progress,
+                                 std::chrono::milliseconds limit = std::chrono::milliseconds{0});
   void note(AuditEvent event, const std::string& what) const {
     if (options_.audit != nullptr) options_.audit->note(event, peer_, fmt::format("board {}: {}", slot_.index(), what));
   }

@@ -11,15 +11,6 @@ namespace gicube::emu {
 using wire::CheckpointStep;
 using wire::ErrorCode;
 
-namespace {
-
-// Throws the error message for a request that cannot be executed.
-[[noreturn]] void refuse(const char* field, const std::string& expected, const std::string& got) {
-  throw CheckpointFault(field, expected, got);
-}
-
-}  // namespace
-
 awaitable<TransactionResult> Session::checkpoint(const Frame& frame) {
   TransactionResult result;
   Reply& reply = result.reply.emplace();
@@ -33,8 +24,7 @@ awaitable<TransactionResult> Session::checkpoint(const Frame& frame) {
       refusal = fault.what();
     }
   };
-  const std::exception_ptr fault = co_await run_on_compute(std::move(job), false, options_.max_command_time);
-  if (fault) std::rethrow_exception(fault);
+  co_await run_on_compute(std::move(job), false, options_.max_command_time);
   reply.time_ps = frame.header.time_ps;
   if (!refusal.empty()) {
     reply.error = ErrorCode::kBadValue;
@@ -50,23 +40,24 @@ void Session::checkpoint_step(std::span<const std::uint8_t> payload, Reply& repl
   std::string buffer = std::move(checkpoint_);
   checkpoint_.clear();
   if (agreed_.minor < wire::kCheckpointMinor) {
-    refuse("version", fmt::format("a session of 2.{}", wire::kCheckpointMinor), fmt::format("2.{}", agreed_.minor));
+    throw CheckpointFault("version", fmt::format("a session of 2.{}", wire::kCheckpointMinor),
+                          fmt::format("2.{}", agreed_.minor));
   }
   const auto step = static_cast<CheckpointStep>(payload.size() < 4 ? 0 : wire::load<std::uint32_t>(payload, 0));
   const auto rest = payload.subspan(std::min<std::size_t>(payload.size(), 4));
   const bool has_size = step == CheckpointStep::kWrite || rest.size() == (step == CheckpointStep::kRead ? 16 : 0);
-  if (!has_size) refuse("payload", "that of its step", fmt::format("{} bytes", payload.size()));
+  if (!has_size) throw CheckpointFault("payload", "that of its step", fmt::format("{} bytes", payload.size()));
   switch (step) {
     case CheckpointStep::kBegin: return;
     case CheckpointStep::kWrite: {
-      if (rest.size() > max_bytes - buffer.size()) refuse("size", limit(), "more");
+      if (rest.size() > max_bytes - buffer.size()) throw CheckpointFault("size", limit(), "more");
       buffer.append(rest.begin(), rest.end());
       break;
     }
     case CheckpointStep::kTake: {
       std::string taken;
       slot_.save({buffer.begin(), buffer.end()}, [&](std::string_view bytes) {
-        if (bytes.size() > max_bytes - taken.size()) refuse("size", limit(), "more");
+        if (bytes.size() > max_bytes - taken.size()) throw CheckpointFault("size", limit(), "more");
         taken += bytes;
       });
       buffer = std::move(taken);
@@ -78,7 +69,8 @@ void Session::checkpoint_step(std::span<const std::uint8_t> payload, Reply& repl
       const auto offset = wire::load<std::uint64_t>(rest, 0), length = wire::load<std::uint64_t>(rest, 8);
       const std::uint64_t max_length = std::min<std::uint64_t>(
           agreed_.max_payload_bytes, buffer.size() - std::min<std::uint64_t>(offset, buffer.size()));
-      if (length > max_length) refuse("length", fmt::format("at most {}", max_length), std::to_string(length));
+      if (length > max_length)
+        throw CheckpointFault("length", fmt::format("at most {}", max_length), std::to_string(length));
       const auto first = buffer.begin() + static_cast<std::ptrdiff_t>(offset);
       reply.payload.assign(first, first + static_cast<std::ptrdiff_t>(length));
       break;
@@ -88,7 +80,7 @@ void Session::checkpoint_step(std::span<const std::uint8_t> payload, Reply& repl
       reply.payload = wire::encoded(go_on());
       return;
     }
-    default: refuse("step", "1 to 5", std::to_string(static_cast<std::uint32_t>(step)));
+    default: throw CheckpointFault("step", "1 to 5", std::to_string(static_cast<std::uint32_t>(step)));
   }
   checkpoint_ = std::move(buffer);
 }
@@ -100,7 +92,8 @@ wire::WentOn Session::go_on() {
   if (!buffer.empty()) {
     driver = slot_.restore(Checkpoint(std::move(buffer)), is_private_);
   } else {
-    if (!slot_.has_start()) refuse("restore", "a board process with --restore, or a checkpoint's bytes", "neither");
+    if (!slot_.has_start())
+      throw CheckpointFault("restore", "a board process with --restore, or a checkpoint's bytes", "neither");
     driver = slot_.restore_start(!has_worked_);
   }
   Board& board = slot_.board();

@@ -221,8 +221,7 @@ awaitable<TransactionResult> Session::transact(const Frame& frame) {
     held_bytes = slot_.board().held_bytes();
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
-  const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress, options_.max_command_time);
-  if (fault) std::rethrow_exception(fault);
+  co_await run_on_compute(std::move(job), shows_progress, options_.max_command_time);
   held_bytes_ = held_bytes;
   co_return result;
 }
