@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <utility>
 
 #include "asic/memory_standards.h"
@@ -127,33 +128,21 @@ ParsedConfig parse_config(std::string_view text) {
 
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
-  if (equals == std::string_view::npos || equals == 0) {
+  const auto is_in_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  const bool is_plain =
+      std::ranges::all_of(assignment, [&](char c) { return is_in_name(c) || c == '.' || c == '=' || c == '-'; });
+  if (equals == std::string_view::npos || equals == 0 || !is_plain) {
     return {{"", "FIELD=VALUE, such as asic.processors=8", fmt::format("\"{}\"", assignment)}};
   }
-  const std::string path(assignment.substr(0, equals)), value(assignment.substr(equals + 1));
-  v1::BoardConfig changed = config;
-  Message* message = &changed;
-  for (std::string_view rest = path;;) {
-    const std::size_t dot = rest.find('.');
-    const std::string name(rest.substr(0, dot));
-    const FieldDescriptor* field = message->GetDescriptor()->FindFieldByName(name);
-    if (field == nullptr) {
-      return {{path, expected_names(*message->GetDescriptor()), fmt::format("\"{}\"", name)}};
-    }
-    const bool is_message = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
-    if (dot == std::string_view::npos) {
-      if (is_message)
-        return {{path, "one of its fields: " + expected_names(*field->message_type()), "the whole message"}};
-      if (!read_value(value, *field, *message)) {
-        return {{path, expected_value(*field), fmt::format("\"{}\"", value)}};
-      }
-      config = std::move(changed);
-      return {};
-    }
-    if (!is_message) return {{path, fmt::format("no name after \"{}\", which has no fields", name), path}};
-    message = message->GetReflection()->MutableMessage(message, field);
-    rest.remove_prefix(dot + 1);
-  }
+  std::string text;  // protobuf text, such as "asic{processors:8}"
+  for (const char c : assignment.substr(0, equals)) text += c == '.' ? '{' : c;
+  const auto depth = static_cast<std::size_t>(std::ranges::count(text, '{'));
+  text.append(":").append(assignment.substr(equals + 1)).append(depth, '}');
+  v1::BoardConfig set;
+  TextReading reading = read_text(text, set);
+  for (Diagnostic& each : reading.diagnostics) each.line = 0;
+  if (reading.diagnostics.empty()) config.MergeFrom(set);
+  return std::move(reading.diagnostics);
 }
 
 v1::BoardConfig resolve(const v1::BoardConfig& config) {

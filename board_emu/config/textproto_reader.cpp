@@ -34,6 +34,21 @@ class FirstError : public google::protobuf::io::ErrorCollector {
   Diagnostic diagnostic;
 };
 
+// The names of a message's fields: "one of processors, block_voxels, ...".
+std::string expected_names(const google::protobuf::Descriptor& type) {
+  std::string names;
+  for (int i = 0; i < type.field_count(); ++i) names += (i > 0 ? ", " : "one of ") + type.field(i)->name();
+  return names;
+}
+
+// Sets a number or an enumeration from its text. Returns false, and changes nothing, if the text is not a valid value.
+bool read_value(const std::string& text, const FieldDescriptor& field, Message& message) {
+  FirstError ignored;
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&ignored);
+  return parser.ParseFieldValueFromString(text, &field, &message);
+}
+
 class Reader {
  public:
   Reader(std::string_view text, TextReading& result)
@@ -193,12 +208,6 @@ std::string to_string(std::span<const Diagnostic> diagnostics) {
   return text;
 }
 
-std::string expected_names(const google::protobuf::Descriptor& type) {
-  std::string names;
-  for (int i = 0; i < type.field_count(); ++i) names += (i > 0 ? ", " : "one of ") + type.field(i)->name();
-  return names;
-}
-
 std::string expected_value(const FieldDescriptor& field) {
   if (field.message_type() != nullptr) return "a message in braces";
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_UINT64) return "a whole number from 0 to 18446744073709551615";
@@ -236,13 +245,6 @@ std::optional<Diagnostic> fault_of(const Message& message, const FieldDescriptor
   const std::string expected =
       is_open ? fmt::format("at least {}", numbers[0]) : fmt::format("{} to {}", numbers[0], numbers[1]);
   return Diagnostic{"", expected + unit, std::to_string(value)};
-}
-
-bool read_value(const std::string& text, const FieldDescriptor& field, Message& message) {
-  FirstError ignored;
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&ignored);
-  return parser.ParseFieldValueFromString(text, &field, &message);
 }
 
 TextReading read_text(std::string_view text, Message& message) {

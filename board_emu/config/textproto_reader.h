@@ -12,7 +12,6 @@
 #include <vector>
 
 namespace google::protobuf {
-class Descriptor;
 class FieldDescriptor;
 class Message;
 }  // namespace google::protobuf
@@ -46,8 +45,6 @@ struct TextReading {
 // error of syntax ends the reading.
 TextReading read_text(std::string_view text, google::protobuf::Message& message);
 
-// The names of a message's fields, for error messages: "one of processors, block_voxels, ...".
-std::string expected_names(const google::protobuf::Descriptor& type);
 // The valid values of a field, for error messages: a whole number, one of an enumeration's names, or a message.
 std::string expected_value(const google::protobuf::FieldDescriptor& field);
 
@@ -55,9 +52,5 @@ std::string expected_value(const google::protobuf::FieldDescriptor& field);
 // enumeration.
 std::optional<Diagnostic> fault_of(const google::protobuf::Message& message,
                                    const google::protobuf::FieldDescriptor& field);
-
-// Sets a number or an enumeration from its text. Returns false, and changes nothing, if the text is not a valid value.
-bool read_value(const std::string& text, const google::protobuf::FieldDescriptor& field,
-                google::protobuf::Message& message);
 
 }  // namespace gicube::emu
