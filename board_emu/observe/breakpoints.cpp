@@ -30,34 +30,32 @@ Picoseconds time_of(const std::string& text) {
   return static_cast<Picoseconds>(std::llround(value * ps));
 }
 
-// Returns a condition that is met when `sum`, a sum over parts, has grown. `what`: the reason that it reports.
-template <typename Sum>
-auto grows(const char* what, const Sum& sum) {
-  return [what, sum, before = std::optional<std::uint64_t>()](Cycle, const Machine& machine) mutable -> Why {
-    const std::uint64_t now = sum(machine);
-    const bool has_grown = before && now > *before;
-    before = now;
-    if (!has_grown) return std::nullopt;
-    return what;
-  };
+// Returns the sum of a counter over the processors, or over the memories.
+template <typename Parts, typename Counter>
+std::uint64_t sum(const Parts& parts, const Counter& counter) {
+  std::uint64_t out = 0;
+  for (const auto& part : parts) out += counter(*part);
+  return out;
 }
 
 std::uint64_t overflows(const Machine& machine) {
-  std::uint64_t sum = 0;
-  for (const auto& processor : machine.processors()) sum += processor->sorter().counters().overflows;
-  return sum;
+  return sum(machine.processors(), [](const Processor& part) { return part.sorter().counters().overflows; });
 }
-
 std::uint64_t conflicts(const Machine& machine) {
-  std::uint64_t sum = 0;
-  for (const auto& memory : machine.memories()) sum += memory->channel().counters().conflicts;
-  return sum;
+  return sum(machine.memories(), [](const auto& part) { return part.channel().counters().conflicts; });
+}
+std::uint64_t samples(const Machine& machine) {
+  return sum(machine.processors(), [](const Processor& part) { return part.rays().samples; });
 }
 
-std::uint64_t samples(const Machine& machine) {
-  std::uint64_t sum = 0;
-  for (const auto& processor : machine.processors()) sum += processor->rays().samples;
-  return sum;
+// Returns a condition that is met when `count` has grown. `what`: the reason that it reports.
+auto grows(const char* what, std::uint64_t (*count)(const Machine&)) {
+  return [what, count, before = std::optional<std::uint64_t>()](Cycle, const Machine& machine) mutable -> Why {
+    const std::uint64_t now = count(machine);
+    const bool has_grown = before && now > *before;
+    before = now;
+    return has_grown ? Why(what) : std::nullopt;
+  };
 }
 
 Why over(const std::string& name, std::uint64_t value, const std::vector<wire::Counter>& counters) {
@@ -123,9 +121,7 @@ Breakpoint at_fill(const std::vector<std::string>& words) {
   Breakpoint out;
   out.on_cycle = [processor, queue, fill](Cycle, const Machine& machine) -> Why {
     if (processor >= machine.processors().size()) return std::nullopt;
-    const auto queues =
-        machine.has_single_queue() ? 1 : machine.partition().blocks_of(static_cast<unsigned>(processor));
-    if (queue >= queues) return std::nullopt;
+    if (queue >= queues_of(processor, machine)) return std::nullopt;
     const std::uint32_t waiting = machine.processors()[processor]->sorter().waiting(static_cast<std::uint32_t>(queue));
     if (waiting < fill) return std::nullopt;
     return fmt::format("queue {} of processor {} has {} rays", queue, processor, waiting);
@@ -134,6 +130,10 @@ Breakpoint at_fill(const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+std::size_t queues_of(std::size_t processor, const Machine& machine) {
+  return machine.has_single_queue() ? 1 : machine.partition().blocks_of(static_cast<unsigned>(processor));
+}
 
 std::uint64_t number_at(const std::vector<std::string>& words, std::size_t at, const char* what) {
   const std::string text = at < words.size() ? words[at] : "";

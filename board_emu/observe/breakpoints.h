@@ -49,6 +49,9 @@ struct RayName {
 };
 RayName ray_at(const std::vector<std::string>& words, std::size_t at);
 
+// Number of queues of a processor.
+std::size_t queues_of(std::size_t processor, const Machine& machine);
+
 // Returns the number at words[at]. Throws std::invalid_argument, which states `what` was expected.
 std::uint64_t number_at(const std::vector<std::string>& words, std::size_t at, const char* what);
 

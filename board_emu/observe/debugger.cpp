@@ -30,6 +30,12 @@ constexpr const char* kNoCycles =
     "expected break command, step command, or break counter, which is checked at the end of a command: this level has "
     "no cycles";
 
+// The time limit of `continue` or `stop`, at most a day.
+std::chrono::seconds seconds_of(const std::vector<std::string>& words, std::chrono::seconds usual) {
+  if (words.size() < 2) return usual;
+  return std::chrono::seconds(std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400));
+}
+
 }  // namespace
 
 bool Debugger::attach() {
@@ -239,8 +245,8 @@ std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancel
       if (machine_ == nullptr) throw std::invalid_argument("step: expected a command in progress, or step command");
       step_ = step_of(unit, count, now_, *machine_);
     }
-  } else if (words.size() > 1) {
-    limit = std::chrono::seconds(std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400));
+  } else {
+    limit = seconds_of(words, kMaxContinue);
   }
   goes_ = true;
   changed_.notify_all();
@@ -301,9 +307,7 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
   if (what == "stop") {
     if (is_paused_) return where();
     stops_soon_ = stops_at_command_ = true;
-    const std::uint64_t seconds =
-        words.size() > 1 ? std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400) : 5;
-    const std::string text = wait_for_stop(lock, stops_, std::chrono::seconds(seconds), cancelled);
+    const std::string text = wait_for_stop(lock, stops_, seconds_of(words, std::chrono::seconds(5)), cancelled);
     if (is_paused_) stops_at_command_ = false;
     return is_paused_ ? text : "no command is in progress; the board will stop at the next one\n";
   }

@@ -27,10 +27,6 @@ std::size_t below(const std::vector<std::string>& words, std::size_t at, const c
   return static_cast<std::size_t>(value);
 }
 
-std::size_t queues_of(std::size_t processor, const Machine& machine) {
-  return machine.has_single_queue() ? 1 : machine.partition().blocks_of(static_cast<unsigned>(processor));
-}
-
 std::string position_of_block(std::size_t block, const Machine& machine) {
   const auto across = static_cast<std::size_t>(machine.blocks()[0]),
              down = static_cast<std::size_t>(machine.blocks()[1]);
@@ -106,12 +102,6 @@ std::string view_bank(const std::vector<std::string>& words, const Machine& mach
   out << "memory " << memory << ", device " << device << ", bank " << bank << ": " << packets[device * banks + bank]
       << " packets read and written\n";
   channel.dump(out);
-  return out.str();
-}
-
-std::string view_parts(const Machine& machine) {
-  std::ostringstream out;
-  machine.dump(out);
   return out.str();
 }
 
@@ -211,12 +201,13 @@ std::string view_of(const std::vector<std::string>& words, const Machine& machin
   if (what == "queue") return view_queues(words, machine);
   if (what == "cache") return view_cache(words, machine);
   if (what == "bank") return view_bank(words, machine);
+  std::ostringstream out;
   if (what == "link") {
-    std::ostringstream out;
     machine.links().dump(out);
-    return out.str();
+  } else {
+    machine.dump(out);
   }
-  return view_parts(machine);
+  return out.str();
 }
 
 std::string words_of(const RayUnderWay& ray) {

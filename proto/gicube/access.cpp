@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -17,19 +18,13 @@ namespace gicube {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{64} << 10;  // chosen: about a hundred of the longest tokens
-constexpr std::array kRights{Right::kRead, Right::kUse, Right::kControl};
+constexpr std::array<std::string_view, 3> kRightNames{"read", "use", "control"};  // indexed by Right
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw std::runtime_error(path + ": " + what);
 }
 
 std::string reason(int error) { return std::generic_category().message(error); }
-
-std::string octal(mode_t mode) {
-  std::string digits;
-  for (const int shift : {6, 3, 0}) digits += static_cast<char>('0' + (mode >> shift & 7));
-  return digits;
-}
 
 std::string read_private_file(const std::string& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -42,7 +37,7 @@ std::string read_private_file(const std::string& path) {
   ::close(fd);
   if (!is_file) fail(path, "expected a file with tokens");
   if (!is_private) {
-    fail(path, "expected a file that only its owner can read (mode 600), got mode " + octal(status.st_mode & 0777u));
+    fail(path, "expected a file that only its owner can read (mode 600), got mode " + mode_text(status.st_mode));
   }
   text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
   if (text.size() > kMaxFileBytes) {
@@ -54,13 +49,9 @@ std::string read_private_file(const std::string& path) {
 AccessToken token_of(const std::string& path, std::string_view line) {
   AccessToken token{Right::kControl, std::string(line)};
   if (const std::size_t space = line.find(' '); space != std::string_view::npos) {
-    bool known = false;
-    for (const Right right : kRights) {
-      if (line.substr(0, space) != name_of(right)) continue;
-      token = {right, std::string(line.substr(space + 1))};
-      known = true;
-    }
-    if (!known) fail(path, "expected read, use or control before a token, got something else");
+    const auto* const right = std::ranges::find(kRightNames, line.substr(0, space));
+    if (right == kRightNames.end()) fail(path, "expected read, use or control before a token, got something else");
+    token = {static_cast<Right>(right - kRightNames.begin()), std::string(line.substr(space + 1))};
   }
   const std::size_t size = token.token.size();
   if (size < kMinTokenBytes || size > kMaxTokenBytes) {
@@ -83,7 +74,7 @@ bool equal(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-const char* name_of(Right right) { return right == Right::kRead ? "read" : right == Right::kUse ? "use" : "control"; }
+const char* name_of(Right right) { return kRightNames[static_cast<std::size_t>(right)].data(); }
 
 std::string new_token() {
   constexpr std::string_view kDigits = "0123456789abcdef";

@@ -52,6 +52,12 @@ std::string registry_folder() {
   return home + "/.gicube-" + host.data();
 }
 
+std::string mode_text(unsigned mode) {
+  std::string digits;
+  for (const int shift : {6, 3, 0}) digits += static_cast<char>('0' + (mode >> shift & 7));
+  return digits;
+}
+
 std::string registry_fault(const std::string& folder) {
   struct stat status {};
   const std::string expected =
@@ -60,9 +66,7 @@ std::string registry_fault(const std::string& folder) {
   if (!S_ISDIR(status.st_mode)) return expected + "a file";
   if (status.st_uid != ::geteuid()) return expected + "one of user " + std::to_string(status.st_uid);
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return {};
-  std::string digits;
-  for (const int shift : {6, 3, 0}) digits += static_cast<char>('0' + (status.st_mode >> shift & 7));
-  return expected + "mode " + digits;
+  return expected + "mode " + mode_text(status.st_mode);
 }
 
 std::string open_registry() {

@@ -22,6 +22,9 @@ std::string open_registry();
 // Returns false if no process listens at this Unix socket. If that cannot be determined, returns true.
 bool listens(const std::string& path);
 
+// The permissions of a file's mode as three octal digits.
+std::string mode_text(unsigned mode);
+
 // Removes sockets that killed processes have left in this folder. They have no listener, and their process does not
 // exist.
 void remove_dead_sockets(const std::string& folder);
