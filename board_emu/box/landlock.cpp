@@ -35,7 +35,7 @@ int restrict_thread(int ruleset) {
   return ruleset < 0 || ::syscall(SYS_landlock_restrict_self, ruleset, 0) == 0 ? 0 : errno;
 }
 
-// What a thread is asked to do, and its result. One thread at a time.
+// The request to a thread, and its result. One thread at a time.
 struct Asked {
   int ruleset = -1;
   std::atomic<int> fault = 0;

@@ -107,7 +107,7 @@ class Reader {
     const bool is_message = field.message_type() != nullptr;
     if (!field.is_repeated() && reflection.HasField(message, &field)) {
       skip_value();
-      report(path, "to be set once", "it a second time", line);
+      report(path, "one value", "a second one", line);
     } else if (is_message && opens_message()) {
       const std::string close = take() == "{" ? "}" : ">";
       Message* part =

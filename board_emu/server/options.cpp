@@ -79,7 +79,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       ->check(CLI::Range(0u, kMaxMib))
       ->capture_default_str();
   add("--max-results", flags.max_results_mib, "MIB",
-      "memory that a board holds for a client: results not yet waited or polled for, answers not yet taken")
+      "memory that a board holds for a client: results and answers that the client has not fetched")
       ->check(CLI::Range(1u, kMaxMib))
       ->capture_default_str();
   add("--max-connections", options.bus.max_unowned, "N",

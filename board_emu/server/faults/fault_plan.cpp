@@ -73,7 +73,7 @@ class Check {
       if (used) {
         if (!parameter.may_be_left_out) need(where, message, parameter.field);
       } else if (message.GetReflection()->HasField(message, field)) {
-        report(where, parameter.field, "it for no other kind than " + users, "it without use");
+        report(where, parameter.field, "it only for " + users, "it for another kind");
       }
     }
   }

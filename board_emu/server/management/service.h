@@ -282,7 +282,8 @@ class Service final : public v1::BoardManagement::Service {
     const int number = ++watchers_;
     const ScopeExit left{[this] { --watchers_; }};
     if (number > kMaxWatchers) {
-      return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
+      return {StatusCode::RESOURCE_EXHAUSTED,
+              fmt::format("expected at most {} watches at a time, got one more", kMaxWatchers)};
     }
     auto next = std::chrono::steady_clock::now();
     do {

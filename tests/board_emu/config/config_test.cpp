@@ -48,7 +48,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
                            "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
                            AllOf(HasSubstr("line 4: asic.block_voxel: expected one of processors, block_voxels"),
                                  HasSubstr("got \"block_voxel\"")),
-                           "line 5: asic.core_khz: expected to be set once, got it a second time",
+                           "line 5: asic.core_khz: expected one value, got a second one",
                            "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
                            "memory, rdram, ddr, sdram, ideal, energy, pace, threads, got \"asik\"",
                            "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
@@ -56,8 +56,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
 
 TEST(Config, ReportsARepeatedMessage) {
   const ParsedConfig parsed = parse_config("dsp { clock_khz: 1000 }\ndsp { framebuffer_mb: 64 }\n");
-  EXPECT_THAT(texts(parsed.diagnostics),
-              testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
+  EXPECT_THAT(texts(parsed.diagnostics), testing::ElementsAre("line 2: dsp: expected one value, got a second one"));
   EXPECT_EQ(parsed.config.dsp().clock_khz(), 1000u);
 }
 

@@ -82,14 +82,14 @@ TEST(FaultPlan, ReportsEveryMissingUselessAndWrongField) {
           "line 2: fault[1].direction: expected one of down, up, got nothing",
           "line 2: fault[1].message: expected a whole number from 0 to 18446744073709551615, got nothing",
           "line 2: fault[1].delay_ms: expected a whole number from 0 to 4294967295, got nothing",
-          "line 2: fault[1].bit: expected it for no other kind than corrupt, memory_detected, memory_silent, got it "
-          "without use",
+          "line 2: fault[1].bit: expected it only for corrupt, memory_detected, memory_silent, got it for "
+          "another kind",
           "line 3: fault[2].bytes_per_second: expected 1000 to 1000000000 bytes a second, got 10",
           "line 4: fault[3].message: expected one fault for each message, got a second one for down 9",
           "line 5: random[0].kinds[1]: expected each kind once, got delay a second time",
           "line 5: random[0].mean_messages: expected a whole number from 0 to 18446744073709551615, got nothing",
           "line 5: random[0].max_delay_ms: expected 1 to 60000 ms, got 99999999",
-          "line 5: random[0].slow_messages: expected it for no other kind than slow, got it without use",
+          "line 5: random[0].slow_messages: expected it only for slow, got it for another kind",
           "line 6: random[1].direction: expected down, since all its kinds are memory faults, got up",
           "line 6: random[1].mean_messages: expected 1 to 4294967296 messages, got 0",
           "line 7: random[2].kinds: expected at least one kind of fault, got none"));
