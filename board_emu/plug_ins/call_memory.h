@@ -20,9 +20,8 @@
 
 namespace gicube::emu {
 
-inline constexpr std::size_t kMaxCalls = 256;  // chosen: concurrent calls; further threads wait for a free slot
-inline constexpr std::size_t kMaxEvents =
-    64;  // chosen: per call; as many as a thread of the functional level has in progress
+inline constexpr std::size_t kMaxCalls = 256;      // chosen: concurrent calls; further threads wait
+inline constexpr std::size_t kMaxEvents = 64;      // chosen: per call; as many as the functional level has in a thread
 inline constexpr std::size_t kMaxParameters = 32;  // gicube_bsdf_event
 inline constexpr std::size_t kMaxObserved = 256;   // chosen: events per message to an observer, about 40 KB
 inline constexpr std::size_t kMaxName = 64;
