@@ -128,9 +128,8 @@ ParsedConfig parse_config(std::string_view text) {
 
 std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
-  const auto is_in_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  const bool is_plain =
-      std::ranges::all_of(assignment, [&](char c) { return is_in_name(c) || c == '.' || c == '=' || c == '-'; });
+  const bool is_plain = std::ranges::all_of(
+      assignment, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '=' || c == '-'; });
   if (equals == std::string_view::npos || equals == 0 || !is_plain) {
     return {{"", "FIELD=VALUE, such as asic.processors=8", fmt::format("\"{}\"", assignment)}};
   }

@@ -54,7 +54,7 @@ class PowerPeaks {
  private:
   static constexpr std::uint64_t kReportCycles = 4096;  // as cycle/machine.cpp reports
   static constexpr std::uint64_t kMilliseconds =
-      2;  // chosen: reading all counters takes 1% of the time of simulating a millisecond
+      2;  // chosen: reading all counters takes 1% of simulating a millisecond
 
   static std::uint64_t cycles_of(const std::vector<wire::Counter>& counters) {
     const auto found = std::ranges::find(counters, "asic.cycles", &wire::Counter::name);

@@ -16,8 +16,7 @@
 namespace gicube::emu {
 
 inline constexpr std::chrono::milliseconds kTick{250};
-inline constexpr std::chrono::milliseconds kCpuLimit{
-    1000};                               // chosen: a thousand times the duration of any sensible call
+inline constexpr std::chrono::milliseconds kCpuLimit{1000};  // chosen: a thousand times the longest sensible call
 inline constexpr int kTicksLimit = 120;  // chosen: enough for a second of processor time on a loaded machine
 
 // The shared object cannot be used. The text names the file and the reason.
@@ -28,8 +27,7 @@ struct PlugInFault : std::runtime_error {
 class PlugInProcess {
  public:
   static constexpr std::chrono::milliseconds kPatience = kTicksLimit * kTick;  // 30 s, for an observer
-  static constexpr std::chrono::milliseconds kRoutinePatience{
-      5000};  // chosen: a thousand times the duration of a process's end
+  static constexpr std::chrono::milliseconds kRoutinePatience{5000};  // chosen: a thousand times a process's end
 
   enum class Kind { kRoutine, kObserver };
   enum class Waited { kAnswered, kEnded, kStuck, kLost };

@@ -96,9 +96,7 @@ void enter(const Box& box) {
 void serve(const Options& options, const RoutineTable& routines) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed log pipe must not end the process
   EndOnSignals ending(signals_to_end_on());
-  Audit::Options log;
-  log.file = options.audit_log_file;
-  Audit audit(log);
+  Audit audit({.file = options.audit_log_file});
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {

@@ -51,9 +51,8 @@ struct BusOptions {
   std::size_t max_unowned_of_peer = 16;                  // chosen: per address, or per process on this machine
   std::chrono::milliseconds max_wait{3'600'000};         // chosen: for the board; longer than a batch of frames
   // Time between two takeovers of a board by force: the first pause, and the maximum to which it doubles.
-  std::chrono::milliseconds force_pause{2'000};  // chosen: more than an owner needs to open and write a volume
-  std::chrono::milliseconds longest_force_pause{
-      60'000};  // chosen: an application that retries in a loop gets the board once per minute
+  std::chrono::milliseconds force_pause{2'000};           // chosen: more than an owner needs to open and write a volume
+  std::chrono::milliseconds longest_force_pause{60'000};  // chosen: retries in a loop get the board once per minute
   // How long a session without a connection can be resumed, while no other client requests the board; 0 = it ends at
   // once.
   std::chrono::milliseconds resume_limit{10'000};  // chosen: covers a short interruption of the network
