@@ -11,14 +11,17 @@ namespace gicube::emu {
 
 namespace {
 
+std::optional<std::uint64_t> number(std::string_view text) {
+  std::uint64_t out = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(out) : std::nullopt;
+}
+
 std::optional<std::array<std::uint64_t, 2>> two_numbers(std::string_view text) {
-  std::array<std::uint64_t, 2> out{};
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), text.data() + text.size(), out[0]);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != ':') return std::nullopt;
-  const auto second = std::from_chars(first.ptr + 1, end, out[1]);
-  if (second.ec != std::errc() || second.ptr != end) return std::nullopt;
-  return out;
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  const auto first = number(text.substr(0, colon)), second = number(text.substr(colon + 1));
+  return first && second ? std::optional(std::array{*first, *second}) : std::nullopt;
 }
 
 [[noreturn]] void refuse(std::string_view name, std::string_view expected, std::string_view got) {
@@ -82,10 +85,8 @@ Selection parse_selection(std::string_view text) {
         out.steps |= steps_of(take_up_to('+', value));
       } while (!value.empty());
     } else if (name == "counters") {
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), out.counters_every);
-      if (error != std::errc() || end != value.data() + value.size() || out.counters_every == 0) {
-        refuse(name, "a number of cycles from 1 on", value);
-      }
+      out.counters_every = number(value).value_or(0);
+      if (out.counters_every == 0) refuse(name, "a number of cycles from 1 on", value);
     } else {
       refuse("item", "one of pixel, life, rays, cycles, parts, counters with = and its value", name);
     }

@@ -45,26 +45,23 @@ class TraceFile {
   }
   // `args`: members of a JSON object, for example "\"bytes\":4".
   void slice(Track track, std::string_view name, Picoseconds begin, Picoseconds end, std::string_view args) {
-    const std::uint64_t from = begin / 1000, length = end / 1000 - from;  // ns
-    event(end, R"("ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"name":"{}","args":{{{}}})", track.process,
-          track.thread, from / 1000, from % 1000, length / 1000, length % 1000, name, args);
+    const std::uint64_t from = begin / 1000, to = end / 1000;  // ns
+    event(end, R"("ph":"X","pid":{},"tid":{},"ts":{},"dur":{},"name":"{}","args":{{{}}})", track.process, track.thread,
+          thousandths(from), thousandths(to - from), name, args);
   }
   void instant(Track track, std::string_view name, Picoseconds at) {
-    const std::uint64_t ns = at / 1000;
-    event(at, R"("ph":"i","s":"g","pid":{},"tid":{},"ts":{}.{:03},"name":"{}")", track.process, track.thread, ns / 1000,
-          ns % 1000, name);
+    event(at, R"("ph":"i","s":"g","pid":{},"tid":{},"ts":{},"name":"{}")", track.process, track.thread,
+          thousandths(at / 1000), name);
   }
-  // Sets the counter's value from `at` on.
-  void counter(int process, std::string_view name, Picoseconds at, std::uint64_t value) {
-    const std::uint64_t ns = at / 1000;
-    event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}}})", process, ns / 1000, ns % 1000,
-          name, value);
+  // Sets the counter's value, a number or its text, from `at` on.
+  template <typename Value>
+  void counter(int process, std::string_view name, Picoseconds at, const Value& value) {
+    event(at, R"("ph":"C","pid":{},"ts":{},"name":"{}","args":{{"value":{}}})", process, thousandths(at / 1000), name,
+          value);
   }
   // Milliwatts, to the microwatt.
   void power(int process, std::string_view name, Picoseconds at, std::uint64_t microwatts) {
-    const std::uint64_t ns = at / 1000;
-    event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}.{:03}}})", process, ns / 1000,
-          ns % 1000, name, microwatts / 1000, microwatts % 1000);
+    counter(process, name, at, thousandths(microwatts));
   }
 
   // Completes the JSON array. More events may follow.
@@ -75,6 +72,8 @@ class TraceFile {
   const TextFile& file() const { return file_; }
 
  private:
+  static std::string thousandths(std::uint64_t value) { return fmt::format("{}.{:03}", value / 1000, value % 1000); }
+
   template <typename... Args>
   void event(Picoseconds end, fmt::format_string<Args...> members, Args&&... args) {
     file_.add("{}\n{{", first_ ? "" : ",");
