@@ -3,8 +3,8 @@
 // A reader moves frames from the connection to an inbox, which the granted credits limit. The worker takes them one by
 // one, has the board execute them on its compute thread, and sends the results as far as the client's credits allow.
 // Sent frames are kept until their credit is returned. After a broken connection the client resumes the session with
-// its token, and each side sends again what the other has not taken. Everything except Board::transact runs on the io
-// thread, so nothing is locked.
+// its token, and each side sends again what the other has not taken. Everything except the jobs on the compute thread
+// runs on the io thread, so nothing is locked.
 //
 // An error of the client ends its session with a message. However a session ends, its board is destroyed before the
 // next session, which gets a new one.
