@@ -201,7 +201,8 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
                                              "memory, rdram, ddr, sdram, ideal, energy, pace, threads, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
-        "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
+        "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", "",
+        "asic.processors=4}dsp{clock_khz:5000", "asic{processors:4}dsp.clock_khz=5000", "fidelity=cycle=cycle"}) {
     EXPECT_THAT(apply_override(config, bad), testing::SizeIs(1)) << bad;
   }
   EXPECT_EQ(config_text(config), before);
