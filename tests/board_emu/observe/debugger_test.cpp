@@ -175,7 +175,7 @@ TEST(Debugger, KnowsARayByItsTicketAndNumber) {
   EXPECT_THAT(board.say("continue 20"), HasSubstr("command 2, "));
   EXPECT_EQ(board.say("ray " + now + ":300"), board.say("ray 300"));
   EXPECT_THAT(board.refused("history " + std::to_string(ticket) + ":300"),
-              HasSubstr("ticket: expected " + now + ", that of the latest command, got " + std::to_string(ticket)));
+              HasSubstr("ticket: expected that of the latest command, " + now + ", got " + std::to_string(ticket)));
 }
 
 TEST(Debugger, StopsWhereTheDspGetsARayToScatter) {
@@ -260,7 +260,7 @@ TEST(Debugger, SaysWhatEachPartWaitsFor) {
   board.say("break time " + std::to_string(now_ps + 500'000) + "ps");
   EXPECT_THAT(board.say("continue 20"), HasSubstr("cycle 51, " + std::to_string(now_ps + 500'000) + " ps"));
   EXPECT_THAT(board.refused("queue 3"), HasSubstr("processor: expected 0 to 2, got 3"));
-  EXPECT_THAT(board.refused("jump"), HasSubstr("expected a command as help lists them, got \"jump\""));
+  EXPECT_THAT(board.refused("jump"), HasSubstr("expected a command that help lists, got \"jump\""));
 }
 
 TEST(Debugger, LetsTheBoardGoOnWhenTheClientLeavesAndWhenItsSessionEnds) {

@@ -42,7 +42,7 @@ TEST_F(SessionFault, ALostMessageShowsAsAGapAtTheNext) {
   const auto last = read_id(client, 9);
   ASSERT_TRUE(last.has_value());
   EXPECT_EQ(last->header.error, ErrorCode::kCorrupted);
-  EXPECT_THAT(last->text(), testing::HasSubstr("expected the frame number 2, got 3"));
+  EXPECT_THAT(last->text(), testing::HasSubstr("expected frame number 2, got 3"));
   EXPECT_THAT(log(), testing::ElementsAre("fault { direction: down message: 2 kind: drop }"));
 }
 
