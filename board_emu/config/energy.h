@@ -38,8 +38,8 @@ class EnergyModel {
   // Energy since power-up by part, always in the same order; empty at the functional level. `counters`: those of the
   // board at the time `now`.
   std::vector<PartEnergy> parts(const std::vector<wire::Counter>& counters, Picoseconds now) const;
-  // Energy by part while a command runs: for the time of `asic.cycles`, with the DSP's work for the ASIC and without the host
-  // bus. All samples count as visible, because their values are computed ahead of the clock.
+  // Energy by part while a command runs: for the time of `asic.cycles`, with the DSP's work for the ASIC, without the
+  // host bus. All samples count as visible, because their values are computed ahead of the clock.
   std::vector<PartEnergy> of_machine(const std::vector<wire::Counter>& counters) const;
   // Energy of the DSP in `time`, of which it works for `busy`, and of bytes on the host bus; 0 at the functional level.
   std::uint64_t dsp_pj(Picoseconds busy, Picoseconds time) const;

@@ -1,6 +1,6 @@
-// Computes the on-chip memories of Table 1 of the paper for any configuration. Units as in the paper: Kb = 2^10 bit, Mb =
-// 2^20 bit [H201-H205]. Estimates the transistors of the ASIC's logic by counting its components, as a check on the
-// paper's estimates.
+// Computes the on-chip memories of Table 1 of the paper for any configuration. Units as in the paper: Kb = 2^10 bit,
+// Mb = 2^20 bit [H201-H205]. Estimates the transistors of the ASIC's logic by counting its components, as a check on
+// the paper's estimates.
 //
 // Static CMOS [C]: an SRAM bit has 6 transistors, a full adder 28 [Weste and Eshraghian, Principles of CMOS VLSI
 // Design, 1993], an AND gate 6, a register bit 24, a 2:1 multiplexer 12, a ROM bit 1. A multiplier of a by b bits has a

@@ -48,8 +48,8 @@ TextReading read_text(std::string_view text, google::protobuf::Message& message)
 // The valid values of a field, for error messages: a whole number, one of an enumeration's names, or a message.
 std::string expected_value(const google::protobuf::FieldDescriptor& field);
 
-// Returns the error of a scalar's value: a number outside its `range` (field_range.proto), or the unspecified value of an
-// enumeration.
+// Returns the error of a scalar's value: a number outside its `range` (field_range.proto), or an enumeration's
+// unspecified value.
 std::optional<Diagnostic> fault_of(const google::protobuf::Message& message,
                                    const google::protobuf::FieldDescriptor& field);
 

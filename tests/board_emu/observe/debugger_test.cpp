@@ -154,7 +154,7 @@ TEST(Debugger, ShowsARaysWordsAndHistoryAndSetsAWord) {
   EXPECT_THAT(board.say("ray " + ray), HasSubstr("opacity"));
   EXPECT_THAT(board.say("set ray " + ray + " opacity 16777215"), HasSubstr("opacity 16777215"));
   EXPECT_THAT(board.refused("set ray " + ray + " opacity 16777216"), HasSubstr("expected 0 to 16777215"));
-  EXPECT_THAT(board.refused("ray 100000"), HasSubstr("expected one that was watched"));
+  EXPECT_THAT(board.refused("ray 100000"), HasSubstr("expected one that break or watch selected"));
   EXPECT_THAT(board.refused("history x:1"), HasSubstr("expected a ticket, got \"x\""));
 }
 

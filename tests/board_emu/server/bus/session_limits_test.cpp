@@ -70,7 +70,7 @@ TEST(Session, ACommandThatTakesTooLongEndsIt) {
     while (last && last->header.type != FrameType::kVersion);
     ASSERT_TRUE(last.has_value());
     EXPECT_EQ(last->header.error, ErrorCode::kTooLarge);
-    EXPECT_THAT(last->text(), testing::HasSubstr("commands of at most 0.02 s of this machine's time"));
+    EXPECT_THAT(last->text(), testing::HasSubstr("a command that takes at most 0.02 s of this machine's time"));
   }
   EXPECT_TRUE(serves_afresh(boards));
   EXPECT_EQ(audit.counts().back().count, 1u);
