@@ -1,4 +1,4 @@
-// Link's handshakes: with a new session, and with one that goes on over another connection.
+// Link's handshakes: for a new session, and for one that is resumed over another connection.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr milliseconds kLongestPause{1000};
 
 }  // namespace
 
-// During a handshake: an exception ends the connection, and leaves the call that wanted it.
+// During a handshake: an exception ends the connection, and leaves the call that asked for it.
 void Link::ask_whether_to_wait(Lock& lock) {
   lock.unlock();
   try {
@@ -62,7 +62,7 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
       changed_.wait(lock);
     } else if (changed_.wait_until(lock, next) == std::cv_status::timeout && phase_ == Phase::kHandshake) {
       if (next == deadline) {
-        break_off({fmt::format("no answer of the board within {} ms", limit.count()), Loss::kTimedOut});
+        break_off({fmt::format("no answer from the board within {} ms", limit.count()), Loss::kTimedOut});
       } else {
         ask_whether_to_wait(lock);
       }
@@ -81,7 +81,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
     return {error_text(payload), cause_of(header.error)};
   }
   if (payload.size() < wire::kVersionBytes) {
-    return {fmt::format("the peer's version is cut short, {} bytes", payload.size())};
+    return {fmt::format("the peer's version is truncated: {} bytes", payload.size())};
   }
   const auto theirs = wire::decode<wire::VersionInfo>(payload);
   const auto agreed = wire::agree(options_.mine, theirs);
@@ -89,8 +89,8 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
     refusal_ = wire::ErrorCode::kVersion;
     return {fmt::format("major version {}, this driver's is {}", theirs.major, options_.mine.major)};
   }
-  if (!agreed) return {"the board's limits leave no room for a frame"};
-  // Credit that we hold back, less than half the window, must never keep the board from its largest frame.
+  if (!agreed) return {"the board's limits are too small for a frame"};
+  // We hold back credit of less than half the window. It must never keep the board from sending its largest frame.
   if (options_.mine.window_bytes / 2 < agreed->max_payload_bytes) return {"the driver's window is too small"};
   if (session_ != 0) return take_up_session(theirs);
   agreed_ = *agreed;
@@ -105,7 +105,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
 StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
   if (theirs.session != session_ || !window_.fits(theirs)) {
     session_ = 0;
-    return {"the board does not know where the session stood"};
+    return {"the board did not say how far the session had come"};
   }
   if (wire::sequence_step(known_taken_, theirs.taken) > 0) attempts_ = 0;
   known_taken_ = theirs.taken;
@@ -116,7 +116,7 @@ StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
   return {};
 }
 
-// Resumes the session, as often as it may be tried. Other callers wait meanwhile.
+// Resumes the session, in as many attempts as are allowed. Other callers wait meanwhile.
 void Link::recover(Lock& lock) {
   const std::string reason = broken_.text;
   const bool was_broken = phase_ == Phase::kBroken;
@@ -146,7 +146,7 @@ void Link::recover(Lock& lock) {
   }
   if (!was_broken || phase_ != Phase::kOpen || !options_.log) return;
   lock.unlock();
-  options_.log(fmt::format("the connection to the board was lost ({}); the session goes on", reason));
+  options_.log(fmt::format("the connection to the board was lost ({}); the session continues", reason));
   lock.lock();
 }
 

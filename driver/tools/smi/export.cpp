@@ -20,6 +20,7 @@
 #include <boost/beast/http.hpp>
 
 #include "client.h"
+#include "gicube/error.h"
 #include "metrics.h"
 
 namespace gicube::smi {
@@ -30,8 +31,8 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::ip::tcp;
 
-constexpr std::chrono::seconds kClientPatience{30};     // chosen: who comes back later connects anew
-constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
+constexpr std::chrono::seconds kClientPatience{30};     // chosen: a client that returns later connects again
+constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: meanwhile descriptors may become free
 constexpr const char* kMetricsPath = "/metrics";
 
 tcp::endpoint loopback_endpoint(const std::string& text) {
@@ -71,7 +72,7 @@ Response answer(const Request& request) {
     try {
       response.body() = metrics_text(local_processes());
       response.set(http::field::content_type, kMetricsType);
-    } catch (const CallFailed& error) {  // the registry
+    } catch (const Error& error) {  // the registry can't be trusted
       response.result(http::status::internal_server_error);
       response.body() = fmt::format("{}\n", error.what());
     }
@@ -80,7 +81,7 @@ Response answer(const Request& request) {
   return response;
 }
 
-// Throws what ends it: a client that goes away, or speaks something else.
+// Throws when the client disconnects, or sends something other than HTTP.
 asio::awaitable<void> talk(tcp::socket socket) {
   beast::tcp_stream stream(std::move(socket));
   beast::flat_buffer buffer;
@@ -118,7 +119,7 @@ asio::awaitable<void> accept(tcp::acceptor& acceptor) {
 
 int export_metrics(const Options& options) {
   const tcp::endpoint endpoint = loopback_endpoint(options.listen);
-  local_processes();  // says now what is wrong with the registry
+  local_processes();  // throws at once if the registry can't be trusted
   asio::io_context io;
   tcp::acceptor acceptor(io);
   try {

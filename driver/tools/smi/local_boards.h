@@ -1,4 +1,4 @@
-// The board processes of this user on this machine, by their sockets in the registry (proto/gicube/registry.h).
+// The board processes of this user on this machine, and their descriptions of themselves (transport/board_processes.h).
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace gicube::smi {
 
 struct LocalProcess {
   std::uint32_t pid = 0;
-  std::optional<v1::BoardProcess> told;  // nothing: it is there, but has not answered in time
+  std::optional<v1::BoardProcess> told;  // nothing if it has not answered in time
 };
 
-// By process id. Removes what killed processes have left. Throws CallFailed if the registry can't be trusted.
+// By process id. Throws Error if the registry can't be trusted.
 std::vector<LocalProcess> local_processes();
 
-// The management plane of the only one that has one. Throws UsageError that names those that there are, and as
-// local_processes().
+// The management plane of the only process that has one. Otherwise throws UsageError with those of all processes.
+// Throws as local_processes() too.
 std::string only_management_endpoint();
 
 }  // namespace gicube::smi

@@ -145,7 +145,7 @@ TEST(Log, IsToldOfASessionThatWasLostAndResumed) {
     gicube_counters_free(list);
   }
   gicube_close(board);
-  EXPECT_THAT(told, testing::ElementsAre(HasSubstr("the session goes on")));
+  EXPECT_THAT(told, testing::ElementsAre(HasSubstr("the session continues")));
 }
 
 // A listener that is no board may say anything: it is left out, and nobody waits for ever.
@@ -167,6 +167,16 @@ TEST(Enumerate, LeavesOutWhatAnswersSomethingElse) {
     EXPECT_EQ(found[0].uri, plain.bus);
     fs::remove(path);
   }
+}
+
+TEST(Enumerate, AProcessThatHangsHidesNoOther) {
+  const OwnRegistry registry;
+  const Listening plain;
+  boost::asio::io_context io;
+  const boost::asio::local::stream_protocol::acceptor never_answers(io, registry.folder() + "/1");
+  const auto found = enumerate();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].uri, plain.bus);
 }
 
 TEST(LocalBoards, TheOnlyManagementPlaneNeedNotBeNamed) {

@@ -69,7 +69,7 @@ TEST(Resume, ByItselfLetsTheCallGoOn) {
   EXPECT_EQ(response.time_ps, 9u);
   EXPECT_EQ(response.payload, bytes_of("four"));
   EXPECT_THAT(told, testing::ElementsAre(
-                        testing::MatchesRegex("the connection to the board was lost \\(.+\\); the session goes on")));
+                        testing::MatchesRegex("the connection to the board was lost \\(.+\\); the session continues")));
 }
 
 TEST(Resume, IsOverOnceTheDriverHasGivenUp) {
