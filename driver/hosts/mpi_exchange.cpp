@@ -125,7 +125,7 @@ bool Exchange::receive(std::vector<std::vector<std::uint8_t>>& from, int tag) co
 
 std::vector<std::vector<std::uint8_t>> Exchange::exchange(std::vector<std::vector<std::uint8_t>> to) {
   if (to.size() != static_cast<std::size_t>(ranks_)) {
-    throw BadArgument("to", std::to_string(ranks_) + " messages, one a rank", std::to_string(to.size()));
+    throw BadArgument("to", std::to_string(ranks_) + " messages, one per rank", std::to_string(to.size()));
   }
   std::vector<std::vector<std::uint8_t>> from(to.size());
   const int tag = round_;

@@ -72,9 +72,10 @@ TEST(StabilityOfPositionStepping, StepsThatDriftByMoreThanAVoxelOverTheVolumeAre
         call();
         return false;
       } catch (const BadArgument& error) {
-        EXPECT_EQ(error.what(), field +
-                                    ": expected at least 0.017, since over this volume positions drift by more than a "
-                                    "voxel in shorter steps (not with asic.datapath=wide), got 0.015625");
+        EXPECT_EQ(error.what(),
+                  field +
+                      ": expected at least 0.017: in shorter steps positions drift by more than a voxel over "
+                      "this volume (not with asic.datapath=wide), got 0.015625");
         return true;
       }
     };

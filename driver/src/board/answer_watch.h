@@ -1,5 +1,5 @@
-// Waits for answers of the board on a thread of its own, so that no call of the application has to: what the link needs
-// for that, such as its watchdog and resuming, goes on meanwhile.
+// Waits for answers of the board on a thread of its own, so that no call of the application has to. Waiting also runs
+// the link's watchdog and resumes its session.
 #pragma once
 
 #include <condition_variable>
@@ -17,13 +17,13 @@ namespace gicube {
 class AnswerWatch {
  public:
   AnswerWatch() = default;
-  // The links must be closed. What was not answered has happened then, too.
+  // The links must be closed. All events have happened afterwards.
   ~AnswerWatch();
   AnswerWatch(const AnswerWatch&) = delete;
   AnswerWatch& operator=(const AnswerWatch&) = delete;
 
-  // `event` happens when `request`, which was begun on the link, is answered, or never will be. Requests are answered
-  // in the order in which they were begun.
+  // `event` happens when `request`, which was begun on the link, is answered or can't be answered any longer. Requests
+  // are answered in the order of their begin.
   void add(std::shared_ptr<Link> link, std::uint32_t request, std::shared_ptr<Event> event);
 
  private:

@@ -18,8 +18,8 @@ struct TraceCommand {
   std::vector<double> units;  // kIntegral
 };
 
-// A command for at most `max_rays` rays from `ray` on, or for as many as may move the sums in one command, at least
-// one.
+// Makes a command for at most `max_rays` rays, from `ray` on. kBackproject: for fewer if a sum could otherwise move
+// further than one command may, but at least one.
 TraceCommand trace_command(auto& ray, std::size_t max_rays, const RaySetup& setup) {
   constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;
@@ -93,7 +93,7 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
       rays_under_way_ += made.rays;
       left -= made.rays;
     }
-  } catch (...) {  // the caller has no ticket, and repeats the whole call
+  } catch (...) {  // the caller has no ticket and will repeat the whole call
     drop(ticket);
     throw;
   }
@@ -158,21 +158,21 @@ void Batches::collect(Batch& batch) {
 
 Batches::Entry Batches::find(Ticket ticket) {
   const auto entry = batches_.find(ticket.id);
-  expect(entry != batches_.end(), "ticket", "one that was submitted and not received yet", ticket.id);
+  expect(entry != batches_.end(), "ticket", "a ticket that was submitted and not received yet", ticket.id);
   return entry;
 }
 
 void Batches::complete(Batch& batch, Picoseconds deadline) {
   collect(batch);
-  // The last part completes last, so that there is one wait; were it otherwise, the others would be waited for too.
+  // The last part usually completes last, so one wait is enough.
   for (Part& part : batch.parts | std::views::reverse) {
     if (part.result) continue;
     part.result = device_.finish(part.command, {}, deadline);
     collect(batch);
   }
-  if (batch.completed > deadline) {  // the results were known before
+  if (batch.completed > deadline) {  // all results had arrived before
     device_.clock().wait_until(deadline);
-    throw DeadlinePassed("the batch arrives after its deadline");
+    throw DeadlinePassed("the batch arrives after the deadline");
   }
   device_.clock().wait_until(batch.completed);
 }
@@ -187,7 +187,7 @@ BatchReport Batches::receive(Ticket ticket, std::span<TracedRay> rays, Picosecon
   const Entry entry = find(ticket);
   const Batch& batch = entry->second;
   const bool fits = !batch.comes_back() || rays.size() == batch.rays;
-  expect(fits, "rays", fmt::format("{} of them, as were submitted", batch.rays), rays.size());
+  expect(fits, "rays", fmt::format("{}, as many as were submitted", batch.rays), rays.size());
   complete(entry->second, deadline);
   return release(entry, rays);
 }
@@ -200,7 +200,7 @@ std::vector<RayBatch> Batches::poll() {
     if (entry->second.complete() && entry->second.completed <= device_.clock().now()) arrived.push_back(entry);
   }
   std::ranges::stable_sort(arrived, {}, [](Entry entry) { return entry->second.completed; });
-  // A refused batch comes first: what it throws must not take the rays of the others along.
+  // A refused batch is released first, so that its exception does not lose the rays of others.
   const auto bad = std::ranges::find_if(arrived, [](Entry entry) {
     return std::ranges::any_of(entry->second.parts, [](const Part& part) { return refused(*part.result); });
   });
@@ -218,7 +218,7 @@ bool Batches::cancel(Ticket ticket) {
                           : "a batch of type kBackproject can't be cancelled: it may have left something");
   }
   bool any = false;
-  // From the end: the part in work, if any, is found last.
+  // Cancels from the end, so that a part that the board works on comes last.
   for (Part& part : batch.parts | std::views::reverse) {
     if (!part.result && device_.cancel(part.command)) any = true;
   }

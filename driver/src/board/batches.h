@@ -1,4 +1,4 @@
-// The ray batches that are under way: what was submitted and not received yet.
+// The ray batches under way: those that were submitted and not received yet.
 #pragma once
 
 #include <algorithm>
@@ -18,28 +18,24 @@
 
 namespace gicube {
 
-// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`. `word`:
-// of three irradiance words.
+// Adds a ledger of the board, which counts units of the words, to a report in the application's unit: each unit is
+// worth `report.unit`. `word`: which one of three irradiance words.
 inline void add(const wire::LightingLedger& ledger, LightingReport& report, std::size_t word = 0) {
+  const auto energy = [unit = report.unit](std::uint64_t units) { return static_cast<double>(units) * unit; };
+  const auto add_to = [&](auto& energies) {
+    energies.emitted += energy(ledger.emitted);
+    energies.deposited += energy(ledger.deposited);
+    energies.escaped += energy(ledger.escaped);
+    energies.scattered_away += energy(ledger.scattered_away);
+    energies.given_up += energy(ledger.given_up);
+    energies.clipped += energy(ledger.clipped);
+  };
+  add_to(report);
+  if (!report.colours.empty()) add_to(report.colours[word]);
   if (word == 0) report.rays += ledger.rays;
-  if (!report.colours.empty()) {
-    LightEnergy& colour = report.colours[word];
-    colour.emitted += static_cast<double>(ledger.emitted) * report.unit;
-    colour.deposited += static_cast<double>(ledger.deposited) * report.unit;
-    colour.escaped += static_cast<double>(ledger.escaped) * report.unit;
-    colour.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
-    colour.given_up += static_cast<double>(ledger.given_up) * report.unit;
-    colour.clipped += static_cast<double>(ledger.clipped) * report.unit;
-  }
-  report.emitted += static_cast<double>(ledger.emitted) * report.unit;
-  report.deposited += static_cast<double>(ledger.deposited) * report.unit;
-  report.escaped += static_cast<double>(ledger.escaped) * report.unit;
   for (std::size_t face = 0; face < wire::kFaces; ++face) {
-    report.escaped_by_face[face] += static_cast<double>(ledger.escaped_by_face[face]) * report.unit;
+    report.escaped_by_face[face] += energy(ledger.escaped_by_face[face]);
   }
-  report.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
-  report.given_up += static_cast<double>(ledger.given_up) * report.unit;
-  report.clipped += static_cast<double>(ledger.clipped) * report.unit;
 }
 
 inline void add(const wire::DepositLedger& ledger, DepositReport& report) {
@@ -61,7 +57,7 @@ class Batches {
   Batches(Device& device, const OpenOptions& options)
       : device_(device), max_rays_(options.max_rays), back_pressure_(options.back_pressure) {}
 
-  // For rays that passed their checks. Throws WouldBlock.
+  // Submits rays that passed their checks. Throws WouldBlock.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup);
   // Traces a batch that is complete on return: `trace` executes the commands, and returns what each would return.
   using TraceAll = std::function<std::vector<CommandResult>(std::span<const EncodedRays>)>;
@@ -79,10 +75,10 @@ class Batches {
   void check(Ticket ticket) { find(ticket); }
 
   bool empty() const { return batches_.empty(); }
-  // All of it but the device, the limits, and who waits for descriptors. Throws CheckpointFault.
+  // Lists everything but the device, the limits and the descriptors. Throws CheckpointFault.
   void state(Archive& archive);
-  // The link goes to a new board: everything that has not come back is sent again, in its order.
-  // `set_sampling(view, towards_eye)` is called before each, with what it was submitted with.
+  // For a new board: sends all batches that have not come back again, in order. Before each it calls
+  // `set_sampling(view, towards_eye)` with the arguments of its submission.
   void send_again(const std::function<void(const View&, Vec3)>& set_sampling);
 
  private:
@@ -93,7 +89,7 @@ class Batches {
     std::uint32_t command = 0;
     std::size_t rays = 0;
     wire::Payload encoded;      // until the result has come
-    std::vector<double> units;  // kIntegral: of each ray's sum
+    std::vector<double> units;  // kIntegral: of one unit of each ray's sum
     std::optional<CommandResult> result;
   };
   struct Batch {
@@ -105,7 +101,7 @@ class Batches {
     View sampling;
     Vec3 towards_eye;
     std::vector<Part> parts;
-    std::shared_ptr<Event> worked_out;  // once somebody has asked for its descriptor
+    std::shared_ptr<Event> worked_out;  // after descriptor()
 
     bool complete() const {
       return std::ranges::all_of(parts, [](const Part& part) { return part.result.has_value(); });
@@ -119,11 +115,11 @@ class Batches {
   std::size_t max_rays_of_command() const;
   Entry find(Ticket ticket);
   void make_room(std::size_t rays);
-  // Forgets a batch of which only a part was sent: results that still come are ignored.
+  // Drops a batch of which only a part was sent. Results that still come are ignored.
   void drop(std::uint32_t ticket);
   void collect(Batch& batch);
   void complete(Batch& batch, Picoseconds deadline);
-  // Takes a complete batch out of the list and decodes its rays, into as much room as it has rays.
+  // Removes a complete batch from the list and decodes its rays into `rays`, which has their number.
   BatchReport release(Entry entry, std::span<TracedRay> rays);
   RayBatch release(Entry entry);
 

@@ -1,4 +1,4 @@
-// Opening a board: who it is and what it can do; reopening it; what is neither volume, picture nor ray.
+// Opening and reopening a board, its properties, its tables and empty flags.
 #include "gicube/board.h"
 
 #include <chrono>
@@ -19,7 +19,7 @@ namespace pci = wire::pci;
 
 OpenOptions checked(const OpenOptions& given) {
   constexpr std::chrono::hours kLongestWait{24 * 7};
-  // Longer is as good as for ever, and can't overflow the clock.
+  // A longer watchdog counts as none, so that it can't overflow the clock.
   constexpr std::chrono::hours kLongestWatchdog{24 * 365};
   OpenOptions options = given;
   expect(options.max_rays >= 4096, "max_rays", "at least 4096", options.max_rays);
@@ -34,7 +34,7 @@ OpenOptions checked(const OpenOptions& given) {
 
 bool has_agp_capability(Device& device) {
   std::uint32_t at = device.read_config(pci::kCapabilities) & 0xFC;
-  // Every capability has its own dwords, so a list that is longer runs in a circle.
+  // Each capability has its own dwords, so a longer list is circular.
   for (std::size_t steps = 0; at != 0 && steps < wire::kPciConfigBytes / 4; ++steps) {
     const std::uint32_t header = device.read_config(at);
     if ((header & 0xFF) == pci::kCapabilityAgp) return true;
@@ -43,7 +43,7 @@ bool has_agp_capability(Device& device) {
   return false;
 }
 
-// A register whose value the driver relies on for sizes.
+// Reads a register. Throws OpenFailed if the value is outside of low..high: sizes are computed from it.
 int read_sane(Device& device, std::uint32_t offset, std::uint32_t low, std::uint32_t high) {
   const std::uint32_t value = device.read_register(offset);
   if (value >= low && value <= high) return static_cast<int>(value);
@@ -60,7 +60,8 @@ BoardInfo read_info(Device& device) {
   info.vendor_id = static_cast<std::uint16_t>(ids);
   info.device_id = static_cast<std::uint16_t>(ids >> 16);
   if (info.vendor_id != wire::kVendorId || info.device_id != wire::kDeviceId) {
-    throw OpenFailed("the device there is not a GI-Cube board");
+    throw OpenFailed(fmt::format("expected a GI-Cube board with PCI ids {:04x}:{:04x}, got a device with {:04x}:{:04x}",
+                                 wire::kVendorId, wire::kDeviceId, info.vendor_id, info.device_id));
   }
   info.agp = has_agp_capability(device);
   device.reset();
@@ -103,14 +104,14 @@ void LookUpTables::set_shading(const Shading& shading) {
   check(shading);
   state_->tables.set_shading(shading);
   if (!state_->volume) return;
-  state_->tables.send_segmentation(state_->volume->range);  // ambient and knee stand there
+  state_->tables.send_segmentation(state_->volume->range);  // the table contains ambient and knee
   state_->check_fence();
 }
 
 void LookUpTables::set_gradient_codebook(std::span<const Vec3> codebook) {
   const auto lock = state_->begin();
   GradientCodebook checked(codebook);
-  if (state_->volume) throw Rejected("set_gradient_codebook() comes before load_volume(): the voxels hold its codes");
+  if (state_->volume) throw Rejected("set_gradient_codebook() must precede load_volume(), which sends its codes");
   state_->tables.set_codebook(std::move(checked));
 }
 
@@ -118,7 +119,7 @@ void VolumeStore::set_empty_flags(std::span<const std::uint8_t> flags) {
   const auto lock = state_->begin();
   LoadedVolume& volume = state_->loaded("set_empty_flags()");
   const std::size_t blocks = volume.statistics.size();
-  expect(flags.size() == blocks, "flags", fmt::format("{} values, one a block", blocks), flags.size());
+  expect(flags.size() == blocks, "flags", fmt::format("{} values, one per block", blocks), flags.size());
   volume.flags.assign(flags.begin(), flags.end());
   for (std::uint8_t& flag : volume.flags) flag = flag != 0 ? 1 : 0;
   state_->tables.send_flags(volume.flags);
@@ -176,7 +177,7 @@ Board Board::open(std::string_view text, const OpenOptions& options) {
   return Board(std::move(state));
 }
 
-// Whatever can't be put back as it was is as on a board that was just opened.
+// Restores what the driver knows. The rest is as on a board that was just opened.
 void BoardState::restore() {
   if (!std::exchange(restoring, true)) registers_before = device.registers();
   const int block_voxels = info.block_voxels;
@@ -226,7 +227,7 @@ Board& Board::operator=(Board&& other) noexcept {
   std::swap(state_, taken.state_);
   return *this;
 }
-// A handle of one of its batches may be waiting on another thread.
+// Another thread may be waiting on a handle of one of its batches: end() makes that wait throw.
 Board::~Board() {
   if (state_) state_->end();
 }

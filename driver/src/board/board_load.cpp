@@ -1,5 +1,5 @@
-// Loading a volume: samples to densities and gradient codes, to blocks, to the board. Comparing what the board holds
-// with it.
+// Loads a volume: converts samples to densities and gradient codes, cuts them into blocks and sends these to the board.
+// Verifies the blocks on the board.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,9 +21,7 @@ namespace reg = wire::reg;
 
 namespace {
 
-constexpr std::size_t kMinCapacity = 8;  // blocks: one, and those with the voxels of its +1 faces
-
-Dims block_grid(Dims dims, int n) { return {(dims[0] + n - 1) / n, (dims[1] + n - 1) / n, (dims[2] + n - 1) / n}; }
+constexpr std::size_t kMinCapacity = 8;  // blocks: one, and its neighbours that hold the voxels on its +1 faces
 
 }  // namespace
 
@@ -39,7 +37,9 @@ LoadedVolume& BoardState::whole(const char* what) {
 }
 
 void BoardState::need_all_blocks(const char* what) const {
-  if (shared) throw Unsupported(fmt::format("{} is not for a board that shares its volume's blocks with others", what));
+  if (shared)
+    throw Unsupported(
+        fmt::format("{} does not work on a board that shares its volume's blocks with other ranks", what));
 }
 
 void BoardState::need_no_routine_in_bricks(const char* what, bool lighting) {
@@ -57,7 +57,7 @@ void BoardState::need_colours_on_card(const char* what) {
     const Material& material = tables.materials()[tag];
     if (material.bsdf != Bsdf::kTrap || material.routine != kHostRoutine) continue;
     throw Unsupported(fmt::format(
-        "{}: the material of tag {} is the application's to scatter, whose rays have one energy; a board of three "
+        "{}: the material of tag {} is scattered by the application, whose rays have one energy. A board with three "
         "irradiance words (asic.irradiance_words) scatters light by its own routines",
         what, tag));
   }
@@ -72,7 +72,7 @@ void VolumeStore::load(const VolumeView& view, const Progress& progress) {
 
 void VolumeStore::load(const VolumeStream& stream, const Progress& progress) {
   const auto lock = state_->begin();
-  expect(stream.read != nullptr, "read", "a function", "none");
+  expect(stream.read != nullptr, "read", "a function", "null");
   Planes planes(stream);
   check_shape(planes.shape(), state_->max_edge());
   state_->check_colours(planes.have_colours());
@@ -91,7 +91,7 @@ Pending<void> VolumeStore::start_load(const VolumeStream& stream) {
 
 void BoardState::check_colours(bool given) const {
   expect(!given || info.voxel_format != VoxelFormat::kDensity, "colours",
-         "none on a card whose voxels have none (asic.voxel_format is density)", "some");
+         "none, since the card's voxels have none (asic.voxel_format is density)", "some");
 }
 
 int BoardState::max_edge() const {
@@ -117,7 +117,7 @@ void BoardState::load(Planes planes, const Progress& progress) {
     for_each_block(planes, loaded, watched(progress),
                    [this](std::size_t block, std::span<const std::uint8_t> bytes) { write_block(block, bytes); });
   } else if (fits) {
-    // An exception of the reader must leave the board its volume, so everything is read first.
+    // If the reader throws, the board must keep its volume: so everything is read first.
     const BlockStore store = keep_blocks(planes, loaded, watched(progress));
     forget_volume();
     begin_blocks(loaded);
@@ -153,12 +153,12 @@ void BoardState::forget_volume() {
   bricks.reset();
   kept_blocks.clear();
   blocks_are_kept = false;
-  irradiance_unit = sum_unit = 0;  // clearing the volume clears them
+  irradiance_unit = sum_unit = 0;  // the board clears them with the volume
   tables.forget_flags();
 }
 
-// Calls take(block, words) for the blocks that are not zero, in their order; finds the statistics of all. A layer of
-// blocks at a time, so that few planes are held in other forms than the caller's.
+// Calls take(block, words) for each block that is not zero, in ascending order, and finds the statistics of all blocks.
+// Works on one layer of blocks at a time, so that few planes are converted at once.
 void BoardState::for_each_block(Planes& planes, LoadedVolume& of, const Progress& progress, const BlockTaker& take) {
   const std::size_t all = voxel_count(of.blocks);
   std::vector<std::uint8_t> bytes;
@@ -184,13 +184,14 @@ BlockStore BoardState::keep_blocks(Planes& planes, LoadedVolume& of, const Progr
 
 void Board::share_blocks(std::shared_ptr<RayExchange> exchange) {
   const auto lock = state_->begin();
-  expect(exchange != nullptr, "exchange", "one", "none");
+  expect(exchange != nullptr, "exchange", "a RayExchange", "null");
   expect(exchange->ranks() >= 1 && exchange->rank() >= 0 && exchange->rank() < exchange->ranks(), "exchange",
          "a rank of 0..ranks() - 1", fmt::format("{} of {}", exchange->rank(), exchange->ranks()));
-  if (state_->volume) throw Rejected("share_blocks() comes before load_volume()");
-  if (state_->info.protocol_minor < wire::kBricksMinor || state_->capacity_blocks() < kMinCapacity) {
-    throw Unsupported(fmt::format("share_blocks() needs a board of protocol 2.{} that stores {} blocks or more",
-                                  wire::kBricksMinor, kMinCapacity));
+  if (state_->volume) throw Rejected("share_blocks() must precede load_volume()");
+  state_->device.need_minor(wire::kBricksMinor, "share_blocks() needs");
+  if (state_->capacity_blocks() < kMinCapacity) {
+    throw Unsupported(fmt::format("share_blocks() needs a board that stores {} blocks or more, this one stores {}",
+                                  kMinCapacity, state_->capacity_blocks()));
   }
   state_->shared = std::make_unique<SharedBlocks>(std::move(exchange));
   state_->device.set_register(reg::kBricks, 1);
@@ -198,7 +199,7 @@ void Board::share_blocks(std::shared_ptr<RayExchange> exchange) {
 
 void BoardState::begin_volume(const LoadedVolume& of) {
   device.write_register(reg::kControl, wire::kControlClearVolume);
-  for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {  // even if it is the same: writing a size clears the volume
     device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
   }
   const wire::Spacing spacing = spacing_words(of.relative_spacing);
@@ -206,7 +207,7 @@ void BoardState::begin_volume(const LoadedVolume& of) {
   tables.send_gradients();
 }
 
-// A volume that the card stores whole, all of whose blocks are zero.
+// Begins a volume that the card stores whole: all its blocks are zero on the board.
 void BoardState::begin_blocks(const LoadedVolume& of) {
   begin_volume(of);
   blocks_are_kept = keep_volume;
@@ -217,7 +218,7 @@ void BoardState::begin_blocks(const LoadedVolume& of) {
   if (of.coloured) colour_sums.assign(count, 0);
 }
 
-// Waits for all that was written and asks whether the board took it.
+// Waits until the board has processed all writes. Throws Rejected if it refused one.
 void BoardState::check_fence() {
   constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue | wire::kStatusNoMemory;
   const std::uint32_t faults = device.read_register(reg::kStatus) & kFaults;
@@ -230,8 +231,7 @@ void BoardState::check_fence() {
         "memory: expected at most {} MiB for volume, words and image (gicube-board --max-memory), got {} MiB", max,
         asked));
   }
-  throw Rejected(
-      fmt::format("the board did not take what was written to it: STATUS {}, ERROR_ADDRESS {}", faults, address));
+  throw Rejected(fmt::format("the board refused a write: STATUS {}, ERROR_ADDRESS {}", faults, address));
 }
 
 std::vector<std::size_t> VolumeStore::verify() {
@@ -246,7 +246,8 @@ std::vector<std::size_t> VolumeStore::verify() {
     const wire::VerifyCommand command{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
     const CommandResult result = device.run(wire::encoded(command), {});
     const std::size_t bytes = result.payload.size();
-    if (bytes != 4 * count) device.give_up(fmt::format("the board summed up {} blocks in {} bytes", count, bytes));
+    if (bytes != 4 * count)
+      device.give_up(fmt::format("the board returned {} bytes of checksums for {} blocks", bytes, count));
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t of_colours = colour_sums.empty() ? 0 : colour_sums[first + i];
       const auto found = wire::load<std::uint32_t>(result.payload, 4 * i);

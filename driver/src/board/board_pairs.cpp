@@ -1,7 +1,9 @@
-// Pairs of elements: near ones are divided, and their rays are made by the board's DSP, or here and sent over the bus.
+// Light between pairs of elements. Near pairs are divided into parts. The rays are made by the board's DSP, or here and
+// sent over the bus.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <deque>
-#include <string>
 
 #include "encode/near_pairs.h"
 #include "encode/pairs.h"
@@ -11,24 +13,25 @@
 namespace gicube {
 namespace {
 
-constexpr std::size_t kRaysAtOnce = std::size_t{1} << 18;   // chosen: of a command, or of a batch
-constexpr std::size_t kPairsAtOnce = 16'384;                // whose elements and answers fit a payload of 4 MB
-constexpr std::size_t kUnderWay = 4;                        // chosen: so that bus and DSP don't wait for one another
-constexpr std::size_t kPartsAtOnce = std::size_t{1} << 17;  // chosen: of near pairs, some 20 MB of elements
+constexpr std::size_t kRaysAtOnce = std::size_t{1} << 18;   // chosen: per command or batch
+constexpr std::size_t kPairsAtOnce = 16'384;                // their elements and results fit a payload of 4 MB
+constexpr std::size_t kUnderWay = 4;                        // chosen: commands, so that neither bus nor DSP is idle
+constexpr std::size_t kPartsAtOnce = std::size_t{1} << 17;  // chosen: parts of near pairs, some 20 MB of elements
 
 std::size_t pairs_at_once(const PairRequest& request, std::size_t payload_bytes) {
   const std::size_t fitting = (payload_bytes - wire::kPairsHeaderBytes) / (wire::kPairBytes + 2 * wire::kElementBytes);
   return std::clamp<std::size_t>(kRaysAtOnce / request.rays, 1, std::min(kPairsAtOnce, fitting));
 }
 
-// The pairs that need no ray have their factors, the others are left.
+// Pairs that need no ray have their factors; the others are listed.
 struct Sorted {
   std::vector<PairFactor> factors;
   std::vector<ElementPair> left;
-  std::vector<std::size_t> places;  // of those, among all
+  std::vector<std::size_t> places;  // of `left`, among all pairs
 };
 
-// Without leaping the board would look at voxels whose flags it was told to trust.
+// Sums up the pairs whose path is clear by the empty flags. With PairRequest::leap off none is: the board must then
+// sample all voxels.
 Sorted without_clear(std::span<const Element> elements, std::span<const ElementPair> pairs, const PairRequest& request,
                      const LoadedVolume& volume, int block_voxels) {
   const BlockFlags flags{volume.blocks, block_voxels, volume.flags};
@@ -49,8 +52,8 @@ Sorted without_clear(std::span<const Element> elements, std::span<const ElementP
   return sorted;
 }
 
-// Has send(piece) begin the pairs piece by piece, which follow each other to the board while it works, and puts
-// together the factors that take(sent) has of each. What was begun when something is thrown is given to forget(sent).
+// Sends the pairs in pieces by send(piece), up to kUnderWay ahead of the piece whose factors take(sent) returns, and
+// joins all factors. If something throws, forget(sent) is called for each piece under way.
 template <typename Send, typename Take, typename Forget>
 std::vector<PairFactor> in_pieces(std::span<const ElementPair> pairs, std::size_t max_pairs, const Progress& progress,
                                   const Send& send, const Take& take, const Forget& forget) {
@@ -83,11 +86,9 @@ struct SentCommand {
 };
 
 std::vector<PairFactor> factors_of(Device& device, const SentCommand& sent) {
-  const CommandResult result = device.finish(sent.command, {});
-  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+  const CommandResult result = device.finish_or_throw(sent.command);
   if (result.payload.size() != sent.pairs * wire::kPairResultBytes) {
-    device.give_up("the board returned " + std::to_string(result.payload.size()) + " bytes for " +
-                   std::to_string(sent.pairs) + " pairs");
+    device.give_up(fmt::format("the board returned {} bytes for {} pairs", result.payload.size(), sent.pairs));
   }
   const std::span<const std::uint8_t> bytes(result.payload);
   std::vector<PairFactor> factors;
@@ -97,7 +98,7 @@ std::vector<PairFactor> factors_of(Device& device, const SentCommand& sent) {
   return factors;
 }
 
-// The parts of some near pairs, as pairs of their own.
+// The parts of several near pairs, as pairs.
 struct Parts {
   std::vector<Element> elements;
   std::vector<ElementPair> pairs;
@@ -185,7 +186,7 @@ std::vector<PairFactor> PairIntegrator::factors(std::span<const Element> element
   const auto all = static_cast<std::uint32_t>(pairs.size());
 
   NearPairs near_pairs(volume.relative_spacing, request.rays);
-  std::vector<std::pair<std::size_t, const Division*>> near;  // places among all
+  std::vector<std::pair<std::size_t, const Division*>> near;  // with their places among all pairs
   std::vector<std::size_t> far_places;
   std::vector<ElementPair> far;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -19,7 +19,7 @@
 namespace gicube {
 namespace {
 
-// A batch goes on by itself: its handle is a ticket and the descriptor of its end.
+// The handle of a batch. The board traces it without a thread of the driver, so a ticket and a descriptor suffice.
 class SentBatch final : public OperationOf<RayBatch> {
  public:
   SentBatch(std::weak_ptr<BoardState> board, Ticket ticket, Fd ended)
@@ -28,7 +28,7 @@ class SentBatch final : public OperationOf<RayBatch> {
   bool wait(std::chrono::milliseconds timeout) override {
     using Clock = std::chrono::steady_clock;
     constexpr std::chrono::milliseconds kAtOnce = std::chrono::hours(24);
-    const bool is_long = timeout > kAtOnce;  // poll() takes an int
+    const bool is_long = timeout > kAtOnce;  // poll() takes an int of milliseconds
     const auto end = Clock::now() + std::min(timeout, kAtOnce);
     for (;;) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
@@ -66,21 +66,21 @@ Ticket BoardState::submit(std::span<const std::span<const HostRay>> rays, const 
   check_drift("request.step", request.step);
   const bool deposits = request.type == RayType::kDeposit;
   if (deposits && irradiance_unit <= 0) {
-    throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");
+    throw Rejected("RayType::kDeposit needs a unit of energy: call clear_irradiance() or illuminate() first");
   }
   if (deposits) need_colours_on_card("RayType::kDeposit");
   const bool backprojects = request.type == RayType::kBackproject, sums = request.words == SumWords::kSums;
   if (backprojects && (sums ? sum_unit : irradiance_unit) <= 0) {
-    throw Rejected(std::string("rays that backproject need a unit of what they leave: ") +
+    throw Rejected(std::string("RayType::kBackproject needs a unit of its words: call ") +
                    (sums ? "clear_sums()" : "clear_irradiance()") + " first");
   }
   if (backprojects && !sums && info.irradiance_words > 1) {
     throw Unsupported(
-        "backprojection into irradiance words needs a board with one of them a voxel (asic.irradiance_words)");
+        "backprojection into irradiance words needs a board with one word per voxel (asic.irradiance_words)");
   }
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && request.sampling.irradiance && irradiance_unit <= 0) {
-    throw Rejected("request.sampling.irradiance needs light: illuminate() first");
+    throw Rejected("request.sampling.irradiance needs light: call illuminate() first");
   }
   const View sampled = view_of(request);
   const Vec3 to_eye = towards_eye(sampled, of.relative_spacing);

@@ -1,4 +1,4 @@
-// Boxes of the volume and of its irradiance, read back and written, in whole planes of the board's blocks.
+// Reads and writes boxes of the volume, the irradiance and the sums, in whole planes of the board's blocks.
 #include <algorithm>
 #include <cmath>
 
@@ -25,8 +25,7 @@ std::size_t count(const VoxelBox& box) { return voxel_count(box.size); }
 
 void check_values(const VoxelBox& box, std::span<const float> values, double min_value, std::size_t of_voxel = 1) {
   expect(values.size() == of_voxel * count(box), "values",
-         fmt::format("{}, {} a voxel of the box", of_voxel * count(box), of_voxel == 1 ? "one" : "three"),
-         values.size());
+         fmt::format("{}, {} per voxel of the box", of_voxel * count(box), of_voxel), values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i]) && values[i] >= min_value) continue;
     const char* const expected = std::isfinite(min_value) ? "a finite number of at least 0" : "a finite number";
@@ -36,11 +35,11 @@ void check_values(const VoxelBox& box, std::span<const float> values, double min
 
 void check_room(const VoxelBox& box, std::span<float> values, std::size_t of_voxel = 1) {
   const std::size_t needed = of_voxel * count(box);
-  expect(values.size() == needed, "values", fmt::format("room for {}, {} a voxel of the box", needed, of_voxel),
+  expect(values.size() == needed, "values", fmt::format("room for {}, {} per voxel of the box", needed, of_voxel),
          values.size());
 }
 
-// The box with `more` voxels on every side, inside the volume.
+// The box with `more` voxels added on each side, clipped to the volume.
 VoxelBox grown(const VoxelBox& box, int more, Dims dims) {
   VoxelBox out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -65,40 +64,41 @@ void for_each_index(const VoxelBox& box, const VoxelBox& a, const VoxelBox& b, c
   }
 }
 
-// The part of a box that lies in one block, and the block's whole planes that hold it, which lie together in its
-// memory.
+// The part of a box that is in one block, and the whole planes of the block that contain it. The planes are contiguous
+// in the board's memory.
 struct BlockPart {
   std::size_t block = 0;
   Dims low{};  // the block's least voxel
   VoxelBox part, planes;
 };
 
-// Which blocks hold the box.
+// Calls take(part) for each block that contains a part of the box.
 template <typename Take>
 void for_each_block(const VoxelBox& box, Dims blocks, int n, const Take& take) {
-  Dims at{};
-  const auto last = [&](std::size_t axis) { return (box.low[axis] + box.size[axis] - 1) / n; };
-  for (at[2] = box.low[2] / n; at[2] <= last(2); ++at[2]) {
-    for (at[1] = box.low[1] / n; at[1] <= last(1); ++at[1]) {
-      for (at[0] = box.low[0] / n; at[0] <= last(0); ++at[0]) {
-        BlockPart part;
-        part.block = static_cast<std::size_t>(at[0] + blocks[0] * (at[1] + blocks[1] * at[2]));
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          part.low[axis] = at[axis] * n;
-          part.part.low[axis] = std::max(box.low[axis], part.low[axis]);
-          part.part.size[axis] = std::min(box.low[axis] + box.size[axis], part.low[axis] + n) - part.part.low[axis];
-        }
-        part.planes = {{part.low[0], part.low[1], part.part.low[2]}, {n, n, part.part.size[2]}};
-        take(part);
-      }
-    }
+  Dims first{}, end{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = box.low[axis] / n;
+    end[axis] = (box.low[axis] + box.size[axis] - 1) / n + 1;
   }
+  for_each_position(first, end, [&](const Dims& at) {
+    BlockPart part;
+    part.block = index_of(blocks, at);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      part.low[axis] = at[axis] * n;
+      part.part.low[axis] = std::max(box.low[axis], part.low[axis]);
+      part.part.size[axis] = std::min(box.low[axis] + box.size[axis], part.low[axis] + n) - part.part.low[axis];
+    }
+    part.planes = {{part.low[0], part.low[1], part.part.low[2]}, {n, n, part.part.size[2]}};
+    take(part);
+  });
 }
+
+constexpr std::size_t kWholeWords = 36;  // bytes: whole words of 32 and of 36 bits
 
 // A region of the board's memory with a word for each voxel of the blocks.
 class Words {
  public:
-  // `bricks`: of a volume that the card does not store whole; else null.
+  // `bricks`: null if the card stores the volume whole.
   Words(Device& device, const wire::MemoryRegion& region, const LoadedVolume& volume, int n, Bricks* bricks = nullptr)
       : device_(device), region_(region), blocks_(volume.blocks), n_(n), bricks_(bricks) {}
 
@@ -117,7 +117,7 @@ class Words {
     read(box, [&](std::size_t index, std::uint64_t word) { out[index] = static_cast<float>(value(word)); });
   }
 
-  // Writes words of 32 bits: those of voxels outside the box keep their values.
+  // Writes words of 32 bits. Words outside the box are kept.
   void write(const VoxelBox& box, const auto& value) {
     for_each_block(box, blocks_, n_, [&](const BlockPart& part) {
       std::vector<std::uint8_t> bytes = read(part);
@@ -143,10 +143,7 @@ class Words {
     return region_.base + part.block * n * n * n * bits() / 8 + offset(part);
   }
 
-  // In pieces of whole words of every kind.
   std::vector<std::uint8_t> read(const BlockPart& part) {
-    constexpr std::size_t kPiece = 36;
-    const std::size_t max_bytes = device_.agreed().max_payload_bytes / kPiece * kPiece;
     const std::size_t bytes = count(part.planes) * bits() / 8;
     if (bricks_ != nullptr) {
       const auto all =
@@ -154,12 +151,7 @@ class Words {
       const auto begin = all.begin() + static_cast<std::ptrdiff_t>(offset(part));
       return {begin, begin + static_cast<std::ptrdiff_t>(bytes)};
     }
-    std::vector<std::uint8_t> out;
-    while (out.size() < bytes) {
-      const auto piece = device_.read_memory(address(part) + out.size(), std::min(max_bytes, bytes - out.size()));
-      out.insert(out.end(), piece.begin(), piece.end());
-    }
-    return out;
+    return device_.read_memory(address(part), bytes, kWholeWords);
   }
 
   Device& device_;
@@ -169,7 +161,7 @@ class Words {
   Bricks* const bricks_;
 };
 
-// Whole blocks: those that hold `box`, and `above` more above them on each axis.
+// The whole blocks that contain `box`, and `above` more blocks above them on each axis.
 VoxelBox whole_blocks(const VoxelBox& box, int above, int n, Dims dims) {
   VoxelBox out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -192,7 +184,7 @@ void VolumeStore::read(const VoxelBox& box, std::span<float> values) {
   state_->read_volume(box, values);
 }
 
-// The box's values, read by `read` into as much room as they need.
+// The values of a box, which `read` reads.
 std::vector<float> BoardState::values_of(const VoxelBox& box, const char* what, std::size_t of_voxel,
                                          void (BoardState::*read)(const VoxelBox&, std::span<float>)) {
   check(box, loaded(what).dims);
@@ -216,8 +208,8 @@ void VolumeStore::write(const VoxelBox& box, std::span<const float> values) {
   check(box, volume.dims);
   check_values(box, values, -std::numeric_limits<double>::infinity());
   const int n = state_->info.block_voxels;
-  // The filter changes gradients one voxel around the box, and reads two around it. A block counts the next one's faces
-  // too.
+  // The gradient filter changes gradients up to one voxel outside the box, and reads up to two. Statistics of a block
+  // include its +1 faces, which are in the next block.
   const VoxelBox changed = grown(box, 1, volume.dims);
   const VoxelBox written = whole_blocks(changed, 0, n, volume.dims);
   VoxelBox needed = whole_blocks(grown(box, 2, volume.dims), 0, n, volume.dims);
@@ -302,8 +294,9 @@ void Illuminator::read(const VoxelBox& box, std::span<float> values) {
 
 void BoardState::read_irradiance(const VoxelBox& box, std::span<float> out) {
   const LoadedVolume& of = loaded("read_irradiance()");
-  if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
-  if (info.irradiance_words > 1) whole("read_irradiance()");  // the host holds one word of blocks that are not there
+  if (irradiance_unit <= 0)
+    throw Rejected("read_irradiance() needs light: call illuminate() or clear_irradiance() first");
+  if (info.irradiance_words > 1) whole("read_irradiance()");  // BrickLight keeps one word per voxel
   check(box, of.dims);
   const auto count_of_words = static_cast<std::size_t>(info.irradiance_words);
   check_room(box, out, count_of_words);
@@ -319,7 +312,7 @@ void Illuminator::write(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
   const LoadedVolume& volume = state_->loaded("write_irradiance()");
   const double unit = state_->irradiance_unit;
-  if (unit <= 0) throw Rejected("write_irradiance() needs a unit: illuminate() or clear_irradiance() first");
+  if (unit <= 0) throw Rejected("write_irradiance() needs a unit: call illuminate() or clear_irradiance() first");
   check(box, volume.dims);
   const auto count_of_words = static_cast<std::size_t>(state_->info.irradiance_words);
   if (state_->info.irradiance_words > 1) state_->whole("write_irradiance()");
@@ -348,7 +341,7 @@ void Illuminator::read_sums(const VoxelBox& box, std::span<float> values) {
 
 void BoardState::read_sums(const VoxelBox& box, std::span<float> values) {
   const LoadedVolume& of = whole("read_sums()");
-  if (sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
+  if (sum_unit <= 0) throw Rejected("read_sums() needs a unit: call clear_sums() first");
   check(box, of.dims);
   check_room(box, values);
   Words words(device, wire::kSums, of, info.block_voxels);

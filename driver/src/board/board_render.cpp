@@ -1,4 +1,4 @@
-// Materials, lights, the irradiance that they leave, and pictures.
+// Materials, lighting and pictures.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,6 +9,7 @@
 #include "encode/argument.h"
 #include "encode/camera.h"
 #include "encode/lights.h"
+#include "encode/vectors.h"
 #include "encode/volume/block_order.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/ray.h"
@@ -21,23 +22,23 @@ namespace {
 
 namespace reg = wire::reg;
 
-constexpr int kThinMedium = 50;  // units of an opacity's word, of which half of one is 1%
+constexpr int kThinMedium = 50;  // units of an opacity's word; half a unit is 1% of it
 
-// Lighting rays take a table's whole units, on the wide datapath too.
+// Lighting rays use the whole units of a table's opacities, also on the wide datapath: small ones are rounded much.
 void warn_of_thin_media(std::span<const wire::SegmentationEntry> table, LightingReport& report) {
   const std::size_t entries = table.size() / wire::kTags;
   for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
     const int most =
         std::ranges::max(table.subspan(tag * entries, entries), {}, &wire::SegmentationEntry::opacity).opacity;
     if (most == 0 || most >= kThinMedium) continue;
-    report.warnings.push_back(
-        fmt::format("tag {} has opacities of at most {:.2g}, which are rounded to 1/{}: the light that it takes is off "
-                    "by up to {:.2g}%",
-                    tag, most / double{wire::kClassifiedOpacityOne}, wire::kClassifiedOpacityOne, 50.0 / most));
+    report.warnings.push_back(fmt::format(
+        "tag {} has opacities of at most {:.2g}, which are rounded to 1/{}: the light that it absorbs is off "
+        "by up to {:.2g}%",
+        tag, most / double{wire::kClassifiedOpacityOne}, wire::kClassifiedOpacityOne, 50.0 / most));
   }
 }
 
-// A face that a plane cuts shows what the volume holds: gradients there are those of noise.
+// Samples at a cut face are not shaded: they are inside the volume, where gradients are mostly noise.
 std::uint32_t pipeline_word(const View& view, std::uint16_t minor) {
   const bool faces = view.shade && !view.cut_planes.empty() && minor >= wire::kCutFacesMinor;
   return (view.jitter ? wire::kPipelineJitter : 0u) | (view.shade ? wire::kPipelineShade : 0u) |
@@ -47,8 +48,8 @@ std::uint32_t pipeline_word(const View& view, std::uint16_t minor) {
 }
 
 LitBox lit_box(const LoadedVolume& volume) {
-  const Vec3 edge = volume.relative_spacing;
-  return {{(volume.dims[0] - 1) * edge.x, (volume.dims[1] - 1) * edge.y, (volume.dims[2] - 1) * edge.z}, edge};
+  const auto [x, y, z] = volume.dims;
+  return {times({x - 1.0, y - 1.0, z - 1.0}, volume.relative_spacing), volume.relative_spacing};
 }
 
 // Unpacks the words of a framebuffer's part, two in nine bytes.
@@ -63,9 +64,9 @@ void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
 
 }  // namespace
 
-// The exposure for a unit of power on a unit of area.
+// Brightness of a unit of power per unit of area.
 double BoardState::exposure_of(const View& view) const {
-  constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
+  constexpr double kFull = 0.8;  // chosen: of white, for a surface in the middle of the volume
   if (view.exposure > 0) return view.exposure;
   if (!view.irradiance) return 1;
   return bright_flux > 0 ? kFull / bright_flux : 0;
@@ -85,8 +86,8 @@ void BoardState::check_drift(const char* field, double step) const {
   const double shortest = 1 / (1 / wire::max_drift(length(way), wire::kStepOne) - 1);
   throw BadArgument(
       field,
-      fmt::format("at least {:.3f}, since over this volume positions drift by more than a voxel in shorter "
-                  "steps (not with asic.datapath=wide)",
+      fmt::format("at least {:.3f}: in shorter steps positions drift by more than a voxel over this volume "
+                  "(not with asic.datapath=wide)",
                   std::ceil(shortest * 1000) / 1000),
       number_text(step));
 }
@@ -135,7 +136,7 @@ void BoardState::render(const View& view, const PicturePart& picture, const Prog
   check(view);
   const LoadedVolume& of = loaded("rendering");
   if (view.irradiance && irradiance_unit <= 0) {
-    throw Rejected("View::irradiance needs light: illuminate() first");
+    throw Rejected("View::irradiance needs light: call illuminate() first");
   }
   if (view.scatter) {
     need_routine(false);
@@ -152,7 +153,7 @@ void BoardState::render(const View& view, const PicturePart& picture, const Prog
     expect(shared->ranks() <= 255, "ranks", "at most 255 for a picture", shared->ranks());
   }
   const Vec3 eye = towards_eye(view, of.relative_spacing);
-  std::uint32_t parts = 1;  // of which the board tells now and then
+  std::uint32_t parts = 1;  // as the board reports them
   Progress part;
   if (progress) part = [&](std::uint32_t done, std::uint32_t all) { progress(done, parts = all); };
   const Progress told = watched(part);
@@ -185,7 +186,7 @@ void BoardState::render(const View& view, const PicturePart& picture, const Prog
   const bool has_rows = shared || wire::rows_of(camera) > 0;
   if (has_rows) result = device.run(payload, told, last);
   sampling = view;
-  framebuffer_size = {};  // no picture until all rays have come to their ends
+  framebuffer_size = {};  // no picture until all rays have ended
   if (!has_rows) return;
   if (bricks) {
     run_in_bricks(result.payload, run);
@@ -212,9 +213,9 @@ void Renderer::read_framebuffer(std::span<Pixel> pixels) {
   std::ranges::copy(image.pixels, pixels.begin());
 }
 
-// For a job of several ranks: gathers all rows.
+// Gathers the rows of all ranks.
 Image BoardState::gather_picture() {
-  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
+  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: call render() first");
   const int width = sampling.width, height = sampling.height;
   const std::uint16_t rows = strip_rows(sampling, shared->ranks(), false);
   const auto bytes_of = [](const Image& image) {
@@ -251,16 +252,10 @@ Image BoardState::read_picture() {
   return image;
 }
 
-void BoardState::read_picture(std::span<Pixel> left) {
-  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: render first");
-  const std::size_t bytes = wire::packed36_bytes(left.size());
-  const std::size_t max_bytes = device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
-  for (std::size_t at = 0; at < bytes; at += max_bytes) {
-    const auto part = device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
-    const std::size_t pixels = std::min(left.size(), max_bytes / 9 * 2);
-    take_pixels(part, left.first(pixels));
-    left = left.subspan(pixels);
-  }
+void BoardState::read_picture(std::span<Pixel> pixels) {
+  if (framebuffer_size.first == 0) throw Rejected("read_framebuffer() needs a picture: call render() first");
+  constexpr std::size_t kPair = 9;  // bytes of two pixels
+  take_pixels(device.read_memory(wire::kFramebuffer.base, wire::packed36_bytes(pixels.size()), kPair), pixels);
 }
 
 Image Renderer::render(const View& view, const Progress& progress) {
@@ -278,10 +273,10 @@ void LookUpTables::set_material(const Material& material, int tag) {
   check(material);
   expect_within("tag", tag, 0, wire::kTags - 1);
   expect(state_->info.irradiance_words > 1 || material.scattering_colour == Colour{1, 1, 1},
-         "material.scattering_colour", "white on a board of one irradiance word (asic.irradiance_words is 1)",
-         "another");
+         "material.scattering_colour", "white on a board with one irradiance word (asic.irradiance_words is 1)",
+         "another colour");
   state_->tables.set_material(material, tag);
-  if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on the scattering
+  if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on scattering
 }
 
 void BoardState::set_lighting(const Illumination& settings) {
@@ -290,27 +285,24 @@ void BoardState::set_lighting(const Illumination& settings) {
                       (settings.jitter ? wire::kPipelineJitter : 0u) | (settings.leap ? wire::kPipelineLeap : 0u));
   device.set_register(reg::kLifetime, static_cast<std::uint32_t>(settings.lifetime));
   device.set_register(reg::kSeed, settings.seed);
-  device.set_register(reg::kCutPlanes, 0);  // they cut what the eye sees
+  device.set_register(reg::kCutPlanes, 0);  // cut planes concern views only
 }
 
-// The board has the block in which the light stands: it says whether that is solid.
+// Sends the block that contains the light, so that the board can tell whether the light is in a solid.
 void BoardState::prepare_light(const Light& light) {
   const BrickNeeds needs{.light = LightUse::kLeft};
   const auto command = light_command(light, {}, 1);
-  std::size_t block = 0, stride = 1;
+  const auto edge = to_array(volume->relative_spacing);
+  Dims at{};
   bool inside = command.kind != wire::LightKind::kDirectional;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double voxels = command.position[axis];
-    if (command.kind == wire::LightKind::kRectangle) {
-      const std::array<double, 3> edge{volume->relative_spacing.x, volume->relative_spacing.y,
-                                       volume->relative_spacing.z};
-      voxels += (command.u[axis] + command.v[axis]) / 2 / edge[axis];
-    }
+    if (command.kind == wire::LightKind::kRectangle) voxels += (command.u[axis] + command.v[axis]) / 2 / edge[axis];
     inside = inside && voxels >= 0 && voxels <= volume->dims[axis] - 1;
-    if (inside) block += stride * (static_cast<std::size_t>(voxels) / static_cast<std::size_t>(bricks->block_voxels()));
-    stride *= static_cast<std::size_t>(volume->blocks[axis]);
+    if (inside) at[axis] = static_cast<int>(voxels) / bricks->block_voxels();
   }
   if (inside) {
+    const std::size_t block = index_of(volume->blocks, at);
     bricks->load(device, std::span(&block, 1), needs);
   } else {
     bricks->prepare(device, needs);
@@ -366,7 +358,7 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
     }
     const auto all = static_cast<std::uint32_t>(lights.size()), before = static_cast<std::uint32_t>(i);
     Progress part;
-    if (progress) {  // each light an equal part of the whole
+    if (progress) {  // each light is an equal part of the progress
       part = [&progress, all, before](std::uint32_t done, std::uint32_t of) {
         constexpr std::uint32_t kParts = 1000;
         const std::uint32_t here = of > 0 ? static_cast<std::uint32_t>(std::uint64_t{kParts} * done / of) : 0;
@@ -392,7 +384,7 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
     } else {
       wire::add(ledger, sum);
       state_->scatter_waiting(payload.subspan(ledger_bytes), [&sum](wire::LightingLedger resumed) {
-        resumed.emitted = 0;  // it was counted when its rays were made
+        resumed.emitted = 0;  // counted when the rays were made
         wire::add(resumed, sum);
       });
     }
@@ -407,8 +399,7 @@ LightingReport Illuminator::illuminate(std::span<const Light> lights, const Illu
   }
   add(sum, report);
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (in_solid[i] != 0)
-      report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
+    if (in_solid[i] != 0) report.warnings.push_back(fmt::format("lights[{}] is in a solid: its light stays there", i));
   }
   state_->bright_flux = flux;
   if (report.clipped > 0.01 * report.emitted) {

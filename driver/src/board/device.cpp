@@ -10,12 +10,12 @@
 namespace gicube {
 namespace {
 
-constexpr std::chrono::seconds kObituary{1};  // chosen: what a child that has closed its socket gets to end and say why
+constexpr std::chrono::seconds kObituary{1};  // chosen: for a child that has closed its socket to end
 
-// A multiple of a dword, a segmentation entry (12 bytes) and two voxels (9): no piece ends within one.
+// Pieces of memory writes are multiples of this: whole dwords, segmentation entries (12 bytes) and pairs of voxels (9).
 constexpr std::size_t kPiece = 36;
 
-// Advice for a board that is lost, with its address.
+// The address of a lost board, and advice.
 std::string advice(const Uri& uri, Loss cause) {
   const std::string place = text_of(uri);
   if (cause == Loss::kTakenOver || cause == Loss::kEnded) return place;
@@ -43,20 +43,20 @@ Device::Device(const Uri& uri, const OpenOptions& options, std::function<void()>
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {
-    // Throws if the file for it is no good.
+    // Throws BadArgument if the token file can't be used.
     if (uri_.scheme == UriScheme::kTcp || uri_.scheme == UriScheme::kPci) named_token(options.token_file);
     if (uri_.is_secure) link_options_.tls = make_tls(uri_.host, options.ca_file);
     link_options_.token = [this, token_file = options.token_file](int socket) {
       try {
-        if (uri_.scheme == UriScheme::kPci) return named_token(token_file);  // who the board is only gicube-pci knows
+        if (uri_.scheme == UriScheme::kPci) return named_token(token_file);  // the board's address is unknown here
         return access_token(socket, uri_.is_secure, token_file);
-      } catch (const BadArgument&) {  // the board says that it wants one
+      } catch (const BadArgument&) {  // the board then asks for a token
         return std::string();
       }
     };
     link_options_.reconnect = [this] {
       if (uri_.scheme != UriScheme::kPci) return connect(uri_, link_options_.watchdog);
-      function_.reset();  // a function has one session
+      function_.reset();  // a function has only one session
       function_ = std::make_unique<PciFunction>(uri_.path);
       return function_->take_socket();
     };
@@ -73,7 +73,7 @@ std::shared_ptr<Link> Device::open_link() {
   } catch (const OpenFailed&) {
     if (!child_->ended(kObituary)) throw;
     if (const auto fault = child_->usage_fault()) {
-      throw BadArgument("URI options", "values that gicube-board takes", "some that it refuses:\n" + *fault);
+      throw BadArgument("URI options", "values that gicube-board accepts", "some that it refuses:\n" + *fault);
     }
     throw OpenFailed(child_->last_words());
   }
@@ -86,13 +86,13 @@ bool Device::reopen() {
     return false;
   }
   if (!link_->is_broken()) return true;
-  auto lost = std::move(child_);  // its end must not be waited for before the link is closed
+  auto lost = std::move(child_);  // destroyed after its link, which it waits for
   auto fresh = open_link();
   link_ = std::move(fresh);
   return false;
 }
 
-// A private board that dies is the caller's own child: its last words say more than its silence.
+// Adds to DeviceLost why a private board ended, or advice for another one.
 auto Device::with_last_words(const auto& call) const {
   try {
     return call();
@@ -101,6 +101,11 @@ auto Device::with_last_words(const auto& call) const {
     if (!child_->ended(kObituary)) throw;
     throw DeviceLost(fmt::format("{}; {}", error.what(), child_->last_words()), error.cause());
   }
+}
+
+void Device::need_minor(std::uint16_t minor, const char* what) const {
+  if (agreed().minor >= minor) return;
+  throw Unsupported(fmt::format("{} a board of protocol 2.{}, this one has 2.{}", what, minor, agreed().minor));
 }
 
 void Device::check() {
@@ -138,13 +143,20 @@ void Device::write_memory(std::uint64_t address, std::span<const std::uint8_t> b
   }
 }
 
-std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64_t length) {
-  std::vector<std::uint8_t> payload(16);
-  wire::store(std::span(payload), 0, address);
-  wire::store(std::span(payload), 8, length);
-  auto bytes = request(wire::FrameType::kMemoryRead, std::move(payload));
-  if (bytes.size() != length) {
-    give_up(fmt::format("the board answered a read of {} bytes with {}", length, bytes.size()));
+std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64_t length, std::size_t record) {
+  const std::uint64_t most = agreed().max_payload_bytes / record * record;
+  std::vector<std::uint8_t> bytes;
+  while (bytes.size() < length) {
+    const std::uint64_t wanted = std::min(most, length - bytes.size());
+    std::vector<std::uint8_t> payload(16);
+    wire::store(std::span(payload), 0, address + bytes.size());
+    wire::store(std::span(payload), 8, wanted);
+    auto piece = request(wire::FrameType::kMemoryRead, std::move(payload));
+    if (piece.size() != wanted) {
+      give_up(fmt::format("the board answered a read of {} bytes with {}", wanted, piece.size()));
+    }
+    if (piece.size() == length) return piece;
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
   }
   return bytes;
 }
@@ -158,22 +170,25 @@ CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Pic
   clock_.wait_until(response.time_ps);
   if (response.error == wire::ErrorCode::kDeadline) throw DeadlinePassed(error_text(response.payload));
   auto result = link_->take(ticket);
-  if (!result) give_up("the board says that a command has completed, but not how");
+  if (!result) give_up("the board reported that a command has completed, without its result");
   clock_.wait_until(result->time_ps);
   return std::move(*result);
 }
 
+CommandResult Device::finish_or_throw(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {
+  CommandResult result = finish(ticket, progress, deadline);
+  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+  return result;
+}
+
 CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline) {
   const std::uint32_t ticket = command(wire::share(std::move(payload)));
-  CommandResult result;
   try {
-    result = finish(ticket, progress, deadline);
+    return finish_or_throw(ticket, progress, deadline);
   } catch (...) {  // also what the progress callback throws
     link_->forget(ticket);
     throw;
   }
-  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
-  return result;
 }
 
 Device::Mark Device::mark() {
@@ -188,7 +203,7 @@ bool Device::cancel(std::uint32_t ticket) {
 
 Counters Device::counters() {
   const auto list = wire::decode_counters(request(wire::FrameType::kCounters, {}));
-  if (!list) give_up("the board sent a counter list that is cut short");
+  if (!list) give_up("the board sent a truncated list of counters");
   std::vector<Counter> counters;
   for (const wire::Counter& counter : *list) counters.push_back({counter.name, counter.unit, counter.value});
   return Counters(std::move(counters));

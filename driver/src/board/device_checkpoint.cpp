@@ -1,4 +1,4 @@
-// A board's checkpoint over the data plane, and what the device itself remembers.
+// Transfers a board's checkpoint over the data plane; lists the device's own state.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,17 +13,14 @@ using wire::CheckpointStep;
 
 namespace {
 
-// chosen: a frame in which a connection breaks is sent again from its beginning, so a connection of a megabyte has to
-// carry some whole ones.
+// chosen: a frame in which the connection breaks is sent again from its begin, so a connection that breaks each
+// megabyte must still carry some whole frames.
 constexpr std::uint32_t kPieceBytes = 256u << 10;
 
 }  // namespace
 
 std::vector<std::uint8_t> Device::checkpoint_step(CheckpointStep step, std::span<const std::uint8_t> what) {
-  if (agreed().minor < wire::kCheckpointMinor) {
-    throw Unsupported(fmt::format("checkpoints need a board of protocol 2.{}, this one has 2.{}",
-                                  wire::kCheckpointMinor, agreed().minor));
-  }
+  need_minor(wire::kCheckpointMinor, "checkpoints need");
   std::vector<std::uint8_t> payload(4 + what.size());
   wire::store(std::span(payload), 0, static_cast<std::uint32_t>(step));
   std::ranges::copy(what, payload.begin() + 4);
@@ -44,7 +41,8 @@ void Device::read_checkpoint(std::uint64_t bytes, const std::function<void(std::
     wire::store(std::span(place), 0, at);
     wire::store(std::span(place), 8, piece);
     const auto got = checkpoint_step(CheckpointStep::kRead, place);
-    if (got.size() != piece) give_up(fmt::format("the board gave {} bytes of a checkpoint for {}", got.size(), piece));
+    if (got.size() != piece)
+      give_up(fmt::format("the board answered a read of {} bytes of a checkpoint with {}", piece, got.size()));
     sink(got);
     at += piece;
   }
@@ -55,9 +53,9 @@ void Device::take_checkpoint(std::span<const std::uint8_t> driver,
   begin_checkpoint();
   write_checkpoint(driver);
   const auto answer = checkpoint_step(CheckpointStep::kTake, {});
-  if (answer.size() != 8) give_up(fmt::format("the board said a checkpoint's size in {} bytes", answer.size()));
+  if (answer.size() != 8) give_up(fmt::format("the board answered a checkpoint's size in {} bytes", answer.size()));
   read_checkpoint(wire::load<std::uint64_t>(answer, 0), sink);
-  begin_checkpoint();  // its memory is free again
+  begin_checkpoint();  // frees the board's memory
 }
 
 wire::WentOn Device::go_on(std::span<const std::uint8_t> checkpoint) {
@@ -68,12 +66,12 @@ wire::WentOn Device::go_on(std::span<const std::uint8_t> checkpoint) {
     answer = checkpoint_step(CheckpointStep::kGoOn, {});
   } catch (const Error&) {
     throw;
-  } catch (...) {  // what the application threw while it waited: the board has gone on, and we have not
+  } catch (...) {  // of while_waiting: the board has continued, this device has not
     close();
     throw;
   }
   if (answer.size() != wire::bytes_of<wire::WentOn>()) {
-    give_up(fmt::format("the board went on, and said so in {} bytes", answer.size()));
+    give_up(fmt::format("the board answered the restoring of a checkpoint with {} bytes", answer.size()));
   }
   return wire::decode<wire::WentOn>(answer);
 }

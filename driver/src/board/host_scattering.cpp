@@ -1,9 +1,10 @@
-// The application's scattering routine, and trapped rays in the words of the bus (gicube/wire/trap.h).
+// Calls the application's scattering routine for trapped rays (gicube/wire/trap.h).
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "encode/vectors.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
@@ -11,22 +12,20 @@
 namespace gicube {
 namespace {
 
-constexpr std::size_t kRaysPerRound = 4096;  // chosen: 256 KB up, so that neither side holds many
+constexpr std::size_t kRaysPerRound = 4096;  // chosen: 256 KB up per round
 
 struct TrapList {
   std::vector<wire::TrappedRay> rays;
-  std::uint32_t waiting = 0;  // on the board, beyond these
+  std::uint32_t waiting = 0;  // further ones on the board
 };
-
-Vec3 vec3(const wire::Triple& a) { return {a[0], a[1], a[2]}; }
 
 ScatterEvent event_of(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing) {
   ScatterEvent event;
   wire::Triple position{};
   for (std::size_t axis = 0; axis < 3; ++axis) position[axis] = trapped.ray.position[axis] / double{wire::kVoxel};
-  event.position = vec3(position);
-  event.direction = vec3(wire::physical_direction(trapped.ray.direction, spacing));
-  event.normal = vec3(wire::surface_normal(trapped.gradient));
+  event.position = to_vec3(position);
+  event.direction = to_vec3(wire::physical_direction(trapped.ray.direction, spacing));
+  event.normal = to_vec3(wire::surface_normal(trapped.gradient));
   event.opacity = trapped.opacity / wire::kTrapOpacityOne;
   event.density = trapped.density / double{1 << wire::kTrapDensityFractionBits};
   event.tag = trapped.tag;
@@ -42,14 +41,13 @@ void check(const ScatterAnswer& answer) {
   const double length = std::hypot(d.x, d.y, d.z);
   if (!(length >= wire::kShortestDirection && length <= wire::kLongestDirection)) {
     throw ScatteringFailed(fmt::format(
-        "direction: the scattering routine must answer a length of 1e-6 to 1e6, but answered {} {} {}", d.x, d.y, d.z));
+        "direction: expected a length of 1e-6 to 1e6 from the scattering routine, got {} {} {}", d.x, d.y, d.z));
   }
   if (answer.passes >= 0 && answer.passes <= 1) return;
-  throw ScatteringFailed(
-      fmt::format("passes: the scattering routine must answer 0..1, but answered {}", answer.passes));
+  throw ScatteringFailed(fmt::format("passes: expected 0..1 from the scattering routine, got {}", answer.passes));
 }
 
-// The packet that answers `trapped`. Throws ScatteringFailed, and what the routine throws.
+// Makes the packet with the routine's answer to `trapped`. Throws ScatteringFailed, and what the routine throws.
 wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing,
                  const ScatteringRoutine& routine) {
   const ScatterAnswer answered = routine(event_of(trapped, material, spacing));
@@ -61,7 +59,7 @@ wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, cons
   return ray;
 }
 
-// A command that sends these packets down and asks for at most `max_rays` more rays.
+// Makes the command that sends these packets and asks for at most `max_rays` more trapped rays.
 std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t max_rays) {
   std::vector<std::uint8_t> bytes =
       wire::encoded(wire::ResumeHeader{static_cast<std::uint32_t>(answers.size()), max_rays});
@@ -69,7 +67,7 @@ std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std
   return bytes;
 }
 
-// False if the bytes are no trap list; no bytes at all are an empty one.
+// Returns false if the bytes are not a trap list. No bytes are an empty list.
 bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
   list = {};
   if (bytes.empty()) return true;
@@ -102,7 +100,7 @@ void BoardState::need_routine(bool lighting) const {
     const bool asks_host = material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine;
     if (!asks_host || !(lighting || material.seen_through_scattering)) continue;
     throw Rejected(fmt::format(
-        "the material of tag {} is the application's to scatter: call set_scattering_routine() first", tag));
+        "the material of tag {} is scattered by the application: call set_scattering_routine() first", tag));
   }
 }
 
@@ -110,7 +108,7 @@ void BoardState::scatter_waiting(std::span<const std::uint8_t> trap_list, const 
   TrapList list;
   if (!decode_trap_list(trap_list, list)) device.give_up("a list of trapped rays of wrong size");
   if (list.rays.empty() && list.waiting == 0) return;
-  if (!scattering_routine) device.give_up("the board has rays for the application, which did not ask for them");
+  if (!scattering_routine) device.give_up("the board sent trapped rays, but no scattering routine is set");
   const wire::Spacing spacing = spacing_words(volume->relative_spacing);
   const std::uint16_t minor = device.agreed().minor;
   const std::size_t ledger_bytes = take_ledger ? wire::lighting_ledger_bytes(minor) : 0;

@@ -1,4 +1,4 @@
-// Pixels, and a picture whose rows several boards make.
+// Decodes pixels; joins a picture from the rows of several boards.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace gicube {
 
-// Also the byte between its members, so that equal pictures are equal as bytes.
+// Also sets the padding byte of `out`, so that equal pictures have equal bytes.
 inline void take_pixel(const wire::Pixel& pixel, Pixel& out) {
   std::memset(static_cast<void*>(&out), 0, sizeof out);
   out.red = pixel.red;
@@ -23,18 +23,19 @@ inline void take_pixel(const wire::Pixel& pixel, Pixel& out) {
   out.alpha = pixel.alpha;
 }
 
-// Rows that are dealt in turn, so that no board has only what is costly. By a tent rays beside a strip have a part in
-// it, and are made for both strips: higher ones have fewer of them. Boards that send themselves the blocks that their
-// rays need get one strip each, which needs fewest. Measured: docs/guide/boards.md.
+// Height of the strips of rows that boards make in turn, so that each gets expensive and cheap rows. With the tent
+// filter, rays at a strip's edge are made for both neighbours: higher strips have fewer of them. `one_each`: one strip
+// per board, for volumes in bricks, because each board must be sent all blocks that its rays need. Measured:
+// docs/guide/boards.md.
 inline std::uint16_t strip_rows(const View& view, std::size_t boards, bool one_each) {
   const int of_each = (view.height + static_cast<int>(boards) - 1) / static_cast<int>(boards);
   if (one_each) return static_cast<std::uint16_t>(of_each);
-  constexpr int kHighest = 8, kStrips = 4;  // chosen: at most an eighth more rays; four strips a board are even enough
+  constexpr int kHighest = 8, kStrips = 4;  // chosen: at most an eighth more rays; four strips per board balance well
   const bool twice = view.filter == PixelFilter::kTent && view.samples_per_axis > 1;
   return static_cast<std::uint16_t>(twice ? std::clamp(of_each / kStrips, 1, kHighest) : 1);
 }
 
-// The whole picture, of what each board has made, one below the other.
+// Joins the picture from the rows that each board has made.
 inline Image join_rows(int width, int height, std::uint16_t strip_rows, std::span<const Image> parts) {
   Image image{width, height, {}};
   image.pixels.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -11,15 +11,13 @@
 #include <utility>
 
 #include "encode/argument.h"
+#include "encode/vectors.h"
+#include "encode/volume/samples.h"
 #include "gicube/parallel_for.h"
 
 namespace gicube {
 namespace {
 
-std::size_t voxels_of(const ProjectorSetup& setup) {
-  return static_cast<std::size_t>(setup.dims[0]) * static_cast<std::size_t>(setup.dims[1]) *
-         static_cast<std::size_t>(setup.dims[2]);
-}
 std::size_t pixels_of(const ProjectorSetup& setup) {
   return static_cast<std::size_t>(setup.columns) * static_cast<std::size_t>(setup.rows);
 }
@@ -28,21 +26,17 @@ Vec3 half_of(const ProjectorSetup& setup) {
   const auto half = [](int dim) { return (dim - 1) / 2.0; };
   return {half(setup.dims[0]), half(setup.dims[1]), half(setup.dims[2])};
 }
-Vec3 to_voxels(const ProjectorSetup& setup, Vec3 place) {
-  const Vec3 edge = setup.spacing;
-  return Vec3{place.x / edge.x, place.y / edge.y, place.z / edge.z} + half_of(setup);
-}
+Vec3 to_voxels(const ProjectorSetup& setup, Vec3 place) { return over(place, setup.spacing) + half_of(setup); }
 
-// Distance of a point from the box of voxel centres, 0 inside.
+// Distance of a point from the box of voxel centres; 0 inside.
 double distance_to_box(const ProjectorSetup& setup, Vec3 place) {
-  const Vec3 half = half_of(setup), edge = setup.spacing;
-  const auto beyond = [](double x, double most) { return std::max(0.0, std::abs(x) - most); };
-  return length(
-      Vec3{beyond(place.x, half.x * edge.x), beyond(place.y, half.y * edge.y), beyond(place.z, half.z * edge.z)});
+  const Vec3 most = times(half_of(setup), setup.spacing);
+  const auto beyond = [](double x, double limit) { return std::max(0.0, std::abs(x) - limit); };
+  return length(Vec3{beyond(place.x, most.x), beyond(place.y, most.y), beyond(place.z, most.z)});
 }
 
 void check(const ProjectorSetup& setup) {
-  constexpr double kMost = 65536;  // chosen: of pixels along an edge
+  constexpr double kMost = 65536;  // chosen: pixels along an edge
   for (const int dim : setup.dims) expect(dim >= 2, "dims", "at least 2", dim);
   for (const double edge : {setup.spacing.x, setup.spacing.y, setup.spacing.z}) {
     expect(std::isfinite(edge) && edge > 0, "spacing", "finite numbers above 0", edge);
@@ -61,14 +55,15 @@ void check(const ProjectorSetup& setup) {
     const Vec3 normal = cross(view.u, view.v);
     expect(length(normal) > 1e-6 * length(view.u) * length(view.v), name("v"), "a direction that is not along u",
            fmt::format("({}, {}, {})", view.v.x, view.v.y, view.v.z));
-    expect(distance_to_box(setup, view.source) > 0, name("source"), "a place outside of the volume",
+    expect(distance_to_box(setup, view.source) > 0, name("source"), "a position outside of the volume",
            fmt::format("({}, {}, {})", view.source.x, view.source.y, view.source.z));
-    expect(std::abs(dot(view.centre - view.source, normal)) > 0, name("centre"), "a plane without the source",
+    expect(std::abs(dot(view.centre - view.source, normal)) > 0, name("centre"),
+           "a plane that does not contain the source",
            fmt::format("({}, {}, {})", view.centre.x, view.centre.y, view.centre.z));
   }
 }
 
-// Projector::rays(), in place of whatever `out` had.
+// Projector::rays() into `out`.
 void find_rays(const ProjectorSetup& setup, std::size_t view, std::span<HostRay> out) {
   const ViewPose& at = setup.views[view];
   const Vec3 from = to_voxels(setup, at.source);
@@ -112,7 +107,7 @@ void Projector::load(std::span<const float> volume) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  if (low == high) high = low + 1;  // nothing anywhere
+  if (low == high) high = low + 1;  // an empty volume
   board_.load_volume({.samples = std::as_bytes(volume),
                       .type = SampleType::kFloat32,
                       .dims = setup_.dims,
@@ -123,7 +118,7 @@ void Projector::load(std::span<const float> volume) {
 }
 
 void Projector::load_nothing() {
-  const std::vector<std::byte> nothing(voxels_of(setup_));
+  const std::vector<std::byte> nothing(voxel_count(setup_.dims));
   board_.load_volume({.samples = nothing, .dims = setup_.dims, .spacing = setup_.spacing, .find_gradients = false});
   loaded_ = true;
 }
@@ -137,8 +132,7 @@ std::vector<HostRay> Projector::rays(std::size_t view) const {
 
 double Projector::length_of(const HostRay& ray) const {
   if (ray.length <= 0) return 0;
-  const Vec3 along = ray.direction, edge = setup_.spacing;
-  return ray.length * length(Vec3{along.x * edge.x, along.y * edge.y, along.z * edge.z}) / length(along);
+  return ray.length * length(times(ray.direction, setup_.spacing)) / length(ray.direction);
 }
 
 double Projector::max_of_a_voxel(std::size_t view) const {
@@ -146,21 +140,22 @@ double Projector::max_of_a_voxel(std::size_t view) const {
   const ViewPose& at = setup_.views[view];
   const Vec3 edge = setup_.spacing, normal = cross(at.u, at.v);
   const double longest = std::max({edge.x, edge.y, edge.z}), area = length(normal);
-  // Rays lie closest together where the volume is nearest to the source.
+  // Rays are densest where the volume is nearest to the source.
   const double to_detector = std::abs(dot(at.centre - at.source, normal)) / area;
   const double nearest = distance_to_box(setup_, at.source) / to_detector;
   return longest * std::max(1.0, longest * longest / (area * nearest * nearest));
 }
 
 void Projector::project(std::span<const float> volume, Views views, const TakeView& take) {
-  expect(volume.size() == voxels_of(setup_), "volume", fmt::format("{} values", voxels_of(setup_)), volume.size());
+  expect(volume.size() == voxel_count(setup_.dims), "volume", fmt::format("{} values", voxel_count(setup_.dims)),
+         volume.size());
   check_finite("volume", volume);
   const std::vector<std::size_t> order = checked(views);
   load(volume);
   struct Batch {
     Ticket ticket;
-    std::vector<HostRay> rays;        // that meet the volume
-    std::vector<std::size_t> pixels;  // theirs
+    std::vector<HostRay> rays;        // those that meet the volume
+    std::vector<std::size_t> pixels;  // of these rays
   };
   const auto begin = [&](std::size_t view) {
     Batch batch;
@@ -203,8 +198,8 @@ std::vector<float> Projector::backproject(Views views, double max, const ViewVal
   expect(std::isfinite(max) && max >= 0, "max", "a finite number from 0 on", max);
   const std::vector<std::size_t> order = checked(views);
   if (!loaded_) load_nothing();
-  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is
-  // 2^15 - 1 units, so that thousands of rays fit one command [chosen].
+  // The unit is so large that a voxel with the largest value on all rays through it reaches half of a sum's range, and
+  // a step deposits at most 2^15 - 1 units, so that thousands of rays fit one command [chosen].
   constexpr double kMaxUnits = (1 << 15) - 1, kMaxSum = 8.0 * (1 << 30);
   const Vec3 edge = setup_.spacing;
   const double of_a_step = std::max({edge.x, edge.y, edge.z}) * setup_.step / kMaxUnits;
@@ -212,7 +207,7 @@ std::vector<float> Projector::backproject(Views views, double max, const ViewVal
   for (const std::size_t view : order) of_all += max_of_a_voxel(view) / kMaxSum;
   board_.clear_sums(std::max(max, 1e-30) * std::max(of_a_step, of_all));
 
-  constexpr std::size_t kUnderWay = 2;  // chosen: the board works at one view while the host makes the next
+  constexpr std::size_t kUnderWay = 2;  // chosen: the board traces one view while the host makes the next
   std::deque<Ticket> under_way;
   const auto receive_down_to = [&](std::size_t left) {
     for (; under_way.size() > left; under_way.pop_front()) {
@@ -226,7 +221,7 @@ std::vector<float> Projector::backproject(Views views, double max, const ViewVal
     const std::vector<double> of_rays = values(i);
     expect(of_rays.size() == of_view.size(), "values", fmt::format("{} of a view", of_view.size()), of_rays.size());
     find_rays(setup_, order[i], of_view);
-    std::size_t count = 0;  // rays that leave something
+    std::size_t count = 0;  // rays that deposit something
     for (std::size_t k = 0; k < of_view.size(); ++k) {
       of_view[k].energy = of_rays[k];
       if (of_view[k].length > 0 && of_rays[k] != 0) of_view[count++] = of_view[k];

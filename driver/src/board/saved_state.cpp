@@ -1,4 +1,4 @@
-// Board::save() and restore(): what this driver remembers of its board travels as a part of the board's own checkpoint.
+// Board::save() and restore(). The driver's state is a part of the board's checkpoint.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -18,7 +18,7 @@ constexpr std::uint32_t kVersion = 1;  // of the list of fields below
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Once for both directions, and for what it is tried on. `kept`: as Remembered::state().
+// Saves, restores, or tries to restore. `kept`: as Remembered::state().
 void state_of_all(Archive& archive, Device::Remembered& device, Tables& tables, Batches& batches, Remembered& rest,
                   bool kept) {
   std::uint32_t version = kVersion;
@@ -127,7 +127,7 @@ void BoardState::save(const std::function<void(Bytes)>& sink) {
   device.begin_checkpoint();
   FieldWriter writer;
   Device::Remembered remembered = device.remembered();
-  remembered.last_id = last_id;  // as if nobody had asked
+  remembered.last_id = last_id;  // as before this call
   state_of_all(writer, remembered, tables, batches, *this, keep_volume);
   device.take_checkpoint(writer.take(), sink);
   device.set_last_id(last_id);
@@ -150,7 +150,7 @@ void BoardState::remember(Bytes part, const wire::WentOn& now) {
 
 namespace {
 
-// All that remember() does, on what is thrown away. Throws CheckpointFault.
+// Does what remember() does, on temporary objects. Throws CheckpointFault.
 void try_to_remember(Bytes part, Device& device, bool kept) {
   FieldReader reader(part);
   Device::Remembered remembered;
@@ -179,7 +179,7 @@ void BoardState::go_on() {
     const wire::WentOn now = device.go_on({});
     const std::vector<std::uint8_t> part = device.read_driver_part(now.driver_bytes);
     if (part.empty()) {
-      throw CheckpointFault("host.driver", "what a driver remembers of its board (Board::save())", "none");
+      throw CheckpointFault("host.driver", "the state of a driver (Board::save())", "none");
     }
     try_to_remember(part, device, keep_volume);
     remember(part, now);

@@ -30,17 +30,17 @@
 
 namespace gicube {
 
-// The driver's facts about a loaded volume: enough to compute the empty flags again.
+// What the driver keeps of a loaded volume, for instance to compute the empty flags again.
 struct LoadedVolume {
   Dims dims{};
   Dims blocks{};
   ValueRange range;
   Vec3 relative_spacing;
-  double min_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
+  double min_spacing = 1;  // smallest edge of VolumeView::spacing
   bool coloured = false;   // its voxels have colours
-  bool gradients = true;   // false: the application wanted none (VolumeView::find_gradients)
+  bool gradients = true;   // false: there are none (VolumeView::find_gradients)
   std::vector<BlockStatistics> statistics;
-  std::vector<std::uint8_t> flags;  // in force, one a block
+  std::vector<std::uint8_t> flags;  // in force, one per block
 };
 
 // A Board's state apart from its device, its tables and its batches.
@@ -48,15 +48,15 @@ struct Remembered {
   BoardInfo info;
   Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
-  std::unique_ptr<Bricks> bricks;                                  // its voxels, if the card does not store it whole
+  std::unique_ptr<Bricks> bricks;  // the blocks, if the card does not store the volume whole
   std::map<std::uint32_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
-  bool blocks_are_kept = false;                                    // of the volume: all that are not zero
-  bool batches_wait = false;                                       // for a volume on a new board, to be sent again
+  bool blocks_are_kept = false;                                    // kept_blocks has all that are not zero
+  bool batches_wait = false;                                       // until a volume is loaded on a new board
   std::vector<std::uint32_t> block_sums;                           // CRC-32C of each block's words as they were written
   std::vector<std::uint32_t> colour_sums;                          // of its colours; 0: none. Of a coloured volume
   double irradiance_unit = 0;                                      // power of one unit; 0 before the first illuminate()
   double sum_unit = 0;                                             // of the sums; 0 before the first clear_sums()
-  double bright_flux = 0;                                          // power a voxel that full brightness is chosen for
+  double bright_flux = 0;                                          // of the automatic exposure
   View sampling;                                                   // the last view rendered
   std::pair<int, int> framebuffer_size{};                          // pixels; 0 before the first rendering
 
@@ -82,7 +82,7 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
         batches(device, options) {}
   ~BoardState() { end(); }
 
-  // Ends the session. All calls that wait throw DeviceLost.
+  // Ends the session. All waiting calls throw DeviceLost.
   void end() {
     device.close();
     started.end();
@@ -93,26 +93,26 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
     if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
   }
   bool is_in_callback() const { return in_callback.load() == std::this_thread::get_id(); }
-  // Not from a callback of a call that runs.
+  // Waits for a turn. Throws Error in a callback of a running call.
   Turns::Turn lock() {
     if (is_in_callback()) throw Error("a callback may ask its Board for now() and info() only");
     if (started.is_here()) return {};
     return turns.take();
   }
-  // Every public call but now(), info() and reopen() is one transaction. Throws DeviceLost.
+  // Begins a public call: all but now(), info() and reopen() are one transaction. Throws DeviceLost.
   Turns::Turn begin() {
     auto held = lock();
     device.check();
     return held;
   }
-  // Has `work(progress)`, a call of this Board, made on another thread, in its place in the order of calls.
+  // Executes `work(progress)`, a call of this Board, on another thread, in its place in the order of calls.
   template <class T>
   Pending<T> start(std::function<T(const Progress&)> work) {
     if (is_in_callback()) throw Error("a callback may ask its Board for now() and info() only");
     return Pending<T>(started.start<T>(turns, std::move(work), [this] { return device.clock().now(); }));
   }
   Pending<RayBatch> handle_of(Ticket ticket);
-  // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
+  // Marks a callback of the application: while it exists, this Board refuses calls of its thread.
   class InCallback {
    public:
     explicit InCallback(BoardState& state) : who_(state.in_callback) { who_ = std::this_thread::get_id(); }
@@ -123,7 +123,7 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
    private:
     std::atomic<std::thread::id>& who_;
   };
-  // The caller's callback, during which this Board takes no calls from it; empty if `progress` is.
+  // The caller's callback, marked by InCallback; empty if `progress` is.
   Progress watched(const Progress& progress) {
     if (!progress) return {};
     return [this, &progress](std::uint32_t done, std::uint32_t all) {
@@ -131,36 +131,35 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
       progress(done, all);
     };
   }
-  // Throws Rejected if there is no volume; `what` needs one.
+  // The loaded volume. Throws Rejected that names `what` if there is none.
   LoadedVolume& loaded(const char* what) {
     if (!volume) throw Rejected(std::string(what) + " needs a volume: call load_volume() first");
     return *volume;
   }
 
-  // The loaded volume, for operations on whole volumes only; throws Unsupported if the card does not store the volume
-  // whole.
+  // The loaded volume. Throws Unsupported if the card does not store it whole.
   LoadedVolume& whole(const char* what);
-  std::size_t capacity_blocks() const {  // that the card stores
+  std::size_t capacity_blocks() const {  // how many the card stores
     const auto edge = static_cast<std::size_t>(info.max_volume_voxels / info.block_voxels);
     return edge * edge * edge;
   }
-  // Throws Unsupported if the card does not store the volume whole and a material that rays meet is the application's
-  // to scatter. For light on a board of three irradiance words: all of the volume on the card, and none of the
-  // application's routines.
+  // Throw Unsupported: need_no_routine_in_bricks() if the card does not store the volume whole and the application
+  // scatters a material that rays meet; need_colours_on_card(), for boards with three irradiance words, if the card
+  // does not store the volume whole or the application scatters any material.
   void need_colours_on_card(const char* what);
   void need_no_routine_in_bricks(const char* what, bool lighting);
 
-  // How rays of a command go on that wait for blocks.
+  // How the rays of a command that wait for blocks are continued.
   struct BrickRun {
     BrickNeeds needs{};
-    // Which blocks are sent, most important first; none: by the rays that wait for them.
+    // Orders the blocks to send, most important first. Empty: Bricks::by_importance().
     std::function<std::vector<std::size_t>(std::span<const wire::WaitingBlock>)> order{};
-    // If the rays leave energy: each completion begins with a ledger.
+    // For rays that deposit: takes the ledger with which each completion begins. Empty: there is none.
     std::function<void(const wire::LightingLedger&)> take_ledger{};
     Picoseconds deadline = kNoDeadline;
-    wire::GiveRaysHeader of{};  // of which commands they are; for a job of several ranks
+    wire::GiveRaysHeader of{};  // the command of these rays, for other ranks
   };
-  // Until none waits; `payload`: of the completion of the command that made them.
+  // Continues rays until none waits. `payload`: of the completion of the command that made them.
   void run_in_bricks(std::span<const std::uint8_t> payload, const BrickRun& run) {
     run_waiting(take_waiting(payload, run), run);
   }
@@ -170,22 +169,21 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   void give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run);
   std::vector<wire::WaitingBlock> take_waiting(std::span<const std::uint8_t> payload, const BrickRun& run);
   void deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger);
-  // trace_in_bricks() returns the results that trace commands would give if the card stored the whole volume.
+  // Execute trace commands. They return the results that the commands would give if the card stored the whole volume.
   static constexpr std::size_t kMaxTracedAtOnce =
-      wire::kMaxHostRays / 4;  // chosen: 128 MB of packets, all of which may wait
+      wire::kMaxHostRays / 4;  // chosen: 128 MB of packets, which may all wait
   std::vector<CommandResult> trace_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
   std::vector<CommandResult> deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run);
-  CommandResult finish(std::uint32_t ticket);  // throws what the result's error stands for
-  // Whether parts are left on this rank, or on any rank.
+  // Whether parts are left on any rank. Collective.
   bool any_left(std::size_t parts) { return shared ? shared->exchange().sum(parts) > 0 : parts > 0; }
   void trace_group(std::span<const EncodedRays> parts, const BrickRun& run, std::vector<CommandResult>& results);
-  // For a job of several ranks (forward_rays.cpp), collective. forward(): sends away the rays that wait for `others`,
-  // and lists those that then wait; false: no rank has sent one.
+  // For a job of several ranks (forward_rays.cpp), collective. Sends the rays that wait for the blocks `others` to
+  // their ranks, and lists in `waiting` those that then wait here. False: no rank has sent a ray.
   bool forward(std::span<const wire::WaitingBlock> others, std::vector<wire::WaitingBlock>& waiting,
                const BrickRun& run);
   std::vector<wire::WaitingBlock> give_rays(std::vector<std::uint8_t> rays, std::vector<std::uint8_t> ended,
                                             const wire::GiveRaysHeader& of);
-  // The bytes of each rank, by rank. Their hosts continue at the time of the last.
+  // The bytes of each rank, by rank. All simulated hosts continue at the latest of their times.
   std::vector<std::vector<std::uint8_t>> gather(std::vector<std::uint8_t> own);
   void begin_shared_light();
   void end_shared_light(wire::LightingLedger& ledger);
@@ -193,22 +191,19 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   void share_anew();
   // Throws Unsupported if the board shares its volume's blocks with others.
   void need_all_blocks(const char* what) const;
-  // Bytes of a region, in pieces of whole records.
-  std::vector<std::uint8_t> read_pieces(const wire::MemoryRegion& region, std::uint64_t from, std::uint64_t bytes,
-                                        std::size_t record);
-  // Board::render_to_framebuffer() of a part of the picture (wire::RenderCommand). Of a part without rows the view is
-  // remembered.
+  // The part of a picture that render() makes (wire::RenderCommand). For a part without rows it only remembers the
+  // view.
   struct PicturePart {
     std::uint16_t strip_rows = 0;
     std::uint8_t part = 0, parts = 0;
   };
-  // `tables_there`: called when its tables are on the board; the simulated host waits for them then.
+  // `tables_there`: called once the view's tables are on the board, for which the simulated host then waits.
   void render(const View& view, const PicturePart& part, const Progress& progress,
               const std::function<void()>& tables_there = {});
-  Image read_picture();                        // as many rows as were made
-  void read_picture(std::span<Pixel> pixels);  // of so many
+  Image read_picture();                        // the rows that this board has made
+  void read_picture(std::span<Pixel> pixels);  // the same, into `pixels`
   Image gather_picture();
-  // A run in which a picture's rays go straight on from the eye, front to back, or are scattered.
+  // levels_of(): the level of detail of each block; empty: all in full. picture_run(): the run of a picture's rays.
   std::vector<std::uint8_t> levels_of(const View& view) const;
   BrickRun picture_run(const View& view, const wire::RenderCommand& camera, Picoseconds deadline);
 
@@ -216,13 +211,13 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
     const auto word = [](double edge) { return static_cast<std::uint32_t>(std::lround(edge * wire::kSpacingOne)); };
     return {word(relative.x), word(relative.y), word(relative.z)};
   }
-  // The board is a new one: brings it to where the lost one was, as far as the driver knows.
+  // For a new board: restores the state of the lost one as far as the driver knows it.
   void restore();
-  // Hands the checkpoint out (saved_state.cpp).
+  // Passes a checkpoint to `sink` in pieces (saved_state.cpp).
   void save(const std::function<void(std::span<const std::uint8_t>)>& sink);
-  // The board goes on from a checkpoint. Throws BadArgument, Rejected: nothing has changed.
+  // Continues from a checkpoint. Throws BadArgument, Rejected: nothing has changed.
   void go_on(std::span<const std::uint8_t> checkpoint);
-  // A board that was just opened goes on from what its process began with. Throws OpenFailed.
+  // After opening: continues from the checkpoint of the board's process. Throws OpenFailed.
   void go_on();
   void remember(std::span<const std::uint8_t> part, const wire::WentOn& now);
   int max_edge() const;  // of a volume, voxels
@@ -234,7 +229,7 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   BlockStore keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress);
   void begin_volume(const LoadedVolume& volume);
   void begin_blocks(const LoadedVolume& of);
-  // `packed`: as VoxelBlocks::pack() makes it; or words alone, and the colours stay.
+  // `packed`: as VoxelBlocks::pack() makes it, or without colours: then the block's colours do not change.
   void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
     const std::size_t n = static_cast<std::size_t>(info.block_voxels), words = bytes_of_words(n);
     if (keep_volume) {
@@ -246,27 +241,27 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
     if (packed.size() > words) colour_sums[block] = wire::crc32c(packed.subspan(words));
     write_packed_block(device, block, n, packed);
   }
-  // Boxes of words in the application's units (board_regions.cpp).
+  // Read boxes of words in the application's units (board_regions.cpp).
   void read_volume(const VoxelBox& box, std::span<float> values);
   void read_irradiance(const VoxelBox& box, std::span<float> values);
   void read_sums(const VoxelBox& box, std::span<float> values);
   std::vector<float> irradiance_of(const VoxelBox& box);
   std::vector<float> values_of(const VoxelBox& box, const char* what, std::size_t of_voxel,
                                void (BoardState::*read)(const VoxelBox&, std::span<float>));
-  // Has the board clear words of `bits` of CONTROL; their unit is `unit` from now on.
+  // Clears the words that `bits` of CONTROL select, and sets their unit.
   void clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit);
   void check_fence();
   void find_flags(LoadedVolume& of) {
     of.flags = find_empty_blocks(of.statistics, tables.segmentation());
     tables.send_flags(of.flags);
   }
-  // The likely reason if a picture shows nothing.
+  // The likely reason why a picture shows nothing.
   std::string why_invisible() const;
   // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step`
   // voxels.
   void check_drift(const char* field, double step) const;
   void set_sampling(const View& view);
-  // `numbers`: by which errors name each span's first ray; empty: those of one list of all rays.
+  // `numbers`: index of each span's first ray, for error messages; empty: the spans are consecutive.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
                 std::span<const std::size_t> numbers = {});
   void send_batches_again() {
@@ -275,7 +270,7 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
       if (view.shade) tables.send_reflectance(towards_eye);
     });
   }
-  // Factors of pairs as they are given, near or not; the volume is loaded and everything is checked.
+  // Factors of pairs without dividing near ones. The volume is loaded and everything is checked.
   std::vector<PairFactor> factors_by_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                           const PairRequest& request, const Progress& progress);
   // The deadline of a call that begins now.
@@ -285,9 +280,10 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   }
   void set_lighting(const Illumination& settings);
   void prepare_light(const Light& light);
-  // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
+  // Throws Rejected if a material that the rays can meet needs the application's routine and none is set.
   void need_routine(bool lighting) const;
-  // Answers rays that wait on the board after a command with that result, until none does. Ledgers go to `take_ledger`.
+  // Answers trapped rays, from the list in a command's result on, until none waits on the board. `take_ledger` gets the
+  // ledgers, if the rays deposit.
   using TakeLedger = std::function<void(const wire::LightingLedger&)>;
   void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
   double exposure_of(const View& view) const;
@@ -296,22 +292,22 @@ struct GICUBE_HIDDEN BoardState : Remembered, std::enable_shared_from_this<Board
   const bool keep_volume;
   const std::size_t max_waiting_rays;  // on the card, and as many with the host
   RayQueue ray_queue;
-  const unsigned threads;  // for the driver's own work, 0 = one a core
+  const unsigned threads;  // for the driver's own work; 0: one per core
   Turns turns;             // of the calls
   StartedCalls started;
   std::atomic<std::thread::id> in_callback{};
   Device device;
   Tables tables;
   Batches batches;
-  double detail = 0;                       // set_brick_detail()
-  std::vector<std::uint8_t> block_levels;  // of the picture in work; empty: all blocks as they are
-  std::unique_ptr<SharedBlocks> shared;    // after share_blocks()
-  bool may_have_ended = false;             // the board may have rays of others that have come to their ends
-  std::uint64_t samples_before = 0;        // of share_anew()
-  ScatteringRoutine scattering_routine;    // the application's; empty: none
-  Picoseconds time_per_scattering = 0;     // of the host
-  bool restoring = false;                  // restore() has begun and not ended
-  std::map<std::uint32_t, std::uint32_t> registers_before;  // it
+  double detail = 0;                                        // set_brick_detail()
+  std::vector<std::uint8_t> block_levels;                   // of the current picture; empty: full blocks
+  std::unique_ptr<SharedBlocks> shared;                     // after share_blocks()
+  bool may_have_ended = false;                              // the board may have ended rays of other ranks
+  std::uint64_t samples_before = 0;                         // counter at the last share_anew()
+  ScatteringRoutine scattering_routine;                     // the application's; empty: none
+  Picoseconds time_per_scattering = 0;                      // of the host
+  bool restoring = false;                                   // restore() has begun and not ended
+  std::map<std::uint32_t, std::uint32_t> registers_before;  // of the lost board
 };
 
 }  // namespace gicube

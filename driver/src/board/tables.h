@@ -1,4 +1,4 @@
-// The board's look-up tables: what they should hold, what they were last sent, and how the two are brought together.
+// The board's look-up tables: their wanted contents, the contents last sent, and the sending of differences.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ namespace gicube {
 // that falls on it.
 enum class SampleLight { kMap, kAbsorbed, kIncident };
 
-// For arguments that passed their checks. Only what has changed is sent.
+// Arguments must have passed their checks. Only changes are sent.
 class Tables {
  public:
   explicit Tables(Device& device) : device_(device) {}
@@ -35,7 +35,7 @@ class Tables {
     codebook_ = std::move(codebook);
     gradients_sent_ = false;
   }
-  // The codebook in force; the default one is made when it is first asked for.
+  // The codebook in force. The default one is made on first use.
   const GradientCodebook& codebook() {
     if (!codebook_) codebook_.emplace();
     return *codebook_;
@@ -59,21 +59,22 @@ class Tables {
   }
   void set_material(const Material& material, int tag);
   const std::array<Material, wire::kTags>& materials() const { return materials_; }
-  // By irradiance entries hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
+  // With irradiance, entries hold gains instead of shading coefficients, and the reflectance map holds highlights only
+  // (lut.h).
   void set_light(SampleLight light) { light_ = light; }
 
-  // The segmentation LUT depends on the map from values to densities, and so on the volume.
+  // The segmentation LUT depends on the volume by its map from values to densities.
   void send_segmentation(ValueRange range);
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_; }
 
   void send_reflectance(Vec3 towards_eye);
 
-  // One value a block. After forget_flags() the board's are known to be clear.
+  // One flag per block. To be called after the board has cleared its flags: forget_flags().
   void send_flags(std::span<const std::uint8_t> flags);
   void forget_flags() { flags_.clear(); }
-  // The board is a new one: what it was sent is forgotten, and the materials are sent again.
+  // For a new board: forgets what was sent, and sends the materials again.
   void restore();
-  // All of it but the device. Throws CheckpointFault.
+  // Lists everything but the device. Throws CheckpointFault.
   void state(Archive& archive);
 
  private:

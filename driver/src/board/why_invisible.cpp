@@ -1,10 +1,11 @@
-// Why nothing can be seen in a picture, as far as the driver knows what the board holds.
+// Finds the likely reason why nothing is visible in a picture, from what the driver knows of the board.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "encode/camera.h"
+#include "encode/vectors.h"
 #include "encode/volume/block_order.h"
 #include "state.h"
 
@@ -19,7 +20,7 @@ bool can_be_seen(const Pixel& pixel) {
   return pixel.red > 0 || pixel.green > 0 || pixel.blue > 0 || pixel.alpha > kUnseenAlpha;
 }
 
-// Densities from `least` to `most`; none if it is the other way round.
+// Densities from `least` to `most`; none if least > most.
 struct Densities {
   int least = wire::kDensityMax, most = 0;
 
@@ -27,7 +28,7 @@ struct Densities {
     least = std::min(least, low);
     most = std::max(most, high);
   }
-  // In the volume's values, to the digit that a step of density changes.
+  // In the volume's values, rounded to the digit that a step of density changes.
   std::string text(ValueRange range) const {
     const double step = (range.high - range.low) / wire::kDensityMax;
     const double unit = std::pow(10, std::ceil(std::log10(step)));
@@ -37,7 +38,7 @@ struct Densities {
   }
 };
 
-// The reason if the tables hide all that the volume has, wherever it is looked at from; empty if they don't.
+// The reason if the tables make the whole volume invisible, from any direction; empty if they don't.
 std::string hidden_by_tables(const LoadedVolume& volume, const Tables& tables) {
   unsigned tags = 0;
   Densities there, shown;
@@ -72,9 +73,9 @@ std::string BoardState::why_invisible() const {
   if (has_view) {
     const wire::RenderCommand camera = viewing_command(view, volume->relative_spacing);
     const Vec3 edge = volume->relative_spacing, way = view.look_at - view.eye;
-    const Vec3 ahead{edge.x * edge.x * way.x, edge.y * edge.y * way.y, edge.z * edge.z * way.z};
+    const Vec3 ahead = times(times(edge, edge), way);
     std::vector<CutPlane> planes{
-        {ahead, dot(ahead, view.eye)}};  // what is behind an orthographic camera is in no ray's way
+        {ahead, dot(ahead, view.eye)}};  // rays of an orthographic camera miss what is behind it
     const auto sees = [&] {
       const BlockOrder order(volume->blocks, info.block_voxels, camera, planes);
       for (std::size_t i = 0; i < hidden.size(); ++i) {

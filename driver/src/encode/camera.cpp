@@ -6,21 +6,18 @@
 
 #include "encode/argument.h"
 #include "encode/lights.h"
+#include "encode/vectors.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
 
 namespace gicube {
 namespace {
 
-constexpr double kFarthest = 1e9;  // chosen: a double still tells positions 1e-6 voxel apart there
+constexpr double kFarthest = 1e9;  // chosen: a double still resolves 1e-6 voxel there
 constexpr double kMinSine = 1e-6;  // chosen: between up and the line of sight
 constexpr double kShortestStep = wire::kStepMin / double{wire::kStepOne};  // voxels
 constexpr double kLongestStep = wire::kStepMax / double{wire::kStepOne};
 constexpr double kOffsetLimit = 1 << 20;  // voxels; a signed register with 10 fraction bits holds twice that
-
-Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-Vec3 over(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
-std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
 
 void check_point(const std::string& field, Vec3 p) {
   expect_within(field + ".x", p.x, -kFarthest, kFarthest);
@@ -65,6 +62,21 @@ void check_sampling(const std::string& where, const auto& sampling) {
   expect_within(where + "lifetime", sampling.lifetime, 0, wire::kLifetimeMax);
 }
 
+// Copies the fields that View and Sampling share.
+void copy_sampling(const auto& from, auto& to) {
+  to.jitter = from.jitter;
+  to.cut_planes = from.cut_planes;
+  to.seed = from.seed;
+  to.opacity_threshold = from.opacity_threshold;
+  to.shade = from.shade;
+  to.irradiance = from.irradiance;
+  to.incident = from.incident;
+  to.exposure = from.exposure;
+  to.scatter = from.scatter;
+  to.high_albedo = from.high_albedo;
+  to.lifetime = from.lifetime;
+}
+
 // Three axes at right angles in physical space.
 struct Axes {
   Vec3 forward, right, up;
@@ -85,7 +97,7 @@ std::uint32_t to_register(double value, int fraction_bits) {
 void check(const View& view) {
   check_point("eye", view.eye);
   check_point("look_at", view.look_at);
-  expect(view.eye != view.look_at, "look_at", "a point apart from the eye", "the eye itself");
+  expect(view.eye != view.look_at, "look_at", "a point other than the eye", "the eye");
   expect_finite("up", view.up);
   const bool is_across = length(cross(unit(view.look_at - view.eye), unit(view.up))) > kMinSine;
   expect(is_across, "up", "a direction across the line of sight",
@@ -112,17 +124,8 @@ void check(const Sampling& sampling) {
 }
 
 Sampling sampling_of(const View& view) {
-  Sampling sampling{.jitter = view.jitter,
-                    .cut_planes = view.cut_planes,
-                    .seed = view.seed,
-                    .opacity_threshold = view.opacity_threshold,
-                    .shade = view.shade,
-                    .irradiance = view.irradiance,
-                    .incident = view.incident,
-                    .exposure = view.exposure,
-                    .scatter = view.scatter,
-                    .high_albedo = view.high_albedo,
-                    .lifetime = view.lifetime};
+  Sampling sampling;
+  copy_sampling(view, sampling);
   if (view.look_at != view.eye) sampling.looking = view.look_at - view.eye;
   return sampling;
 }
@@ -131,20 +134,10 @@ View view_of(const RayRequest& request) {
   const Sampling& from = request.sampling;
   View view;
   view.look_at = from.looking;
-  if (std::abs(unit(from.looking).y) > 0.9) view.up = {0, 0, 1};  // it must not lie along the line of sight
+  if (std::abs(unit(from.looking).y) > 0.9) view.up = {0, 0, 1};  // it must not be parallel to the line of sight
   view.step = request.step;
   view.leap = request.leap;
-  view.jitter = from.jitter;
-  view.cut_planes = from.cut_planes;
-  view.seed = from.seed;
-  view.opacity_threshold = from.opacity_threshold;
-  view.shade = from.shade;
-  view.irradiance = from.irradiance;
-  view.incident = from.incident;
-  view.exposure = from.exposure;
-  view.scatter = from.scatter;
-  view.high_albedo = from.high_albedo;
-  view.lifetime = from.lifetime;
+  copy_sampling(from, view);
   return view;
 }
 

@@ -1,4 +1,4 @@
-// A view as the DSP's render command and the cut-plane registers.
+// Converts a view to the DSP's render command and the cut-plane registers.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@
 
 namespace gicube {
 
-// Throws BadArgument naming the field of the view that no picture can be taken with.
+// Throws BadArgument naming a field of the view with which no picture can be made.
 void check(const View& view);
-// Throws BadArgument naming the field of a request's sampling.
+// Throws BadArgument naming a field of a request's sampling.
 void check(const Sampling& sampling);
 
-// A view from the origin whose own rays would be sampled as those of the request.
+// A view from the origin whose rays are sampled like those of the request.
 View view_of(const RayRequest& request);
 
-// The camera in voxel coordinates. Its geometry (square pixels, the angle of view, right angles) is that of physical
-// space: voxel position p is there relative_spacing * p, component by component (voxel edges over the smallest).
-// Image x grows along forward x up, y downwards. For a view that passed check().
+// The camera in voxel coordinates. Its geometry (square pixels, angle of view, right angles) holds in physical space,
+// where voxel position p is relative_spacing * p by components. Image x grows along forward x up, y downwards. For a
+// view that passed check().
 wire::RenderCommand viewing_command(const View& view, Vec3 relative_spacing);
 
 // Physical unit vector from look_at to the eye: the reflectance map's view direction for the whole image.

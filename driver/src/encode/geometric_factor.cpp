@@ -11,10 +11,9 @@
 namespace gicube {
 namespace {
 
-constexpr double kFlat =
-    1e-6;  // of its sides: corners that are no higher lie in a plane, but for the rounding to floats
+constexpr double kFlat = 1e-6;  // share of its sides: lower corners are in the plane, but for rounding to floats
 
-// Gauss and Legendre's points on 0..1.
+// Gauss-Legendre points on 0..1.
 struct Rule {
   std::size_t points;
   std::array<double, 4> at, weight;
@@ -27,15 +26,15 @@ constexpr Rule kFour{4,
 
 Vec3 normal_of(const Element& flat) { return normalise(cross(flat.u, flat.v)); }
 
-// A flat element, or what a plane leaves of it. Where there is a hole in it, or two parts, edges that run to and fro on
-// one line join them: what they add to an integral along the outline cancels.
+// The outline of a flat element, or of the part in front of a plane. A hole or two parts are joined by edges that run
+// to and fro on one line: their contributions to an integral along the outline cancel.
 using Polygon = std::vector<Vec3>;
 
-// Minimum numbers for a whole turn and for any arc; the other rule takes half as many. Chosen: a disc's factor is then
-// known to about 0.002%.
+// Chords for a whole turn, and at least for any arc; the coarse outline has half as many. Chosen: a disc's factor is
+// then known to about 0.002%.
 constexpr int kChordsOfTurn = 32, kChordsOfArc = 4;
 
-// Arcs are chords whose ends lie a little outside, so that areas are those of the arcs.
+// Arcs become chords whose ends are a little outside, so that the area is preserved.
 Polygon outline(const Element& flat, bool fine) {
   if (flat.kind == ElementKind::kTriangle) return {flat.origin, flat.origin + flat.u, flat.origin + flat.v};
   if (flat.kind == ElementKind::kPatch) {
@@ -63,7 +62,7 @@ void for_each_edge(const Polygon& corners, const Visit& visit) {
   for (std::size_t i = 0; i < corners.size(); ++i) visit(corners[i], corners[(i + 1) % corners.size()]);
 }
 
-// The part of a flat element that is in front of another one; without corners if it is not.
+// The part of a flat element that is in front of another one; empty if there is none.
 Polygon seen_by(const Element& other, const Element& flat, bool fine) {
   const Polygon all = outline(flat, fine);
   const Vec3 normal = normal_of(other);
@@ -80,7 +79,7 @@ Polygon seen_by(const Element& other, const Element& flat, bool fine) {
   return out;
 }
 
-// Integral of ln r along the edge from `from` to `to`, r from the point.
+// Integral of ln r along the edge from `from` to `to`, r the distance from the point.
 double log_along(Vec3 point, Vec3 from, Vec3 to) {
   const Vec3 along = normalise(to - from), a = from - point;
   const double begin = dot(a, along), end = dot(to - point, along);
@@ -92,7 +91,7 @@ double log_along(Vec3 point, Vec3 from, Vec3 to) {
   return until(end) - until(begin);
 }
 
-// Integral of cos cos / r^2 over both, which lie in front of each other, from their outlines alone (Sparrow 1963).
+// Integral of cos cos / r^2 over two elements in front of each other, from their outlines (Sparrow 1963).
 double between(const Polygon& a, const Polygon& b, const Rule& rule) {
   double sum = 0;
   for_each_edge(a, [&](Vec3 a_from, Vec3 a_to) {
@@ -107,7 +106,7 @@ double between(const Polygon& a, const Polygon& b, const Rule& rule) {
   return 0.5 * std::abs(sum);
 }
 
-// Solid angle of a triangle, signed by its turn (Van Oosterom and Strackee 1983).
+// Solid angle of a triangle seen from the origin, signed by its orientation (Van Oosterom and Strackee 1983).
 double solid_angle(Vec3 a, Vec3 b, Vec3 c) {
   const double la = length(a), lb = length(b), lc = length(c);
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
@@ -148,13 +147,14 @@ Faces faces_of(const Element& box) {
   return faces;
 }
 
-// Integral of 1 / r^2 over the triangle of an edge and the foot of a point that is `height` above its plane; negative
-// if the foot is beyond the edge. By the angle at the foot, so that one dimension is left.
+// Integral of 1 / r^2, r from a point `height` above the plane, over the triangle of an edge and the point's foot;
+// negative if the foot is beyond the edge. In polar coordinates about the foot, so one dimension is left to integrate
+// numerically.
 double under_edge(Vec3 a, Vec3 b, Vec3 edge, Vec3 normal, double height) {
-  const double distance = dot(cross(a, edge), normal);  // of the edge's line from the foot
+  const double distance = dot(cross(a, edge), normal);  // of the foot from the edge's line
   if (distance == 0) return 0;
   const double d = std::abs(distance), first = std::atan2(dot(a, edge), d), last = std::atan2(dot(b, edge), d);
-  // Steep where the edge goes away from the foot, at right angles to it.
+  // The integrand is steep near a right angle: points are concentrated there.
   const auto half = [&](double end) {
     double sum = 0;
     for (std::size_t i = 0; i < kFour.points; ++i) {
@@ -166,7 +166,8 @@ double under_edge(Vec3 a, Vec3 b, Vec3 edge, Vec3 normal, double height) {
   return std::copysign(0.5 * (half(last) - half(first)), distance);
 }
 
-// Integral of 1 / r^2 over the box: that of h / r^2 over its faces, h the way from the point to each (Gauss's theorem).
+// Integral of 1 / r^2 over the box, by Gauss's theorem: that of h / r^2 over its faces, h the distance of the point
+// from each.
 double inverse_square(Vec3 point, const Faces& faces) {
   double sum = 0;
   for (const Face& face : faces) {
@@ -212,7 +213,7 @@ GeometricFactor geometric_factor(const Element& a, const Element& b, bool near) 
   if (measures == 0) return {};
   const auto of = [&](double coarse, double fine) {
     const double scale = 1 / (std::numbers::pi * measures);
-    // Floats, since a machine's logarithms may differ in their last bits.
+    // Rounded to floats, because logarithms differ in their last bits between machines.
     return GeometricFactor{static_cast<float>(scale * fine), static_cast<float>(scale * std::abs(fine - coarse))};
   };
   const bool flat_a = a.kind != ElementKind::kBox, flat_b = b.kind != ElementKind::kBox;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "encode/argument.h"
+#include "encode/vectors.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
 
@@ -18,8 +19,6 @@ constexpr double kLengthOne = 65536;
 constexpr double kMaxLength = wire::kMaxLength / kLengthOne;
 constexpr int kEnergyFractionBits = 12;
 
-std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
-
 bool is_segment(RayType type) { return wire::is_segment(static_cast<wire::RayType>(type)); }
 bool has_threshold(RayType type) { return wire::has_threshold(static_cast<wire::RayType>(type)); }
 
@@ -27,14 +26,14 @@ bool leaves_sums(const RaySetup& setup) {
   return setup.request.type == RayType::kBackproject && setup.request.words == SumWords::kSums;
 }
 
-// The largest energy for the bits of a ray [P §4.2].
+// The largest energy that a ray's bits can hold [P §4.2].
 double max_energy(const RaySetup& setup) {
   const int bits = setup.wide ? 24 : setup.request.albedo == Albedo::kHigh ? 4 : 8;
   return std::ldexp(1, bits) - 1;
 }
 
 void check_position(Vec3 at, const char* what, std::size_t index, const char* field, Dims dims) {
-  const std::array<double, 3> position = components(at);
+  const std::array<double, 3> position = to_array(at);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto name = [&] { return fmt::format("{}[{}].{}.{}", what, index, field, kAxisNames[axis]); };
     expect_within(name, position[axis], 0, dims[axis] - 1);
@@ -42,7 +41,7 @@ void check_position(Vec3 at, const char* what, std::size_t index, const char* fi
 }
 
 void check_direction(const HostRay& ray, std::size_t index) {
-  const std::array<double, 3> direction = components(ray.direction);
+  const std::array<double, 3> direction = to_array(ray.direction);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     expect_finite([&] { return fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]); }, direction[axis]);
   }
@@ -57,22 +56,22 @@ std::uint64_t colour_word(const HostRay& ray, const RaySetup& setup) {
   return static_cast<std::uint64_t>(std::llround(std::ldexp(ray.energy / setup.energy_unit, kEnergyFractionBits)));
 }
 
-// The usual length needs no care for squares that over- or underflow.
+// unit(), faster for usual lengths, whose squares neither over- nor underflow.
 Vec3 direction_of(Vec3 v) {
   const double square = dot(v, v);
   if (!(square > 1e-100 && square < 1e100)) return unit(v);
   return (1 / std::sqrt(square)) * v;
 }
 
-// Physical length of a step; 0 of a ray of no length. `along`: its direction_of().
+// Physical length of a step; 0 for a ray of length 0. `along`: its direction_of().
 double length_of_a_step(const HostRay& ray, Vec3 along, const RaySetup& setup) {
   const std::uint32_t steps = wire::steps_of(static_cast<std::uint32_t>(length_word(ray)), step_word(setup.sampling));
   if (steps == 0) return 0;
-  const Vec3 physical{along.x * setup.spacing.x, along.y * setup.spacing.y, along.z * setup.spacing.z};
+  const Vec3 physical = times(along, setup.spacing);
   return ray.length / steps * std::sqrt(dot(physical, physical));
 }
 
-// Amount that a step of a backprojecting ray leaves, in units of its field in the packet.
+// Amount that each step of a kBackproject ray deposits, in units of its field in the packet.
 double units_of_a_step(const HostRay& ray, Vec3 along, const RaySetup& setup) {
   const double units = ray.energy * length_of_a_step(ray, along, setup) / setup.energy_unit;
   return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);
@@ -80,7 +79,7 @@ double units_of_a_step(const HostRay& ray, Vec3 along, const RaySetup& setup) {
 
 void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   const auto name = [index] { return fmt::format("rays[{}].energy", index); };
-  // A step is no longer than asked for; most rays are far from the limit.
+  // Fast path: steps are not longer than requested, and most rays are far from the limit.
   const double longest = setup.sampling.step * std::max({setup.spacing.x, setup.spacing.y, setup.spacing.z});
   if (leaves_sums(setup) && std::abs(ray.energy) * longest < wire::kMaxAmount / 2 * setup.energy_unit) return;
   expect_finite(name, ray.energy);
@@ -99,9 +98,9 @@ HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
 }
 
 std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims) {
-  const std::array<double, 3> start = components(ray.position), along = components(ray.direction);
+  const std::array<double, 3> start = to_array(ray.position), along = to_array(ray.direction);
   const double size = length(ray.direction);
-  double first = 0, last = ray.length / size;  // in directions
+  double first = 0, last = ray.length / size;  // in lengths of `direction`
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double end = dims[axis] - 1;
     if (along[axis] == 0) {
@@ -125,13 +124,13 @@ std::uint32_t step_word(const View& view) { return wire::to_nearest(view.step * 
 
 void check(const RayRequest& request) {
   const bool is_type = request.type >= RayType::kIntegrate && request.type <= RayType::kBackproject;
-  expect(is_type, "request.type", "one of RayType's", request.type);
+  expect(is_type, "request.type", "a RayType", request.type);
   const bool is_good = !has_threshold(request.type) || (request.opacity > 0 && request.opacity <= 1);
   expect(is_good, "request.opacity", "more than 0, at most 1", request.opacity);
   constexpr double kOne = wire::kStepOne;
   expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
   const bool is_words = request.words == SumWords::kIrradiance || request.words == SumWords::kSums;
-  expect(is_words, "request.words", "one of SumWords'", request.words);
+  expect(is_words, "request.words", "a SumWords", request.words);
   if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);
 }
 
@@ -165,7 +164,7 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
 
 wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
   const Vec3 along = direction_of(ray.direction);
-  const std::array<double, 3> position = components(ray.position), direction = components(along);
+  const std::array<double, 3> position = to_array(ray.position), direction = to_array(along);
   wire::Ray packet;
   packet.set_host_id(ray.id);
   packet.flags = wire::kHostRay;
@@ -190,7 +189,7 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
 }
 
 double integral_unit(const HostRay& ray, const RaySetup& setup) {
-  constexpr double kDensitySteps = 8.0 * wire::kDensityMax;  // of a sample's 12.3 bits over the value range
+  constexpr double kDensitySteps = 8.0 * wire::kDensityMax;  // a sample's 12.3 bits over the value range
   return (setup.range.high - setup.range.low) / kDensitySteps *
          length_of_a_step(ray, direction_of(ray.direction), setup);
 }

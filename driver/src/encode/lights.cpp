@@ -7,26 +7,23 @@
 #include <string>
 
 #include "encode/argument.h"
+#include "encode/vectors.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSmallest = 1e-12;  // of areas and lengths, smallest voxel edges
-
-std::array<double, 3> coordinates(Vec3 v) { return {v.x, v.y, v.z}; }
-
-Vec3 scaled(Vec3 a, Vec3 by) { return {a.x * by.x, a.y * by.y, a.z * by.z}; }
+constexpr double kSmallest = 1e-12;  // areas and lengths, in smallest voxel edges
 
 double smallest_cell(const LitBox& box) {
   const auto [a, b, c] = box.spacing;
   return std::max({a * b, b * c, c * a});
 }
 
-// From a physical point to the nearest point of the box's surface.
+// Distance of a physical point from the box's surface.
 double distance_to_faces(Vec3 at, const LitBox& box) {
-  const auto p = coordinates(at), e = coordinates(box.extent);
+  const auto p = to_array(at), e = to_array(box.extent);
   double outside = 0, inside = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double beyond = std::max({-p[axis], p[axis] - e[axis], 0.0});
@@ -41,13 +38,13 @@ double distance_to_middle(Vec3 at, const LitBox& box) {
   return std::max(length(at - 0.5 * box.extent), nearest);
 }
 
-// Points that stand for the whole light; a point light has one.
+// Sample points of a light; a point light has one.
 std::vector<Vec3> places(const Light& light, const LitBox& box) {
-  if (const auto* point = std::get_if<PointLight>(&light)) return {scaled(point->position, box.spacing)};
+  if (const auto* point = std::get_if<PointLight>(&light)) return {times(point->position, box.spacing)};
   std::vector<Vec3> out;
   if (const auto* area = std::get_if<RectangleLight>(&light)) {
     constexpr int kSteps = 16;
-    const Vec3 corner = scaled(area->corner, box.spacing);
+    const Vec3 corner = times(area->corner, box.spacing);
     for (int i = 0; i <= kSteps; ++i) {
       for (int j = 0; j <= kSteps; ++j) {
         out.push_back(corner + (1.0 * i / kSteps) * area->edge_u + (1.0 * j / kSteps) * area->edge_v);
@@ -55,7 +52,7 @@ std::vector<Vec3> places(const Light& light, const LitBox& box) {
     }
   }
   if (const auto* sphere = std::get_if<SphereLight>(&light)) {
-    const Vec3 centre = scaled(sphere->centre, box.spacing);
+    const Vec3 centre = times(sphere->centre, box.spacing);
     for (const double side : {-1.0, 1.0}) {
       out.push_back(centre + Vec3{side * sphere->radius, 0, 0});
       out.push_back(centre + Vec3{0, side * sphere->radius, 0});
@@ -88,7 +85,7 @@ void expect_positive(const std::string& field, double value) {
 void check(const Material& material) {
   expect_within("material.scattering", material.scattering, 0, 1);
   expect_within("material.gloss", material.gloss, 0, 15.99);
-  expect(material.bsdf >= Bsdf::kNone && material.bsdf <= Bsdf::kTrap, "material.bsdf", "one of Bsdf", material.bsdf);
+  expect(material.bsdf >= Bsdf::kNone && material.bsdf <= Bsdf::kTrap, "material.bsdf", "a Bsdf", material.bsdf);
   expect_within("material.routine", material.routine, 0, kHostRoutine);
   const std::size_t count = material.parameters.size();
   expect(count <= wire::kMaterialParameters, "material.parameters", "at most 32", count);
@@ -120,7 +117,7 @@ void check(const Light& light, const std::string& list_place) {
 void check(const Illumination& settings, std::size_t lights, int irradiance_words) {
   const std::vector<Colour>& colours = settings.light_colours;
   expect(colours.empty() || irradiance_words == 3, "light_colours",
-         "none on a board of one irradiance word (asic.irradiance_words is 1)", colours.size());
+         "none on a board with one irradiance word (asic.irradiance_words is 1)", colours.size());
   expect(colours.empty() || colours.size() == lights, "light_colours",
          "one for each of the " + std::to_string(lights) + " lights, or none", colours.size());
   for (std::size_t i = 0; i < colours.size(); ++i) {
@@ -179,7 +176,7 @@ wire::Material material_record(const Material& material) {
 
 RayEnergy max_energy(const Light& light, const Illumination& settings, const LitBox& box) {
   const double cell = smallest_cell(box), power = power_of(light), k = settings.rays_per_face_voxel;
-  double to_cell = 0;  // share of the power that the nearest cell gets
+  double to_cell = 0;  // share of the power that reaches the nearest cell
   if (std::holds_alternative<DirectionalLight>(light)) {
     to_cell = cell;
   } else {
@@ -198,14 +195,14 @@ double flux_in_the_middle(const Light& light, const Illumination& settings, cons
   const double power = power_of(light);
   if (std::holds_alternative<DirectionalLight>(light)) return power;
   if (const auto* area = std::get_if<RectangleLight>(&light)) {
-    const Vec3 centre = scaled(area->corner, box.spacing) + 0.5 * (area->edge_u + area->edge_v);
+    const Vec3 centre = times(area->corner, box.spacing) + 0.5 * (area->edge_u + area->edge_v);
     const Vec3 to = 0.5 * box.extent - centre;
     const double r = distance_to_middle(centre, box), away = length(to);
     const double facing = away > 0 ? dot(normalise(cross(area->edge_u, area->edge_v)), to) / away : 1;
     return power * std::max(facing, 0.1) / (kPi * r * r);
   }
-  const Vec3 centre = is_point(light) ? scaled(std::get<PointLight>(light).position, box.spacing)
-                                      : scaled(std::get<SphereLight>(light).centre, box.spacing);
+  const Vec3 centre = is_point(light) ? times(std::get<PointLight>(light).position, box.spacing)
+                                      : times(std::get<SphereLight>(light).centre, box.spacing);
   const double r = distance_to_middle(centre, box);
   const bool printed = is_point(light) && settings.rules == EnergyRules::kAsPrinted;
   return power / ((printed ? 1 : 4) * kPi * r * r);
@@ -228,9 +225,8 @@ std::vector<wire::Lamp> lamp_records(const View& view, double exposure) {
   for (const Lamp& lamp : view.lamps) {
     const wire::IlluminateCommand place = light_command(lamp.light, {}, 1);
     const double radius = place.u[0];
-    const double area = place.kind == wire::LightKind::kSphere
-                            ? 4 * kPi * radius * radius
-                            : length(cross({place.u[0], place.u[1], place.u[2]}, {place.v[0], place.v[1], place.v[2]}));
+    const double area = place.kind == wire::LightKind::kSphere ? 4 * kPi * radius * radius
+                                                               : length(cross(to_vec3(place.u), to_vec3(place.v)));
     wire::Lamp record{.kind = place.kind, .position = place.position, .u = place.u, .v = place.v};
     for (std::size_t c = 0; c < 3; ++c) {
       const double word = lamp.colour[c] * power_of(lamp.light) / area * exposure * 65536;
@@ -250,19 +246,19 @@ wire::IlluminateCommand light_command(const Light& light, const Illumination& se
   command.energy = power_of(light) / unit;
   if (const auto* point = std::get_if<PointLight>(&light)) {
     command.kind = wire::LightKind::kPoint;
-    command.position = coordinates(point->position);
+    command.position = to_array(point->position);
   } else if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
     command.kind = wire::LightKind::kDirectional;
-    command.u = coordinates(gicube::unit(sun->towards));
+    command.u = to_array(gicube::unit(sun->towards));
   } else if (const auto* area = std::get_if<RectangleLight>(&light)) {
     command.kind = wire::LightKind::kRectangle;
-    command.position = coordinates(area->corner);
-    command.u = coordinates(area->edge_u);
-    command.v = coordinates(area->edge_v);
+    command.position = to_array(area->corner);
+    command.u = to_array(area->edge_u);
+    command.v = to_array(area->edge_v);
   } else {
     const auto& sphere = std::get<SphereLight>(light);
     command.kind = wire::LightKind::kSphere;
-    command.position = coordinates(sphere.centre);
+    command.position = to_array(sphere.centre);
     command.u = {sphere.radius, 0, 0};
   }
   return command;

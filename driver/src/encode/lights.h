@@ -1,4 +1,4 @@
-// Lights as the DSP's commands, and the unit in which the board counts their energy.
+// Converts lights and materials to the board's records, and chooses the unit of their energy.
 #pragma once
 
 #include <span>
@@ -20,37 +20,38 @@ void check(const Light& light, const std::string& name);  // "lights[2]"
 void check(const Illumination& settings, std::size_t lights, int irradiance_words);
 
 wire::Material material_record(const Material& material);
-// With three irradiance words: what goes with it.
+// The further record of a material, for boards with three irradiance words.
 wire::ScatteringColour scattering_colour_record(const Material& material);
 // Ks for red, green and blue.
 std::array<double, 3> scattering_by_colour(const Material& material);
 
-// A light's factor that is greatest; its power is that of this colour. 1 if lights have none.
+// A light's largest colour factor, to which its energy is normalised. 1 if the lights are white.
 double brightest_of(const Illumination& settings, std::size_t light);
-// The parts of the energy of red, green and blue: the LIGHT_RED register and the two behind it.
+// Shares of red, green and blue in the energy: the register LIGHT_RED and the two after it.
 std::array<std::uint32_t, 3> light_colour_words(const Illumination& settings, std::size_t light);
 
-// The box of the volume as lights see it: physical, from 0 to extent.
+// The volume's box in physical space, from 0 to extent.
 struct LitBox {
   Vec3 extent;
   Vec3 spacing;  // relative voxel edges
 };
 
-// The most that a ray of a light carries, and that all bring to a voxel of the nearest face, in units of its power.
+// Upper bounds, in units of a light's power: the energy of one of its rays, and the energy of all its rays that reach
+// one voxel of the nearest face.
 struct RayEnergy {
   double ray = 0;
   double voxel = 0;
 };
 RayEnergy max_energy(const Light& light, const Illumination& settings, const LitBox& box);
 
-// Power that passes a voxel's face in the middle of the volume, were nothing in its way.
+// Power per unit of area in the middle of the volume if nothing absorbed it.
 double flux_in_the_middle(const Light& light, const Illumination& settings, const LitBox& box);
 
-// Power for one unit of the energy words: small enough that the brightest ray fills its word, and large enough that a
-// voxel of the nearest face, absorbing all, stays at half of a saturated irradiance word.
+// Power of one unit of the energy words: as small as possible, so that neither the brightest ray overflows its word,
+// nor a voxel of the nearest face that absorbs everything exceeds half of an irradiance word.
 double energy_unit(std::span<const Light> lights, const Illumination& settings, const LitBox& box, bool wide);
 
-// The view's lamps; `exposure`: brightness of a unit of power on a unit of area. For a view that passed check().
+// The lamps of a checked view. `exposure`: brightness of a unit of power per unit of area.
 std::vector<wire::Lamp> lamp_records(const View& view, double exposure);
 
 wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit);

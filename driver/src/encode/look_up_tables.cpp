@@ -43,7 +43,7 @@ void check_values(const std::vector<Point>& points, const char* list) {
     const bool is_third = i >= 2 && value == points[i - 2].value;
     expect(!is_third, field, "at most two points at one value", fmt::format("a third at {}", value));
   }
-  // Else a weight between two points could be inf / inf.
+  // Otherwise a weight between two points could be inf / inf.
   const double span = points.back().value - points.front().value;
   expect(std::isfinite(span), list, "values whose span is finite", span);
 }
@@ -57,7 +57,7 @@ std::uint8_t to_shade(double coefficient) {
   return static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * coefficient), 0, 255));
 }
 
-// Converts -1/2 .. 1/2; a half is one step of the word too much.
+// Converts -1/2 .. 1/2; 1/2 itself is clamped to the largest value.
 std::int16_t fine_part(double units) {
   return static_cast<std::int16_t>(std::clamp<long>(std::lround(units * wire::kFineOpacityOne),
                                                     -wire::kFineOpacityOne / 2, wire::kFineOpacityOne / 2 - 1));
@@ -65,7 +65,7 @@ std::int16_t fine_part(double units) {
 
 constexpr double kShadeMax = 1.99;        // 255/128, the largest shade on the board
 constexpr double kSumTolerance = 1e-9;    // 0.99 + 1.0 in doubles
-constexpr double kTerminatorWidth = 0.1;  // chosen: a hard edge at N.L = 0 errs by up to 0.49 there
+constexpr double kTerminatorWidth = 0.1;  // chosen: with a hard edge at N.L = 0 interpolation errs by up to 0.49
 
 void check_sum(const char* field, double sum) {
   expect(!(sum > kShadeMax + kSumTolerance), field, fmt::format("at most {}", kShadeMax), sum);

@@ -7,37 +7,35 @@
 #include <optional>
 #include <utility>
 
+#include "encode/vectors.h"
 #include "gicube/wire/pair.h"
 
 namespace gicube {
 namespace {
 
-constexpr double kNear = 0.5;            // chosen: gap in longest sides; at more, eight runs know the scatter
-constexpr std::uint32_t kFewRays = 4;    // of a part, up to kFewParts parts; chosen
-constexpr std::uint32_t kManyRays = 16;  // of a part beyond; chosen: a part takes the host as long as some ten rays
+constexpr double kNear = 0.5;            // chosen: gap, in longest sides; beyond, eight runs show the scatter
+constexpr std::uint32_t kFewRays = 4;    // chosen: per part, up to kFewParts parts
+constexpr std::uint32_t kManyRays = 16;  // chosen: per part beyond; each costs the host some ten rays
 constexpr std::uint32_t kFewParts = 32, kMaxParts = 1024;
 constexpr double kUnseen = 4;  // pseudo-rays, two of which arrive (Agresti and Coull 1998)
 
-Vec3 in_space(Vec3 v, Vec3 spacing) { return {v.x * spacing.x, v.y * spacing.y, v.z * spacing.z}; }
-
 Element physical(const Element& element, Vec3 spacing) {
   const bool box = element.kind == ElementKind::kBox, disc = element.kind == ElementKind::kDisc;
-  return {element.kind, in_space(element.origin, spacing), in_space(element.u, spacing), in_space(element.v, spacing),
-          box    ? in_space(element.w, spacing)
+  return {element.kind, times(element.origin, spacing), times(element.u, spacing), times(element.v, spacing),
+          box    ? times(element.w, spacing)
           : disc ? element.w
                  : Vec3{}};
 }
 
-// Which way an element is halved: across u, v, w or the edge between the ends of u and v; of a disc, at a radius or at
-// an angle.
+// How an element is halved: across u, v, w or the edge between the ends of u and v; a disc at a radius or at an angle.
 enum class Way { kU, kV, kW, kEdge, kRadius, kAngle };
 struct Length {
   Way way;
   double length;
 };
 
-// The longest side of an element with physical sides. For a disc: from its hole to its rim, and around halfway between
-// them.
+// The longest side of an element in physical coordinates. A disc's sides: from its hole to its rim, and the arc halfway
+// between them.
 Length longest(const Element& element) {
   std::array<Length, 3> all{{{Way::kU, length(element.u)}, {Way::kV, length(element.v)}, {Way::kW, length(element.w)}}};
   if (element.kind == ElementKind::kTriangle) all[2] = {Way::kEdge, length(element.v - element.u)};
@@ -50,7 +48,7 @@ Length longest(const Element& element) {
   return *std::ranges::max_element(all, {}, &Length::length);
 }
 
-// Two of equal area or volume.
+// Two halves of equal area or volume.
 std::array<Element, 2> halves(const Element& whole, Way way) {
   Element first = whole, second = whole;
   const bool triangle = whole.kind == ElementKind::kTriangle;
@@ -88,14 +86,14 @@ std::array<Element, 2> halves(const Element& whole, Way way) {
   return {first, second};
 }
 
-// None of other elements than boxes along the axes.
+// Nothing unless both elements are boxes along the axes.
 std::optional<NearPairs::Placement> placement_of(const Element& a, const Element& b) {
   NearPairs::Placement placement{};
   for (const Element* box : {&a, &b}) {
     if (box->kind != ElementKind::kBox) return {};
     int components = 0;
     for (const Vec3& side : {box->u, box->v, box->w}) components += (side.x != 0) + (side.y != 0) + (side.z != 0);
-    if (components != 3) return {};  // a side is oblique
+    if (components != 3) return {};  // one side is oblique
   }
   const auto side = [](const Element& box, double Vec3::*axis) { return box.u.*axis + box.v.*axis + box.w.*axis; };
   std::size_t i = 0;
@@ -107,7 +105,8 @@ std::optional<NearPairs::Placement> placement_of(const Element& a, const Element
   return placement;
 }
 
-// From two boxes placed so: the one whose middle is `away` times as far as the second's, with these lengths.
+// A box of such a placement: its middle is `away` times the distance from the origin, and its lengths are at
+// [axis][length].
 Element placed(const NearPairs::Placement& at, double away, std::size_t length) {
   const auto low = [&](std::size_t axis) { return away * at[axis][0] - 0.5 * at[axis][length]; };
   return {
@@ -131,14 +130,14 @@ double gap_along(double Vec3::*axis, const Element& a, const Element& b) {
   return std::max({of_a.low - of_b.high, of_b.low - of_a.high, 0.0});
 }
 
-// How much a part is to be divided for: its light, and more for light that is not known well.
+// Priority for dividing a part: its light, plus four times the error of its light.
 double weight_of(const PairPart& part) { return part.measure * (part.factor.mean + 4 * part.factor.error); }
 
 double share_of(const PairFactor& found) {
   return found.geometric > 0 ? std::min(found.transported / found.geometric, 1.0) : 0;
 }
 
-// With pseudo-rays beside those that found this share.
+// The share with the pseudo-rays added.
 double likely_share(double share, double rays) { return (rays * share + kUnseen / 2) / (rays + kUnseen); }
 
 }  // namespace
@@ -176,7 +175,7 @@ GeometricFactor NearPairs::factor_of(const Element& a, const Element& b, bool ne
   return at->second;
 }
 
-// Always the part with the greatest weight, across the longest way of both its elements.
+// Divides the part with the greatest weight across the longest side of its two elements, until there are parts_.
 Division NearPairs::divide(const Element& a, const Element& b) {
   Division division{{a, b}, {}};
   auto& [elements, parts] = division;
@@ -210,9 +209,9 @@ Division NearPairs::divide(const Element& a, const Element& b) {
   return division;
 }
 
-// Arrivals are treated as all or nothing, because no transmittance varies more. Within a part that is still near, few
-// of its rays are near where most of its light is; so they count as an eighth, and their error as one that all such
-// parts share.
+// Each ray counts as if it either arrived wholly or not at all, the largest possible variation. Within a part that is
+// still near, few rays are where most of its light is: so they count as an eighth, and their errors as correlated
+// between such parts.
 PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFactor> found) const {
   PairFactor sum{.clear = true};
   double squares = 0, common = 0;
@@ -230,7 +229,7 @@ PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFacto
   }
   double noise = 0;
   if (squares > 0) {
-    const double even = sum.geometric * sum.geometric / squares;  // rays that each carry as much light
+    const double even = sum.geometric * sum.geometric / squares;  // effective number of rays of equal weight
     const double share = sum.transported / sum.geometric, likely = likely_share(share, even);
     noise = sum.geometric * (std::sqrt(likely * (1 - likely) / (even + kUnseen)) + std::abs(likely - share) / 3);
   }
@@ -240,12 +239,12 @@ PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFacto
 
 double error_with_unseen(const PairFactor& found, std::uint32_t rays) {
   if (found.clear) return found.standard_error;
-  const double unseen = std::numbers::sqrt2 / (rays + kUnseen);  // deviation of the share, if all rays found the same
+  const double unseen = std::numbers::sqrt2 / (rays + kUnseen);  // deviation of the share if all rays agree
   const double scatter =
       std::hypot(found.standard_error, unseen * (found.transported > 0 ? found.transported : found.geometric));
-  // Where most rays meet a screen, few runs have light, and their scatter is too small when it is little. So as far as
-  // it is that of rays that arrive or don't, half of the way to the likely share is added (chosen: 99% are then within
-  // three, from 8 rays on).
+  // Where most rays are blocked, few runs have light, and a small scatter underestimates the error. So as far as the
+  // scatter is that of rays that either arrive or not, half of the difference to the likely share is added (chosen: 99%
+  // are then within three errors, from 8 rays on).
   const double share = share_of(found), yes_or_no = found.geometric * found.geometric * share * (1 - share) / rays;
   const double variance = std::pow(found.standard_error / wire::kStudent, 2);
   const double so_far = variance < yes_or_no ? variance / yes_or_no : 1;

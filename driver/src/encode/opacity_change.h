@@ -1,4 +1,4 @@
-// How much opacities differ where densities do.
+// The difference of opacities for a difference of densities.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 
 namespace gicube {
 
-// The most by which opacities of two densities in low..high can differ that are at most `distance` apart; densities of
-// 0..4095, which stand for `range`. Where tags meet, a coarse voxel may have taken either, so any two functions count.
-// Without one it is 0.
+// The largest difference of the opacities of two densities in low..high that are at most `distance` apart. Densities
+// 0..4095 stand for `range`. Any two functions are compared, because a coarse voxel may have either of several tags. 0
+// without functions.
 double largest_opacity_change(std::span<const TransferFunction> functions, ValueRange range, int low, int high,
                               int distance);
 

@@ -9,6 +9,7 @@
 
 #include "encode/argument.h"
 #include "encode/host_ray.h"
+#include "encode/vectors.h"
 #include "encode/volume/samples.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
@@ -19,8 +20,6 @@ namespace {
 std::array<float, 3> floats(Vec3 v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
-
-Vec3 to_vec3(const wire::Vector& v) { return {v[0], v[1], v[2]}; }
 
 struct Bounds {
   wire::Vector low{}, high{};
@@ -35,9 +34,9 @@ Bounds bounds_of(const wire::Element& element) {
   return bounds;
 }
 
-// How far on one axis, in voxels, a sample may lie from the straight way between the two points: the position, each
-// part of the direction and each step are rounded to 1/16384 voxel, a step's length to 1/65536, and half of the first
-// step is rounded on its own. Generously.
+// An upper bound, in voxels on one axis, of a sample's distance from the straight line between the two points: the
+// position, each component of the direction and each step are rounded to 1/16384 voxel, a step's length to 1/65536, and
+// half of the first step separately.
 double stray(const Bounds& a, const Bounds& b, double step) {
   double square = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -48,12 +47,12 @@ double stray(const Bounds& a, const Bounds& b, double step) {
   return (4 + length + 2 * std::ceil(length / step)) / wire::kVoxel;
 }
 
-// A share of the way from a to b, 0..1; empty if begin > end.
+// An interval of the way from a to b, 0..1; empty if begin > end.
 struct Part {
   double begin = 0, end = 1;
 };
 
-// The subset of the part where a number that changes from `at_a` to `at_b` is at most `limit`.
+// The subset of the part in which a number that changes linearly from `at_a` to `at_b` is at most `limit`.
 Part where_below(Part part, double at_a, double at_b, double limit) {
   const double slope = at_b - at_a;
   if (slope == 0) return at_a <= limit ? part : Part{1, 0};
@@ -82,7 +81,7 @@ bool all_empty(const std::array<Range, 3>& range, const BlockFlags& flags) {
   return true;
 }
 
-// The axis along which the elements are furthest apart: layers of blocks across it hold the least of the hull each.
+// The axis along which the elements are furthest apart: the hull has the smallest sections across it.
 std::size_t main_axis(const Bounds& a, const Bounds& b) {
   std::size_t best = 0;
   double furthest = -1;
@@ -110,7 +109,7 @@ void check(const Element& element, std::size_t index, Dims dims) {
   if (element.kind == ElementKind::kDisc) {
     for (const double share : {element.w.x, element.w.y}) {
       if (share >= 0 && share < 1) continue;
-      throw BadArgument(name + ".w", "shares of 0 or more and below 1 of a disc", number_text(share));
+      throw BadArgument(name + ".w", "a disc's shares of 0 or more and below 1", number_text(share));
     }
   }
   const wire::Element rounded = to_wire(element);
@@ -178,7 +177,7 @@ PairRaysMade make_rays(std::span<const Element> elements, std::span<const Elemen
       if (!(sample.weight > 0)) continue;
       HostRay ray = ray_between(pair.id, to_vec3(sample.from), to_vec3(sample.to));
       ray.position = {in_volume(ray.position.x, dims[0]), in_volume(ray.position.y, dims[1]),
-                      in_volume(ray.position.z, dims[2])};  // where the board rounds it to
+                      in_volume(ray.position.z, dims[2])};  // as the board clamps it
       made.rays.push_back(ray);
     }
   }
@@ -200,7 +199,7 @@ std::vector<PairFactor> sum_up(std::span<const double> weights, std::span<const 
   return factors;
 }
 
-// At the share t of the way all rays are within the bounds (1 - t) a + t b, whose faces go straight from a's to b's.
+// At the fraction t of the way all rays are within the bounds (1 - t) a + t b, which change linearly.
 bool is_clear(const wire::Element& from, const wire::Element& to, const BlockFlags& flags, double step) {
   Bounds a = bounds_of(from), b = bounds_of(to);
   const double margin = stray(a, b, step);

@@ -14,23 +14,12 @@ namespace {
 
 constexpr int kMaxLevels = 6;
 
-void for_each_voxel(const Dims& dims, const auto& take) {
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x) take(x, y, z);
-    }
-  }
-}
-
-// The originals of one coarse voxel: calls take(index of the original). Those beyond the faces stand for the last ones.
-void for_each_original(const Dims& dims, const std::array<int, 3>& first, int edge, const auto& take) {
-  for (int z = first[2]; z < first[2] + edge; ++z) {
-    for (int y = first[1]; y < first[1] + edge; ++y) {
-      for (int x = first[0]; x < first[0] + edge; ++x) {
-        take(index_of(dims, std::min(x, dims[0] - 1), std::min(y, dims[1] - 1), std::min(z, dims[2] - 1)));
-      }
-    }
-  }
+// Calls take(index) for each original voxel of a coarse one. Positions beyond a face count as the voxel on it.
+void for_each_original(const Dims& dims, const Dims& coarse, int edge, const auto& take) {
+  const Dims low{coarse[0] * edge, coarse[1] * edge, coarse[2] * edge};
+  for_each_position(low, {low[0] + edge, low[1] + edge, low[2] + edge}, [&](const Dims& at) {
+    take(index_of(dims, std::min(at[0], dims[0] - 1), std::min(at[1], dims[1] - 1), std::min(at[2], dims[2] - 1)));
+  });
 }
 
 Vec3 direction_at(std::span<const float> gradients, std::size_t voxel) {
@@ -44,12 +33,12 @@ std::uint8_t commonest(const std::array<int, wire::kTags>& counts) {
 void average(const VolumeView& volume, const auto& source, int edge, DerivedVolume& out) {
   std::vector<float> values(voxel_count(out.dims));
   const double share = 1.0 / (edge * edge * edge);
-  for_each_voxel(out.dims, [&](int x, int y, int z) {
+  for_each_position({}, out.dims, [&](const Dims& at) {
     double sum = 0;
-    for_each_original(volume.dims, {x * edge, y * edge, z * edge}, edge, [&](std::size_t from) {
+    for_each_original(volume.dims, at, edge, [&](std::size_t from) {
       sum += std::clamp(static_cast<double>(source[from]), out.range.low, out.range.high);
     });
-    values[index_of(out.dims, x, y, z)] = static_cast<float>(share * sum);
+    values[index_of(out.dims, at)] = static_cast<float>(share * sum);
   });
   const auto bytes = std::as_bytes(std::span(values));
   out.samples.assign(bytes.begin(), bytes.end());
@@ -61,12 +50,12 @@ void gather_materials(const VolumeView& volume, int edge, DerivedVolume& out) {
   if (!volume.colours.empty()) out.colours.resize(wire::kColourBytes * voxel_count(out.dims));
   if (out.tags.empty() && out.gradients.empty() && out.colours.empty()) return;
   const int all = edge * edge * edge;
-  for_each_voxel(out.dims, [&](int x, int y, int z) {
-    const std::size_t to = index_of(out.dims, x, y, z);
+  for_each_position({}, out.dims, [&](const Dims& at) {
+    const std::size_t to = index_of(out.dims, at);
     std::array<int, wire::kTags> counts{};
     Vec3 sum;
     std::array<int, wire::kColourBytes> colour{};
-    for_each_original(volume.dims, {x * edge, y * edge, z * edge}, edge, [&](std::size_t from) {
+    for_each_original(volume.dims, at, edge, [&](std::size_t from) {
       if (!out.tags.empty()) ++counts[volume.tags[from]];
       if (!out.gradients.empty()) sum = sum + direction_at(volume.gradients, from);
       for (std::size_t c = 0; !out.colours.empty() && c < colour.size(); ++c) {
@@ -84,7 +73,7 @@ void gather_materials(const VolumeView& volume, int edge, DerivedVolume& out) {
   });
 }
 
-// Copies `size` values a voxel.
+// Copies the rows of a box, `size` values per voxel.
 template <typename T>
 void copy_rows(std::span<const T> from, std::size_t size, const VolumeView& volume, const VoxelBox& box,
                std::vector<T>& into) {
@@ -123,7 +112,7 @@ View Placement::view(View original) const {
       area->corner = moved(area->corner);
       area->edge_u = (1 / edge) * area->edge_u;
       area->edge_v = (1 / edge) * area->edge_v;
-      area->power /= edge * edge;  // as bright as before
+      area->power /= edge * edge;  // keeps the brightness
     } else if (auto* sphere = std::get_if<SphereLight>(&lamp.light)) {
       sphere->centre = moved(sphere->centre);
       sphere->radius /= edge;
@@ -138,7 +127,8 @@ TransferFunction Placement::look(const TransferFunction& original, ValueRange ra
   TransferFunction out{original.colours, {}};
   for (int density = 0; density <= wire::kDensityMax; ++density) {
     const double value = range.low + density * (range.high - range.low) / wire::kDensityMax;
-    if (!out.opacities.empty() && !(value > out.opacities.back().value)) continue;  // a range as narrow as its numbers
+    if (!out.opacities.empty() && !(value > out.opacities.back().value))
+      continue;  // the range has fewer numbers than densities
     out.opacities.push_back({value, 1 - std::pow(1 - original.opacity_at(value), edge)});
   }
   return out;
@@ -169,10 +159,10 @@ DerivedVolume coarser(const VolumeView& volume, int level) {
   expect_within("level", level, 1, kMaxLevels);
   const int edge = 1 << level;
   if (*std::min_element(volume.dims.begin(), volume.dims.end()) <= edge) {
-    throw BadArgument("level", "two voxels left on each axis", std::to_string(level));
+    throw BadArgument("level", "a level that leaves two voxels on each axis", std::to_string(level));
   }
   DerivedVolume out;
-  for (std::size_t axis = 0; axis < 3; ++axis) out.dims[axis] = (volume.dims[axis] + edge - 1) / edge;
+  out.dims = block_grid(volume.dims, edge);
   out.spacing = double(edge) * volume.spacing;
   out.range = resolve_range(volume);
   const double middle = 0.5 * (edge - 1);

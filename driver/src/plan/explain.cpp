@@ -1,4 +1,4 @@
-// Plans in words: what they have in common, of pictures, of light.
+// Explains plans in words: common lines, plans of pictures, plans of light.
 #include <fmt/format.h>
 
 #include "gicube/light_plan.h"
@@ -30,7 +30,7 @@ double share_left(const Plan& plan) {
   return share;
 }
 
-// The nearest setting that was cheaper but not allowed, or more accurate but too expensive.
+// The nearest setting that was cheaper but not accurate enough, or more accurate but too expensive.
 const PlanPoint* passed_over(const Plan& plan) {
   const PlanPoint* nearest = nullptr;
   const bool by_error = plan.request.max_error > 0;

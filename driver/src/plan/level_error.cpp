@@ -1,4 +1,4 @@
-// How far a coarser volume is from its original.
+// The difference of a coarser volume from its original.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace gicube {
 namespace {
 
-// Between which two voxels a coordinate lies.
+// The two voxels around a coordinate.
 struct Between {
   std::size_t from, to;
   float weight;  // of `to`
@@ -24,13 +24,13 @@ Between between(double at, int size) {
   return {static_cast<std::size_t>(from), static_cast<std::size_t>(from) + 1, static_cast<float>(inside - from)};
 }
 
-// A coordinate as both volumes see it.
+// A coordinate in both volumes.
 struct Place {
   Between fine, coarse;
 };
 
-// On one axis all coordinates at which either volume's interpolation can turn. In a box between neighbouring ones both
-// are trilinear, so that their difference has its extremes at the box's corners.
+// All coordinates on one axis at which either volume's interpolation can change its slope. Between neighbouring ones
+// both are trilinear, so their difference has its extremes at these coordinates.
 std::vector<Place> turning_places(int fine, int coarse, double low, double edge) {
   std::vector<double> places;
   for (int i = 0; i < fine; ++i) places.push_back(i);
@@ -51,7 +51,7 @@ struct Grid {
   const float* row(std::size_t y, std::size_t z) const {
     return densities.data() + (z * static_cast<std::size_t>(dims[1]) + y) * static_cast<std::size_t>(dims[0]);
   }
-  // The row of values at (y, z) between the voxels' rows.
+  // Interpolates the row at (y, z).
   void blend(const Between& y, const Between& z, std::vector<float>& out) const {
     const float *a = row(y.from, z.from), *b = row(y.to, z.from), *c = row(y.from, z.to), *d = row(y.to, z.to);
     const float wa = (1 - y.weight) * (1 - z.weight), wb = y.weight * (1 - z.weight), wc = (1 - y.weight) * z.weight,
@@ -117,7 +117,7 @@ LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
   const Grid fine = densities_of(volume, range);
   const Differences found = differences(fine, densities_of(coarse.view(), range), coarse.placement);
   LevelError error;
-  error.largest_density = std::min(found.largest + 1, double{wire::kDensityMax});  // each is rounded to whole units
+  error.largest_density = std::min(found.largest + 1, double{wire::kDensityMax});  // both are rounded to whole units
   error.rms_density = std::sqrt(found.squares / static_cast<double>(found.points));
   if (functions.empty()) return error;
   const auto [low, high] = std::minmax_element(fine.densities.begin(), fine.densities.end());

@@ -5,7 +5,7 @@
 namespace gicube {
 namespace {
 
-constexpr double kWorthCropping = 0.9;  // chosen: of the voxels; what is left out must pay for the copy
+constexpr double kWorthCropping = 0.9;  // chosen: share of the voxels; cropping must outweigh the copy
 constexpr int kMinEdge = 8;             // chosen: voxels
 
 double share_of(const VoxelBox& box, const Dims& dims) {

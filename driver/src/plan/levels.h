@@ -1,4 +1,4 @@
-// The volumes that a plan tries: the whole one, the part of it that can be seen, and coarser ones of that part.
+// The volumes that a plan tries: the whole volume, its visible part, and coarser versions of that part.
 #pragma once
 
 #include <map>
@@ -14,30 +14,30 @@ namespace gicube {
 
 class Levels {
  public:
-  // Beside the levels of detail, 0 and up: all of the caller's volume. It is level 0 too unless much of it is
+  // The caller's whole volume. Levels of detail are 0 and up; level 0 is the whole volume unless much of it is
   // invisible.
   static constexpr int kWhole = -1;
 
-  // Without samples `volume` is what the board holds, and there is that one only. What `volume` and `looks` point to
-  // must outlive this object.
+  // If `volume` has no samples, the board's volume is the only one. The memory of `volume` and `looks` must outlive
+  // this object.
   Levels(Board& board, const VolumeView& volume, std::span<const TransferFunction> looks, bool gradients);
 
   bool own() const { return own_; }
-  const VoxelBox& seen() const { return seen_; }  // what can be seen, whether or not the rest is left out
+  const VoxelBox& seen() const { return seen_; }  // the visible box, even if the rest is kept
   const VoxelBox& box() const { return box_; }    // of level 0
   const Placement& placement(int level) { return at(level).placement; }
   const Dims& dims(int level) { return at(level).dims; }
   const std::vector<LevelError>& errors() const { return errors_; }  // of level 1 and up
-  // The levels that have at least eight voxels an edge.
+  // The coarsest level that has at least eight voxels along each edge.
   int max_level() const;
 
-  // Has the board hold that level, with its looks. True if something had to be loaded.
+  // Loads that level and its looks, unless the board holds them. True if it was loaded.
   bool go_to(int level);
 
  private:
   struct OneVolume {
     VolumeView view;
-    std::unique_ptr<DerivedVolume> derived;  // whose view it is; empty: the caller's
+    std::unique_ptr<DerivedVolume> derived;  // owns the view's memory; empty: the caller does
     Placement placement;
     Dims dims{};
   };
@@ -53,10 +53,10 @@ class Levels {
   std::optional<int> loaded_;
 };
 
-// Loads a volume and what it looks like.
+// Loads a volume and its transfer functions.
 void load_with_looks(Board& board, const VolumeView& volume, const Placement& placement,
                      std::span<const TransferFunction> looks);
-// The volume as pictures without shading need it, if these are such.
+// The volume without gradients, unless `gradients`: pictures without shading need none.
 VolumeView without_unused(VolumeView volume, bool gradients);
 
 }  // namespace gicube

@@ -1,4 +1,4 @@
-// The plan step of light: pairs of passes, and the choice among them.
+// The plan step of light: tries pairs of passes and chooses among them.
 #include "gicube/light_plan.h"
 
 #include <algorithm>
@@ -18,16 +18,16 @@ namespace {
 
 constexpr double kBestLightStep =
     0.5;  // voxels, chosen: what longer steps are held against (docs/studies/charts.md, Lighting)
-constexpr double kLongStep = 1;  // chosen: at 2 low albedo leaves light in the wrong places
-constexpr int kFirstRays = 8;    // chosen: so many that pixels which clip are few
+constexpr double kLongStep = 1;  // chosen: at 2, low albedo deposits light in wrong places
+constexpr int kFirstRays = 8;    // chosen: enough that few pixels clip
 constexpr double kWorthIt =
     0.7;  // chosen: another albedo or step must cost less than this, for what its comparison costs
-constexpr double kMoreRays = 1.1;  // chosen: of what the noise makes one expect
-constexpr double kGrowth = 1.5;    // chosen: at least, where that was not enough: rounded words make noise fall slower
-constexpr int kMaxGrowth = 4;      // chosen: at once, since noise may fall slower, or no more
-constexpr double kNoGain = 0.95;   // chosen: of the bound before; words that round have more to say than rays
+constexpr double kMoreRays = 1.1;  // chosen: of the number that the noise predicts
+constexpr double kGrowth = 1.5;    // chosen: at least, after a failure: with rounded words noise falls more slowly
+constexpr int kMaxGrowth = 4;      // chosen: at once, since noise may fall more slowly or not at all
+constexpr double kNoGain = 0.95;   // chosen: of the previous bound; above, rounding of the words dominates
 constexpr int kTries = 8;
-constexpr double kLightTimeMargin = 1.25;  // as of pictures
+constexpr double kLightTimeMargin = 1.25;  // as for pictures
 
 void check_request(const LightPlanRequest& request, int irradiance_words) {
   for (std::size_t i = 0; i < request.lights.size(); ++i) check(request.lights[i], fmt::format("lights[{}]", i));
@@ -71,7 +71,7 @@ class LightPlanner {
   LightPlan make() {
     const auto start = std::chrono::steady_clock::now();
     if (request_.time_budget > 0 && !keeps_time_) {
-      throw BadArgument("time_budget", "a board at fidelity level cycle, which keeps time", "functional");
+      throw BadArgument("time_budget", "a board with fidelity level cycle, which models time", "functional");
     }
     plan_.target = {request_.max_error, request_.time_budget};
     plan_.channel = request_.channel;
@@ -87,7 +87,7 @@ class LightPlanner {
  private:
   static constexpr std::uint32_t kParts = 16;  // of the progress
 
-  // The best mode first.
+  // All modes, the best one first.
   std::vector<Mode> modes() const {
     std::vector<Mode> all{best_};
     const bool both = request_.settings.rules == EnergyRules::kConserving;
@@ -122,7 +122,7 @@ class LightPlanner {
     return board_.render(view_);
   }
 
-  // The request's own seed last, so that its light stays.
+  // The pass with the request's seed comes last, so that its light stays on the board.
   Pair take(const Mode& mode, int rays) {
     Pair pair;
     pair.point.albedo = mode.albedo;
@@ -153,8 +153,8 @@ class LightPlanner {
     }
   }
 
-  // The passes that tell most about the request's own settings: of their albedo, then of the nearest step, then of the
-  // nearest number of rays.
+  // The passes nearest to the request's settings: of the same albedo, then of the nearest step, then of the nearest
+  // number of rays.
   const LightPoint& nearest_to_asked() const {
     const Illumination& asked = request_.settings;
     const auto distance = [&](const LightPoint& point) {
@@ -165,7 +165,7 @@ class LightPlanner {
                              [&](const LightPoint& a, const LightPoint& b) { return distance(a) < distance(b); });
   }
 
-  // The variance falls as rays grow; bias does not.
+  // Predicts another number of rays: the variance is inversely proportional to it, the bias is constant.
   static LightPoint expected(const LightPoint& of, int rays) {
     LightPoint point = of;
     const double more = static_cast<double>(rays) / of.rays_per_face_voxel;
@@ -179,7 +179,7 @@ class LightPlanner {
     return point;
   }
 
-  // Rays a face voxel for an error; more than max_rays if those don't do.
+  // Rays per face voxel for an error; more than max_rays if those do not suffice.
   int rays_for(const LightPoint& of, double error) const {
     const double beyond = 2.0 * request_.max_rays;
     const double factor = of.error > 0 ? of.error_bound / of.error : 1;  // how far the bound is above the error
@@ -191,7 +191,7 @@ class LightPlanner {
 
   double cost(const LightPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
 
-  // The measured error: other modes against the best one with equally many rays.
+  // Measures the error; that of other modes against the best mode with as many rays.
   LightPoint decided(const Mode& mode, int rays) {
     Image best_a, best_b;
     if (!(mode == best_)) {
@@ -211,7 +211,7 @@ class LightPlanner {
     double cost = 0;
   };
 
-  // The best mode, and before it what is so much cheaper that it is worth being compared with it.
+  // The best mode, after those that are so much cheaper that a comparison is worth its cost.
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> out;
     for (const Pair& pair : firsts_) {
@@ -247,7 +247,7 @@ class LightPlanner {
     take_cheaper();
   }
 
-  // A pilot may have found a cheaper setting that does: then its light is what stays.
+  // A pilot may have found a cheaper setting that suffices: then its light stays on the board.
   void take_cheaper() {
     const LightPoint* const cheapest =
         cheapest_kept(plan_.points, request_.max_error, [this](const LightPoint& point) { return cost(point); });
@@ -288,7 +288,7 @@ class LightPlanner {
   const Mode best_;
   View view_;
   std::uint32_t seeds_ = 0;
-  std::vector<Pair> firsts_;  // the best mode's first
+  std::vector<Pair> firsts_;  // of the best mode first
   LightPlan plan_;
 };
 

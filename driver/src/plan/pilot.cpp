@@ -8,11 +8,11 @@
 namespace gicube {
 namespace {
 
-// chosen: four standard errors and a quarter of the whole. Most of the error is in the few pixels whose rays graze a
-// surface; a sample that has not met the worst of them has too small a mean and too small a variance.
+// chosen: four standard errors, and a quarter of the whole. Most of the error is in few pixels whose rays graze a
+// surface: a pilot without the worst of them underestimates mean and variance.
 constexpr double kStandardErrors = 4;
 constexpr double kMargin = 1.25;
-// A feature that none of n pixels shows is in fewer than 3 / n of them, with 95% (the rule of three).
+// A feature that none of n pixels shows is in fewer than 3 / n of all, with 95% confidence (rule of three).
 constexpr double kRuleOfThree = 3;
 constexpr double kLastBit = 1.0 / 255;  // of the framebuffer's colours
 
@@ -73,8 +73,7 @@ PilotError pilot_error(const Image& pilot, const Image& best, int channel) {
   }
   if (sum.picture <= 0) return {0, std::numeric_limits<double>::infinity()};
   const double ratio = sum.error / sum.picture;
-  // The ratio's variance is that of what each pixel adds to it beyond its share (a ratio estimator's linearised
-  // variance).
+  // The linearised variance of a ratio estimator.
   double variance = 0, worst = kLastBit * kLastBit * 4;
   for (std::size_t i = 0; i < count; ++i) {
     const Squares of = squares_of(pilot.pixels[i], best.pixels[i], channel);

@@ -1,4 +1,4 @@
-// Pilot pictures, and what can be said from two of them about the error of a whole picture.
+// Pilot pictures, and estimates of a whole picture's error from two of them.
 #pragma once
 
 #include "gicube/board.h"
@@ -8,18 +8,18 @@ namespace gicube {
 struct Pilot {
   Image image;
   double samples = 0;
-  Picoseconds time = 0;  // simulated, rendering and framebuffer transfer
+  Picoseconds time = 0;  // simulated time of rendering and transfer
 };
 
-// `view` with about edge^2 pixels of the same shape, one ray each; never more than it has.
+// `view` with about edge^2 pixels, at most its own, in the same aspect ratio, one ray per pixel.
 View pilot_view(View view, int edge);
-// Renders it; the board's tables for this camera direction should be on the board, else their transfer counts.
+// Renders a pilot. The tables for its camera should be on the board already, otherwise their transfer is counted.
 Pilot take_pilot(Board& board, const View& view);
 
 // Relative root mean square errors, as plan.h defines them.
 struct PilotError {
   double estimate = 0;
-  double bound = 0;  // infinite if the best pilot shows nothing, and so nothing is known
+  double bound = 0;  // infinite if the best pilot shows nothing
 };
 // Compares pilots of equal size. `channel` 0, 1, 2: red, green or blue alone and a third of alpha, so that the sums of
 // the three are those of the picture that is composed of them.
@@ -37,9 +37,9 @@ struct TimePoint {
   double time = 0;
 };
 
-// A picture of r rays takes A + B sqrt(r) + C r: its command, what lies on the borders of what neighbouring rays share,
-// and the rays. From a tiny picture, a small and a large one; without a large one (no rays) from the small one alone, B
-// = 0. Rays that lie closer together than the pilots' share still more.
+// The time of a picture of r rays is modelled as A + B sqrt(r) + C r: the command, memory accesses that neighbouring
+// rays share, and the rays. Fitted to a tiny, a small and a large picture; if the large one has 0 rays, B = 0. An upper
+// bound, because closer rays share more.
 double extrapolated_time(const TimePoint& tiny, const TimePoint& small, const TimePoint& large, double rays);
 
 }  // namespace gicube

@@ -1,4 +1,4 @@
-// The plan step: pilots of a grid of settings, and the choice among them.
+// The plan step: makes pilots for a grid of settings and chooses among them.
 #include "gicube/plan.h"
 
 #include <algorithm>
@@ -15,18 +15,18 @@
 namespace gicube {
 namespace {
 
-// Voxels, chosen: each costs half of the one before. What is saved is told against the finest.
+// Voxels, chosen: each costs half of the one before. Savings are relative to the finest.
 constexpr double kSteps[] = {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1, 2};
 constexpr double kFinestStep = kSteps[0];
 // chosen: on the paper's datapath shorter steps lose more by the drift of 14-bit positions, which grows with their
 // number, than they gain; the wide one does not drift (docs/guide/plan.md has the measurements).
 constexpr std::size_t kBestOnPaper = 2;
 constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
-// chosen: pictures are made whole that are predicted to take up to so many budgets, since predictions may be too long.
+// chosen: whole pictures are made up to this multiple of the budget, because predictions may be too long.
 constexpr double kTimeMargin = 1.25;
-// chosen: the same again takes a little more or less, by what memory was doing before; 0.4% were measured of a volume.
+// chosen: the time of the same picture varies slightly with the previous state of the memory; 0.4% was measured.
 constexpr double kAgain = 1.01;
-// chosen: an error from which on a level of detail beyond that of the pixels is worth being looked at.
+// chosen: from this error on, one level of detail beyond that of the pixels is tried.
 constexpr double kCoarse = 0.02;
 
 void check_request(const PlanRequest& request) {
@@ -62,7 +62,7 @@ class Planner {
   Plan make() {
     const auto start = std::chrono::steady_clock::now();
     if (request_.time_budget > 0 && !keeps_time_) {
-      throw BadArgument("time_budget", "a board at fidelity level cycle, which keeps time", "functional");
+      throw BadArgument("time_budget", "a board with fidelity level cycle, which models time", "functional");
     }
     describe();
     take_best();
@@ -101,7 +101,7 @@ class Planner {
                                              (std::size(kThresholds) + 1));
   }
 
-  // The first pilot after a load sends the tables of this camera, which then cost no other one anything.
+  // Goes to a level. After a load a tiny pilot sends the tables of this camera, so that no other pilot pays for them.
   void go_to(int level) {
     if (levels_.go_to(level) || plan_.pilots == 0) static_cast<void>(take(settings(level, 2, 0.5), 4, level));
   }
@@ -127,13 +127,13 @@ class Planner {
   }
   int first_edge() const { return request_.pilot_pixels; }
   int second_edge() const {
-    constexpr double kShare = 1.0 / 3;  // chosen: of the picture's edge; a ninth of its pixels
+    constexpr double kShare = 1.0 / 3;  // chosen: of the picture's edge, so a ninth of its pixels
     return std::max(2 * request_.pilot_pixels, static_cast<int>(kShare * picture_edge()));
   }
   double picture_edge() const { return std::sqrt(double(request_.view.width) * request_.view.height); }
   bool has_room() const { return second_edge() <= picture_edge(); }
 
-  // Samples and time of the whole picture, as its rays are more.
+  // Extrapolates samples and time of the whole picture by its number of rays.
   void extrapolate(const Pilot& pilot, PlanPoint& point) const {
     const double more = rays() / static_cast<double>(pilot.image.pixels.size());
     point.samples = more * pilot.samples;
@@ -148,7 +148,7 @@ class Planner {
     point.error_bound = error.bound;
   }
 
-  // Makes the reference of all others, from the whole volume.
+  // Makes the reference picture, from the whole volume.
   void take_best() {
     go_to(Levels::kWhole);
     const auto picture = [this](PlanPoint& point, int edge) {
@@ -180,7 +180,7 @@ class Planner {
     go_to(level);
     for (const double step : steps_) {
       const PlanPoint whole = tried(settings(level, step, 1), first_edge());
-      // Ending rays earlier, or taking still longer steps, makes no picture better.
+      // Ending rays earlier, or longer steps, can't improve the picture.
       if (request_.max_error > 0 && whole.error > request_.max_error) break;
       for (const double threshold : kThresholds) {
         const PlanPoint point = tried(settings(level, step, threshold), first_edge());
@@ -191,9 +191,8 @@ class Planner {
 
   double cost(const PlanPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
 
-  // The cheapest of all points whose bound keeps the target. A small pilot's bound is wider than a larger one's, so a
-  // point that is within the target only by its estimate is looked at more closely, as long as it would be cheaper than
-  // what was found.
+  // Chooses the cheapest point whose bound is within the target. Small pilots have wide bounds: a point that is within
+  // the target only by its estimate gets a larger pilot, if it is cheaper than the best so far.
   void choose_cheapest() {
     const auto keeps = [this](const PlanPoint& point) { return point.error_bound <= request_.max_error; };
     std::vector<PlanPoint> candidates;
@@ -215,7 +214,7 @@ class Planner {
     where_ = point.level;
   }
 
-  // Keeps a time that was found already.
+  // Makes a larger pilot of a point. Keeps its time if a budget has determined it.
   PlanPoint closer(const PlanPoint& point) {
     go_to(point.level);
     PlanPoint found = tried(point, second_edge());
@@ -228,10 +227,10 @@ class Planner {
     return {static_cast<double>(pilot.image.pixels.size()), static_cast<double>(pilot.time)};
   }
 
-  // Estimates the whole picture's time from small pilots, to decide whether it is worth making.
+  // Estimates the whole picture's time from small pilots, to decide whether to make it.
   Picoseconds rough_time(const PlanPoint& point, int where) {
     go_to(where);
-    constexpr int kTiny = 4;  // pixels: what a picture takes before its first ray
+    constexpr int kTiny = 4;  // pixels: for the time before the first ray
     const TimePoint none = timed(point, kTiny, where), small = timed(point, first_edge(), where);
     const TimePoint large = has_room() ? timed(point, 2 * first_edge(), where) : TimePoint{};
     return static_cast<Picoseconds>(extrapolated_time(none, small, large, rays()));
@@ -244,7 +243,7 @@ class Planner {
 
   void choose_within_time() {
     const auto budget = static_cast<double>(request_.time_budget);
-    constexpr double kAtBest = 0.3;  // chosen: of a pilot's time a ray, what rays that lie closer together may need
+    constexpr double kAtBest = 0.3;  // chosen: least share of a pilot's time per ray that closer rays need
     std::vector<PlanPoint> points = plan_.points;
     std::stable_sort(points.begin(), points.end(),
                      [](const PlanPoint& a, const PlanPoint& b) { return a.error_bound < b.error_bound; });
@@ -268,7 +267,7 @@ class Planner {
   const std::span<const double> steps_;  // the best one first
   Levels levels_;
   int deepest_ = 0;
-  int where_ = Levels::kWhole;  // the volume of what is chosen
+  int where_ = Levels::kWhole;  // the level of the chosen point, or kWhole
   std::uint32_t max_pilots_ = 0;
   Image best_, larger_best_;
   Plan plan_;

@@ -1,10 +1,11 @@
-// The part of a volume that camera and transfer functions leave visible.
+// The visible part of a volume, and its level of detail in a picture.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "encode/look_up_tables.h"
+#include "encode/vectors.h"
 #include "encode/volume/samples.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/level_of_detail.h"
@@ -12,23 +13,22 @@
 namespace gicube {
 namespace {
 
-constexpr int kBlock = 4;  // chosen: finer than the board's blocks, and a 64th of a volume's voxels to look at
-
-Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+constexpr int kBlock = 4;  // chosen: finer than the board's blocks, with little work per voxel
 
 std::vector<wire::SegmentationEntry> table_of(std::span<const TransferFunction> functions, ValueRange range) {
   std::vector<wire::SegmentationEntry> table;
   for (std::size_t tag = 0; tag < std::min<std::size_t>(functions.size(), wire::kTags); ++tag) {
     check(functions[tag], static_cast<int>(tag));
-    const auto entries = segmentation_entries(functions[tag], range, {}, true);  // what any board can show
+    const auto entries =
+        segmentation_entries(functions[tag], range, {}, true);  // as on the wide datapath, which shows most
     table.insert(table.end(), entries.begin(), entries.end());
   }
   table.resize(wire::kSegmentationEntries);
   return table;
 }
 
-// Least and greatest value and the tags that occur in a row of voxels along x, over several rows of the volume. The
-// values stay what they are: densities rise with them, so that only those of blocks need to be found.
+// The minimum, the maximum and the tags of each position along x, over several rows of the volume. Densities increase
+// with values, so only a block's extremes are converted.
 template <typename Source>
 class Row {
  public:
@@ -41,7 +41,7 @@ class Row {
         max_(size_),
         tags_(volume.tags.empty() ? 0 : size_) {}
 
-  // Over the rows from (y, z) to before (end_y, end_z).
+  // Replaces them by those of the rows from (y, z) to before (end_y, end_z).
   void gather(int y, int end_y, int z, int end_z) {
     std::fill(min_.begin(), min_.end(), std::numeric_limits<Value>::max());
     std::fill(max_.begin(), max_.end(), std::numeric_limits<Value>::lowest());
@@ -51,7 +51,7 @@ class Row {
     }
   }
 
-  // Statistics of the voxels from x to before end.
+  // The statistics of the voxels from x to before end.
   BlockStatistics statistics(std::size_t x, std::size_t end, ValueRange range) const {
     Value low = min_[x], high = max_[x];
     std::uint8_t tags = tags_.empty() ? 1 : 0;
@@ -85,7 +85,7 @@ class Row {
   std::vector<std::uint8_t> tags_;  // bit t: tag t
 };
 
-// In blocks; high below low: nothing shows.
+// A box of blocks; nothing is visible if high < low.
 struct BlockRange {
   Dims low, high{-1, -1, -1};
 
@@ -97,7 +97,7 @@ struct BlockRange {
   }
 };
 
-// The blocks in which something shows, between their voxels and those of their upper neighbours.
+// The blocks with visible samples, also between their voxels and those of their upper neighbours.
 BlockRange visible_blocks(const auto& source, const VolumeView& volume, ValueRange range,
                           std::span<const wire::SegmentationEntry> table) {
   BlockRange out{volume.dims};

@@ -82,11 +82,11 @@ TEST(Colours, AreRefusedByACardWithoutThemAndInAWrongNumber) {
   const auto colours = painted(1, 2, 3);
   Board plain = open_board(kSmallBlocks);
   EXPECT_THAT([&] { plain.load_volume(view_of(samples, colours)); },
-              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none on a card whose voxels have none")));
+              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none, since the card's voxels have none")));
   Board board = open_board(uri("rgb"));
   std::vector<std::uint8_t> few(colours.begin(), colours.end() - 1);
   EXPECT_THAT([&] { board.load_volume(view_of(samples, few)); },
-              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none or 139968 bytes, 3 a voxel, got 139967")));
+              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none or 139968 bytes, 3 per voxel, got 139967")));
 }
 
 TEST(Colours, NoneOrAllWhiteGiveTheBitsOfACardWithoutThem) {

@@ -150,7 +150,7 @@ TEST(ColouredLight, ValuesThatAreWrittenAreReadAgainAndSeen) {
   for (std::size_t i = 0; i < read.size(); ++i) ASSERT_NEAR(read[i], values[i], 0.0051) << i;
   values.pop_back();
   EXPECT_THAT([&] { board.write_irradiance(box, values); },
-              ThrowsMessage<BadArgument>(HasSubstr("values: expected 5940, three a voxel of the box, got 5939")));
+              ThrowsMessage<BadArgument>(HasSubstr("values: expected 5940, 3 per voxel of the box, got 5939")));
 
   const VoxelBox all{{0, 0, 0}, {32, 32, 32}};
   values.clear();
@@ -208,14 +208,14 @@ TEST(ColouredLight, IsRefusedByACardOfOneWordAndInAWrongNumber) {
     }
     return "none";
   };
-  EXPECT_THAT(fault_of(one, {kLamp}), HasSubstr("light_colours: expected none on a board of one irradiance word"));
+  EXPECT_THAT(fault_of(one, {kLamp}), HasSubstr("light_colours: expected none on a board with one irradiance word"));
   EXPECT_THAT(fault_of(three, {kLamp, kLamp}),
               HasSubstr("light_colours: expected one for each of the 1 lights, or none"));
   EXPECT_THAT(fault_of(three, {{0, 0, 0}}), HasSubstr("light_colours[0]: expected a colour with a factor above 0"));
   EXPECT_THAT(fault_of(three, {{1, -1, 0}}), HasSubstr("light_colours[0]: expected 0.."));
   EXPECT_EQ(fault_of(three, {{4, 1, 0}}), "none");
   EXPECT_THAT([&] { one.set_material(chalk(kChalk)); },
-              ThrowsMessage<BadArgument>(HasSubstr("material.scattering_colour: expected white on a board of one")));
+              ThrowsMessage<BadArgument>(HasSubstr("material.scattering_colour: expected white on a board with one")));
   EXPECT_THAT(
       [&] {
         three.set_material(chalk({1, 1, 1.1}));
@@ -232,7 +232,7 @@ TEST(ColouredLight, WhatTheRaysOfThreeEnergiesCanNotDoIsUnsupportedAndTheBoardLi
   board.set_material({.scattering = 1, .bsdf = Bsdf::kTrap, .routine = kHostRoutine});
   board.set_scattering_routine([](const ScatterEvent&) { return ScatterAnswer{}; });
   EXPECT_THAT([&] { board.illuminate(kLights, {}); },
-              ThrowsMessage<Unsupported>(HasSubstr("the application's to scatter, whose rays have one energy")));
+              ThrowsMessage<Unsupported>(HasSubstr("scattered by the application, whose rays have one energy")));
   EXPECT_EQ(board.read_irradiance().size(), 3u * 32 * 32 * 32);  // it is not scattered
   board.set_material(chalk());
   EXPECT_GT(board.illuminate(kLights, {}).deposited, 0);

@@ -213,7 +213,7 @@ TEST_F(Lighting, WarnsOfALightInASolid) {
   const std::vector<Light> buried{PointLight{{16, 16, 16}, 1000}};
   const LightingReport report = board_.illuminate(buried, {});
   EXPECT_NEAR(sum(report), report.emitted, 1e-9 * report.emitted);
-  EXPECT_THAT(report.warnings, testing::Contains(HasSubstr("lights[0] stands in a solid")));
+  EXPECT_THAT(report.warnings, testing::Contains(HasSubstr("lights[0] is in a solid")));
 }
 
 TEST_F(Lighting, WarnsWhereEnergyIsClipped) {

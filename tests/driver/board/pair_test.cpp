@@ -325,9 +325,9 @@ TEST(PairFactors, WhatIsWrongIsNamed) {
               ThrowsMessage<BadArgument>(HasSubstr(
                   "elements[1]: expected an element in the volume, got one from (5, 5, 39.5) to (25, 25, 39.5)")));
   elements[1] = {ElementKind::kDisc, {20, 20, 20}, {5, 0, 0}, {0, 5, 0}, {0, 1, 0}};
-  EXPECT_THAT([&] { board.pair_factors(elements, kPairs); },
-              ThrowsMessage<BadArgument>(
-                  HasSubstr("elements[1].w: expected shares of 0 or more and below 1 of a disc, got 1")));
+  EXPECT_THAT(
+      [&] { board.pair_factors(elements, kPairs); },
+      ThrowsMessage<BadArgument>(HasSubstr("elements[1].w: expected a disc's shares of 0 or more and below 1, got 1")));
   elements[1] = {ElementKind::kDisc, {20, 20, 35}, {5, 0, 0}, {0, 3, 4}, {}};
   EXPECT_NO_THROW(board.pair_factors(elements, kPairs)) << "it touches z = 39";
   elements[1].origin.z = 35.5;

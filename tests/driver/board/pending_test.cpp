@@ -212,7 +212,7 @@ TEST(Reads, FillTheCallersMemory) {
   EXPECT_EQ(values, std::vector<float>(values.size()));
   values.pop_back();
   EXPECT_THAT([&] { board.volume().read(box, values); },
-              ThrowsMessage<BadArgument>(HasSubstr("values: expected room for 108, 1 a voxel of the box, got 107")));
+              ThrowsMessage<BadArgument>(HasSubstr("values: expected room for 108, 1 per voxel of the box, got 107")));
   const Image image = board.render(view_of_box());
   std::vector<Pixel> pixels(image.pixels.size());
   board.renderer().read_framebuffer(pixels);

@@ -139,7 +139,7 @@ TEST_F(Regions, WhatDoesNotFitIsNamed) {
       [&] {
         board_.write_volume({{0, 0, 0}, {2, 1, 1}}, std::array{1.0f});
       },
-      ThrowsMessage<BadArgument>(HasSubstr("values: expected 2, one a voxel of the box, got 1")));
+      ThrowsMessage<BadArgument>(HasSubstr("values: expected 2, 1 per voxel of the box, got 1")));
   EXPECT_THAT(
       [&] {
         board_.write_volume({{0, 0, 0}, {1, 1, 1}}, std::array{std::nanf("")});

@@ -290,7 +290,7 @@ TEST(SharedBlocks, RefuseWhatNeedsAWholeVolume) {
     }
     return std::string("accepted");
   };
-  const char* const text = " is not for a board that shares its volume's blocks with others";
+  const char* const text = " does not work on a board that shares its volume's blocks with other ranks";
   EXPECT_EQ(refused([&] { board.verify_volume(); }), std::string("verify_volume()") + text);
   EXPECT_EQ(refused([&] { board.pair_factors({}, {}); }), std::string("pair_factors()") + text);
   EXPECT_EQ(refused([&] { board.save(); }), std::string("save()") + text);

@@ -177,7 +177,7 @@ TEST(VolumeStream, LeavesTheFormerVolumeIfItCannotBeRead) {
                   testing::StrEq("samples at voxel (7, 3, 35): expected a finite number, got nan")));
   broken.read = nullptr;
   EXPECT_THAT([&] { board.load_volume(broken); },
-              testing::ThrowsMessage<BadArgument>(testing::StrEq("read: expected a function, got none")));
+              testing::ThrowsMessage<BadArgument>(testing::StrEq("read: expected a function, got null")));
   EXPECT_EQ(board.render(picture()).pixels, before.pixels);
 }
 

@@ -117,6 +117,12 @@ TEST(BlockOrder, HasEveryRaysBlocksFromFrontToBack) {
   EXPECT_GT(seen, 10000u);
 }
 
+std::vector<std::size_t> blocks_sampled_in(std::size_t block, Dims blocks) {
+  std::vector<std::size_t> out;
+  for_each_sampled_in(block, blocks, [&out](std::size_t each) { out.push_back(each); });
+  return out;
+}
+
 TEST(BlocksSampledIn, AreTheBlockAndThoseAboveIt) {
   EXPECT_THAT(blocks_sampled_in(0, {2, 2, 2}), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
   EXPECT_THAT(blocks_sampled_in(5, {2, 2, 2}), ElementsAre(5, 7));

@@ -227,8 +227,8 @@ TEST(RayRequestCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {
   const auto same = [](RayRequest&) {};
   for (int type = 0; type <= 6; ++type)
     EXPECT_EQ(refused_request(static_cast<RayType>(type), same), "accepted") << type;
-  EXPECT_EQ(refused_request(static_cast<RayType>(7), same), "request.type: expected one of RayType's, got 7");
-  EXPECT_EQ(refused_request(static_cast<RayType>(-1), same), "request.type: expected one of RayType's, got -1");
+  EXPECT_EQ(refused_request(static_cast<RayType>(7), same), "request.type: expected a RayType, got 7");
+  EXPECT_EQ(refused_request(static_cast<RayType>(-1), same), "request.type: expected a RayType, got -1");
   for (const RayType type : {RayType::kFirstHit, RayType::kSegment, RayType::kOpacity}) {
     EXPECT_EQ(refused_request(type, [](RayRequest& r) { r.opacity = 1e-9; }), "accepted");
     EXPECT_EQ(refused_request(type, [](RayRequest& r) { r.opacity = 0; }),
@@ -244,7 +244,7 @@ TEST(RayRequestCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {
   EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.step = 17; }),
             "request.step: expected 0.015625..16, got 17");
   EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.words = static_cast<SumWords>(2); }),
-            "request.words: expected one of SumWords', got 2");
+            "request.words: expected a SumWords, got 2");
   EXPECT_EQ(refused_request(RayType::kBackproject, [](RayRequest& r) { r.words = SumWords::kIrradiance; }), "accepted");
   EXPECT_EQ(refused_request(RayType::kDeposit, [](RayRequest& r) { r.lifetime = 1023; }), "accepted");
   EXPECT_EQ(refused_request(RayType::kDeposit, [](RayRequest& r) { r.lifetime = 1024; }),

@@ -48,9 +48,9 @@ TEST(MaterialCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {
   EXPECT_EQ(refused_material([](Material& m) { m.gloss = 16; }), "material.gloss: expected 0..15.99, got 16");
   EXPECT_EQ(refused_material([](Material& m) { m.gloss = -0.1; }), "material.gloss: expected 0..15.99, got -0.1");
   EXPECT_EQ(refused_material([](Material& m) { m.bsdf = static_cast<Bsdf>(7); }),
-            "material.bsdf: expected one of Bsdf, got 7");
+            "material.bsdf: expected a Bsdf, got 7");
   EXPECT_EQ(refused_material([](Material& m) { m.bsdf = static_cast<Bsdf>(-1); }),
-            "material.bsdf: expected one of Bsdf, got -1");
+            "material.bsdf: expected a Bsdf, got -1");
   EXPECT_EQ(refused_material([](Material& m) { m.routine = 256; }), "material.routine: expected 0..255, got 256");
   EXPECT_EQ(refused_material([](Material& m) { m.routine = -1; }), "material.routine: expected 0..255, got -1");
   EXPECT_EQ(refused_material([](Material& m) { m.parameters.assign(33, 0.0F); }),

@@ -343,8 +343,8 @@ TEST(ElementCheck, ADiscsSharesBeginAtNothing) {
     return refusal([&] { check(disc, 3, {32, 32, 32}); });
   };
   EXPECT_EQ(refused({0, 0, 0}), "accepted");
-  EXPECT_EQ(refused({-0.001, 0, 0}), "elements[3].w: expected shares of 0 or more and below 1 of a disc, got -0.001");
-  EXPECT_EQ(refused({0, 1, 0}), "elements[3].w: expected shares of 0 or more and below 1 of a disc, got 1");
+  EXPECT_EQ(refused({-0.001, 0, 0}), "elements[3].w: expected a disc's shares of 0 or more and below 1, got -0.001");
+  EXPECT_EQ(refused({0, 1, 0}), "elements[3].w: expected a disc's shares of 0 or more and below 1, got 1");
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(ViewCheck, NamesWhatIsWrongWithTheCamera) {
   EXPECT_EQ(refusal_after([](View& view) { view.look_at.z = 2e9; }),
             "look_at.z: expected -1000000000..1000000000, got 2000000000");
   EXPECT_EQ(refusal_after([](View& view) { view.look_at = view.eye; }),
-            "look_at: expected a point apart from the eye, got the eye itself");
+            "look_at: expected a point other than the eye, got the eye");
   EXPECT_EQ(refusal_after([](View& view) { view.up.y = kNan; }), "up.y: expected a finite number, got nan");
   EXPECT_EQ(refusal_after([](View& view) { view.up = {}; }),
             "up: expected a direction across the line of sight, got the zero vector");

@@ -53,10 +53,10 @@ TEST(VolumeCheck, RefusesAWrongAmountOfData) {
             "type: expected a SampleType, got 9");
   const std::vector<float> gradients(71);
   EXPECT_EQ(refusal_after([&](VolumeView& view) { view.gradients = gradients; }),
-            "gradients: expected none or 72 floats, 3 a voxel, got 71");
+            "gradients: expected none or 72 floats, 3 per voxel, got 71");
   const std::vector<std::uint8_t> tags(25);
   EXPECT_EQ(refusal_after([&](VolumeView& view) { view.tags = tags; }),
-            "tags: expected none or 24, one a voxel, got 25");
+            "tags: expected none or 24, one per voxel, got 25");
 }
 
 TEST(VolumeCheck, RefusesSpacingThatIsNoBox) {

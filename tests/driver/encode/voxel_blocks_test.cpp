@@ -155,12 +155,12 @@ TEST(VoxelBlocks, RefuseSizesThatDoNotFit) {
   EXPECT_EQ(refusal([&] {
               VoxelBlocks({8, 8, 9}, 8, {volume.densities, volume.codes, {}, {}});
             }),
-            "densities: expected 576, one a voxel, got 512");
+            "densities: expected 576, one per voxel, got 512");
   const std::vector<std::uint8_t> tags(511);
   EXPECT_EQ(refusal([&] {
               VoxelBlocks({8, 8, 8}, 8, {volume.densities, volume.codes, tags, {}});
             }),
-            "tags: expected 512, one a voxel, got 511");
+            "tags: expected 512, one per voxel, got 511");
 }
 
 }  // namespace

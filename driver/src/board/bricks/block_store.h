@@ -1,4 +1,4 @@
-// Words of a volume's blocks, in memory or in a file.
+// Stores the words of a volume's blocks, in memory or in a file.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,13 @@ namespace gicube {
 
 class BlockStore {
  public:
-  // In memory, or in a ScratchFile, whose Errors it throws.
+  // kFile: in a ScratchFile, whose Errors are thrown.
   enum class Place { kMemory, kFile };
   BlockStore(std::size_t blocks, std::size_t block_bytes, Place place);
 
   std::size_t count() const { return places_.size(); }
   bool has(std::size_t block) const { return places_[block] >= 0; }
-  // Each block once. Throws Error: the file can't take it.
+  // Adds a block that is not stored yet. Throws Error: the file can't be written.
   void add(std::size_t block, std::span<const std::uint8_t> bytes);
   // Replaces the stored block, if there is one.
   void put(std::size_t block, std::span<const std::uint8_t> bytes);
@@ -29,14 +29,14 @@ class BlockStore {
   // Resizes `out`. Throws Error: the file can't be read.
   void read(std::size_t block, std::vector<std::uint8_t>& out) const;
 
-  // The blocks that it has; loaded, an empty one takes them. Throws CheckpointFault, and as add() and read().
+  // Lists the stored blocks; loads them into an empty store. Throws CheckpointFault, and as add() and read().
   void state(Archive& archive);
 
  private:
   std::size_t block_bytes_;
   void write(std::int64_t place, std::span<const std::uint8_t> bytes);
 
-  std::vector<std::int64_t> places_;  // of each block, in blocks; -1: it is not there
+  std::vector<std::int64_t> places_;  // of each block, in blocks; -1: not stored
   std::int64_t next_ = 0;
   std::vector<std::vector<std::uint8_t>> memory_;  // by place
   std::optional<ScratchFile> file_;

@@ -1,9 +1,10 @@
-// Level of detail of a volume's blocks: how coarse each may be in a picture, and how far that is from the original.
+// Level of detail of blocks: the coarseness that a picture allows for each, and the error that it causes.
 #include <algorithm>
 
 #include "board/state.h"
 #include "encode/argument.h"
 #include "encode/opacity_change.h"
+#include "encode/volume/samples.h"
 #include "gicube/level_of_detail.h"
 
 namespace gicube {
@@ -12,35 +13,31 @@ std::vector<std::uint8_t> BoardState::levels_of(const View& view) const {
   std::vector<std::uint8_t> levels;
   if (detail <= 0 || view.scatter) return levels;
   const int n = bricks->block_voxels();
-  int most = 0;  // cells of half a block
+  int most = 0;  // largest cells: half a block
   while (most < wire::kMaxCoarseLevel && (4 << most) <= n) ++most;
-  const Dims blocks = bricks->blocks();
-  VoxelBox box;
-  for (box.low[2] = 0; box.low[2] < blocks[2] * n; box.low[2] += n) {
-    for (box.low[1] = 0; box.low[1] < blocks[1] * n; box.low[1] += n) {
-      for (box.low[0] = 0; box.low[0] < blocks[0] * n; box.low[0] += n) {
-        for (std::size_t axis = 0; axis < 3; ++axis) box.size[axis] = std::min(n, volume->dims[axis] - box.low[axis]);
-        const double voxels = voxels_a_pixel(view, box, volume->relative_spacing) * detail;
-        levels.push_back(static_cast<std::uint8_t>(std::min(level_for(voxels), most)));
-      }
+  for_each_position({}, bricks->blocks(), [&](const Dims& block) {
+    VoxelBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.low[axis] = n * block[axis];
+      box.size[axis] = std::min(n, volume->dims[axis] - box.low[axis]);
     }
-  }
+    const double voxels = voxels_a_pixel(view, box, volume->relative_spacing) * detail;
+    levels.push_back(static_cast<std::uint8_t>(std::min(level_for(voxels), most)));
+  });
   return levels;
 }
 
 void VolumeStore::set_detail(double detail) {
   const auto lock = state_->begin();
   expect(detail >= 0 && detail <= 64, "detail", "0..64", number_text(detail));
-  if (detail > 0 && state_->info.protocol_minor < wire::kBricksMinor) {
-    throw Unsupported(fmt::format("set_brick_detail() needs a board of protocol 2.{}", wire::kBricksMinor));
-  }
+  if (detail > 0) state_->device.need_minor(wire::kBricksMinor, "set_brick_detail() needs");
   state_->detail = detail;
 }
 
 std::optional<BrickDetail> VolumeStore::detail() {
   const auto lock = state_->begin();
   const LoadedVolume& of = state_->loaded("brick_detail()");
-  if (state_->framebuffer_size.first == 0) throw Rejected("brick_detail() needs a picture: render first");
+  if (state_->framebuffer_size.first == 0) throw Rejected("brick_detail() needs a picture: call render() first");
   if (!state_->bricks) return std::nullopt;
   const Bricks::Detail detail = state_->bricks->detail();
   BrickDetail out{detail.blocks, static_cast<double>(detail.largest_error), 0};

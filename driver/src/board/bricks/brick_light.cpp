@@ -28,7 +28,7 @@ std::uint64_t BrickLight::address(std::size_t block) const {
 }
 
 std::vector<std::uint8_t> BrickLight::kept(std::size_t block) const {
-  std::vector<std::uint8_t> bytes(words_ * wire::kIrradianceBytes);
+  std::vector<std::uint8_t> bytes(bytes_of_block());
   if (store_.has(block)) store_.read(block, bytes);
   return bytes;
 }
@@ -40,14 +40,7 @@ void BrickLight::send(Device& device, std::size_t block) {
 
 std::vector<std::uint8_t> BrickLight::read(Device& device, std::size_t block) {
   if (changed_[block] == 0) return kept(block);
-  const std::size_t bytes = words_ * wire::kIrradianceBytes;
-  const std::size_t max_bytes = device.agreed().max_payload_bytes / wire::kIrradianceBytes * wire::kIrradianceBytes;
-  std::vector<std::uint8_t> out;
-  while (out.size() < bytes) {
-    const auto piece = device.read_memory(address(block) + out.size(), std::min(max_bytes, bytes - out.size()));
-    out.insert(out.end(), piece.begin(), piece.end());
-  }
-  return out;
+  return device.read_memory(address(block), bytes_of_block(), wire::kIrradianceBytes);
 }
 
 void BrickLight::fetch(Device& device, std::size_t block) {

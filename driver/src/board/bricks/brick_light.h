@@ -1,5 +1,5 @@
-// The irradiance of a volume with more blocks than the card stores. The words of a block are on the card or with the
-// host: the card has those of blocks for which they were sent, and the host all others.
+// The irradiance of a volume with more blocks than the card stores. The words of a block are valid either on the card,
+// after send(), or in the host's memory.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace gicube {
 
-// At which a word saturates.
+// The value at which an irradiance word saturates.
 inline std::uint32_t max_irradiance(const BoardInfo& info) { return info.wide ? ~std::uint32_t{0} : 2047; }
 
 class BrickLight {
@@ -30,36 +30,36 @@ class BrickLight {
 
   std::size_t bytes_of_block() const { return words_ * wire::kIrradianceBytes; }
   bool on_card(std::size_t block) const { return on_card_[block] != 0; }
-  // False: all its words are 0.
+  // False: all words of the block are 0.
   bool may_have(std::size_t block) const { return store_.has(block) || changed_[block] != 0; }
-  // One a block: the host has its words.
+  // One flag per block: 1 if the host has its words.
   std::vector<std::uint8_t> dark() const;
 
-  // All words are 0: those of the card too.
+  // Sets all words to 0; those on the card must have been cleared too.
   void clear();
-  // No word is on the card. What only the card had is lost.
+  // Marks all blocks as not on the card. Words that only the card had are lost.
   void leave_card();
 
-  // The card has the block's words from now on; before that it has none of them, and they are 0 there.
+  // Sends the block's words to the card. Before, they must be 0 there.
   void send(Device& device, std::size_t block);
-  // The host has them, and they may be dropped from the card.
+  // Reads the block's words back, so that the card may drop them.
   void fetch(Device& device, std::size_t block);
-  // Rays have left energy in the blocks of the card.
+  // To be called after rays have deposited energy: the words of all blocks on the card may have changed.
   void deposited();
 
   // Energy that the words accepted, and that they clipped, in units.
   struct Added {
     std::uint64_t kept = 0, clipped = 0;
   };
-  // To words that the host has. Throws std::out_of_range if one is not a word of the volume, or on the card.
+  // Adds deposits to words that the host has. Throws std::out_of_range for a word outside of the volume or on the card.
   Added add(std::span<const wire::HostDeposit> deposits);
 
-  // n^3 words, from the card if they are there.
+  // The n^3 words of a block, from the card if they are there.
   std::vector<std::uint8_t> read(Device& device, std::size_t block);
-  // Some of them, from byte `at` on.
+  // Writes some words of a block, from byte `at` on.
   void write(Device& device, std::size_t block, std::size_t at, std::span<const std::uint8_t> bytes);
 
-  // Adds to all words of a block, wherever they are; returns what they clipped, in units.
+  // Adds to all words of a block, on the card or here; returns the units that were clipped.
   std::uint64_t add_words(Device& device, std::size_t block, std::span<const std::uint8_t> more);
 
   // Throws CheckpointFault.
@@ -71,9 +71,9 @@ class BrickLight {
 
   std::size_t words_;  // of a block
   std::uint32_t most_;
-  BlockStore store_;  // blocks whose words may not all be 0; old of those that have changed on the card
+  BlockStore store_;                   // blocks whose words may differ from 0; outdated if changed_
   std::vector<std::uint8_t> on_card_;  // one a block
-  std::vector<std::uint8_t> changed_;  // on the card, since they were sent
+  std::vector<std::uint8_t> changed_;  // on the card since send()
 };
 
 }  // namespace gicube

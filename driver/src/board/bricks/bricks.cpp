@@ -12,6 +12,7 @@
 namespace gicube {
 namespace {
 
+// Sends one flag a block if they differ from those that were `sent` last.
 void send_flags(Device& device, const wire::MemoryRegion& region, std::span<const std::uint8_t> flags,
                 std::vector<std::uint8_t>& sent) {
   std::vector<std::uint8_t> packed = pack_flags(flags);
@@ -64,7 +65,7 @@ void Bricks::begin(Device& device) {
   prepare(device, {});
 }
 
-// With all that its samples read, or leave energy in.
+// Whether the card has everything that samples in the block read or deposit into.
 bool Bricks::can_be_sampled(std::size_t block, const BrickNeeds& needs) const {
   const LightUse light = needs.light;
   if (light == LightUse::kLeft && !light_.on_card(block)) return false;
@@ -83,7 +84,7 @@ void Bricks::prepare(Device& device, const BrickNeeds& needs) {
   if (needs.light != LightUse::kNone) send_flags(device, wire::kDarkFlags, light_.dark(), dark_);
 }
 
-// Calls use(each, voxels, irradiance) for the blocks that samples in `block` need, and what of them.
+// Calls use(each, voxels, irradiance) for each block that samples in `block` need; the flags say which parts of it.
 template <typename Use>
 void Bricks::for_each_need(std::size_t block, LightUse light, const Use& use) const {
   const bool stored = store_.has(block);
@@ -171,10 +172,7 @@ void Bricks::load(Device& device, std::span<const std::size_t> wanted, const Bri
     if (choice.voxels[block] != 0 && !has_words(block, needs)) send(device, block, needs.level(block), commands);
     if (choice.light[block] != 0 && !light_.on_card(block)) light_.send(device, block);
   }
-  for (const std::uint32_t command : commands) {
-    const CommandResult result = device.finish(command, {});
-    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
-  }
+  for (const std::uint32_t command : commands) device.finish_or_throw(command);
   prepare(device, needs);
 }
 
@@ -186,11 +184,9 @@ void Bricks::send(Device& device, std::size_t block, int level, std::vector<std:
   if (level == 0) {
     write_packed_block(device, block, n, bytes);
   } else {
+    const Dims at = position_of(block, blocks_);
     Dims inside{};
-    for (std::size_t axis = 0, rest = block; axis < 3; rest /= static_cast<std::size_t>(blocks_[axis]), ++axis) {
-      const auto at = static_cast<int>(rest % static_cast<std::size_t>(blocks_[axis]));
-      inside[axis] = std::min(n_, dims_[axis] - n_ * at);
-    }
+    for (std::size_t axis = 0; axis < 3; ++axis) inside[axis] = std::min(n_, dims_[axis] - n_ * at[axis]);
     const CoarseBlock coarse = coarse_block(bytes, n, inside, coloured_, level, *codebook_);
     std::vector<std::uint8_t> command =
         wire::encoded(wire::LoadCoarseHeader{static_cast<std::uint32_t>(block), static_cast<std::uint8_t>(level)});

@@ -1,10 +1,10 @@
-// A job of several ranks, each with a board: rays that wait for blocks of other ranks go there, and come home at their
-// ends.
+// A job of several ranks, each with a board. Rays that wait for blocks of another rank move there, and return to their
+// own rank when they end.
 //
-// In rounds: each rank traces until its board has no ray that waits for one of its own blocks; then all exchange what
-// they have for each other, and their simulated hosts go on at the time of the last. The job is done after a round in
-// which nobody sent a ray. So simulated time depends on no order in which messages come. Messages take no simulated
-// time.
+// The job runs in rounds. Each rank traces until its board has no ray that waits for one of its own blocks. Then all
+// ranks exchange rays, and their simulated hosts continue at the latest of their times. The job is done after a round
+// in which no rank sent a ray. So simulated time does not depend on the order in which messages arrive. Messages take
+// no simulated time.
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -17,7 +17,7 @@ namespace gicube {
 
 namespace {
 
-// To one rank, of one round.
+// The message to one rank in one round.
 struct Parcel {
   Picoseconds now = 0;
   std::vector<std::uint8_t> rays{}, ended{};  // records
@@ -37,7 +37,7 @@ Parcel parcel_of(std::span<const std::uint8_t> bytes) {
   const std::uint64_t rays = bytes.size() < 16 ? ~std::uint64_t{0} : wire::load<std::uint64_t>(bytes, 8);
   if (rays > bytes.size() - 16 || !whole(rays, wire::kForwardedRayBytes) ||
       !whole(bytes.size() - 16 - rays, wire::kEndedRayBytes)) {
-    throw Error("RayExchange::exchange() returned " + std::to_string(bytes.size()) + " bytes that are no rays");
+    throw Error("RayExchange::exchange() returned " + std::to_string(bytes.size()) + " bytes that are not rays");
   }
   Parcel out{.now = wire::load<Picoseconds>(bytes, 0)};
   const auto records = bytes.subspan(16);
@@ -53,7 +53,7 @@ std::vector<std::uint32_t> blocks_of(std::span<const wire::WaitingBlock> waiting
   return out;
 }
 
-// Rays of this rank's own board are nobody else's there.
+// Marks rays of this rank as the board's own: home 0.
 template <typename Ray>
 void bring_home(std::vector<std::uint8_t>& records, std::uint16_t own) {
   for (std::size_t at = 0; at < records.size(); at += wire::bytes_of<Ray>()) {
@@ -149,8 +149,8 @@ std::vector<std::vector<std::uint8_t>> BoardState::gather(std::vector<std::uint8
   return all;
 }
 
-// Before rays leave energy: words of other ranks' blocks are 0 here, so that the sum of all ranks' words is what they
-// are.
+// To be called before rays deposit energy: sets the words of other ranks' blocks to 0 here, so that the sum over all
+// ranks is the value of each word.
 void BoardState::begin_shared_light() {
   BrickLight& light = bricks->light();
   for (std::size_t block = 0; block < bricks->count(); ++block) {
@@ -159,8 +159,8 @@ void BoardState::begin_shared_light() {
   }
 }
 
-// After that: the owner of a block adds what the others have for it, and all get the sum. What saturates there was not
-// deposited.
+// To be called after that: the owner of a block adds the other ranks' words, and all ranks get the sum. Energy that
+// saturates there moves from `deposited` to `clipped`.
 void BoardState::end_shared_light(wire::LightingLedger& ledger) {
   BrickLight& light = bricks->light();
   std::vector<std::vector<std::uint8_t>> out(shared->ranks());
@@ -172,10 +172,11 @@ void BoardState::end_shared_light(wire::LightingLedger& ledger) {
   const auto for_each = [&](const std::vector<std::vector<std::uint8_t>>& messages, const auto& use) {
     const std::size_t words = light.bytes_of_block(), each = 4 + words;
     for (const auto& message : messages) {
-      if (message.size() % each != 0) throw Error("RayExchange::exchange() returned bytes that are no irradiance");
+      if (message.size() % each != 0) throw Error("RayExchange::exchange() returned bytes that are not irradiance");
       for (std::size_t at = 0; at < message.size(); at += each) {
         const auto block = wire::load<std::uint32_t>(message, at);
-        if (block >= bricks->count()) throw Error("RayExchange::exchange() returned irradiance of no block");
+        if (block >= bricks->count())
+          throw Error("RayExchange::exchange() returned irradiance of a block beyond the volume");
         use(block, std::span(message).subspan(at + 4, words));
       }
     }
@@ -208,7 +209,7 @@ wire::LightingLedger BoardState::sum_of_ranks(const wire::LightingLedger& ledger
   return sum;
 }
 
-// Between calls: deals the blocks by what the last ones have cost.
+// To be called between commands: deals the blocks again, by the cost of the last ones.
 void BoardState::share_anew() {
   const std::uint64_t samples = device.counters().value("pipeline.samples");
   shared->measured(samples - std::exchange(samples_before, samples));

@@ -1,5 +1,5 @@
-// Rays that wait with the host for blocks of a volume in bricks, since the card has enough of them: a queue a block, in
-// memory, and beyond a limit in a file.
+// Rays that wait in the host's memory for blocks of a volume in bricks, because the card has its limit of waiting rays:
+// one queue per block, in memory, and beyond a limit in a file.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,18 @@ namespace gicube {
 
 class RayQueue {
  public:
-  // At most `max_in_memory` rays are in memory.
+  // Keeps at most `max_in_memory` rays in memory.
   explicit RayQueue(std::size_t max_in_memory) : max_in_memory_(max_in_memory) {}
 
   bool empty() const { return blocks_.empty(); }
-  // All blocks that rays here wait for.
+  // All blocks that queued rays wait for.
   std::vector<wire::WaitingBlock> by_block() const;
   bool has(std::uint32_t block) const { return blocks_.contains(block); }
 
-  // Records of ForwardedRays for a block, and the sum of their contributions. Throws Error: the file can't take them.
+  // Adds records of ForwardedRays for a block. `importance`: the sum of their contributions. Throws Error: the file
+  // can't be written.
   void add(std::uint32_t block, std::uint64_t importance, std::span<const std::uint8_t> records);
-  // At most `most` of them. Throws Error: the file can't be read.
+  // Removes at most `most` rays for a block and returns their records. Throws Error: the file can't be read.
   std::vector<std::uint8_t> take(std::uint32_t block, std::size_t most);
   void clear();
 
@@ -48,7 +49,7 @@ class RayQueue {
   std::map<std::uint32_t, Rays> blocks_;
   std::optional<ScratchFile> file_;
   std::uint64_t file_end_ = 0;
-  std::size_t pieces_ = 0;  // in the file; at none it is written from its beginning again
+  std::size_t pieces_ = 0;  // in the file; if there is none, it is written from its begin again
 };
 
 }  // namespace gicube

@@ -1,5 +1,5 @@
-// Rays that wait for blocks of a volume that the card does not store whole: sends blocks, and has the rays go on, until
-// none waits.
+// Runs commands on a volume that the card does not store whole: sends blocks that rays wait for and resumes the rays,
+// until none waits.
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -11,22 +11,10 @@
 
 namespace gicube {
 
-std::vector<std::uint8_t> BoardState::read_pieces(const wire::MemoryRegion& region, std::uint64_t from,
-                                                  std::uint64_t bytes, std::size_t record) {
-  const std::size_t max_bytes = device.agreed().max_payload_bytes / record * record;
-  std::vector<std::uint8_t> out;
-  while (out.size() < bytes) {
-    const std::uint64_t length = std::min<std::uint64_t>(max_bytes, bytes - out.size());
-    const auto piece = device.read_memory(region.base + from + out.size(), length);
-    out.insert(out.end(), piece.begin(), piece.end());
-  }
-  return out;
-}
-
-// Adds what rays have left in blocks whose words the host has, and to the ledger what became of it.
+// Adds the energy that rays deposited in blocks whose words the host has, to these words and to the ledger.
 void BoardState::deposit_for_board(std::uint32_t records, wire::LightingLedger& ledger) {
-  const auto bytes =
-      read_pieces(wire::kHostDeposits, 0, std::uint64_t{records} * wire::kHostDepositBytes, wire::kHostDepositBytes);
+  const auto bytes = device.read_memory(wire::kHostDeposits.base, std::uint64_t{records} * wire::kHostDepositBytes,
+                                        wire::kHostDepositBytes);
   std::vector<wire::HostDeposit> deposits;
   for (std::size_t at = 0; at < bytes.size(); at += wire::kHostDepositBytes) {
     deposits.push_back(wire::decode<wire::HostDeposit>(std::span(bytes).subspan(at)));
@@ -52,11 +40,12 @@ std::vector<wire::WaitingBlock> BoardState::take_waiting(std::span<const std::ui
   }
 }
 
-// Takes rays off the card if it has more than it should, for the least important blocks first.
+// Moves waiting rays from the card to the host if there are more than the limit, those of the least important blocks
+// first.
 void BoardState::queue_excess(std::vector<wire::WaitingBlock>& waiting) {
   std::size_t on_card = 0;
   for (const wire::WaitingBlock& each : waiting) on_card += each.rays;
-  if (on_card <= (ray_queue.empty() ? max_waiting_rays : max_waiting_rays / 2)) return;  // queued ones need room there
+  if (on_card <= (ray_queue.empty() ? max_waiting_rays : max_waiting_rays / 2)) return;  // queued rays need room there
   std::ranges::sort(waiting, {}, &wire::WaitingBlock::importance);
   std::size_t taken = 0;
   for (; taken < waiting.size() && on_card > max_waiting_rays / 2; ++taken) {
@@ -71,7 +60,7 @@ void BoardState::queue_excess(std::vector<wire::WaitingBlock>& waiting) {
   std::ranges::sort(waiting, {}, &wire::WaitingBlock::block);
 }
 
-// Those that wait on the card, and with the host.
+// The blocks that rays wait for on the card and in the host's queue.
 std::vector<wire::WaitingBlock> BoardState::with_queue(std::span<const wire::WaitingBlock> waiting) const {
   std::vector<wire::WaitingBlock> all(waiting.begin(), waiting.end()), out;
   const auto queued = ray_queue.by_block();
@@ -88,7 +77,7 @@ std::vector<wire::WaitingBlock> BoardState::with_queue(std::span<const wire::Wai
   return out;
 }
 
-// Gives the card the host's rays for blocks that it has, as many as it should have.
+// Returns queued rays to the card for blocks that it has, up to the limit.
 void BoardState::give_queued(std::span<const wire::WaitingBlock> waiting, const BrickRun& run) {
   std::size_t on_card = 0;
   for (const wire::WaitingBlock& each : waiting) on_card += each.rays;
@@ -101,8 +90,8 @@ void BoardState::give_queued(std::span<const wire::WaitingBlock> waiting, const 
 }
 
 void BoardState::run_waiting(std::vector<wire::WaitingBlock> waiting, const BrickRun& run) {
-  ray_queue.clear();                       // of a call that threw
-  std::vector<wire::WaitingBlock> others;  // of which other ranks have the blocks
+  ray_queue.clear();                       // left by a call that threw
+  std::vector<wire::WaitingBlock> others;  // blocks of other ranks
   do {
     if (shared) others = shared->take_others(waiting);
     while (!waiting.empty() || !ray_queue.empty()) {
@@ -132,13 +121,7 @@ std::vector<CommandResult> BoardState::trace_in_bricks(std::span<const EncodedRa
   return results;
 }
 
-CommandResult BoardState::finish(std::uint32_t ticket) {
-  CommandResult result = device.finish(ticket, {});
-  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
-  return result;
-}
-
-// Rays that leave energy: one command after the other, since what the host must deposit is read before the next.
+// For rays that deposit: one command after the other, because the host's deposits must be read before the next command.
 std::vector<CommandResult> BoardState::deposit_in_bricks(std::span<const EncodedRays> parts, const BrickRun& run) {
   if (shared) begin_shared_light();
   bricks->prepare(device, run.needs);
@@ -149,10 +132,11 @@ std::vector<CommandResult> BoardState::deposit_in_bricks(std::span<const Encoded
     BrickRun of_part = run;
     of_part.take_ledger = [&sum](const wire::LightingLedger& ledger) { wire::add(ledger, sum); };
     std::vector<wire::WaitingBlock> waiting;
-    if (part < parts.size()) waiting = take_waiting(finish(device.command(parts[part].encoded)).payload, of_part);
+    if (part < parts.size())
+      waiting = take_waiting(device.finish_or_throw(device.command(parts[part].encoded)).payload, of_part);
     run_waiting(std::move(waiting), of_part);
   }
-  if (shared) {  // the whole job's, in the first
+  if (shared) {  // the first ledger is that of the whole job
     wire::LightingLedger sum;
     for (wire::LightingLedger& each : ledgers) wire::add(std::exchange(each, {}), sum);
     end_shared_light(sum);
@@ -166,19 +150,19 @@ std::vector<CommandResult> BoardState::deposit_in_bricks(std::span<const Encoded
   return results;
 }
 
-// All rays of a group wait together, so that each block is sent for all of them.
+// Traces a group of commands together, so that each block is sent once for all of their rays.
 void BoardState::trace_group(std::span<const EncodedRays> parts, const BrickRun& run,
                              std::vector<CommandResult>& results) {
   device.write_register(wire::reg::kControl, wire::kControlDropRays);
   std::vector<std::uint32_t> tickets;
   for (const EncodedRays& part : parts) tickets.push_back(device.command(part.encoded));
-  CommandResult latest;  // whose list has all rays that wait
-  for (const std::uint32_t ticket : tickets) latest = finish(ticket);
+  CommandResult latest;  // its list has all waiting rays
+  for (const std::uint32_t ticket : tickets) latest = device.finish_or_throw(ticket);
   run_in_bricks(latest.payload, run);
   std::uint64_t at = 0;
   for (const EncodedRays& part : parts) {
     const std::uint64_t bytes = std::uint64_t{part.rays} * wire::kRayBytes;
-    auto rays = read_pieces(wire::kHostRayMemory, at, bytes, wire::kRayBytes);
+    auto rays = device.read_memory(wire::kHostRayMemory.base + at, bytes, wire::kRayBytes);
     results.push_back({.time_ps = device.clock().now(), .payload = std::move(rays)});
     at += bytes;
   }

@@ -1,4 +1,4 @@
-// A file without a name in the folder TMPDIR, or in /var/tmp. It is gone with the process.
+// An unnamed file in the folder TMPDIR, or in /var/tmp. It ends with the process.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,13 @@ namespace gicube {
 
 class ScratchFile {
  public:
-  // `what` is kept there, for errors: "a volume larger than the card". Throws Error that names the folder.
+  // `what`: its content for error messages, for instance "a volume larger than the card". Throws Error that names the
+  // folder.
   explicit ScratchFile(std::string what);
 
   // Throws Error: the folder is full, or the file can't be written.
   void write(std::uint64_t at, std::span<const std::uint8_t> bytes);
-  // Throws Error: the file can't be read, or ends before.
+  // Throws Error: the file can't be read, or is shorter.
   void read(std::uint64_t at, std::span<std::uint8_t> bytes) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace gicube {
 namespace {
 
-constexpr double kEmpty = 1.0 / 64;  // chosen: rays leap over most blocks of zeros
+constexpr double kEmpty = 1.0 / 64;  // chosen: cost of a block of zeros, most of which are skipped
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void SharedBlocks::begin(Dims blocks, std::span<const std::uint8_t> stored) {
 }
 
 void SharedBlocks::measured(std::uint64_t samples) {
-  constexpr double kEnough = 1.1;  // chosen: moving blocks costs bus time
+  constexpr double kEnough = 1.1;  // chosen: of the mean; moving blocks costs bus time
   std::vector<std::uint8_t> own(8);
   wire::store(std::span(own), 0, samples);
   std::vector<double> taken(ranks()), expected(ranks());
@@ -38,7 +38,7 @@ void SharedBlocks::measured(std::uint64_t samples) {
   }
   for (std::size_t block = 0; block < cost_.size(); ++block) {
     const auto rank = static_cast<std::size_t>(owner_[block]);
-    // One that had nothing to do still counts, or its blocks would go to one rank when rays come to them.
+    // A rank without samples keeps some cost. Otherwise all its blocks would go to one rank.
     if (expected[rank] > 0) cost_[block] *= std::max(taken[rank], mean / 64) / expected[rank];
   }
   deal();

@@ -1,4 +1,4 @@
-// Which rank of a job traces the rays in which blocks of a volume.
+// Assigns each block of a volume to the rank of a job that traces the rays in it.
 #pragma once
 
 #include <cstddef>
@@ -23,18 +23,18 @@ class SharedBlocks {
   int rank() const { return exchange_->rank(); }
   std::size_t ranks() const { return static_cast<std::size_t>(exchange_->ranks()); }
 
-  // Deals the blocks of a new volume, whose rays cost as much in each stored block.
+  // Deals the blocks of a new volume; all stored blocks are taken to cost the same.
   void begin(Dims blocks, std::span<const std::uint8_t> stored);
-  // A call has taken this rank so many samples since the last one. Deals the blocks anew if one rank had much more than
-  // the others.
+  // `samples`: taken by this rank since the last call. Deals the blocks again if one rank took many more than the
+  // others. Collective.
   void measured(std::uint64_t samples);
 
   int owner(std::size_t block) const { return owner_[block]; }
   bool is_own(std::size_t block) const { return owner_[block] == rank(); }
-  // Takes the blocks of other ranks out, and returns them.
+  // Removes the blocks of other ranks from the list and returns them.
   std::vector<wire::WaitingBlock> take_others(std::vector<wire::WaitingBlock>& waiting) const;
 
-  // Collective. What each rank has, by rank.
+  // Collective. The bytes of each rank, by rank.
   std::vector<std::vector<std::uint8_t>> gather(const std::vector<std::uint8_t>& own) {
     return exchange_->exchange(std::vector(ranks(), own));
   }
@@ -44,7 +44,7 @@ class SharedBlocks {
 
   std::shared_ptr<RayExchange> exchange_;
   Dims blocks_{};
-  std::vector<double> cost_;  // of the rays in each block, in proportion
+  std::vector<double> cost_;  // relative cost of the rays in each block
   std::vector<int> owner_;
 };
 

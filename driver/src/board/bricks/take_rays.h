@@ -1,4 +1,4 @@
-// Rays off a card, by the command kTakeRays.
+// Takes rays off a card by the command kTakeRays.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace gicube {
 
-// Calls use(record) for each ray; `header` without its numbers. All blocks fit one command if there are at most
-// blocks_of_take_command().
+// Calls use(record) for each ray. The counts of `header` are set here. There may be at most blocks_of_take_command()
+// blocks.
 template <typename Ray, typename Use>
 void take_rays(Device& device, wire::TakeRaysHeader header, std::span<const std::uint32_t> blocks, const Use& use) {
   constexpr std::size_t kMost = 65536, kBytes = wire::bytes_of<Ray>();

@@ -6,17 +6,12 @@
 namespace gicube {
 
 VolumeParts::VolumeParts(const Dims& blocks, std::span<const double> costs, int ranks)
-    : boxes_(static_cast<std::size_t>(ranks)) {
-  Box whole;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    blocks_[axis] = static_cast<std::size_t>(blocks[axis]);
-    whole.high[axis] = blocks[axis];
-  }
-  divide(whole, costs, 0, ranks);
+    : blocks_(blocks), boxes_(static_cast<std::size_t>(ranks)) {
+  divide({{}, blocks}, costs, 0, ranks);
 }
 
-// The box for ranks `first` to before first + ranks: by the plane across its longest edge that is nearest to equal
-// costs for each.
+// Divides a box among the ranks first .. first + ranks - 1, by the plane across its longest edge that comes nearest to
+// equal costs.
 void VolumeParts::divide(const Box& box, std::span<const double> costs, int first, int ranks) {
   if (ranks == 1) {
     boxes_[static_cast<std::size_t>(first)] = box;
@@ -29,18 +24,14 @@ void VolumeParts::divide(const Box& box, std::span<const double> costs, int firs
   const int length = box.high[axis] - box.low[axis];
   std::vector<double> layers(static_cast<std::size_t>(length));
   double sum = 0;
-  for (int z = box.low[2]; z < box.high[2]; ++z) {
-    for (int y = box.low[1]; y < box.high[1]; ++y) {
-      for (int x = box.low[0]; x < box.high[0]; ++x) {
-        const double cost = costs[number(x, y, z)];
-        layers[static_cast<std::size_t>(std::array{x, y, z}[axis] - box.low[axis])] += cost;
-        sum += cost;
-      }
-    }
-  }
+  for_each_position(box.low, box.high, [&](const Dims& at) {
+    const double cost = costs[index_of(blocks_, at)];
+    layers[static_cast<std::size_t>(at[axis] - box.low[axis])] += cost;
+    sum += cost;
+  });
   const int of_below = ranks / 2;
   const double share = static_cast<double>(of_below) / ranks;
-  // At least a layer for each side, if there are two.
+  // Each side gets at least one layer if there are two.
   int layer = std::clamp(static_cast<int>(std::lround(length * share)), std::min(1, length), std::max(1, length - 1));
   double best = sum, below = 0;
   for (int i = 1; i < length; ++i) {

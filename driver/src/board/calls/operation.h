@@ -33,7 +33,7 @@ class OperationOf : public Operation {
   virtual T take(Picoseconds deadline) = 0;  // Pending::get()
 };
 
-// A call on a thread of its own that somebody may cancel.
+// The flag by which a started call is cancelled.
 class Cancellable {
  public:
   void cancel() { cancelled_ = true; }
@@ -70,12 +70,12 @@ class StartedCall final : public OperationOf<T>, public Cancellable {
     if (taken_) throw BadArgument("pending", "a result that was not taken yet", "one that get() has returned");
     if (completed_ > deadline && !error_) throw DeadlinePassed("the result came after the deadline");
     taken_ = true;
-    // Not kept: the call's thread would release what its receiver still looks at.
+    // The exception is not kept here: the call's thread could release it while the receiver still uses it.
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     if constexpr (!std::is_void_v<T>) return std::move(*result_);
   }
 
-  // On the call's thread. `now()`: the simulated host's clock.
+  // Executes the call, on its thread. `now()`: the simulated host's clock.
   void run(const auto& work, const auto& now) {
     std::exception_ptr error;
     std::optional<Result> result;

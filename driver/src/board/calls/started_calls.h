@@ -1,4 +1,4 @@
-// The threads of calls that were started, and of which of them the current one is.
+// The threads of started calls, and the call that has its turn.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,8 @@ namespace gicube {
 
 class StartedCalls {
  public:
-  // `work(progress)` in its turn, on a thread of its own; `now()` is the simulated host's clock. Throws
-  // std::system_error if there is no thread to be had.
+  // Executes `work(progress)` in its turn, on a thread of its own. `now()`: the simulated host's clock. Throws
+  // std::system_error if no thread can be started.
   template <class T>
   std::shared_ptr<OperationOf<T>> start(Turns& turns, std::function<T(const Progress&)> work,
                                         std::function<Picoseconds()> now) {
@@ -44,20 +44,20 @@ class StartedCalls {
     } catch (...) {
       --under_way_;
       threads_.pop_back();
-      const Turns::Turn turn = turns.await(place);  // or nobody's turn would come any more
+      const Turns::Turn turn = turns.await(place);  // otherwise no later turn would come
       throw;
     }
     return call;
   }
 
   bool any() const { return under_way_ > 0; }
-  // The calling thread is that of the call whose turn it is.
+  // Whether this is the thread of the call that has its turn.
   bool is_here() const { return thread_.load() == std::this_thread::get_id(); }
-  // Throws Cancelled if that has been cancelled.
+  // Throws Cancelled if that call was cancelled.
   void check() const {
     if (const Cancellable* call = current_.load()) call->check();
   }
-  // Waits for the end of all; what they wait for must be closed.
+  // Waits until all calls have ended. The device must be closed.
   void end() {
     std::list<Thread> threads;
     {

@@ -10,10 +10,10 @@ namespace gicube {
 
 class Turns {
  public:
-  // A turn that has come, until it is destroyed.
+  // A turn that has come. It ends with this object.
   class Turn {
    public:
-    Turn() = default;  // of a call within another one, whose turn it is
+    Turn() = default;  // of a nested call: the outer one has the turn
     explicit Turn(Turns& of) : of_(&of) {}
     Turn(Turn&& other) noexcept : of_(std::exchange(other.of_, nullptr)) {}
     Turn& operator=(Turn&&) = delete;
@@ -25,7 +25,7 @@ class Turns {
     Turns* of_ = nullptr;
   };
 
-  // A place in the line. Its turn must be awaited, once, on any thread.
+  // Takes a place in the queue. await() must be called for it, once, on any thread.
   std::uint64_t ask() {
     const std::lock_guard lock(mutex_);
     return asked_++;
@@ -48,8 +48,8 @@ class Turns {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::uint64_t asked_ = 0;    // places given
-  std::uint64_t current_ = 0;  // whose turn it is
+  std::uint64_t asked_ = 0;    // places taken
+  std::uint64_t current_ = 0;  // the place that has its turn
 };
 
 }  // namespace gicube

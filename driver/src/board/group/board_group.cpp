@@ -1,4 +1,4 @@
-// Calls of all boards of a group: who does what, what it throws, and what time it takes.
+// Calls of all boards of a group: their shares of the work, their errors and their simulated times.
 #include "gicube/board_group.h"
 
 #include <fmt/format.h>
@@ -28,15 +28,15 @@ class Recorder {
  public:
   explicit Recorder(Device& board) : board_(board), begin_(board.clock().now()), busy_(bus_busy(board)) {}
 
-  // A phase ends here.
+  // Ends a phase.
   void mark() {
     const Picoseconds now = board_.clock().now(), busy = bus_busy(board_);
-    const Picoseconds more = busy >= busy_ ? busy - busy_ : busy;  // a reopened board counts anew
+    const Picoseconds more = busy >= busy_ ? busy - busy_ : busy;  // a reopened board counts from 0
     phases_.push_back({now - begin_, std::min(now - begin_, more)});
     begin_ = now;
     busy_ = busy;
   }
-  // Instead of mark(), if the board may be lost: then it is not known what the bus did.
+  // Like mark(), for a board that may be lost: then the bus counts as idle.
   void end() {
     try {
       mark();
@@ -63,7 +63,7 @@ void throw_as(const Error& error, const std::string& board) {
   (throw_if<Kinds>(error, board), ...);
 }
 
-// Throws what `error` holds, with the name of the board if it is an error of that board's.
+// Rethrows `error`, with the board's name in front if the board threw it.
 [[noreturn]] void rethrow(const std::exception_ptr& error, const std::string& board) {
   try {
     std::rethrow_exception(error);
@@ -76,7 +76,7 @@ void throw_as(const Error& error, const std::string& board) {
   }
 }
 
-// Length of the runs in which rays are dealt to the boards in turn.
+// Number of consecutive rays that go to one board, before the next one's turn.
 std::size_t rays_at_once(std::size_t rays, std::size_t boards) {
   constexpr std::size_t kRuns = 4, kMost = 1024;  // chosen: as strip_rows()
   return std::clamp<std::size_t>(rays / (boards * kRuns), 1, kMost);
@@ -89,12 +89,13 @@ bool leaves_energy(RayType type) { return type == RayType::kDeposit || type == R
 struct GICUBE_HIDDEN BoardGroup::State {
   HostBuses buses = HostBuses::kShared;
   std::vector<Board> boards;
-  std::vector<std::string> names;  // as errors begin: "board 2 of 4 (emu:): "
+  std::vector<std::string> names;  // for error messages: "board 2 of 4 (emu:): "
   std::vector<BoardTime> times;
   Picoseconds now = 0;
 
   using Work = std::function<void(std::size_t index, Recorder& recorder)>;
-  // All boards do their part of a call, from the same simulated time on. `at_once`: on a thread each.
+  // All boards do their parts of a call, which begins at the same simulated time on all. `at_once`: each on a thread of
+  // its own.
   void call(bool at_once, const Work& work);
   void render(std::size_t index, const View& view, const BoardState::PicturePart& part, const Progress& progress,
               Recorder& recorder);
@@ -102,12 +103,12 @@ struct GICUBE_HIDDEN BoardGroup::State {
   void account(std::span<const std::vector<BusPhase>> phases);
 };
 
-// All boards' clocks at the latest of them.
+// Sets all boards' clocks to the latest of them.
 void BoardGroup::State::align() {
   Picoseconds latest = now;
   for (const Board& board : boards) latest = std::max(latest, board.now());
   for (std::size_t i = 0; i < boards.size(); ++i) {
-    times[i].work += std::max(boards[i].now(), now) - now;  // of its own
+    times[i].work += std::max(boards[i].now(), now) - now;  // of this board alone
     times[i].skew += latest - std::max(boards[i].now(), now);
     boards[i].state_->device.clock().wait_until(latest);
   }
@@ -124,7 +125,7 @@ void BoardGroup::State::account(std::span<const std::vector<BusPhase>> phases) {
   }
   std::vector<Picoseconds> done = alone;
   if (buses == HostBuses::kShared) done = done_on_shared_bus(phases);
-  for (std::size_t i = 0; i < done.size(); ++i) done[i] = std::max(done[i], alone[i]);  // they are rounded
+  for (std::size_t i = 0; i < done.size(); ++i) done[i] = std::max(done[i], alone[i]);  // those are rounded
   const Picoseconds last = *std::ranges::max_element(done);
   now += last;
   for (std::size_t i = 0; i < boards.size(); ++i) {
@@ -170,11 +171,8 @@ void BoardGroup::State::render(std::size_t index, const View& view, const BoardS
                                const Progress& progress, Recorder& recorder) {
   BoardState& board = *boards[index].state_;
   const auto lock = board.begin();
-  if (part.parts > 0 && board.device.agreed().minor < wire::kPartsMinor) {
-    throw Unsupported(fmt::format("parts of a picture need a board of protocol 2.{}, this one has 2.{}",
-                                  wire::kPartsMinor, board.device.agreed().minor));
-  }
-  std::function<void()> mark;  // one board takes the time of a Board
+  if (part.parts > 0) board.device.need_minor(wire::kPartsMinor, "parts of a picture need");
+  std::function<void()> mark;  // one board has no phases, and takes the time of a Board
   if (part.parts > 0) mark = [&recorder] { recorder.mark(); };
   board.render(view, part, index == 0 ? progress : Progress{}, mark);
   recorder.mark();
@@ -183,7 +181,7 @@ void BoardGroup::State::render(std::size_t index, const View& view, const BoardS
 BoardGroup BoardGroup::open(std::span<const std::string> addresses, const GroupOptions& options) {
   expect(!addresses.empty() && addresses.size() <= kMaxBoards, "addresses", fmt::format("1 to {}", kMaxBoards),
          addresses.size());
-  expect(addresses.size() == 1 || options.board.capture.empty(), "board.capture", "none of several boards",
+  expect(addresses.size() == 1 || options.board.capture.empty(), "board.capture", "none for several boards",
          options.board.capture);
   auto state = std::make_unique<State>();
   state->buses = options.buses;
@@ -201,9 +199,9 @@ BoardGroup BoardGroup::open(std::span<const std::string> addresses, const GroupO
       rethrow(std::current_exception(), addresses.size() > 1 ? state->names.back() : "");
     }
     if (addresses.size() > 1 && state->buses == HostBuses::kShared && state->boards.back().info().agp) {
-      throw BadArgument("buses", "own for boards with AGP, whose port takes one card", "shared");
+      throw BadArgument("buses", "own for boards with AGP, whose port has one card", "shared");
     }
-    of_board.while_waiting = {};  // it would be called on other threads
+    of_board.while_waiting = {};  // the other boards' threads must not call it
   }
   state->account(phases);
   return BoardGroup(std::move(state));
@@ -253,7 +251,7 @@ Image BoardGroup::render(const View& view, const Progress& progress) {
 RayBatch BoardGroup::trace(std::span<const HostRay> rays, const RayRequest& request) {
   struct Share {
     std::vector<std::span<const HostRay>> runs;
-    std::vector<std::size_t> numbers;  // of each run's first ray
+    std::vector<std::size_t> numbers;  // index of each run's first ray
     RayBatch batch;
   };
   std::vector<Share> shares(size());

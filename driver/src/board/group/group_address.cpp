@@ -24,7 +24,7 @@ HostBuses buses_of(std::string_view value) {
   throw BadArgument("URI option buses", "shared or own", fmt::format("\"{}\"", value));
 }
 
-// Files that a board writes.
+// Options that name a file which each board would write.
 constexpr std::array<std::string_view, 4> kFilesOfOne{"trace=", "events=", "capture=", "fault_log="};
 
 }  // namespace
@@ -57,7 +57,7 @@ GroupAddress parse_group(std::string_view address) {
                        one.find("&" + std::string(file)) != std::string::npos;
     if (asked && boards.value_or(1) > 1) {
       throw BadArgument("URI option " + std::string(file.substr(0, file.size() - 1)),
-                        "one board, which writes the file", fmt::format("{}", *boards));
+                        "one board, since it writes the file", fmt::format("{}", *boards));
     }
   }
   group.boards.assign(boards.value_or(1), one);

@@ -1,4 +1,4 @@
-// The address of several emulated boards.
+// Parses the address of a group of boards.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace gicube {
 
 struct GroupAddress {
   std::vector<std::string> boards;  // one address each
-  std::optional<HostBuses> buses;   // if the address says so
+  std::optional<HostBuses> buses;   // empty: the address does not say
 };
 
 // Throws BadArgument (boards, buses).

@@ -10,15 +10,15 @@ namespace {
 
 struct PhasesLeft {
   std::size_t board = 0;
-  std::span<const BusPhase> left;  // phases; the first is under way
-  double time_left = 0;            // of it, ps alone
+  std::span<const BusPhase> left;  // the phases left; the first is under way
+  double time_left = 0;            // of that one, ps, with the bus alone
   double speed = 1;
 
-  double share() const {  // of the bus that it asks for
+  double share() const {  // of the bus that the phase asks for
     return static_cast<double>(left.front().busy) / static_cast<double>(left.front().elapsed);
   }
   double until_next() const { return time_left / speed; }
-  // False: there is none.
+  // Begins the next phase. False: none is left.
   bool begin() {
     while (!left.empty() && left.front().elapsed == 0) left = left.subspan(1);
     if (!left.empty()) time_left = static_cast<double>(left.front().elapsed);
@@ -26,7 +26,7 @@ struct PhasesLeft {
   }
 };
 
-// Those that ask for least get it; the others share the rest evenly.
+// Boards that ask for less than an equal share get it; the others share the rest equally.
 void divide_bus(std::vector<PhasesLeft>& courses) {
   std::ranges::stable_sort(courses, {}, &PhasesLeft::share);
   double rest = 1;
@@ -40,7 +40,7 @@ void divide_bus(std::vector<PhasesLeft>& courses) {
 }  // namespace
 
 std::vector<Picoseconds> done_on_shared_bus(std::span<const std::vector<BusPhase>> boards) {
-  constexpr double kRounding = 1e-12;  // chosen: of a phase; phases that end together are not told apart by it
+  constexpr double kRounding = 1e-12;  // chosen: share of a phase, so that phases that end together do so in one step
   std::vector<Picoseconds> done(boards.size());
   std::vector<PhasesLeft> courses;
   for (std::size_t board = 0; board < boards.size(); ++board) {

@@ -9,7 +9,7 @@
 namespace gicube {
 namespace {
 
-// Checks values with the application's checks, in the words of a checkpoint.
+// Runs a check of arguments, and reports its BadArgument as a CheckpointFault.
 void checked(Archive& archive, const char* name, const auto& check_it) {
   if (!archive.loads()) return;
   try {
@@ -22,7 +22,7 @@ void checked(Archive& archive, const char* name, const auto& check_it) {
 }  // namespace
 
 void state_of(Archive::Record& record, Lamp& lamp) {
-  std::uint8_t kind = lamp.light.index() == 3 ? 1 : 0;  // a view has only these two
+  std::uint8_t kind = lamp.light.index() == 3 ? 1 : 0;  // lamps are rectangles or spheres
   record.at_most(kind, 1);
   if (kind == 1) {
     SphereLight sphere = lamp.light.index() == 3 ? std::get<SphereLight>(lamp.light) : SphereLight{};
@@ -38,7 +38,7 @@ void state_of(Archive::Record& record, Lamp& lamp) {
 
 void state_of(Archive& archive, const char* name, View& view) {
   archive.field(name, [&view](Archive::Record& record) { record(view); });
-  // A view before any picture has no direction.
+  // The default view, before any picture, has no direction.
   if (view.eye == view.look_at) return;
   checked(archive, name, [&view] { check(view); });
 }

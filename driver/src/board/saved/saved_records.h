@@ -1,4 +1,5 @@
-// How records that know no archive stand in one (gicube/archive.h): the public headers' own, and results.
+// Lists records in an archive (gicube/archive.h) that have no state() of their own: those of the public headers, and
+// results.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,13 @@
 namespace gicube {
 
 inline void state_of(Archive::Record& record, BlockStatistics& of) { record(of.min_density, of.max_density, of.tags); }
-// Throw CheckpointFault if the application could not have given them.
+// Throw CheckpointFault for values that an application could not have set.
 void state_of(Archive& archive, const char* name, View& view);
 void state_of(Archive& archive, const char* name, Material& material);
 void state_of(Archive& archive, const char* name, std::optional<TransferFunction>& function, int tag);
 void state_of(Archive& archive, const char* name, std::optional<CommandResult>& result);
 
-// Each value below its key.
+// Lists each value under its key.
 template <typename Value, typename Each>
 void state_of(Archive& archive, const std::string& name, std::map<std::uint32_t, Value>& values, const Each& each) {
   std::vector<std::uint32_t> keys;

@@ -10,7 +10,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-// Tags of checkpoint.proto: a field's number, and how it is written.
+// A tag of checkpoint.proto: a field's number and its wire type.
 constexpr std::uint8_t tag(unsigned number, unsigned manner) { return static_cast<std::uint8_t>(number << 3 | manner); }
 constexpr unsigned kFixed32 = 5, kLength = 2;
 constexpr std::uint8_t kHeader = tag(1, kLength), kStateField = tag(2, kLength), kChecksum = tag(3, kFixed32);
@@ -48,7 +48,7 @@ std::uint64_t take_number(Bytes& rest) {
   malformed("a whole number", rest.size());
 }
 
-// The bytes behind a tag and its length.
+// Takes the bytes of the field with that tag.
 Bytes take(Bytes& rest, std::uint8_t with_tag) {
   if (rest.empty() || rest[0] != with_tag) malformed("another field", rest.size());
   rest = rest.subspan(1);
@@ -111,7 +111,7 @@ std::span<const std::uint8_t> driver_part(Bytes checkpoint) {
     if (is_next(message, kBytes)) return take(message, kBytes);
     break;
   }
-  throw CheckpointFault(kPart, "what a driver remembers of its board (Board::save())", "none");
+  throw CheckpointFault(kPart, "the state of a driver (Board::save())", "none");
 }
 
 }  // namespace gicube

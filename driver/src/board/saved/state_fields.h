@@ -1,5 +1,5 @@
-// A checkpoint's fields as bytes (proto/gicube/v1/checkpoint.proto), by protobuf's wire format: the driver needs no
-// protobuf library for these few.
+// Reads and writes the driver's fields of a checkpoint (proto/gicube/v1/checkpoint.proto) in protobuf's wire format.
+// The driver does not link a protobuf library.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gicube {
 
-// Makes the bytes of a message DriverState.
+// Writes a message DriverState.
 class FieldWriter : public Archive {
  public:
   FieldWriter() : Archive(false) {}
@@ -23,11 +23,11 @@ class FieldWriter : public Archive {
   std::vector<std::uint8_t> bytes_;
 };
 
-// Reads them. Throws CheckpointFault.
+// Reads a message DriverState. Throws CheckpointFault.
 class FieldReader : public Archive {
  public:
   explicit FieldReader(std::span<const std::uint8_t> message) : Archive(true), rest_(message) {}
-  void end() const;  // all was asked for
+  void end() const;  // throws CheckpointFault if fields are left
 
  private:
   void exchange(Field& field) override;
@@ -35,8 +35,8 @@ class FieldReader : public Archive {
   std::span<const std::uint8_t> rest_;
 };
 
-// The driver's part in a checkpoint, which is a part of its bytes. Throws CheckpointFault: they are damaged, or have
-// none.
+// The driver's part of a checkpoint, as a part of its bytes. Throws CheckpointFault if the checkpoint is damaged or has
+// no such part.
 std::span<const std::uint8_t> driver_part(std::span<const std::uint8_t> checkpoint);
 
 }  // namespace gicube

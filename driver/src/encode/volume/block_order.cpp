@@ -5,21 +5,16 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "encode/volume/samples.h"
+#include "encode/vectors.h"
 
 namespace gicube {
-namespace {
-
-Vec3 to_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
-
-}  // namespace
 
 BlockOrder::BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, std::span<const CutPlane> cut_planes)
     : blocks_(blocks), n_(n) {
   const bool parallel = camera.projection == wire::Projection::kOrthographic;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int count = blocks[axis];
-    // Parallel rays come from one end, or keep their index; the others from the eye's block.
+    // Parallel rays come from one end, or keep their index. Perspective rays come from the eye's block.
     int from = static_cast<int>(std::clamp(std::floor(camera.origin[axis] / n), -1.0, static_cast<double>(count)));
     const double forward = camera.forward[axis];
     if (parallel) from = forward < 0 ? count : -1;
@@ -35,7 +30,7 @@ BlockOrder::BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, st
   std::iota(order_.begin(), order_.end(), std::uint32_t{0});
   std::vector<int> distance;
   for (const std::uint32_t block : order_) {
-    const auto at = place(block);
+    const auto at = position_of(block, blocks_);
     int sum = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) sum += axes_[axis].distance[static_cast<std::size_t>(at[axis])];
     distance.push_back(sum);
@@ -43,17 +38,17 @@ BlockOrder::BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, st
   std::ranges::stable_sort(order_, {}, [&](std::uint32_t block) { return distance[block]; });
 }
 
-// The four planes between which all rays of the picture lie, or of its part.
+// Adds the four planes that enclose all rays of the picture, or of its part.
 void BlockOrder::add_pyramid(const wire::RenderCommand& camera) {
-  const Vec3 origin = to_vector(camera.origin), forward = to_vector(camera.forward);
+  const Vec3 origin = to_vec3(camera.origin), forward = to_vec3(camera.forward);
   double top = 0, bottom = camera.height;  // rows
   if (camera.parts != 0 &&
-      camera.strip_rows * camera.parts >= camera.height) {  // one strip, and by a tent half a row beside it
+      camera.strip_rows * camera.parts >= camera.height) {  // one strip; the tent filter adds half a row
     top = std::max(camera.part * camera.strip_rows - 1, 0);
     bottom = std::min((camera.part + 1) * camera.strip_rows + 1, int{camera.height});
   }
-  const Vec3 across = camera.width * to_vector(camera.du);
-  const Vec3 up = top * to_vector(camera.dv), down = bottom * to_vector(camera.dv);
+  const Vec3 across = camera.width * to_vec3(camera.du);
+  const Vec3 up = top * to_vec3(camera.dv), down = bottom * to_vec3(camera.dv);
   const std::array<Vec3, 5> corners{up, across + up, across + down, down, 0.5 * (across + up + down)};
   const bool parallel = camera.projection == wire::Projection::kOrthographic;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -65,13 +60,8 @@ void BlockOrder::add_pyramid(const wire::RenderCommand& camera) {
   }
 }
 
-std::array<int, 3> BlockOrder::place(std::size_t block) const {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  return {static_cast<int>(block % nx), static_cast<int>(block / nx % ny), static_cast<int>(block / nx / ny)};
-}
-
-bool BlockOrder::is_seen(const std::array<int, 3>& block) const {
-  constexpr double kDrift = 1;  // voxels: View::step is refused where rays drift further from their lines
+bool BlockOrder::is_seen(const Dims& block) const {
+  constexpr double kDrift = 1;  // voxels: steps with which rays drift further are refused
   return std::ranges::all_of(seen_, [&](const HalfSpace& half) {
     const auto furthest = [&](std::size_t axis, double slope) {
       const double low = block[axis] * static_cast<double>(n_) - kDrift;
@@ -87,7 +77,7 @@ std::vector<std::size_t> BlockOrder::reached_from(std::span<const wire::WaitingB
   std::vector<std::size_t> out;
   const auto nx = static_cast<std::ptrdiff_t>(blocks_[0]), ny = static_cast<std::ptrdiff_t>(blocks_[1]);
   for (const std::size_t block : order_) {
-    const auto at = place(block);
+    const auto at = position_of(block, blocks_);
     const auto before = [&](std::size_t axis) { return axes_[axis].before[static_cast<std::size_t>(at[axis])]; };
     for (unsigned axes = 1; axes < 8 && reached[block] == 0; ++axes) {
       std::ptrdiff_t from = static_cast<std::ptrdiff_t>(block), stride = 1;
@@ -104,12 +94,6 @@ std::vector<std::size_t> BlockOrder::reached_from(std::span<const wire::WaitingB
     }
     if (reached[block] != 0) out.push_back(block);
   }
-  return out;
-}
-
-std::vector<std::size_t> blocks_sampled_in(std::size_t block, Dims blocks) {
-  std::vector<std::size_t> out;
-  for_each_sampled_in(block, blocks, [&out](std::size_t each) { out.push_back(each); });
   return out;
 }
 

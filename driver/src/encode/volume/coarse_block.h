@@ -1,4 +1,4 @@
-// A block in fewer voxels, for what is seen from so far away that a pixel is as wide as several of them [P §5.3].
+// Makes a coarser version of a block, for pictures in which a pixel is as wide as several voxels [P §5.3].
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ struct CoarseBlock {
   int largest_error = 0;  // of a voxel's density, 4095 = the value range
 };
 
-// `packed`: n^3 words, and their colours if `coloured`, of which `inside` are in the volume along each axis. A cell of
-// 2^level voxels an edge has the mean of their densities, and of their colours; the tag that most of them have, the
-// lowest of equals; and the gradient of the sum of theirs.
+// `packed`: n^3 words, and their colours if `coloured`. `inside`: how many voxels of the block are inside the volume
+// along each axis. A cell has an edge of 2^level voxels; its density and colour are their means, its tag the most
+// frequent one (the lowest of equals), its gradient the direction of the sum of theirs.
 CoarseBlock coarse_block(std::span<const std::uint8_t> packed, std::size_t n, const Dims& inside, bool coloured,
                          int level, const GradientCodebook& codebook);
 

@@ -16,10 +16,10 @@ namespace gicube {
 namespace {
 
 constexpr int kRings = 40;         // chosen [H810]
-constexpr double kRingScale = 80;  // twice the rings: as far apart along a ring as between rings; 2,038 codes in all
-constexpr int kGridSize = 128;     // chosen: cells of 0.7 degrees against codes 4.5 apart, so most have one candidate
+constexpr double kRingScale = 80;  // twice the rings: equal distances along and between rings; 2,038 codes
+constexpr int kGridSize = 128;     // chosen: cells of 0.7 degrees, codes 4.5 apart: most have one candidate
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kDotMargin = 1e-9;  // chosen: far above a double's rounding, far below the codes' distances
+constexpr double kDotMargin = 1e-9;  // chosen: far above rounding, far below differences of codes
 
 std::vector<Vec3> ring_directions() {
   std::vector<Vec3> directions{Vec3{}};
@@ -62,14 +62,14 @@ void check_directions(std::span<const Vec3> directions) {
 }
 
 constexpr std::size_t kCorners = 4;
-constexpr std::size_t kMiddle = 4;  // the fifth probe of a square, after its corners
+constexpr std::size_t kMiddle = 4;  // index of the probe after the corners
 
 struct FacePoint {
   int face;
   double u, v;  // on the face, -1..1
 };
 
-// Where a direction meets the cube; `major` is its largest component's size.
+// Projects a direction onto the cube. `major`: the size of its largest component.
 FacePoint to_face(Vec3 d, double major) {
   const double x = std::abs(d.x), y = std::abs(d.y);
   if (x == major) return {d.x < 0, d.y / major, d.z / major};
@@ -91,12 +91,12 @@ std::size_t to_cell(double coordinate) {
   return static_cast<std::size_t>(std::min(cell, kGridSize - 1));  // the far edge belongs to the last cell
 }
 
-// Density units a voxel edge. chosen: well below a 12-bit density's own rounding, so that no visible slope is lost.
+// Density units per voxel edge. chosen: well below the rounding of densities, so that no visible slope is lost.
 constexpr double kMinMagnitude = 1.0 / 8;
 constexpr double kSobelWeight = 32;  // (1 + 2 + 1)^2 differences over two voxels each
 
-// The filter of one row after another: along z while a row is read, then y, then x. 64 times a 16-bit sample fits in 32
-// bits.
+// The Sobel filter, row by row: along z while a row is read, then along y, then along x. 64 times a 16-bit sample fits
+// in 32 bits.
 template <typename T>
 class SobelRows {
  public:
@@ -109,7 +109,7 @@ class SobelRows {
     for (auto* row : {&x_, &y_, &z_}) row->resize(nx_ + 2);
   }
 
-  // Calls take(y, gx, gy, gz) with the sums of each row of plane z, kSobelWeight times the difference a voxel.
+  // Calls take(y, gx, gy, gz) for each row of plane z; the sums are kSobelWeight times the difference per voxel.
   void plane(int z, auto&& take) {
     std::vector<Word> gx(nx_), gy(nx_), gz(nx_);
     read_row(0, z);
@@ -158,7 +158,7 @@ class SobelRows {
   Samples<T> samples_;
   Dims dims_;
   std::size_t nx_;
-  std::array<std::vector<Word>, 3> sum_, difference_;  // along z; row y stands at y mod 3
+  std::array<std::vector<Word>, 3> sum_, difference_;  // along z; row y is at y mod 3
   std::vector<Word> x_, y_, z_;                        // along z and y, with a clamped voxel at both ends
 };
 
@@ -186,7 +186,7 @@ void supplied_slab(const VolumeView& view, const GradientCodebook& codebook, int
   }
 }
 
-// Calls work(begin, end) for slabs that make up 0..planes, each on a thread of its own.
+// Divides 0..planes into slabs, and calls work(begin, end) for each on a thread of its own.
 void for_each_slab(int planes, unsigned threads, const auto& work) {
   const int slabs = std::min(static_cast<int>(thread_count(threads)), planes);
   parallel_for(static_cast<std::size_t>(slabs), threads, [&](std::size_t part) {
@@ -224,7 +224,7 @@ GradientCodebook::GradientCodebook(std::span<const Vec3> directions)
 }
 
 void GradientCodebook::build_grid() {
-  std::vector<std::uint16_t> all;  // one code of each decoded direction, the lowest
+  std::vector<std::uint16_t> all;  // the lowest code of each decoded direction
   std::set<wire::GradientEntry> seen;
   for (std::size_t code = 1; code < directions_.size(); ++code) {
     if (seen.insert(entries_[code]).second) all.push_back(static_cast<std::uint16_t>(code));
@@ -240,8 +240,8 @@ void GradientCodebook::build_grid() {
   }
 }
 
-// Over a square, directions are linear in its corners. So a code can be the nearest somewhere in it only if at some
-// corner it is at least as near as whichever code is the nearest at a corner or in the middle.
+// Directions in a square are linear in its corners. So a code can be the nearest in it only if, compared with each code
+// that is nearest at a corner or in the middle, it is at least as near at some corner.
 void GradientCodebook::refine(const Cell& cell, std::span<const std::uint16_t> candidates,
                               std::span<std::vector<std::uint16_t>> lists) const {
   std::vector<std::array<double, kCorners + 1>> dots(candidates.size());
@@ -277,14 +277,14 @@ std::uint16_t GradientCodebook::nearest(Vec3 direction) const {
   const double major = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
   if (!(major > 0) || !(major <= std::numeric_limits<double>::max())) return wire::kNoGradient;
   const FacePoint point = to_face(direction, major);
-  // A NaN beside a finite component.
+  // A component is NaN.
   if (std::isnan(point.u) || std::isnan(point.v)) return wire::kNoGradient;
   const std::size_t cell =
       (static_cast<std::size_t>(point.face) * kGridSize + to_cell(point.v)) * kGridSize + to_cell(point.u);
   const std::uint32_t begin = begins_[cell], end = begins_[cell + 1];
   if (end - begin == 1) return candidates_[begin];
 
-  const Vec3 on_face = from_face(point);  // scaled, so that a tiny or huge direction keeps its digits
+  const Vec3 on_face = from_face(point);  // scaled, so that tiny and huge directions keep precision
   std::uint16_t best = wire::kNoGradient;
   double best_dot = -2;
   for (std::uint32_t i = begin; i < end; ++i) {

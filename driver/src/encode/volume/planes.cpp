@@ -28,8 +28,8 @@ std::size_t Planes::colour_bytes_of(int planes) const {
 
 namespace {
 
-// Moves the last `kept` bytes of the `of` that are held to the front, and makes room for `all`. Returns the room behind
-// them.
+// Moves the last `kept` of the first `of` bytes to the front, and makes room for `all` bytes. Returns the room after
+// the kept ones.
 std::span<std::byte> make_room(std::vector<std::byte>& held, std::size_t of, std::size_t kept, std::size_t all) {
   const auto old = std::span(held).first(of).last(kept);
   std::copy(old.begin(), old.end(), held.begin());
@@ -59,7 +59,7 @@ VolumeView Planes::window(int first, int count) {
     fresh_colours = make_room(held_colours_, colour_bytes_of(before), colour_bytes_of(kept), colour_bytes_of(count));
   }
   first_ = first;
-  end_ = first + kept;  // also if reading throws
+  end_ = first + kept;  // valid even if reading throws
   if (count > kept) {
     read_(end_, count - kept, fresh);
     VolumeView added = out;
@@ -79,7 +79,7 @@ VolumeView Planes::window(int first, int count) {
 
 ValueRange resolve_range(Planes& planes) {
   if (!planes.are_read() || has_range(planes.shape())) return resolve_range(planes.shape());
-  constexpr int kPlanes = 8;  // chosen: few, and no call for each plane
+  constexpr int kPlanes = 8;  // chosen: little memory, and not one call per plane
   const int all = planes.shape().dims[2];
   ValueRange found = extremes(planes.window(0, std::min(kPlanes, all)));
   for (int first = kPlanes; first < all; first += kPlanes) {
@@ -94,7 +94,7 @@ void for_each_layer(Planes& planes, int n, ValueRange range, const GradientCodeb
   const Dims dims = planes.shape().dims;
   std::size_t before = 0;
   for (int low = 0; low < dims[2]; low += n) {
-    // A plane more above for samples on the blocks' faces, and one more on both sides for the gradients' filter.
+    // One more plane above for the blocks' +1 faces, and one more on both sides for the gradient filter.
     const int first = std::max(low - 1, 0), end = std::min(low + n + 2, dims[2]);
     const VolumeView window = planes.window(first, end - first);
     const std::vector<std::uint16_t> densities = to_densities(window, range);

@@ -1,5 +1,5 @@
-// Planes of a volume, in the caller's memory or read in their order, and the blocks that they make up, a layer of
-// blocks after the other: so that samples, densities and gradient codes of few planes are in memory at a time.
+// Processes a volume by planes, from the caller's memory or a reader, and cuts them into blocks, layer by layer: so
+// that samples, densities and gradient codes of only a few planes are in memory at a time.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ class Planes {
   explicit Planes(const VolumeView& view) : shape_(view) {}
   explicit Planes(const VolumeStream& stream);
 
-  // The whole volume; of a stream without its samples.
+  // The whole volume; for a stream, without samples.
   const VolumeView& shape() const { return shape_; }
   bool are_read() const { return read_ != nullptr; }
   bool have_colours() const { return read_colours_ != nullptr || !shape_.colours.empty(); }
 
-  // Planes [first, first + count) as a volume of their own, which lasts until the next call. `first` and first + count
-  // of a stream may not fall from call to call, but with first = 0 it is read from the start again. Of a stream each
-  // new sample is checked: throws BadArgument that names it, and what the reader throws.
+  // Planes [first, first + count) as a volume, valid until the next call. For a stream, `first` and first + count may
+  // not decrease from call to call, except that first = 0 reads from the start again; new samples are checked: throws
+  // BadArgument that names one, and what the reader throws.
   VolumeView window(int first, int count);
 
  private:
@@ -37,18 +37,18 @@ class Planes {
   int first_ = 0, end_ = 0;  // planes in held_
 };
 
-// The volume's own range or the default that volume.h states: of a stream, by reading all of it.
+// The volume's range, or the default of volume.h; a stream may have to be read completely for it.
 ValueRange resolve_range(Planes& planes);
 
-// A layer of blocks: those of `blocks` from 0 on are the volume's from `first` on, `count` of them; others it has are
-// incomplete.
+// A layer of blocks: blocks 0 .. count - 1 of `blocks` are blocks first .. first + count - 1 of the volume. Further
+// ones are incomplete.
 struct BlockLayer {
   const VoxelBlocks& blocks;
   std::size_t first, count;
 };
 
-// Calls take(layer) for all layers of blocks of n^3 voxels in their order. Values as of to_densities(),
-// gradient_codes() and VoxelBlocks of the whole.
+// Calls take(layer) for each layer of blocks of n^3 voxels, in order. Values are those of to_densities(),
+// gradient_codes() and VoxelBlocks for the whole volume.
 void for_each_layer(Planes& planes, int n, ValueRange range, const GradientCodebook& codebook, unsigned threads,
                     const std::function<void(const BlockLayer&)>& take);
 

@@ -20,9 +20,8 @@ constexpr double kLargest = 1e300;  // chosen: 4095 times any difference is stil
 constexpr std::array kTypeNames{"uint8", "uint12", "uint16", "int16", "float32"};  // by SampleType
 
 std::string at_voxel(const char* field, std::size_t index, Dims dims, int first_plane = 0) {
-  const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
-  const std::size_t z = index / nx / ny + static_cast<std::size_t>(first_plane);
-  return fmt::format("{} at voxel ({}, {}, {})", field, index % nx, index / nx % ny, z);
+  const auto [x, y, z] = position_of(index, dims);
+  return fmt::format("{} at voxel ({}, {}, {})", field, x, y, z + first_plane);
 }
 
 const char* check_dims(const VolumeView& view, int max_volume_voxels) {
@@ -39,12 +38,12 @@ void check_sizes(const VolumeView& view, const char* type) {
   const auto [x, y, z] = view.dims;
   const std::size_t samples = view.samples.size(), gradients = view.gradients.size(), tags = view.tags.size();
   expect(samples == bytes, "samples", fmt::format("{} bytes ({} x {} x {} of {})", bytes, x, y, z, type), samples);
-  expect(gradients == 0 || gradients == 3 * count, "gradients", fmt::format("none or {} floats, 3 a voxel", 3 * count),
-         gradients);
+  expect(gradients == 0 || gradients == 3 * count, "gradients",
+         fmt::format("none or {} floats, 3 per voxel", 3 * count), gradients);
   const std::size_t colours = view.colours.size();
-  expect(colours == 0 || colours == 3 * count, "colours", fmt::format("none or {} bytes, 3 a voxel", 3 * count),
+  expect(colours == 0 || colours == 3 * count, "colours", fmt::format("none or {} bytes, 3 per voxel", 3 * count),
          colours);
-  expect(tags == 0 || tags == count, "tags", fmt::format("none or {}, one a voxel", count), tags);
+  expect(tags == 0 || tags == count, "tags", fmt::format("none or {}, one per voxel", count), tags);
 }
 
 void check_spacing(Vec3 spacing) {
@@ -71,8 +70,8 @@ std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, Va
   std::vector<std::uint16_t> densities(count);
   const double halves = 2 * wire::kDensityMax / (range.high - range.low);
   for (std::size_t i = 0; i < count; ++i) {
-    // Twice the density by a product in place of a quotient, where that is too far from a whole number to be rounded
-    // otherwise.
+    // Twice the density by a product, which is faster than to_density()'s quotient. Near a whole number the two could
+    // round differently.
     constexpr double kNear = 1e-6;
     const double value = samples[i], twice = (value - range.low) * halves;
     if (twice == 0) continue;
@@ -85,7 +84,7 @@ std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, Va
   return densities;
 }
 
-// An integer type has few values: each is converted once.
+// Integer types have few values: a table converts each once.
 template <typename T>
 std::vector<std::uint16_t> convert(Samples<T> samples, std::size_t count, ValueRange range) {
   constexpr int low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
@@ -157,7 +156,7 @@ ValueRange extremes(const VolumeView& view) {
 
 ValueRange with_span(ValueRange range) {
   if (range.low < range.high) return range;
-  // Beyond 2^53 adding one changes nothing: the next number up has to do.
+  // Beyond 2^53 adding 1 changes nothing: take the next larger number.
   return {range.low, std::max(range.low + 1, std::nextafter(range.low, std::numeric_limits<double>::infinity()))};
 }
 

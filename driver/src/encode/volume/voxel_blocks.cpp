@@ -10,12 +10,12 @@ namespace gicube {
 namespace {
 
 void check_count(const char* field, std::size_t expected, std::size_t got) {
-  expect(got == expected, field, fmt::format("{}, one a voxel", expected), got);
+  expect(got == expected, field, fmt::format("{}, one per voxel", expected), got);
 }
 
 constexpr std::size_t kDensities = std::size_t{wire::kDensityMax} + 1;
 
-// visible[d]: how many of one tag's entries below density d have any opacity.
+// For one tag, visible[d] is the number of entries below density d that have any opacity.
 std::vector<std::uint16_t> count_visible(std::span<const wire::SegmentationEntry> entries) {
   std::vector<std::uint16_t> visible(entries.size() + 1);
   for (std::size_t d = 0; d < entries.size(); ++d) {
@@ -33,25 +33,26 @@ VoxelBlocks::VoxelBlocks(Dims dims, int n, const Voxels& voxels) : dims_(dims), 
   if (!codes.empty()) check_count("codes", voxel_count(dims), codes.size());
   if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
   if (!colours.empty()) check_count("colours", wire::kColourBytes * voxel_count(dims), colours.size());
-  for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (dims[axis] + n - 1) / n;
+  blocks_ = block_grid(dims, n);
   statistics_.resize(voxel_count(blocks_));
   stored_.resize(statistics_.size());
   for (std::size_t block = 0; block < statistics_.size(); ++block) {
     const Region touched = region(block, 1);
     statistics_[block] = find_statistics(touched);
     const BlockStatistics& found = statistics_[block];
-    stored_[block] = found.max_density != 0 || found.tags != 1 || has_gradient(touched) || has_colour(touched);
+    // Gradients reach one voxel further than the values, so a block of zeros may have some.
+    static_assert(wire::kNoGradient == 0);
+    stored_[block] = found.max_density != 0 || found.tags != 1 || has_nonzero(codes, 1, touched) ||
+                     has_nonzero(colours, wire::kColourBytes, touched);
   }
 }
 
 VoxelBlocks::Region VoxelBlocks::region(std::size_t block, int overlap) const {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  const std::array<std::size_t, 3> index{block % nx, block / nx % ny, block / nx / ny};
+  const Dims at = position_of(block, blocks_);
   Region region{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    region.begin[axis] = index[axis] * static_cast<std::size_t>(n_);
-    region.end[axis] =
-        std::min(region.begin[axis] + static_cast<std::size_t>(n_ + overlap), static_cast<std::size_t>(dims_[axis]));
+    region.begin[axis] = static_cast<std::size_t>(at[axis] * n_);
+    region.end[axis] = static_cast<std::size_t>(std::min((at[axis] + 1) * n_ + overlap, dims_[axis]));
   }
   return region;
 }
@@ -61,7 +62,7 @@ std::size_t VoxelBlocks::row(std::size_t y, std::size_t z) const {
 }
 
 BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
-  // 12 bits fit in a signed word, whose minimum and maximum are single instructions on every x86-64.
+  // 12 bits fit in a signed word, for which every x86-64 has vector instructions of minimum and maximum.
   std::int16_t low = wire::kDensityMax, high = 0;
   unsigned tags = voxels_.tags.empty() ? 1 : 0;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
@@ -78,26 +79,13 @@ BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
   return {static_cast<std::uint16_t>(low), static_cast<std::uint16_t>(high), static_cast<std::uint8_t>(tags)};
 }
 
-// A Sobel gradient reaches one voxel further than the values that it comes from.
-bool VoxelBlocks::has_gradient(const Region& region) const {
-  if (voxels_.codes.empty()) return false;
-  for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
-    for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
-      const auto codes = voxels_.codes.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
-      if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; }))
-        return true;
-    }
-  }
-  return false;
-}
-
-bool VoxelBlocks::has_colour(const Region& region) const {
-  if (voxels_.colours.empty()) return false;
+bool VoxelBlocks::has_nonzero(const auto& values, std::size_t of_voxel, const Region& region) const {
+  if (values.empty()) return false;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
       const std::size_t begin = row(y, z) + region.begin[0], count = region.end[0] - region.begin[0];
-      const auto bytes = voxels_.colours.subspan(wire::kColourBytes * begin, wire::kColourBytes * count);
-      if (std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; })) return true;
+      const auto of_row = values.subspan(of_voxel * begin, of_voxel * count);
+      if (std::ranges::any_of(of_row, [](auto value) { return value != 0; })) return true;
     }
   }
   return false;
@@ -110,7 +98,7 @@ void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const 
   const Region inside = region(block, 0);
   for (std::size_t z = inside.begin[2]; z < inside.end[2]; ++z) {
     for (std::size_t y = inside.begin[1]; y < inside.end[1]; ++y) {
-      // n is even, so a row begins on a whole byte, and its voxels travel in pairs of nine bytes.
+      // n is even, so a row begins on a whole byte and consists of pairs of voxels of nine bytes.
       std::size_t at = ((z - inside.begin[2]) * n + (y - inside.begin[1])) * n / 2 * 9;
       const std::size_t end = row(y, z) + inside.end[0];
       for (std::size_t i = row(y, z) + inside.begin[0]; i < end; i += 2, at += 9) {

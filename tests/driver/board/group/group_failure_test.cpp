@@ -112,7 +112,7 @@ TEST(GroupFailure, OfAddressesAndOptionsSaysWhatWasExpected) {
   EXPECT_THAT(open("emu:?boards=2&boards=2"), ThrowsMessage<BadArgument>(HasSubstr("once")));
   EXPECT_THAT(open("emu:?buses=two"), ThrowsMessage<BadArgument>(HasSubstr("shared or own")));
   EXPECT_THAT(open("emu:?boards=2&colour=red"), ThrowsMessage<BadArgument>(HasSubstr("URI option")));
-  EXPECT_THAT(open("emu:?boards=2&bus=agp2x"), ThrowsMessage<BadArgument>(HasSubstr("takes one card")));
+  EXPECT_THAT(open("emu:?boards=2&bus=agp2x"), ThrowsMessage<BadArgument>(HasSubstr("has one card")));
   EXPECT_EQ(BoardGroup::open("emu:?boards=2&bus=agp2x&buses=own").size(), 2u);
   EXPECT_EQ(BoardGroup::open("emu:?bus=agp2x").size(), 1u);
   EXPECT_THROW(BoardGroup::open(std::vector<std::string>{}), BadArgument);
@@ -121,7 +121,7 @@ TEST(GroupFailure, OfAddressesAndOptionsSaysWhatWasExpected) {
         BoardGroup::open(std::vector<std::string>{"emu:", "unix:/nowhere"});
       },
       ThrowsMessage<OpenFailed>(StartsWith("board 2 of 2 (unix:/nowhere): ")));
-  EXPECT_THAT(open("emu:?boards=2&trace=file"), ThrowsMessage<BadArgument>(HasSubstr("one board, which writes")));
+  EXPECT_THAT(open("emu:?boards=2&trace=file"), ThrowsMessage<BadArgument>(HasSubstr("one board, since it writes")));
   EXPECT_THAT([] { BoardGroup::open("emu:?boards=2", {.board = {.capture = "file"}}); },
               ThrowsMessage<BadArgument>(HasSubstr("board.capture")));
   BoardGroup group = BoardGroup::open("emu:?boards=2");

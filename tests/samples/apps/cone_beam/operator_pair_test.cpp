@@ -150,12 +150,12 @@ TEST(OperatorPair, NamesWhatIsWrong) {
   EXPECT_THAT(made([](auto& setup) { setup.step = 40; }), saying("step"));
   EXPECT_THAT(made([](auto& setup) { setup.views.clear(); }), saying("views: expected at least one"));
   EXPECT_THAT(made([](auto& setup) { setup.views[2].source = {}; }),
-              saying("views[2].source: expected a place outside of the volume"));
+              saying("views[2].source: expected a position outside of the volume"));
   EXPECT_THAT(made([](auto& setup) { setup.views[3].v = setup.views[3].u; }),
               saying("views[3].v: expected a direction"));
   EXPECT_THAT(made([](auto& setup) { setup.views[1].centre.x = NAN; }), saying("views[1].centre.x"));
   EXPECT_THAT(made([](auto& setup) { setup.views[0].centre = setup.views[0].source; }),
-              saying("views[0].centre: expected a plane without the source"));
+              saying("views[0].centre: expected a plane that does not contain the source"));
   Projector projector(board, any_orbit());
   EXPECT_THAT([&] { projector.project(std::vector<float>(5)); }, saying("volume: expected 1680 values, got 5"));
   EXPECT_THAT([&] { projector.backproject(std::vector<float>(5)); }, saying("values: expected 858 values, got 5"));

@@ -70,7 +70,7 @@ def test_ranks_make_an_animation(tmp_path):
     ("--crop", 2, "gicube-render: --mpi: expected without --crop"),
     ("--board emu: --board emu: --board emu:", 2,
      "gicube-render: --board: expected one for each of 2 ranks, or one emu: for all, got 3"),
-    ("--set asic.processors=-3", 2, "gicube-render: URI options: expected values that gicube-board takes"),
+    ("--set asic.processors=-3", 2, "gicube-render: URI options: expected values that gicube-board accepts"),
     ("-o none/picture.png", 1, "gicube-render: none/picture.png: expected a folder that is there, got none"),
 ])
 def test_an_error_of_all_ranks_is_said_once(tmp_path, arguments, code, text):
