@@ -1,4 +1,4 @@
-// Opening, what the board is, simulated time, counters.
+// Opening boards, their description, simulated time, counters.
 #include "call.h"
 #include "gicube/enumerate.h"
 
@@ -159,7 +159,7 @@ gicube_status gicube_counters_value(const gicube_counter_list* list, const char*
   return call([&] {
     checked("value", value) = 0;
     const gicube::Counter* counter = checked("list", list).counters.find(&checked("name", name));
-    if (counter == nullptr) throw gicube::Unsupported(std::string("this board keeps no counter ") + name);
+    if (counter == nullptr) throw gicube::Unsupported(std::string("the board has no counter ") + name);
     *value = counter->value;
   });
 }

@@ -10,7 +10,7 @@
 namespace gicube::c_api {
 namespace {
 
-// The target of gicube_last_error(). `text` is empty or incomplete if there was no memory for the words.
+// What gicube_last_error() returns. `text` is empty or incomplete if there was no memory for it.
 struct LastError {
   std::string words, field;
   std::int32_t loss = GICUBE_LOSS_NONE;
@@ -22,61 +22,61 @@ LastError& last_error() {
   return error;
 }
 
-void keep(const char* words, const std::string& field, std::int32_t loss = GICUBE_LOSS_NONE) {
+void keep(const char* words, std::string_view field = {}, std::int32_t loss = GICUBE_LOSS_NONE) {
   LastError& last = last_error();
   last.loss = loss;
-  last.text = "there was no memory for the error's own words";
+  last.text = "there was no memory for the text of the error";
   last.field.clear();
   last.words = words;
   last.text = last.words.c_str();
   last.field = field;
 }
 
-template <typename Kind>
-bool is(const Error& error) {
-  return dynamic_cast<const Kind*>(&error) != nullptr;
+template <typename... Kinds>
+bool is([[maybe_unused]] const Error& error) {
+  return ((dynamic_cast<const Kinds*>(&error) != nullptr) || ...);
 }
 
-gicube_status status_of(const Error& error) {
-  struct Entry {
-    bool (*is)(const Error&);
-    gicube_status status;
-  };
-  static constexpr Entry kStatuses[] = {{is<Stopped>, GICUBE_STOPPED},
-                                        {is<Cancelled>, GICUBE_STOPPED},
-                                        {is<OpenFailed>, GICUBE_OPEN_FAILED},
-                                        {is<BoardBusy>, GICUBE_BOARD_BUSY},
-                                        {is<VersionMismatch>, GICUBE_VERSION_MISMATCH},
-                                        {is<Rejected>, GICUBE_REJECTED},
-                                        {is<ScatteringFailed>, GICUBE_SCATTERING_FAILED},
-                                        {is<Unsupported>, GICUBE_UNSUPPORTED},
-                                        {is<TimedOut>, GICUBE_TIMED_OUT},
-                                        {is<DeadlinePassed>, GICUBE_DEADLINE_PASSED},
-                                        {is<WouldBlock>, GICUBE_WOULD_BLOCK},
-                                        {is<MemoryFault>, GICUBE_MEMORY_FAULT}};
-  const auto found = std::ranges::find_if(kStatuses, [&](const Entry& each) { return each.is(error); });
-  return found == std::end(kStatuses) ? GICUBE_INTERNAL : found->status;
-}
+// By status: its name, and whether it stands for an error.
+struct Status {
+  const char* name;
+  bool (*is)(const Error&);
+};
+constexpr Status kStatuses[] = {{"GICUBE_OK", is<>},
+                                {"GICUBE_BAD_ARGUMENT", is<BadArgument>},
+                                {"GICUBE_OPEN_FAILED", is<OpenFailed>},
+                                {"GICUBE_BOARD_BUSY", is<BoardBusy>},
+                                {"GICUBE_VERSION_MISMATCH", is<VersionMismatch>},
+                                {"GICUBE_REJECTED", is<Rejected>},
+                                {"GICUBE_SCATTERING_FAILED", is<ScatteringFailed>},
+                                {"GICUBE_UNSUPPORTED", is<Unsupported>},
+                                {"GICUBE_DEVICE_LOST", is<DeviceLost>},
+                                {"GICUBE_TIMED_OUT", is<TimedOut>},
+                                {"GICUBE_DEADLINE_PASSED", is<DeadlinePassed>},
+                                {"GICUBE_WOULD_BLOCK", is<WouldBlock>},
+                                {"GICUBE_MEMORY_FAULT", is<MemoryFault>},
+                                {"GICUBE_STOPPED", is<Stopped, Cancelled>},
+                                {"GICUBE_NO_MEMORY", is<>},
+                                {"GICUBE_INTERNAL", is<Error>}};
+static_assert(std::size(kStatuses) == GICUBE_INTERNAL + 1);
 
 gicube_status remember() {
   try {
     throw;
-  } catch (const BadArgument& error) {
-    keep(error.what(), error.field());
-    return GICUBE_BAD_ARGUMENT;
-  } catch (const DeviceLost& error) {
-    keep(error.what(), {}, static_cast<std::int32_t>(error.cause()));
-    return GICUBE_DEVICE_LOST;
   } catch (const Error& error) {
-    keep(error.what(), {});
-    return status_of(error);
+    const auto* wrong = dynamic_cast<const BadArgument*>(&error);
+    const auto* lost = dynamic_cast<const DeviceLost*>(&error);
+    keep(error.what(), wrong != nullptr ? std::string_view(wrong->field()) : std::string_view(),
+         lost != nullptr ? static_cast<std::int32_t>(lost->cause()) : GICUBE_LOSS_NONE);
+    const auto* const found = std::ranges::find_if(kStatuses, [&](const Status& each) { return each.is(error); });
+    return static_cast<gicube_status>(found - kStatuses);
   } catch (const std::exception& error) {
     const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
-                           dynamic_cast<const std::length_error*>(&error) != nullptr;  // a size that no memory holds
-    keep(no_memory ? "out of memory" : error.what(), {});
+                           dynamic_cast<const std::length_error*>(&error) != nullptr;  // a size beyond any memory
+    keep(no_memory ? "out of memory" : error.what());
     return no_memory ? GICUBE_NO_MEMORY : GICUBE_INTERNAL;
   } catch (...) {
-    keep("something that is no std::exception was thrown", {});
+    keep("something other than a std::exception was thrown");
     return GICUBE_INTERNAL;
   }
 }
@@ -110,23 +110,7 @@ int32_t gicube_last_loss(void) { return gicube::c_api::last_error().loss; }
 uint32_t gicube_version(void) { return GICUBE_VERSION_NUMBER; }
 
 const char* gicube_status_name(gicube_status status) {
-  static constexpr const char* kNames[] = {"GICUBE_OK",
-                                           "GICUBE_BAD_ARGUMENT",
-                                           "GICUBE_OPEN_FAILED",
-                                           "GICUBE_BOARD_BUSY",
-                                           "GICUBE_VERSION_MISMATCH",
-                                           "GICUBE_REJECTED",
-                                           "GICUBE_SCATTERING_FAILED",
-                                           "GICUBE_UNSUPPORTED",
-                                           "GICUBE_DEVICE_LOST",
-                                           "GICUBE_TIMED_OUT",
-                                           "GICUBE_DEADLINE_PASSED",
-                                           "GICUBE_WOULD_BLOCK",
-                                           "GICUBE_MEMORY_FAULT",
-                                           "GICUBE_STOPPED",
-                                           "GICUBE_NO_MEMORY",
-                                           "GICUBE_INTERNAL"};
-  static_assert(std::size(kNames) == GICUBE_INTERNAL + 1);
-  return status >= 0 && status <= GICUBE_INTERNAL ? kNames[status] : "?";
+  using gicube::c_api::kStatuses;
+  return status >= 0 && status <= GICUBE_INTERNAL ? kStatuses[status].name : "?";
 }
 }

@@ -24,19 +24,19 @@ struct GICUBE_HIDDEN gicube_board {
   explicit gicube_board(gicube::Board opened) : board(std::move(opened)) {}
 
   gicube::Board board;
-  std::mutex mutex;                                   // of what follows; never held while the board works
-  std::map<std::uint32_t, gicube::RayBatch> arrived;  // polled, and not received yet
-  std::vector<std::uint32_t> announce;  // of those, in their order, the ones to tell gicube_poll()'s caller
-  std::vector<std::string> warnings;    // of the last illumination
-  std::pair<int, int> framebuffer{};    // width and height
-  gicube::Sampling sampling{};          // of the last view rendered
+  std::mutex mutex;                                        // guards what follows; never held while the board works
+  std::map<std::uint32_t, gicube::RayBatch> arrived;       // polled, but not received yet
+  std::vector<std::uint32_t> announce;                     // those to report to gicube_poll()'s caller, in their order
+  std::vector<std::string> warnings;                       // of the last illumination
+  std::pair<int, int> framebuffer{};                       // width and height
+  gicube::Sampling sampling{};                             // of the last view rendered
   std::map<std::uint32_t, std::vector<std::size_t>> legs;  // of the lines of a batch, by its ticket
   std::string why_invisible;                               // of the last picture read; empty: something is visible
 };
 
 namespace gicube::c_api {
 
-// A callback of the caller's asked for the end of the call.
+// A callback of the caller asked to end the call.
 struct Stopped : Error {
   using Error::Error;
 };
@@ -54,7 +54,7 @@ gicube_status call(const Work& work) noexcept {
   }
 }
 
-// Checks of arguments; each throws BadArgument that names it.
+// Checks of arguments, which throw BadArgument with the argument's name.
 
 template <typename T>
 T& checked(const char* name, T* pointer) {
@@ -62,13 +62,24 @@ T& checked(const char* name, T* pointer) {
   return *pointer;
 }
 
-// `count` elements at `pointer`, which may be NULL only if there are none.
+// `count` elements at `pointer`, which may be NULL only if `count` is 0.
 template <typename T>
 T* checked(const std::string& name, T* pointer, std::size_t count) {
   constexpr std::size_t kMax = PTRDIFF_MAX / sizeof(T);
-  expect(count <= kMax, name, fmt::format("at most {} of them", kMax), count);
+  expect(count <= kMax, name, fmt::format("at most {}", kMax), count);
   if (pointer == nullptr && count > 0) throw BadArgument(name, "a pointer", "NULL");
   return pointer;
+}
+
+// The values for which the items of an array stand, for instance "elements[3]".
+template <typename T, typename Record>
+std::vector<T> from_records(const std::string& name, const Record* records, std::size_t count) {
+  checked(name, records, count);
+  std::vector<T> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    values.push_back(from_record<T>(fmt::format("{}[{}]", name, i), records[i]));
+  }
+  return values;
 }
 
 // The size of an array that the call fills or takes.
@@ -81,7 +92,7 @@ inline gicube_board& checked_board(gicube_board* board) {
   return *board;
 }
 
-// A call about a board, which is checked before its other arguments: work(its handle).
+// A call for a board, which is checked before the other arguments: work(its handle).
 template <std::invocable<gicube_board&> Work>
 gicube_status on_board(gicube_board* board, const Work& work) noexcept {
   return call([&] { work(checked_board(board)); });
@@ -98,19 +109,16 @@ inline Progress to_progress(gicube_progress progress, void* user) {
 gicube_lighting_report to_c(const LightingReport& report);
 View to_view(const gicube_view* given, const std::string& name);
 VolumeView to_volume(const gicube_volume* given);
-std::vector<Light> to_lights(const gicube_light* lights, std::size_t count);
 Illumination to_illumination(const gicube_illumination* settings);
-std::vector<Element> to_elements(const gicube_element* elements, std::size_t count);
-std::vector<ElementPair> to_pairs(const gicube_element_pair* pairs, std::size_t count);
 
-// The handle remembers a picture's view, a picture that was read, and an illumination.
+// These keep in the handle a picture's view, why nothing was visible in a picture, and an illumination's warnings.
 void remember_view(gicube_board& handle, const View& view);
 void hand_over(gicube_board& handle, const Image& image, gicube_pixel* pixels, std::size_t count);
 void hand_over(gicube_board& handle, const LightingReport& result, gicube_lighting_report* report);
 
-// Records begin with their size, since a caller may have been compiled with an older or a newer version of them.
+// Records begin with their size, since the caller may have been compiled with an older or a newer version.
 
-inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a size beyond is no size but a stray value
+inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a larger value is an uninitialized one
 
 // Throws BadArgument.
 template <typename Record>
@@ -119,13 +127,13 @@ void check_size(const std::string& name, const Record* record, std::size_t size)
   expect(size >= kFirstSize<Record> && size <= kLargestRecord, name + ".size",
          fmt::format("{}..{} (sizeof the record)", kFirstSize<Record>, kLargestRecord), size);
 }
-// For a record that may be NULL.
+// The same for a record that may be NULL.
 template <typename Record>
 void check_optional(const std::string& name, const Record* record) {
   if (record != nullptr) check_size(name, record, record->size);
 }
 
-// Overwrites `record`, which holds the defaults, with the fields that the caller's has. Throws BadArgument.
+// Overwrites `record`, which has the defaults, with the fields of the caller's record. Throws BadArgument.
 template <typename Record>
 void read_record(const std::string& name, const Record* given, Record& record) {
   check_size(name, given, given == nullptr ? 0 : given->size);
@@ -152,7 +160,7 @@ void write_record(const std::string& name, Record* out, const Record& record) {
   write_record(name, out, out == nullptr ? 0 : out->size, record);
 }
 
-// For ..._init(): what the C++ API has by default.
+// For ..._init(): the defaults of the C++ API.
 template <typename T, typename Record>
 gicube_status init(const char* name, Record* out, std::size_t size) {
   return call([&] { write_record(name, out, size, to_record<Record>(T{})); });

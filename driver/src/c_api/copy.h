@@ -1,4 +1,4 @@
-// How values cross between a record of C and one of C++. Fields are listed once, for both ways (fields.h).
+// Copies values between records of C and of C++. fields.h lists the fields once for both directions.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,6 +10,8 @@
 #include <string>
 
 #include "encode/argument.h"
+#include "gicube/c_types.h"
+#include "gicube/illumination.h"
 #include "gicube/vector.h"
 
 namespace gicube::c_api {
@@ -28,10 +30,10 @@ inline bool truth(const std::string& name, std::int32_t value) {
 
 inline Vec3 to_vec3(const double (&xyz)[3]) { return {xyz[0], xyz[1], xyz[2]}; }
 
-// Copies fields to a record of C, or from it, checked: BadArgument names them.
+// Copies fields to a record of C, or from it. Then they are checked: BadArgument names the field.
 template <bool kToRecord>
 struct Copy {
-  std::string record;  // its name in refusals
+  std::string record;  // its name in error messages
 
   template <typename C, typename T>
   void number(C& c, T& value) const {
@@ -70,7 +72,7 @@ struct Copy {
     }
   }
   void milliseconds(std::uint64_t& c, std::chrono::milliseconds& value) const {
-    constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
+    constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: a year, which fits the clock
     if (kToRecord) {
       c = static_cast<std::uint64_t>(value.count());
     } else {
@@ -100,5 +102,7 @@ T from_record(const std::string& name, Record record) {
   copy_fields(Copy<false>{name}, record, value);
   return value;
 }
+template <>
+Light from_record<Light>(const std::string& name, gicube_light light);
 
 }  // namespace gicube::c_api

@@ -1,4 +1,4 @@
-// Calls that go on while the application does something else.
+// Calls that run while the application does something else.
 #include <chrono>
 #include <variant>
 
@@ -21,8 +21,7 @@ struct GICUBE_HIDDEN gicube_pending {
 namespace gicube::c_api {
 namespace {
 
-constexpr std::uint64_t kLongestWait =
-    1000ull * 60 * 60 * 24 * 365;  // ms, chosen: as good as for ever, and fits the clock
+constexpr std::uint64_t kLongestWait = 1000ull * 60 * 60 * 24 * 365;  // ms, chosen: a year, which fits the clock
 
 const PendingCall& call_of(const gicube_pending& pending) {
   return std::visit([](const auto& each) -> const PendingCall& { return each; }, pending.call);
@@ -31,7 +30,7 @@ const PendingCall& call_of(const gicube_pending& pending) {
 template <typename T>
 Pending<T>& started_as(gicube_pending* pending, const char* what) {
   auto* found = std::get_if<Pending<T>>(&checked("pending", pending).call);
-  if (found == nullptr) throw BadArgument("pending", std::string("one of ") + what, "one of another call");
+  if (found == nullptr) throw BadArgument("pending", std::string("one of ") + what, "the handle of another call");
   return *found;
 }
 
@@ -60,8 +59,7 @@ gicube_status gicube_start_load_volume(gicube_board* board, const gicube_volume*
 gicube_status gicube_start_render(gicube_board* board, const gicube_view* view, gicube_pending** pending) {
   return start(board, pending, [&](gicube_board& handle) {
     const gicube::View picture = to_view(view, "view");
-    const bool some =
-        picture.width > 0 && picture.height > 0;  // else the end of the call names what is wrong with them
+    const bool some = picture.width > 0 && picture.height > 0;  // otherwise the driver names what is wrong with them
     const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
     auto* made = new gicube_pending(handle, handle.board.renderer().start(picture), some ? pixels : 0);
     made->view = picture;
@@ -72,7 +70,8 @@ gicube_status gicube_start_render(gicube_board* board, const gicube_view* view, 
 gicube_status gicube_start_illuminate(gicube_board* board, const gicube_light* lights, size_t count,
                                       const gicube_illumination* settings, gicube_pending** pending) {
   return start(board, pending, [&](gicube_board& handle) {
-    return new gicube_pending(handle, handle.board.light().start(to_lights(lights, count), to_illumination(settings)));
+    return new gicube_pending(handle, handle.board.light().start(from_records<gicube::Light>("lights", lights, count),
+                                                                 to_illumination(settings)));
   });
 }
 
@@ -81,9 +80,9 @@ gicube_status gicube_start_pair_factors(gicube_board* board, const gicube_elemen
                                         const gicube_pair_request* request, gicube_pending** pending) {
   return start(board, pending, [&](gicube_board& handle) {
     const auto how = read_optional<gicube::PairRequest>("request", request);
-    return new gicube_pending(
-        handle, handle.board.pairs().start(to_elements(elements, element_count), to_pairs(pairs, pair_count), how),
-        pair_count);
+    const auto all = from_records<gicube::Element>("elements", elements, element_count);
+    const auto between = from_records<gicube::ElementPair>("pairs", pairs, pair_count);
+    return new gicube_pending(handle, handle.board.pairs().start(all, between, how), pair_count);
   });
 }
 

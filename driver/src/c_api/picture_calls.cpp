@@ -1,4 +1,4 @@
-// Volumes and how they look; light and pictures.
+// Volumes and their appearance; light and pictures.
 #include <algorithm>
 
 #include "call.h"
@@ -71,19 +71,6 @@ gicube_status write_box(gicube_board* board, const gicube_box* box, const float*
   });
 }
 
-Light to_light(const gicube_light& light, const std::string& name) {
-  expect(light.reserved == 0, name + ".reserved", "0", light.reserved);
-  switch (light.kind) {
-    case GICUBE_LIGHT_POINT: return PointLight{to_vec3(light.position), light.power};
-    case GICUBE_LIGHT_DIRECTIONAL: return DirectionalLight{to_vec3(light.position), light.power};
-    case GICUBE_LIGHT_RECTANGLE:
-      return RectangleLight{to_vec3(light.position), to_vec3(light.edge_u), to_vec3(light.edge_v), light.power};
-    case GICUBE_LIGHT_SPHERE: return SphereLight{to_vec3(light.position), light.radius, light.power};
-    default: throw BadArgument(name + ".kind", "0..3", std::to_string(light.kind));
-  }
-}
-
-// The picture that there is now; what another thread renders meanwhile is its own affair.
 std::size_t pixels_of(std::pair<int, int> size) {
   return static_cast<std::size_t>(size.first) * static_cast<std::size_t>(size.second);
 }
@@ -127,11 +114,17 @@ VolumeView to_volume(const gicube_volume* given) {
   return volume;
 }
 
-std::vector<Light> to_lights(const gicube_light* lights, std::size_t count) {
-  checked("lights", lights, count);
-  std::vector<Light> all;
-  for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], "lights[" + std::to_string(i) + "]"));
-  return all;
+template <>
+Light from_record<Light>(const std::string& name, gicube_light light) {
+  expect(light.reserved == 0, name + ".reserved", "0", light.reserved);
+  switch (light.kind) {
+    case GICUBE_LIGHT_POINT: return PointLight{to_vec3(light.position), light.power};
+    case GICUBE_LIGHT_DIRECTIONAL: return DirectionalLight{to_vec3(light.position), light.power};
+    case GICUBE_LIGHT_RECTANGLE:
+      return RectangleLight{to_vec3(light.position), to_vec3(light.edge_u), to_vec3(light.edge_v), light.power};
+    case GICUBE_LIGHT_SPHERE: return SphereLight{to_vec3(light.position), light.radius, light.power};
+    default: throw BadArgument(name + ".kind", "0..3", std::to_string(light.kind));
+  }
 }
 
 Illumination to_illumination(const gicube_illumination* settings) {
@@ -148,16 +141,11 @@ View to_view(const gicube_view* given, const std::string& name) {
   gicube_view record;
   View view = read_fields<View>(name.c_str(), given, record);
   expect(record.cut_plane_count <= 6, name + ".cut_plane_count", "at most 6", record.cut_plane_count);
-  const auto* planes = checked(name + ".cut_planes", record.cut_planes, record.cut_plane_count);
-  for (std::size_t i = 0; i < record.cut_plane_count; ++i) {
-    view.cut_planes.push_back(from_record<CutPlane>(fmt::format("{}.cut_planes[{}]", name, i), planes[i]));
-  }
+  view.cut_planes = from_records<CutPlane>(name + ".cut_planes", record.cut_planes, record.cut_plane_count);
   expect(record.lamp_count <= kMaxLamps, name + ".lamp_count", "at most 32", record.lamp_count);
-  const auto* lamps = checked(name + ".lamps", record.lamps, record.lamp_count);
+  view.lamps = from_records<Lamp>(name + ".lamps", record.lamps, record.lamp_count);
   for (std::size_t i = 0; i < record.lamp_count; ++i) {
-    const std::string lamp = fmt::format("{}.lamps[{}]", name, i);
-    view.lamps.push_back(from_record<Lamp>(lamp, lamps[i]));
-    view.lamps.back().light = to_light(lamps[i].light, lamp + ".light");
+    view.lamps[i].light = from_record<Light>(fmt::format("{}.lamps[{}].light", name, i), record.lamps[i].light);
   }
   return view;
 }
@@ -228,15 +216,8 @@ gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, con
                                            size_t colour_count, const gicube_opacity_point* opacities,
                                            size_t opacity_count) {
   return on_board(board, [&](gicube_board& handle) {
-    checked("colours", colours, colour_count);
-    checked("opacities", opacities, opacity_count);
-    gicube::TransferFunction function;
-    for (const gicube_colour_point& point : std::span(colours, colour_count)) {
-      function.colours.push_back(from_record<gicube::ColourPoint>("colours", point));
-    }
-    for (const gicube_opacity_point& point : std::span(opacities, opacity_count)) {
-      function.opacities.push_back(from_record<gicube::OpacityPoint>("opacities", point));
-    }
+    const gicube::TransferFunction function{from_records<gicube::ColourPoint>("colours", colours, colour_count),
+                                            from_records<gicube::OpacityPoint>("opacities", opacities, opacity_count)};
     handle.board.set_transfer_function(function, tag);
   });
 }
@@ -304,7 +285,7 @@ gicube_status gicube_illuminate(gicube_board* board, const gicube_light* lights,
                                 const gicube_illumination* settings, gicube_progress progress, void* user,
                                 gicube_lighting_report* report) {
   return on_board(board, [&](gicube_board& handle) {
-    const std::vector<gicube::Light> all = to_lights(lights, count);
+    const auto all = from_records<gicube::Light>("lights", lights, count);
     const gicube::Illumination how = to_illumination(settings);
     check_optional("report", report);
     hand_over(handle, handle.board.illuminate(all, how, to_progress(progress, user)), report);
@@ -370,7 +351,7 @@ gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pixel* pixels,
       const std::scoped_lock lock(handle.mutex);
       there = pixels_of(handle.framebuffer);
     }
-    if (there > 0) check_count("count", count, there);  // before anything is transferred; else the board says why not
+    if (there > 0) check_count("count", count, there);  // before the transfer; without a picture the driver throws
     hand_over(handle, handle.board.read_framebuffer(), pixels, count);
   });
 }
@@ -380,7 +361,7 @@ gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube
   return on_board(board, [&](gicube_board& handle) {
     const gicube::View picture = to_view(view, "view");
     checked("pixels", pixels);
-    if (picture.width > 0 && picture.height > 0) {  // else the driver names what is wrong with them
+    if (picture.width > 0 && picture.height > 0) {  // otherwise the driver names what is wrong with them
       check_count("count", count, pixels_of({picture.width, picture.height}));
     }
     render(handle, picture, to_progress(progress, user));

@@ -1,4 +1,4 @@
-// Rays of the caller's, and light between pairs of elements.
+// The caller's rays, and light between pairs of elements.
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -9,7 +9,7 @@
 namespace gicube::c_api {
 namespace {
 
-// The C records are the C++ ones byte by byte (fields.h), so that rays cross without a copy.
+// The C records have the bytes of the C++ ones (fields.h), so rays are passed without a copy.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && std::is_standard_layout_v<Vec3>);
 
 std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count) {
@@ -34,7 +34,7 @@ void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_
   write_record("report", out, record);
 }
 
-// Turns what each leg of a batch of lines gathered into what was gathered up to its end.
+// Turns what each leg of a batch of lines gathered into the sums up to the leg's end.
 void add_up_legs(gicube_board& handle, std::uint32_t ticket, std::span<gicube_traced_ray> rays) {
   const std::scoped_lock lock(handle.mutex);
   const auto found = handle.legs.find(ticket);
@@ -50,7 +50,7 @@ void add_up_legs(gicube_board& handle, std::uint32_t ticket, std::span<gicube_tr
   handle.legs.erase(found);
 }
 
-// Receives a batch that gicube_poll() has reported. False if it has not.
+// Receives a batch that gicube_poll() has reported. False if it has not reported it.
 bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_ray* rays, std::size_t count,
                      gicube_batch_report* report) {
   const std::scoped_lock lock(handle.mutex);
@@ -80,25 +80,6 @@ RayRequest to_request(gicube_board& handle, const gicube_ray_request* given) {
 }
 
 }  // namespace
-
-std::vector<Element> to_elements(const gicube_element* elements, std::size_t count) {
-  checked("elements", elements, count);
-  std::vector<Element> all;
-  for (std::size_t i = 0; i < count; ++i) {
-    all.push_back(from_record<Element>(fmt::format("elements[{}]", i), elements[i]));
-  }
-  return all;
-}
-
-std::vector<ElementPair> to_pairs(const gicube_element_pair* pairs, std::size_t count) {
-  checked("pairs", pairs, count);
-  std::vector<ElementPair> all;
-  for (std::size_t i = 0; i < count; ++i) {
-    all.push_back(from_record<ElementPair>(fmt::format("pairs[{}]", i), pairs[i]));
-  }
-  return all;
-}
-
 }  // namespace gicube::c_api
 
 using namespace gicube::c_api;
@@ -245,8 +226,8 @@ gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* ele
                                   const gicube_pair_request* request, gicube_progress progress, void* user,
                                   gicube_pair_factor* factors, size_t count) {
   return on_board(board, [&](gicube_board& handle) {
-    const std::vector<gicube::Element> all = to_elements(elements, element_count);
-    const std::vector<gicube::ElementPair> between = to_pairs(pairs, pair_count);
+    const auto all = from_records<gicube::Element>("elements", elements, element_count);
+    const auto between = from_records<gicube::ElementPair>("pairs", pairs, pair_count);
     check_count("count", count, pair_count);
     checked("factors", factors, count);
     const auto how = read_optional<gicube::PairRequest>("request", request);
