@@ -53,7 +53,7 @@ std::uint32_t submit(Handle& self, const py::list& arrays, const py::object& req
   return without_interpreter([&] { return board->submit(places, how).id; });
 }
 
-// A Pending of the driver. `kept`: what its call reads meanwhile.
+// A Pending of the driver. `kept`: the arrays that its call reads meanwhile.
 struct Started {
   std::shared_ptr<PendingCall> call;
   std::function<py::object(Picoseconds)> result;
@@ -126,7 +126,7 @@ void add_started(py::module_& module, py::class_<Handle>& board) {
   });
 }
 
-// A rank of a job, which an object of Python's tells the others what it is told to.
+// A rank of a job whose exchange is an object of Python.
 class PythonExchange : public RayExchange {
  public:
   explicit PythonExchange(py::handle object)

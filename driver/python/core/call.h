@@ -1,5 +1,5 @@
-// A function of Python for each function of the driver: its arguments are read, it works without the interpreter's
-// lock, and what it gives back is written.
+// Makes a function of Python from a function of the driver: it converts the arguments, runs the driver's function
+// without the interpreter's lock, and converts the result.
 #pragma once
 
 #include <functional>
@@ -71,13 +71,15 @@ template <IsOneOf<Plan, LightPlan> T>
 T held(Of<T> /*type*/, py::handle from, const char* /*field*/) {
   return from.cast<const T&>();
 }
-struct OpenBoard {
-  std::shared_ptr<Board> board;
-  Board& operator*() const { return *board; }
-  operator Board&() const { return *board; }  // NOLINT(google-explicit-constructor)
+template <typename T>
+struct Open {
+  std::shared_ptr<T> board;
+  T& operator*() const { return *board; }
+  operator T&() const { return *board; }  // NOLINT(google-explicit-constructor)
 };
-inline OpenBoard held(Of<Board> /*type*/, py::handle from, const char* /*field*/) {
-  return {from.cast<const Handle&>().board()};
+template <IsOneOf<Board, BoardGroup> T>
+Open<T> held(Of<T> /*type*/, py::handle from, const char* /*field*/) {
+  return {from.cast<const Owned<T>&>().board()};
 }
 inline Ticket held(Of<Ticket> /*type*/, py::handle from, const char* field) {
   return {read_as<std::uint32_t>(from, field)};
@@ -117,7 +119,7 @@ using Given = const py::object&;
 template <typename>
 using Named = const char*;
 
-// `fields` name the arguments in messages; those of a record that stands for all that is asked have "".
+// `fields`: the arguments' names in messages; "" for a record that is the whole request.
 template <typename Result, typename... Arguments>
 auto bound(auto function, Named<Arguments>... fields) {
   return [=](Given<Arguments>... given) -> py::object {

@@ -1,4 +1,4 @@
-// The driver's errors as the classes of gicube.errors, with what they carry.
+// The driver's errors as the classes of gicube.errors, with their fields.
 #include "gicube/scene/error.h"
 #include "parts.h"
 #include "records.h"

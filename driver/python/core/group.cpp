@@ -33,35 +33,19 @@ void add_group(py::module_& module) {
   py::class_<Group> type(module, "BoardGroup");
   type.def(py::init(&open_group));
   type.def("close", &Group::close);
-  type.def("size", [](const Group& self) { return self.board()->size(); });
+  type.def("size", call(&BoardGroup::size));
   type.def("board", &board_of);
-  type.def_property_readonly("buses", [](const Group& self) { return write(self.board()->buses()); });
+  type.def_property_readonly("buses", call(&BoardGroup::buses));
   type.def("on_all", [](const Group& self, const py::function& work) {
     const auto group = self.board();
     without_interpreter(
         [&] { group->on_all([&](Board&, std::size_t index) { with_interpreter([&] { work(index); }); }); });
   });
-  type.def("render", [](const Group& self, const py::object& view, const py::object& progress) {
-    const auto group = self.board();
-    const View what = read_as<View>(view, "");
-    const Progress told = progress_of(progress);
-    return given_back(without_interpreter([&] { return group->render(what, told); }));
-  });
-  type.def("trace", [](const Group& self, const py::array& rays, const py::object& request) {
-    const auto group = self.board();
-    const auto all = items_of<HostRay>(rays, "rays");
-    const auto how = read_as<RayRequest>(request, "");
-    return given_back(without_interpreter([&] { return group->trace(all, how); }));
-  });
-  type.def_property_readonly("now", [](const Group& self) {
-    const auto group = self.board();
-    return without_interpreter([&] { return group->now(); });
-  });
-  type.def("times", [](const Group& self) { return write(self.board()->times()); });
-  type.def("counters", [](const Group& self) {
-    const auto group = self.board();
-    return given_back(without_interpreter([&] { return group->counters(); }));
-  });
+  type.def("render", call(&BoardGroup::render, "", "progress"));
+  type.def("trace", call(&BoardGroup::trace, "rays", ""));
+  type.def_property_readonly("now", call(&BoardGroup::now));
+  type.def("times", call(&BoardGroup::times));
+  type.def("counters", call(&BoardGroup::counters));
 }
 
 }  // namespace gicube::python

@@ -1,5 +1,4 @@
-// Python's interpreter and the threads of the driver: who has its lock, and what becomes of a thread when the
-// interpreter ends.
+// Python's interpreter and the driver's threads: holding its lock, and the end of threads with the interpreter.
 #pragma once
 
 #include <pybind11/pybind11.h>

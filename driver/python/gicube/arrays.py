@@ -50,7 +50,7 @@ Choice = TypeVar("Choice", bound=Enum)
 
 
 def as_choice(kind: Type[Choice], value: Any, field: str) -> Choice:
-    """A member of an enumeration, which its value stands for. Raises BadArgument."""
+    """The member of an enumeration that has this value. Raises BadArgument."""
     try:
         return kind(value)
     except ValueError as error:

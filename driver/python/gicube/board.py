@@ -83,9 +83,9 @@ class Board:
     """One session with one board, which ends with close(), the `with` statement or this object.
 
     Several threads may use it: each call is one transaction, they take turns, and other threads of Python run
-    meanwhile. Ctrl-C ends a call that waits by KeyboardInterrupt. The board works on then and takes the next call: a
-    picture is unknown, irradiance incomplete, a loading volume lost; ray batches stay under way. A process that is
-    forked from this one opens its own board.
+    meanwhile. Ctrl-C ends a call that waits by KeyboardInterrupt. The board then finishes its work and accepts the next
+    call: a picture is unknown, irradiance incomplete, a loading volume lost; ray batches stay under way. A process that
+    is forked from this one opens its own board.
 
     Every call but close() raises DeviceLost and TimedOut (see reopen()), Error in a forked process.
     """
@@ -120,7 +120,7 @@ class Board:
         force: takes the board from its owner. wait_for_board: seconds to wait in line for it.
         capture: file for every frame of the session (docs/guide/capture.md).
         token_file, ca_file: access over TCP, TLS and PCI (docs/reference/security.md).
-        go_on: the board is not reset, but goes on from the checkpoint of save() that its process began with
+        go_on: the board is not reset, but continues from the checkpoint of save() that its process began with
         (gicube-board
             --restore); "emu:?restore=FILE" does the same.
         max_waiting_rays: for blocks of a volume that the card does not store whole, 1024 or more: so many on the card,
@@ -150,7 +150,7 @@ class Board:
         self._core.close()
 
     def _end(self) -> None:
-        """At the end of the interpreter. The calls of daemon threads go on, and keep their board."""
+        """At the end of the interpreter. The calls of daemon threads continue, and keep their boards."""
         self._core.close_if_idle()
 
     def __enter__(self) -> "Board":
@@ -180,17 +180,17 @@ class Board:
     def reopen(self) -> Reopened:
         """After DeviceLost or TimedOut: connects again by the same URI.
 
-        If the board still has the session, it goes on, and the failed call may be made again. Else it is a new board:
-        tables and materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer are
-        lost. Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
+        If the board still has the session, it continues, and the failed call may be repeated. Otherwise it is a new
+        board: tables and materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer
+        are lost. Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
         """
         return self._core.reopen()
 
     def save(self, file: Union[None, str, "os.PathLike[str]"] = None) -> Optional[bytes]:
-        """A checkpoint: all that the board is and that this object knows of it, ray batches under way included. To a
-        file, which is whole or not there, or as bytes.
+        """A checkpoint: the whole state of the board and of this object, including ray batches under way. To a file,
+        which is complete or does not exist, or as bytes.
 
-        A board that goes on from it finds the same bits, times and counters as this one. The scattering routine is not
+        A board that continues from it gets the same bits, times and counters as this one. The scattering routine is not
         in it. It costs no simulated time. Raises Rejected if it is larger than the board holds for a client, Error if
         the file can't be written.
         """
@@ -200,7 +200,7 @@ class Board:
         return None
 
     def restore(self, checkpoint: Union[bytes, str, "os.PathLike[str]"]) -> None:
-        """This board goes on from a checkpoint of save(): bytes, or a file's name. `now` is the clock that was saved,
+        """This board continues from a checkpoint of save(): bytes, or a file's name. `now` is the clock that was saved,
         and its tickets are valid. Set the scattering routine again.
 
         Raises BadArgument (a damaged checkpoint, by its field), Rejected (of another configuration, or too large):
@@ -215,7 +215,7 @@ class Board:
 
     def load_volume(self, volume: Union[Volume, VolumeStream, ArrayLike], *, progress: ProgressLike = None) -> None:
         """Replaces the volume: an array [z, y, x] of numbers (gicube.Volume says which are converted); a gicube.Volume,
-        which has more to say; or a gicube.VolumeStream, which is read in planes.
+        which has more properties; or a gicube.VolumeStream, which is read in planes.
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer
         functions are kept. A volume with more blocks than the card stores is kept by the driver, a stream in a file,
@@ -283,8 +283,8 @@ class Board:
 
     @property
     def empty_flags(self) -> Array:
-        """The flags in force, uint8 [z, y, x], one a block, nonzero = nothing visible. May be assigned, until the next
-        load_volume() or set_transfer_function(): a flag that is set on a visible block hides that block."""
+        """The flags in force, uint8 [z, y, x], one per block, nonzero = nothing visible. May be assigned, until the
+        next load_volume() or set_transfer_function(): a flag that is set on a visible block hides that block."""
         return self._core.empty_flags().reshape(self.blocks[::-1])
 
     @empty_flags.setter
@@ -317,9 +317,9 @@ class Board:
         """Scatters the rays that meet a material with Bsdf.TRAP and HOST_ROUTINE; the simulated host takes
         `time_per_ray` for each.
 
-        It may ask this board for `now` and `info` only. What it raises leaves the call that needed it; an answer that
-        no ray can follow raises ScatteringFailed. The rays that had not ended are lost then, and the board is ready for
-        the next call.
+        It may ask this board for `now` and `info` only. An exception of it leaves the call that needed it; an answer
+        that no ray can follow raises ScatteringFailed. The rays that had not ended are lost then, and the board is
+        ready for the next call.
         """
         self._core.set_scattering_routine(routine, time_per_ray)
 
@@ -423,7 +423,7 @@ class Board:
     def receive(self, ticket: Ticket, *, out: Optional[Array] = None, deadline: int = NO_DEADLINE) -> RayBatch:
         """Waits until that batch has returned, and moves the simulated clock to its arrival.
 
-        out: an array of gicube.TRACED_RAY for the rays, as many as were submitted; else a new one is made.
+        out: an array of gicube.TRACED_RAY for the rays, as many as were submitted; None: a new one.
         Raises BadArgument (unknown ticket, wrong size), Rejected, Unsupported (the batch is gone), DeadlinePassed if it
         has not arrived by the simulated time `deadline`, picoseconds: the batch is still under way.
         """
@@ -447,7 +447,7 @@ class Board:
         return self._core.poll()
 
     def cancel(self, ticket: Ticket) -> bool:
-        """Takes back the part of a batch that has not begun. False: it is too late, and the batch comes back whole."""
+        """Takes back the part of a batch that has not begun. False: it is too late, and the whole batch comes back."""
         return self._core.cancel(ticket.id)
 
     def pair_factors(
@@ -482,7 +482,7 @@ class Board:
     # Time.
 
     def host_compute(self, duration: int) -> None:
-        """The simulated host works for that long, picoseconds; the board goes on meanwhile."""
+        """The simulated host computes for that long, picoseconds; the board continues meanwhile."""
         self._core.host_compute(duration)
 
     def share_blocks(self, exchange: RayExchange) -> None:

@@ -21,9 +21,9 @@ class BoardGroup:
             group.on_all(lambda board: board.load_volume(volume))
             image = group.render(view)
 
-    The simulated host begins a call at the same time on all boards, and goes on when the last is done. One caller at a
-    time. What one board raises, the caller gets once the others have done their part, with the board's number and
-    address in its message; what the others have is kept, and boards[i].reopen() brings a lost one back.
+    The simulated host begins a call at the same time on all boards, and continues when the last one has finished. One
+    caller at a time. What one board raises, the caller gets once the others have done their part, with the board's
+    number and address in its message; what the others have is kept, and boards[i].reopen() brings a lost one back.
     """
 
     def __init__(

@@ -14,7 +14,7 @@ from gicube.volume import Volume
 
 __all__ = ["volume_from"]
 
-#: [z, y, x] samples; spacing x, y, z; directions of x, y, z, one a row; origin; what they are of.
+#: [z, y, x] samples; spacing x, y, z; directions of x, y, z, one per row; origin; the world's axes.
 Parts = Tuple[Array, Sequence[float], Array, Sequence[float], WorldAxes]
 
 

@@ -27,9 +27,9 @@ Event = Dict[str, Any]
 def events(take: Callable[[Event], object], of: str) -> Iterator[str]:
     """Options of a URI "emu:?fidelity=cycle&..." with which the board of that URI tells `take` of its events.
 
-    take: called with each event, a dict as in docs/guide/observation.md, in their order, on a thread of its own; what a
-        command does comes at its end at the latest. If it raises, it is called no more, and this raises the same at the
-        end.
+    take: called with each event, a dict as in docs/guide/observation.md, in their order, on a separate thread; events
+        of a command arrive at its end at the latest. If it raises, it is not called again, and this raises the same at
+        the end.
     of: which events, as of gicube-board --events-of: "pixel=32:32", "rays=0:10,parts=sorter", "counters=1000". The
         board's opening refuses a faulty text.
 
@@ -49,7 +49,7 @@ def events(take: Callable[[Event], object], of: str) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "events")
         os.mkfifo(path, 0o600)
-        # Both ends, so that opening the other one does not wait, and a board that never comes leaves no thread.
+        # Both ends, so that opening the other one does not wait, and no thread is left if the board never opens it.
         own = os.open(path, os.O_RDWR | os.O_CLOEXEC)
         with open(os.open(path, os.O_RDONLY | os.O_CLOEXEC), encoding="utf-8") as stream:
             thread = threading.Thread(target=read, args=(stream,), daemon=True)
@@ -66,7 +66,7 @@ def events(take: Callable[[Event], object], of: str) -> Iterator[str]:
 class Debugger:
     """Stops a board and looks into it, by `gicube-smi debug`: docs/guide/debugging.md has its lines.
 
-    The board goes on when this is closed. One debugger at a time is attached to a board.
+    The board continues when this is closed. A board accepts one debugger at a time.
     """
 
     def __init__(self, management: str, board: int = 0, program: str = "gicube-smi") -> None:
@@ -92,7 +92,7 @@ class Debugger:
     def say(self, line: str) -> str:
         """The board's answer to a line, as "break pixel 32 32", "continue 20" or "why".
 
-        Raises Error with what was expected if the line can't be carried out, and nothing has changed then; or if there
+        Raises Error with what was expected if the line can't be executed: then nothing has changed; or if there
         is no board, or no right to debug it.
         """
         if self._smi is None or self._smi.stdin is None or self._smi.stdout is None:
@@ -113,7 +113,7 @@ class Debugger:
         return str(answer["text"])
 
     def close(self) -> None:
-        """Detaches: the board goes on."""
+        """Detaches: the board continues."""
         if self._smi is None:
             return
         smi, self._smi = self._smi, None

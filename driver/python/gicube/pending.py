@@ -1,4 +1,4 @@
-"""Handles to calls that go on while the application does something else (gicube/pending.h)."""
+"""Handles to calls that run while the application does something else (gicube/pending.h)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ async def readable(descriptor: int) -> None:
 class Pending(Generic[Result]):
     """A call that was started: Board.start_render() and others. It does what the blocking call does, with the same bits
     and simulated times, in its place in the order of calls: later calls to the board, `now` included, wait until it has
-    ended. Ray batches alone go on beside other calls. It may be awaited, and may outlive its board: it ends with
+    ended. Only ray batches continue beside other calls. It may be awaited, and may outlive its board: it ends with
     DeviceLost then."""
 
     def __init__(self, core: "_core.Started[Result]") -> None:

@@ -76,7 +76,7 @@ def value_range(volume: VolumeLike) -> ValueRange:
 
 def transfer_function(name: Path, volume: Union[VolumeLike, ValueRange]) -> TransferFunction:
     """A preset (see presets()) or a file of a transfer function, in the values of a volume. "auto" is the preset that
-    its values suggest, as gicube-render chooses it; why_look() says why.
+    its values suggest, as gicube-render chooses it; why_look() gives the reasons.
 
     With a ValueRange alone, Hounsfield units count as the volume's values, and other presets go from its low to its
     high end. Raises InputError; BadArgument for "auto" with a range alone.
@@ -131,7 +131,7 @@ def visible_box(volume: VolumeLike, looks: Sequence[TransferFunction]) -> VoxelB
 
 
 def cropped(volume: VolumeLike, box: VoxelBox) -> Volume:
-    """The voxels of a box; Volume.placement says where they were. Raises BadArgument."""
+    """The voxels of a box; Volume.placement has their position. Raises BadArgument."""
     return _core.cropped(as_volume(volume), box)
 
 
@@ -260,5 +260,5 @@ def share_of_light(max_error: float) -> float:
 
 
 def left_for_picture(max_error: float, light: _core.LightPlan) -> float:
-    """The part of an error that a plan of light leaves to the picture, for make_plan(max_error=...)."""
+    """The share of an error that a plan of light leaves to the picture, for make_plan(max_error=...)."""
     return _core.left_for_picture(max_error, light)

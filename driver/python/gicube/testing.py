@@ -102,7 +102,7 @@ class Window:
         return self.counters.get(counter, 0) / self.time if self.time else 0.0
 
     def per_second(self, counter: str) -> float:
-        """A counter a simulated second."""
+        """A counter per simulated second."""
         return self.counters.get(counter, 0) / (self.time * 1e-12) if self.time else 0.0
 
 

@@ -17,7 +17,7 @@ __all__ = ["Projector", "circular_views", "tigre_views"]
 
 
 class Projector:
-    """The operator pair that every iterative method is made of (gicube/projector.h; docs/guide/cone_beam_geometry.md).
+    """The operator pair of all iterative methods (gicube/projector.h; docs/guide/cone_beam_geometry.md).
 
         views = gicube.circular_views(500, 1000, np.linspace(0, 2 * np.pi, 90, endpoint=False), pitch=2)
         projector = gicube.Projector(board, dims=(64, 64, 64), columns=96, rows=80, views=views)
@@ -129,9 +129,9 @@ def _about(axis: int, angles: Array) -> Array:
 def tigre_views(geo: Any, angles: ArrayLike) -> Array:
     """Views (n, 12) for Projector from a geometry of TIGRE (mode "cone") and its angles, (n,) or (n, 3), in radians.
 
-    Read are DSD, DSO, dDetector, offOrigin, offDetector, rotDetector and COR, each one value or one a view, in TIGRE's
-    order (z, y, x) and (v, u). Volumes are [z, y, x] and projections [view, v, u] in both: dims=geo.nVoxel[::-1],
-    spacing=geo.dVoxel[::-1], columns=geo.nDetector[1], rows=geo.nDetector[0].
+    Read are DSD, DSO, dDetector, offOrigin, offDetector, rotDetector and COR, each one value or one per view, in
+    TIGRE's order (z, y, x) and (v, u). Volumes are [z, y, x] and projections [view, v, u] in both:
+    dims=geo.nVoxel[::-1], spacing=geo.dVoxel[::-1], columns=geo.nDetector[1], rows=geo.nDetector[0].
     """
     turns = as_array(np.asarray(angles, "f8"), "angles", "float64")
     turns = np.column_stack([turns, np.zeros((len(turns), 2))]) if turns.ndim == 1 else turns

@@ -77,7 +77,7 @@ class Volume(Record):
     source: str = ""  # the file it was read from, for messages
     placement: Optional[Placement] = None  # of one that coarser() or cropped() made
     colours: Optional[Array] = None
-    world: Optional[WorldPlacement] = None  # where the file says that it lies
+    world: Optional[WorldPlacement] = None  # its position by the file
 
     def __post_init__(self) -> None:
         array: Any = np.asanyarray(self.samples)
@@ -128,8 +128,8 @@ class VolumeStream(Record):
 
     read: called with the first plane and their number, returns these planes [z, y, x] of `sample_type`. It is asked for
     all of them in their
-        order; for those of uint16, int16 and float32 without a range twice. What it raises leaves load_volume(), and
-        the board keeps its volume.
+        order; for those of uint16, int16 and float32 without a range twice. An exception of it leaves load_volume(),
+        and the board keeps its volume.
     dims: voxels along x, y, z.
     spacing, range, find_gradients: as Volume's.
     read_colours: None: no colours. Else it is asked after `read` for the same planes, and returns uint8 [z, y, x, 3].
