@@ -19,7 +19,7 @@ namespace {
 
 constexpr unsigned kOwnersOnly = 0600;  // a capture holds all that the application sent
 
-// All calls from any thread.
+// All functions may be called on any thread.
 class Capture {
  public:
   explicit Capture(const std::string& name) {
@@ -31,7 +31,7 @@ class Capture {
       throw OpenFailed(std::string("capture: ") + error.what());
     }
   }
-  // Nobody is left to throw to.
+  // A destructor can't throw: it reports the failure.
   ~Capture() {
     if (!file_) return;
     try {
@@ -47,14 +47,14 @@ class Capture {
 
   void write(wire::CaptureKind kind, std::span<const std::uint8_t> header, std::span<const std::uint8_t> payload) {
     const std::lock_guard lock(mutex_);
-    if (!file_) throw std::runtime_error("capture: it has failed before");
+    if (!file_) throw std::runtime_error("capture: an earlier write failed");
     try {
       begin_record(kind);
       put(header);
       put(payload);
       file_->flush();
     } catch (const std::system_error& error) {
-      file_.reset();  // gives the full disk back what it took
+      file_.reset();  // frees its space on the full disk
       throw std::runtime_error(std::string("capture: ") + error.what());
     }
   }
@@ -67,7 +67,7 @@ class Capture {
   }
 
   std::mutex mutex_;
-  std::optional<WholeFile> file_;  // empty: a write has failed
+  std::optional<WholeFile> file_;  // empty after a failed write
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

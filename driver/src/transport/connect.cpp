@@ -55,9 +55,9 @@ Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, error_code
   }
   error_code ignored;
   if (uri.scheme == UriScheme::kTcp) {
-    // Requests are small and each waits for its answer: they must not wait for company too.
+    // Requests are small, and each waits for its answer: they are sent at once instead of being collected.
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-    socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that is gone is noticed, in two hours
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);  // detects a dead machine after two hours
   }
   Fd connected(socket.release(ignored));
   ::fcntl(connected.get(), F_SETFD, FD_CLOEXEC);

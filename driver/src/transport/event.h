@@ -15,7 +15,7 @@
 namespace gicube {
 
 inline int checked_event(int fd) {
-  if (fd < 0) throw Error(std::string("no descriptor for an event: ") + std::strerror(errno));
+  if (fd < 0) throw Error(std::string("cannot make a descriptor for an event: ") + std::strerror(errno));
   return fd;
 }
 
@@ -24,7 +24,7 @@ inline Fd duplicate(const Fd& of) { return Fd(checked_event(::fcntl(of.get(), F_
 class Event {
  public:
   Event() : fd_(checked_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))) {}
-  // Nobody can say any more that it happens: who waits must not do so for ever.
+  // Afterwards nobody can report it any more: whoever waits must not wait forever.
   ~Event() { happen(); }
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
@@ -32,11 +32,10 @@ class Event {
   // Any thread, any number of times.
   void happen() {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written =
-        ::write(fd_.get(), &one, sizeof one);  // fails only if it has happened very often
+    [[maybe_unused]] const auto written = ::write(fd_.get(), &one, sizeof one);  // fails only after almost 2^64 calls
   }
 
-  // Readable from when it happens on. A duplicate for the caller, who closes it; it outlives the event.
+  // Becomes readable when it happens. A duplicate, which the caller closes; it outlives the event.
   Fd descriptor() const { return duplicate(fd_); }
 
  private:

@@ -16,10 +16,10 @@
 namespace gicube {
 namespace {
 
-// chosen: a peer that refuses us closes after its last words; they are read even when our own write fails first.
+// chosen: a peer that refuses us sends the reason and closes: it is read even if our own write fails first.
 constexpr std::chrono::seconds kLastWords{1};
 
-// A board closes its socket without a word of TLS: each frame says by itself where it ends.
+// A board closes its socket without a TLS shutdown: each frame says where it ends.
 bool is_end(const boost::system::error_code& error) {
   return error == boost::asio::error::eof || error == boost::asio::ssl::error::stream_truncated;
 }
@@ -34,7 +34,7 @@ struct FrameStream::Secured {
 
 FrameStream::FrameStream(Fd socket, FrameSink& sink, FrameTap tap, std::shared_ptr<Tls> tls)
     : sink_(sink), tap_(std::move(tap)), tls_(std::move(tls)) {
-  // The family is for sockets that are to be opened or bound: this one is connected.
+  // The family matters only for sockets that are opened or bound: this one is connected.
   socket_.assign(boost::asio::generic::stream_protocol(AF_UNIX, 0), socket.get());
   socket.release();
   if (!tls_) return;
@@ -122,7 +122,7 @@ void FrameStream::read_header() {
     }
     if (error) return end({error.message(), Loss::kClosed});
     const auto header = wire::decode_frame_header(header_bytes_);
-    if (!header) return end({"the board sent something that is no frame", Loss::kCorrupted});
+    if (!header) return end({"the board sent something that is not a frame", Loss::kCorrupted});
     const StreamFault fault = sink_.check_header(*header);
     if (!fault.text.empty()) return end(fault);
     read_payload(*header);

@@ -25,7 +25,7 @@
 
 namespace gicube {
 
-// Why a stream has to end; no text = it does not.
+// Why a stream has to end. No text: it does not.
 struct StreamFault {
   std::string text;
   Loss cause = Loss::kEnded;
@@ -35,18 +35,18 @@ struct StreamFault {
 // nothing.
 class FrameSink {
  public:
-  // A header has come; its payload is neither read nor given memory yet, and it may be damaged.
+  // A header was received; its payload has not been read, has no memory yet, and may be damaged.
   virtual StreamFault check_header(const wire::FrameHeader& header) = 0;
   virtual StreamFault take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) = 0;
-  // The last report: the stream has ended, by itself, by a fault or by close().
+  // The last report: the stream has ended, because of the peer, a fault or close().
   virtual void stream_ended(const StreamFault& reason) = 0;
 
  protected:
   ~FrameSink() = default;
 };
 
-// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block. What it
-// throws ends the stream.
+// Is called with every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block.
+// An exception from it ends the stream.
 using FrameTap = std::function<void(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
                                     std::span<const std::uint8_t> payload)>;
 
@@ -67,7 +67,7 @@ class FrameStream {
   FrameStream(const FrameStream&) = delete;
   FrameStream& operator=(const FrameStream&) = delete;
 
-  // Reports begin. Once.
+  // Starts the reports. Call it once.
   void start() {
     boost::asio::post(io_, [this] { begin(); });
     thread_ = std::thread([this] { run(); });

@@ -32,9 +32,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "gicube-board";
-constexpr std::chrono::seconds kGrace{5};  // chosen: what a child gets to end by itself, and again after SIGTERM
-constexpr std::size_t kStderrTail = 4096;  // bytes, chosen: what an error message can carry
-constexpr int kLowestOwnFd = 10;           // above what the child's files are numbered by, 0..3
+constexpr std::chrono::seconds kGrace{5};  // chosen: the time a child has to end by itself, and again after SIGTERM
+constexpr std::size_t kStderrTail = 4096;  // bytes, chosen: enough for an error message
+constexpr int kLowestOwnFd = 10;           // above the numbers of the child's files, 0..3
 
 bool is_program(const fs::path& path) {
   std::error_code ignored;
@@ -52,14 +52,15 @@ Fd raised(Fd fd) {
   return copy;
 }
 
-// Where the installation that this library belongs to has its programs: it may have been moved since it was built.
+// The folder of programs of the installation that this library belongs to, which may have been moved since it was
+// built.
 std::optional<fs::path> programs_of_this_library() {
   Dl_info info{};
   if (::dladdr(reinterpret_cast<const void*>(&find_board_program), &info) == 0 || info.dli_fname == nullptr) return {};
   std::error_code error;
   const fs::path library = fs::canonical(info.dli_fname, error);
   if (error) return {};
-  // Linked into a program, it has no place of its own.
+  // A library that is linked into a program has no folder of its own.
   if (library == fs::canonical("/proc/self/exe", error) || error) return {};
   return (library.parent_path() / GICUBE_LIBRARIES_TO_PROGRAMS).lexically_normal();
 }
@@ -95,7 +96,7 @@ std::string find_board_program() {
     looked += "\n  " + place.string();
   }
   if (const char* named = named_board_program()) {
-    throw OpenFailed(std::string("the environment variable GICUBE_BOARD names no program: ") + named);
+    throw OpenFailed(std::string("the environment variable GICUBE_BOARD: expected a program, got ") + named);
   }
   throw OpenFailed("gicube-board was not found; the environment variable GICUBE_BOARD is not set, and it is not at" +
                    looked);
@@ -131,8 +132,8 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
   posix_spawn_file_actions_adddup2(&files, stderr_.get(), 2);
   posix_spawn_file_actions_adddup2(&files, child_end.get(), 3);
   posix_spawn_file_actions_addclosefrom_np(&files, 4);
-  // Its own process group: Ctrl-C is the application's to handle. What that ignores or blocks is not the board's
-  // affair.
+  // In its own process group, since the application handles Ctrl-C. Signals that the application ignores or blocks have
+  // their defaults in the board.
   sigset_t all, none;
   sigfillset(&all);
   sigemptyset(&none);
@@ -163,7 +164,7 @@ bool ChildProcess::ended(std::chrono::milliseconds wait) {
   auto pause = std::chrono::microseconds(200);
   while (!reaped_ && pid_ > 0) {
     const pid_t found = ::waitpid(pid_, &status_, WNOHANG);
-    // ECHILD: an application that ignores SIGCHLD has the system reap its children.
+    // ECHILD: the application ignores SIGCHLD, so the system has reaped the child.
     if (found == pid_ || (found < 0 && errno != EINTR)) {
       reaped_ = true;
       break;

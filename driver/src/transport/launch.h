@@ -15,27 +15,27 @@ namespace gicube {
 
 // The value of the environment variable GICUBE_BOARD, or null.
 const char* named_board_program();
-// Where gicube-board may be: that place alone; else beside the running program, where the SDK was installed, on the
-// PATH.
+// Where gicube-board may be: only there; or, if it is null, beside the running program, where the SDK was installed,
+// and on the PATH.
 std::vector<std::filesystem::path> board_program_places();
 // The first of them that can be run. Throws OpenFailed that names every place looked at.
 std::string find_board_program();
 
-// One child process that serves one socket, inherits no other file of this process, and is gone when this object is:
-// destroy what uses the socket first, the child ends by itself then. One that does not is terminated after some
+// A child process that serves one socket, inherits no other file of this process, and lives as long as this object.
+// Destroy what uses the socket first: the child then ends by itself. One that does not is terminated after some
 // seconds.
 class ChildProcess {
  public:
-  // Runs `program arguments... --listen fd:3 --private --quiet`, file 3 being its end of a socket pair. Throws
-  // OpenFailed. With a listening socket, the child serves that one to any number of clients, and is terminated with
-  // this object.
+  // Runs `program arguments... --listen fd:3 --private --quiet`, where file 3 is its end of a socket pair. Throws
+  // OpenFailed. If a listening socket is given, the child serves that one to any number of clients, and is terminated
+  // with this object.
   ChildProcess(const std::string& program, const std::vector<std::string>& arguments, Fd listener = {});
   ~ChildProcess();
 
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // This process' end of the socket pair; once.
+  // This process' end of the socket pair. Can be taken once.
   Fd take_socket() { return std::move(socket_); }
 
   // True if the child has ended, after waiting for it at most so long.
@@ -51,7 +51,7 @@ class ChildProcess {
   std::string last_lines() const;
 
   Fd socket_;
-  Fd stderr_;  // a file in memory: nobody has to read it for the child to go on
+  Fd stderr_;  // a file in memory: nobody has to read it for the child to continue
   pid_t pid_ = -1;
   bool listens_ = false;
   bool reaped_ = false;

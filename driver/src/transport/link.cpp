@@ -44,7 +44,7 @@ bool Link::resume() {
   changed_.wait(lock, [this] { return phase_ != Phase::kHandshake; });
   if (phase_ == Phase::kOpen) return true;
   if (session_ == 0 || !options_.reconnect) return false;
-  lock.unlock();  // broken as it is, only this call changes that
+  lock.unlock();  // only this call can change that the link is broken
   Fd socket = options_.reconnect();
   lock.lock();
   shake_hands(lock, std::move(socket), options_.watchdog);
@@ -124,7 +124,7 @@ Response Link::finish(std::uint32_t id, const OnProgress& on_progress) {
 
   const auto command = commands_.find(watched_ticket);
   if (response.error != wire::ErrorCode::kNone && command != commands_.end() && command->second.result) {
-    // An earlier wait for it, whose call the loss of the connection ended, has brought the result already.
+    // An earlier wait, whose call ended when the connection was lost, has already received the result.
     response.error = wire::ErrorCode::kNone;
     response.time_ps = std::max(response.time_ps, command->second.result->time_ps);
   }
@@ -155,7 +155,7 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
     if (!lock.owns_lock()) lock.lock();
     if (pending.response) {
       pending_.erase(id);
-    } else {  // the response will still come: it must not be taken for one that was never asked for
+    } else {  // the response will still come, and must not count as one that was not requested
       pending.abandoned = true;
       pending.watched_ticket = 0;
     }
@@ -163,7 +163,8 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
   }
 }
 
-// Waits for credit. Requests and tickets share the numbers; after 2^32 of them those still in use are passed over.
+// Waits for credit. Requests and tickets share the numbers; after 2^32 of them, numbers that are still in use are
+// skipped.
 wire::FrameHeader Link::next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
                                     std::size_t payload) {
   if (payload > agreed_.max_payload_bytes) {
@@ -179,7 +180,7 @@ wire::FrameHeader Link::next_header(Lock& lock, wire::FrameType type, std::uint1
   return header;
 }
 
-// `may_leave`: what LinkOptions::while_waiting throws is the caller's.
+// `may_leave`: exceptions of LinkOptions::while_waiting are passed to the caller.
 void Link::await(Lock& lock, const auto& ready, bool may_leave) {
   auto begin = Clock::now();
   const bool asks = may_leave && options_.while_waiting;
@@ -190,7 +191,7 @@ void Link::await(Lock& lock, const auto& ready, bool may_leave) {
       begin = Clock::now();
       continue;
     }
-    if (phase_ == Phase::kHandshake) {  // another caller is at it
+    if (phase_ == Phase::kHandshake) {  // another caller does it
       changed_.wait(lock);
       begin = Clock::now();
       continue;
@@ -199,7 +200,7 @@ void Link::await(Lock& lock, const auto& ready, bool may_leave) {
     const auto probe = std::max(begin, last_frame_) + options_.probe;
     const auto deadline = std::max(begin, last_heard_) + options_.watchdog;
     if (options_.watchdog.count() != 0 && now >= deadline) {
-      const std::string text = fmt::format("no answer of the board within {} ms", options_.watchdog.count());
+      const std::string text = fmt::format("no answer from the board within {} ms", options_.watchdog.count());
       break_off({text, Loss::kTimedOut});
       if (!can_recover()) throw TimedOut(text);
       recover_or_throw(lock);
@@ -233,7 +234,7 @@ void Link::break_off(const StreamFault& reason) {
   changed_.notify_all();
 }
 
-// Only with credit; hands back on the way what has been consumed meanwhile.
+// Only with credit. Returns the credit of what has been consumed meanwhile.
 void Link::send_with_credit(const wire::FrameHeader& header, wire::Payload payload) {
   wire::ReliableWindow::Sent frame = window_.keep(header, std::move(payload));
   window_.put_credit(frame.header);

@@ -1,9 +1,9 @@
 // The driver's end of the data plane: handshake, credits, requests with their responses, commands with their
 // completions.
 //
-// A Link may be used from several threads. Each call stands in the stream in the order in which it got its credit.
-// If the connection breaks, the session can be resumed over another one (reliable_window.h). Until then, if the link
-// may not resume by itself, every waiting and every later call throws DeviceLost with the reason.
+// A Link may be used from several threads. The calls are sent in the order in which they got their credit. If the
+// connection breaks, the session can be resumed over another one (reliable_window.h). Until then, if the link may not
+// resume by itself, every waiting and every later call throws DeviceLost with the reason.
 #pragma once
 
 #include <chrono>
@@ -30,22 +30,22 @@ namespace gicube {
 wire::VersionInfo driver_version();
 
 struct LinkOptions {
-  // Wall-clock limit between two signs of life of the board while a call waits; 0 = none.
+  // Wall-clock limit without a sign of life from the board while a call waits; 0 = none.
   std::chrono::milliseconds watchdog{0};
   wire::VersionInfo mine = driver_version();  // with its flags and wait_ms
-  // Connects again after a loss; throws OpenFailed or TimedOut. Empty: the connection can't be had again.
+  // Connects again after a loss; throws OpenFailed or TimedOut. Empty: the connection can't be made again.
   std::function<Fd()> reconnect{};
   // The access token for the board at this socket. Must not throw. Empty: none is needed.
   std::function<std::string(int socket)> token{};
   std::shared_ptr<Tls> tls{};  // null: plain bytes
-  // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
+  // How often in a row the link resumes its session by itself while the board has taken and sent nothing.
   int reopen_attempts = 0;
-  // An exception of it, on the waiting thread, leaves the call like one of a progress callback.
+  // Called on the waiting thread. Its exceptions leave the call as those of a progress callback do.
   std::function<void()> while_waiting{};
-  // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called
-  // as often.
+  // A call that has waited so long in silence asks whether something was lost on the way. `while_waiting` is called at
+  // the same intervals.
   std::chrono::milliseconds probe{100};  // chosen: ten frames a second
-  // Told of what no call reports, on the thread of a call. Must not throw.
+  // Receives what no call reports, on the thread of a call. Must not throw.
   std::function<void(const std::string&)> log{};
   FrameTap tap{};
 };
@@ -57,13 +57,13 @@ struct Response {
 };
 using CommandResult = Response;
 
-// The text of an error payload: printable, and cut at a length that fits a message.
+// The text of an error payload: printable, and truncated to a length that fits a message.
 std::string error_text(std::span<const std::uint8_t> payload);
 
 // True if the board closes the session with this error.
 bool ends_session(wire::ErrorCode code);
 
-// The meaning of a board's last frame with this error for the session.
+// What a last frame with this error means for the session.
 Loss cause_of(wire::ErrorCode last_word);
 
 // Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.
@@ -91,18 +91,18 @@ class Link final : private FrameSink {
     const std::lock_guard lock(mutex_);
     return phase_ == Phase::kBroken;
   }
-  // After DeviceLost or TimedOut: goes on with the session over a new connection, had by LinkOptions::reconnect. False:
-  // the board has it no more, or there is none to resume. Throws what `reconnect` does, DeviceLost, TimedOut.
+  // After DeviceLost or TimedOut: resumes the session over a new connection, made by LinkOptions::reconnect. False: the
+  // board no longer has the session, or there is none to resume. Throws what `reconnect` does, DeviceLost, TimedOut.
   bool resume();
 
-  // Ends the session: the board said something that it can't have meant. Throws DeviceLost with the reason.
+  // Ends the session because the board sent something that can't be right. Throws DeviceLost with the reason.
   [[noreturn]] void give_up(const std::string& reason);
 
   // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, BadArgument (a payload too
   // large).
   void post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
-  // Ends the session: the application wants no more of it. All that waits throws DeviceLost.
+  // Ends the session because the application closes it. All waiting calls throw DeviceLost.
   void close();
 
   // Sends a request and waits for its response. Throws as post(), and what the board's error reply stands for.
@@ -119,16 +119,17 @@ class Link final : private FrameSink {
   std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
 
   // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none):
-  // the response's error says which. What `on_progress` throws, on this thread, leaves this call; the command goes on.
+  // the response's error says which. An exception of `on_progress`, which is called on this thread, leaves this call;
+  // the command continues.
   Response wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress);
 
-  // The result of a command, once; nothing while it has not come.
+  // The result of a command, which can be taken once. Nothing if it has not arrived.
   std::optional<CommandResult> take(std::uint32_t ticket);
 
-  // Nobody will take the result: it is dropped when it comes.
+  // Nobody will take the result: it is dropped when it arrives.
   void forget(std::uint32_t ticket);
 
-  // Commands whose results have not come, or were not taken, by ticket.
+  // Commands whose results have not arrived, or were not taken, by ticket.
   struct Command {
     bool forgotten = false;
     std::optional<CommandResult> result{};
@@ -138,13 +139,13 @@ class Link final : private FrameSink {
     const std::lock_guard lock(mutex_);
     return commands_;
   }
-  // The board has become one on which these are under way.
+  // The board has become one on which these commands are running.
   void set_commands(Commands commands) {
     const std::lock_guard lock(mutex_);
     commands_ = std::move(commands);
   }
-  // The number of the last request or command. Set back, the ones after it are given again: they must have been
-  // answered.
+  // The number of the last request or command. If it is set back, the numbers after it are given again: they must have
+  // been answered.
   std::uint32_t last_id() const {
     const std::lock_guard lock(mutex_);
     return last_id_;
@@ -182,7 +183,7 @@ class Link final : private FrameSink {
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
 
-  // Progress may come as soon as the board has the request: what it watches is known before.
+  // Progress may arrive as soon as the board has the request: so the watched ticket is set before.
   std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
                       std::uint32_t watched_ticket);
   Response finish(std::uint32_t id, const OnProgress& on_progress);
@@ -217,7 +218,7 @@ class Link final : private FrameSink {
   int attempts_ = 0;                                  // to resume, since the board last took or sent something
   std::uint32_t known_taken_ = 0;  // the last frame of ours that the board has said it took, when it was resumed
   bool deaf_ = false;              // what the stream reports belongs to a connection that is given up
-  Clock::time_point last_heard_;   // a sign of life
+  Clock::time_point last_heard_;   // of a sign of life
   Clock::time_point last_frame_;   // any frame either way that a probe would only repeat
   wire::ReliableWindow window_;
   std::uint32_t last_id_ = 0;

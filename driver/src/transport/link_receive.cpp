@@ -11,7 +11,7 @@
 namespace gicube {
 
 std::string error_text(std::span<const std::uint8_t> payload) {
-  constexpr std::size_t kLongestText = 4000;  // chosen: a configuration's faults, all of them, and no flood
+  constexpr std::size_t kLongestText = 4000;  // chosen: fits all faults of a configuration
   std::string text;
   for (const std::uint8_t byte : payload.first(std::min(payload.size(), kLongestText))) {
     const bool control = (byte < 0x20 && byte != '\n') || byte == 0x7F;
@@ -29,7 +29,7 @@ bool ends_session(wire::ErrorCode code) {
 Loss cause_of(wire::ErrorCode last_word) {
   switch (last_word) {
     case wire::ErrorCode::kTaken: return Loss::kTakenOver;
-    case wire::ErrorCode::kTooLarge:  // we keep to the limits: it was a size that was damaged
+    case wire::ErrorCode::kTooLarge:  // we keep to the limits: so the size was damaged
     case wire::ErrorCode::kCorrupted: return Loss::kCorrupted;
     default: return Loss::kEnded;
   }
@@ -38,7 +38,7 @@ Loss cause_of(wire::ErrorCode last_word) {
 void throw_error(wire::ErrorCode code, const std::string& text) {
   switch (code) {
     case wire::ErrorCode::kBusy: throw BoardBusy("the board is busy: " + text);
-    case wire::ErrorCode::kVersion: throw VersionMismatch("the board speaks another version: " + text);
+    case wire::ErrorCode::kVersion: throw VersionMismatch("the board has another protocol version: " + text);
     case wire::ErrorCode::kUnsupported: throw Unsupported(text);
     case wire::ErrorCode::kMemory: throw MemoryFault(text);
     case wire::ErrorCode::kProtocol:
@@ -50,7 +50,8 @@ void throw_error(wire::ErrorCode code, const std::string& text) {
   }
 }
 
-// Only what has to be known before memory is taken: the header may be damaged, the checksum comes with the payload.
+// Checks only what must hold before memory is allocated: the header may be damaged, the checksum comes with the
+// payload.
 StreamFault Link::check_header(const wire::FrameHeader& header) {
   const std::lock_guard lock(mutex_);
   if (deaf_) return {"closed", Loss::kClosed};
@@ -66,7 +67,7 @@ StreamFault Link::check_header(const wire::FrameHeader& header) {
   return {};
 }
 
-// Whatever the board did not owe us is a fault: so nothing that comes in can grow without a limit.
+// Everything that was not requested is a fault: so nothing that arrives can grow without a limit.
 StreamFault Link::check_frame(const wire::FrameHeader& header) {
   const std::string id = std::to_string(header.id);
   if (header.type == wire::FrameType::kVersion) {
@@ -93,13 +94,13 @@ StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
   const std::lock_guard lock(mutex_);
   if (deaf_) return {"closed", Loss::kClosed};
   last_frame_ = std::chrono::steady_clock::now();
-  if (header.type != wire::FrameType::kCredit) last_heard_ = last_frame_;  // credit flows while the work hangs, too
-  changed_.notify_all();  // the waiters run once this frame is dealt with
+  if (header.type != wire::FrameType::kCredit) last_heard_ = last_frame_;  // credit also flows while the work hangs
+  changed_.notify_all();  // the waiters run when this frame has been handled
   if (phase_ == Phase::kHandshake) return take_version(header, payload);
   const auto arrival = window_.arrival(header);
   if (arrival == wire::ReliableWindow::Arrival::kGap) {
     const std::string missing = fmt::format("frames of the board are missing: expected number {}", window_.taken() + 1);
-    // A credit frame has no number of its own; it tells the last that the board has used.
+    // A credit frame has no number of its own; it has the last one that the board used.
     return {header.type == wire::FrameType::kCredit
                 ? fmt::format("{}, the board says that it has sent up to number {}", missing, header.id)
                 : fmt::format("{}, got {}", missing, header.sequence),

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file of one number, as "0x4749"; 0 if there is none.
+// The number in a file, such as "0x4749"; 0 if there is none.
 unsigned long number_in(const fs::path& file) {
   std::string text;
   std::ifstream(file) >> text;
@@ -27,7 +27,7 @@ std::string ids(unsigned long vendor, unsigned long device) { return fmt::format
 std::string ids_in(const fs::path& folder) { return ids(number_in(folder / "vendor"), number_in(folder / "device")); }
 std::string ids_of_board() { return ids(wire::kVendorId, wire::kDeviceId); }
 
-// An open function masters the bus.
+// A function that is open is a bus master.
 bool is_in_use(const fs::path& folder) {
   std::ifstream config(folder / "config", std::ios::binary);
   config.seekg(wire::pci::kCommandStatus);
@@ -61,7 +61,7 @@ std::vector<PciCondition> pci_conditions(const std::string& address, const fs::p
   const int denied = ::access(registers.c_str(), R_OK | W_OK) != 0 ? errno : 0;
   const unsigned long pages = number_in(sys / "kernel/mm/hugepages/hugepages-2048kB/free_hugepages");
   std::vector<PciCondition> conditions{
-      {fs::exists(folder, error), "is there a PCI function?", address, "lspci lists those that there are"},
+      {fs::exists(folder, error), "is there a PCI function?", address, "lspci lists the functions of this machine"},
       {seen == ids_of_board(), "is it a GI-Cube board?", seen,
        fmt::format("a board is {}; lspci -d {:04x}: lists them", ids_of_board(), wire::kVendorId)},
       {driver.empty() || driver == "uio_pci_generic", "is it free of other kernel drivers?",

@@ -9,14 +9,14 @@
 namespace gicube {
 
 struct PciDevice {
-  std::string address;  // as 0000:00:04.0
+  std::string address;  // for example 0000:00:04.0
   bool in_use = false;  // a process has opened it
 };
 
 // By address.
 std::vector<PciDevice> pci_devices(const std::filesystem::path& sys = "/sys");
 
-// The folder of a function. It may not be there.
+// The folder of a function, which may not exist.
 std::filesystem::path pci_folder(const std::string& address, const std::filesystem::path& sys = "/sys");
 
 // The kernel driver that the function is bound to; empty: none.
@@ -26,7 +26,7 @@ std::string kernel_driver_of(const std::filesystem::path& folder);
 struct PciCondition {
   bool holds;
   std::string question, answer;
-  std::string advice;  // if it does not hold
+  std::string advice;  // what to do if it does not hold
 };
 
 // In the order in which they are needed, up to the first that does not hold.

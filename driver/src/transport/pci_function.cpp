@@ -27,13 +27,13 @@ using namespace std::chrono_literals;
 using PumpClock = std::chrono::steady_clock;
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
-constexpr std::uint32_t kRing = 512 << 10;     // two of them and their indices are within a huge page
+constexpr std::uint32_t kRing = 512 << 10;     // two of them and their indices fit into a huge page
 constexpr unsigned kInterruptsOff = 1u << 10;  // of the command register: INTx disable
-constexpr auto kGoodbye = 1s;                  // chosen: for a board to take the last frames
-// An interrupt may never come: only KVM delivers it. So memory is looked at, at first often, then in proportion to the
-// time that it has been quiet, which makes what comes late by a sixteenth at most.
+constexpr auto kGoodbye = 1s;                  // chosen: the time a board has to take the last frames
+// An interrupt may never arrive: only KVM delivers it. So the memory is polled, at first often, then in proportion to
+// the time without news, which adds a sixteenth to that time at most.
 constexpr std::chrono::nanoseconds kFirstLook = 20us, kLastLook = 10ms;
-// Chosen: between reads of a register, of 16 us, which report that the function was removed.
+// Chosen: between reads of a register, which take 16 us and show that the function was removed.
 constexpr auto kSignOfLife = 10ms;
 
 [[noreturn]] void fail(const std::string& address, const std::string& why) {
@@ -50,15 +50,15 @@ Fd open_file(const std::string& address, const fs::path& path, int flags) {
   return file;
 }
 
-// Makes the kernel give the function its addresses, unless a driver has.
+// Makes the kernel assign the function's addresses, unless a driver has.
 void enable(const std::string& address, const fs::path& folder) {
   if (!kernel_driver_of(folder).empty()) return;
   const Fd file = open_file(address, folder / "enable", O_WRONLY);
-  expect(::write(file.get(), "1", 1) == 1, address, "it cannot be enabled");
+  expect(::write(file.get(), "1", 1) == 1, address, "cannot enable it");
 }
 
-// The file that uio_pci_generic has for the function: tells of interrupts, and takes the bus from the function when
-// this process ends.
+// The file of uio_pci_generic for the function: it reports interrupts, and ends the function's bus mastering when this
+// process ends.
 Fd open_uio(const std::string& address, const fs::path& folder) {
   std::error_code error;
   const fs::directory_iterator first(folder / "uio", error);
@@ -71,7 +71,8 @@ std::uint64_t physical_address(const std::string& address, const std::byte* of) 
   const Fd pagemap = open_file(address, "/proc/self/pagemap", O_RDONLY);
   std::uint64_t entry = 0;
   const auto at = static_cast<off_t>(reinterpret_cast<std::uintptr_t>(of) / page * sizeof entry);
-  // Documentation/admin-guide/mm/pagemap.rst of Linux: bits 0-54 are the frame's number, 0 for who may not know it.
+  // Documentation/admin-guide/mm/pagemap.rst of Linux: bits 0-54 are the frame's number, or 0 without the right to know
+  // it.
   const bool known = ::pread(pagemap.get(), &entry, sizeof entry, at) == sizeof entry;
   const std::uint64_t frame = entry & ((std::uint64_t{1} << 55) - 1);
   if (!known || frame == 0) fail(address, "the kernel does not say where its rings are: run as root (CAP_SYS_ADMIN)");
@@ -86,37 +87,37 @@ PciFunction::PciFunction(const std::string& address) {
   }
   const fs::path folder = pci_folder(address);
   registers_file_ = open_file(address, folder / "resource0", O_RDWR | O_SYNC);
-  // The lock goes with the process.
+  // The lock ends with the process.
   if (::flock(registers_file_.get(), LOCK_EX | LOCK_NB) != 0)
     throw BoardBusy("another process has opened the PCI function " + address);
   enable(address, folder);
   config_ = open_file(address, folder / "config", O_RDWR);
   interrupts_ = open_uio(address, folder);
   registers_ = map_shared(wire::kBar0Bytes, registers_file_.get());
-  expect(registers_ != nullptr, address, "its registers cannot be mapped");
+  expect(registers_ != nullptr, address, "cannot map its registers");
   const std::uint32_t identity = read(fn::kIdentity), version = read(fn::kVersion);
   if (identity == fn::kGone) fail(address, "it does not answer; was it removed?");
   if (identity != fn::kIdentityValue || version != fn::kVersionValue) {
     fail(address, fmt::format("it has identity {:08x}, version {}; expected {:08x}, {}", identity, version,
                               fn::kIdentityValue, fn::kVersionValue));
   }
-  // A killed process must not leave a function that writes into memory that is no longer ours.
+  // A killed process may have left a function that still writes into memory, which is no longer ours.
   write(fn::kControl, fn::kCloseSession);
   // Shared: a child of fork() must not make this process write into a copy that the function does not know.
   rings_ = map_shared(kHugePage, -1, 0, MAP_ANONYMOUS | MAP_HUGETLB | (21 << MAP_HUGE_SHIFT) | MAP_POPULATE);
-  expect(rings_ != nullptr, address, "a huge page cannot be mapped");
+  expect(rings_ != nullptr, address, "cannot map a huge page");
   ::madvise(rings_.get(), kHugePage, MADV_DONTFORK);
   down_ = {rings_.get() + fn::kIndexBytes, kRing};
   up_ = {rings_.get() + fn::kIndexBytes + kRing, kRing};
   std::array<int, 2> ends{};
-  expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0, address, "no sockets");
+  expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0, address, "cannot make sockets");
   socket_ = Fd(ends[0]);
   link_end_ = Fd(ends[1]);
   const std::uint64_t at = physical_address(address, rings_.get());
   const bool has_interrupts = interrupts_.get() >= 0;
   expect(
       set_command(wire::pci::kCommandMemorySpace | wire::pci::kCommandBusMaster, has_interrupts ? kInterruptsOff : 0),
-      address, "its command register cannot be written");
+      address, "cannot write its command register");
   write(fn::kRingLow, static_cast<std::uint32_t>(at));
   write(fn::kRingHigh, static_cast<std::uint32_t>(at >> 32));
   write(fn::kRingBytes, kRing);
@@ -173,7 +174,7 @@ void PciFunction::run() {
   socket_.reset();
 }
 
-// Bytes of the link into the ring. True: some were moved.
+// Moves the link's bytes into the ring. True if there were any.
 bool PciFunction::move_down() {
   const std::uint32_t before = put_, held = put_ - index(fn::kDownTaken);
   const std::uint32_t space = held <= kRing && !link_has_closed_ ? kRing - held : 0;
@@ -186,22 +187,22 @@ bool PciFunction::move_down() {
   return true;
 }
 
-// Bytes of the board to the link.
+// Moves the board's bytes to the link. True if there were any.
 bool PciFunction::move_up() {
   const std::uint32_t before = taken_;
   has_ended_ = index(fn::kStreamEnded) != 0;
   const std::uint32_t put = index(fn::kUpPut);
-  if (put - taken_ > kRing) return false;  // a function that is none of ours
+  if (put - taken_ > kRing) return false;  // a function that is not one of ours
   const RingStop stop = ring_to_socket(up_, taken_, put - taken_, socket_.get());
   socket_is_full_ = stop == RingStop::kMustWait;
-  if (stop == RingStop::kClosed) taken_ = put;  // the link has closed: nobody wants them
+  if (stop == RingStop::kClosed) taken_ = put;  // the link has closed: the bytes are dropped
   if (taken_ == before) return false;
   fn::index_at(rings_.get(), fn::kUpTaken).store(taken_);
   if (fn::index_at(rings_.get(), fn::kUpWaits).load() != 0) write(fn::kBell, 1);
   return true;
 }
 
-// Nothing has moved: is there a reason that nothing will?
+// Nothing was moved. Returns whether there is a reason that nothing will be.
 bool PciFunction::is_over(PumpClock::time_point now) {
   if (link_has_closed_ && index(fn::kDownTaken) == put_) return true;
   if (has_ended_ && !socket_is_full_) return true;
@@ -217,7 +218,7 @@ void PciFunction::wait(std::chrono::nanoseconds idle) {
   std::array<pollfd, 2> files{
       {{socket_.get(), static_cast<short>((reads ? POLLIN : 0) | (socket_is_full_ ? POLLOUT : 0)), 0},
        {interrupts_.get(), POLLIN, 0}}};
-  if (files[0].events == 0) files[0].fd = -1;  // or a closed one would be reported without end
+  if (files[0].events == 0) files[0].fd = -1;  // otherwise poll() would report a closed one each time
   if (::ppoll(files.data(), files.size(), &limit, nullptr) <= 0 || files[1].revents == 0) return;
   std::uint32_t count = 0;
   if (::read(interrupts_.get(), &count, sizeof count) != sizeof count) return interrupts_.reset();

@@ -19,16 +19,16 @@ namespace gicube {
 
 class PciFunction {
  public:
-  // `address` as 0000:00:04.0. Throws OpenFailed that says what is missing, and BoardBusy if another process has opened
-  // it.
+  // `address`: such as 0000:00:04.0. Throws OpenFailed with what is missing, and BoardBusy if another process has
+  // opened it.
   explicit PciFunction(const std::string& address);
-  // Ends the session. Waits some time for the board to take what the link has sent last.
+  // Ends the session. Waits up to a second for the board to take the link's last frames.
   ~PciFunction();
 
   PciFunction(const PciFunction&) = delete;
   PciFunction& operator=(const PciFunction&) = delete;
 
-  // The link's end of the socket pair; once.
+  // The link's end of the socket pair. Can be taken once.
   Fd take_socket() { return std::move(link_end_); }
 
  private:
@@ -49,7 +49,7 @@ class PciFunction {
   std::span<std::byte> down_, up_;
   std::uint32_t put_ = 0, taken_ = 0;  // ours
   Fd socket_, link_end_;
-  // When the thread ends, whatever is under way.
+  // When the thread must end, even if something is left to move.
   std::atomic<std::chrono::steady_clock::time_point> end_ = std::chrono::steady_clock::time_point::max();
   bool link_has_closed_ = false, has_ended_ = false, ring_is_full_ = false, socket_is_full_ = false;
   std::chrono::steady_clock::time_point looked_;  // when a register last said that the session is open

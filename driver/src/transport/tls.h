@@ -1,4 +1,4 @@
-// TLS of a connection to a board, the client's end. What it is made of, only tls_stream.h knows.
+// The client's end of TLS for a connection to a board. Its implementation is in tls_stream.h.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,8 @@ namespace gicube {
 class Tls;
 
 // For a board at `host`, a name or a numeric address, which its certificate must have. The certificate must be signed
-// by one of OpenOptions::ca_file, or what stands for it. Throws BadArgument: no such file.
+// by one of those in OpenOptions::ca_file or, if that is empty, in the file of GICUBE_CA_FILE or the system's. Throws
+// BadArgument if there is no such file.
 std::shared_ptr<Tls> make_tls(const std::string& host, const std::string& ca_file);
 
 }  // namespace gicube

@@ -15,20 +15,20 @@
 namespace gicube {
 namespace {
 
-// Options of one of several words, which set a field of the board's configuration.
+// Options with one of several words as value, which set a field of the board's configuration.
 struct Choice {
   std::string_view option, field;
   std::initializer_list<std::string_view> words;
-  std::string_view old_word{};  // understood for one release
+  std::string_view old_word{};  // still accepted, for one release
 };
 const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "cycle"}, "approximate"},
                            {"pace", "pace", {"as_fast_as_possible", "realtime"}},
                            {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
-// Options that name a file, and the board's flag for each. The capture is the driver's own.
+// Options that name a file, and the board's flag for each. The driver itself writes the capture.
 constexpr std::pair<std::string_view, std::string_view> kFiles[] = {
     {"config", "--config"}, {"bsdf", "--bsdf"},     {"faults", "--faults"},   {"fault_log", "--fault-log"},
     {"trace", "--trace"},   {"events", "--events"}, {"restore", "--restore"}, {"capture", ""}};
-constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
+constexpr unsigned kMaxThreads = 1024;  // chosen: more than any machine has, to detect typing errors
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
@@ -90,10 +90,10 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     if (uri.threads > kMaxThreads)
       throw BadArgument(field, fmt::format("a number from 0 to {}", kMaxThreads), in_quotes(value));
     pass_on("--set", fmt::format("threads={}", uri.threads));
-  } else if (name == "trace_window" || name == "events_of") {  // what they may be is the board's to say
+  } else if (name == "trace_window" || name == "events_of") {  // the board checks their values
     if (value.empty()) throw BadArgument(field, "a text", in_quotes(value));
     pass_on(name == "events_of" ? "--events-of" : "--trace-window", value);
-  } else if (name == "set") {  // which fields there are is the board's to say
+  } else if (name == "set") {  // the board checks the fields
     const std::size_t equals = value.find('=');
     const bool is_whole = equals != 0 && equals != std::string::npos && equals + 1 != value.size();
     if (!is_whole) throw BadArgument(field, "path.to.field=value", in_quotes(value));

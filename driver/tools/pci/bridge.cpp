@@ -38,7 +38,7 @@ std::optional<std::uint64_t> Bridge::take(Message message) {
   return is_asked ? std::optional(value) : std::nullopt;
 }
 
-// INTx is a level. KVM keeps it until the guest acknowledges it, and then asks whether it is still there.
+// INTx is a level. KVM holds it until the guest acknowledges it, and then asks whether it is still set.
 void Bridge::update_interrupt() {
   const bool pending = function_.interrupt_is_pending();
   config_.show_interrupt(pending);
@@ -51,11 +51,11 @@ void Bridge::update_interrupt() {
 }
 
 bool Bridge::wait(int qemu, int milliseconds) {
-  // A negative file is not waited for; an event of no kind still reports that the peer has closed.
+  // poll() ignores a negative file; without events it still reports that the peer has closed.
   std::array<pollfd, 3> files{
       {{qemu, POLLIN, 0}, {function_.board_socket(), function_.board_events(), 0}, {acknowledged_.get(), POLLIN, 0}}};
-  // While the guest's ring is full and the board takes bytes, only a bell goes on: a closed peer would be reported
-  // without end.
+  // While the guest's ring is full and the board takes bytes, only a bell changes the state: poll() would report a
+  // closed peer each time.
   if (files[1].events == 0) files[1].fd = -1;
   if (::poll(files.data(), files.size(), milliseconds) <= 0) return false;
   if (files[1].revents != 0) function_.move();

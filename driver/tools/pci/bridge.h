@@ -16,11 +16,11 @@ class Bridge {
   // `connect` as for Function.
   explicit Bridge(std::function<Connection()> connect) : function_(memory_, std::move(connect)) {}
 
-  // The value of the answer; nothing where QEMU waits for none.
+  // The value of the answer; nothing if QEMU does not wait for one.
   std::optional<std::uint64_t> take(Message message);
 
-  // Waits for the board, INTx's acknowledgement or, if it is not -1, the socket of QEMU, at most so long (-1: without
-  // end). True: there is a message of QEMU.
+  // Waits for the board, INTx's acknowledgement or, if it is not -1, the socket of QEMU, for the given time at most
+  // (-1: no limit). True: there is a message from QEMU.
   bool wait(int qemu, int milliseconds);
 
   // Serves QEMU until it closes the socket. Throws what receive() does.

@@ -1,4 +1,4 @@
-// The configuration space of the function in the guest: the board's ids and class (pci_config.h), with what is true of
+// The configuration space of the function in the guest: the board's ids and class (pci_config.h), and the properties of
 // this function.
 #pragma once
 
@@ -20,7 +20,7 @@ class ConfigSpace {
   void reset() {
     const wire::PciConfigSpace words = wire::pci_config_at_reset(0);
     for (std::uint32_t i = 0; i < bytes_.size(); ++i) bytes_[i] = static_cast<std::uint8_t>(words[i / 4] >> i % 4 * 8);
-    // The guest's firmware gives it an address, and enables it.
+    // The guest's firmware assigns its address, and enables it.
     std::fill_n(bytes_.begin() + kCommand, 2, std::uint8_t{0});
     std::fill(bytes_.begin() + wire::pci::kBar0Register, bytes_.begin() + wire::pci::kBar2High + 4, std::uint8_t{0});
     bytes_[kPower + 1] = kAdvancedFeatures;
@@ -28,7 +28,7 @@ class ConfigSpace {
     std::ranges::copy(std::array<std::uint8_t, 4>{0x13, 0, 6, 3}, bytes_.begin() + kAdvancedFeatures);
   }
 
-  // `size` bytes from `offset` on; all ones beyond the 256 bytes.
+  // `size` bytes from `offset` on; beyond the 256 bytes all bits are 1.
   std::uint32_t read(std::uint64_t offset, std::uint64_t size) const {
     std::uint32_t value = 0;
     for (std::uint32_t i = 0; i < std::min<std::uint64_t>(size, 4); ++i) {
@@ -36,7 +36,7 @@ class ConfigSpace {
     }
     return value;
   }
-  // True: the guest wants the function to be reset; this space has been.
+  // True: the guest has requested a reset of the function; this space has been reset.
   bool write(std::uint64_t offset, std::uint64_t size, std::uint64_t value) {
     const unsigned power_before = power_state();
     bool resets = false;
@@ -58,7 +58,7 @@ class ConfigSpace {
 
  private:
   static constexpr std::uint32_t kCommand = wire::pci::kCommandStatus, kPower = wire::pci::kPowerManagement;
-  static constexpr std::uint8_t kAdvancedFeatures = 0x48;  // behind power management
+  static constexpr std::uint8_t kAdvancedFeatures = 0x48;  // after power management
   static constexpr std::uint8_t kInterruptDisable = 1u << 2;
   // The bits that a guest may set, by byte.
   static constexpr auto kWritable = [] {

@@ -41,7 +41,7 @@ void Function::write(std::uint64_t offset, std::uint64_t size, std::uint64_t giv
     case reg::kControl:
       if (value == reg::kOpenSession) return open();
       if (value != reg::kCloseSession) return note(Error::kBadAccess);
-      if (!rings_.empty()) move_down();  // a driver's goodbye
+      if (!rings_.empty()) move_down();  // the last bytes of a driver
       return close(State::kClosed);
     case reg::kBell: return move();
     case reg::kInterruptStatus: at(reg::kInterruptStatus) &= ~value; return;
@@ -107,7 +107,7 @@ void Function::close(State state) {
   board_is_full_ = ring_is_full_ = false;
   at(reg::kState) = static_cast<std::uint32_t>(state);
   board_.socket.reset();
-  // Whoever waits for a process to end, it is not the guest's processor.
+  // Another thread waits for the board's process to end: the guest's processor must not.
   if (board_.owner) std::thread([released = std::move(board_.owner)] {}).detach();
 }
 
@@ -131,7 +131,7 @@ bool Function::move_down() {
   const auto ring = rings_.subspan(reg::kIndexBytes, (rings_.size() - reg::kIndexBytes) / 2);
   const std::uint32_t count = reg::index_at(rings_.data(), reg::kDownPut).load(std::memory_order_acquire) - taken_;
   if (count > ring.size()) return fail(Error::kBadIndex), false;
-  // move_up() has the last words of a closed connection.
+  // move_up() reads the last bytes of a closed connection.
   board_is_full_ = ring_to_socket(ring, taken_, count, board_.socket.get()) == RingStop::kMustWait;
   reg::index_at(rings_.data(), reg::kDownTaken).store(taken_, std::memory_order_release);
   return true;
@@ -139,7 +139,7 @@ bool Function::move_down() {
 
 bool Function::move_up() {
   const auto ring = rings_.subspan(reg::kIndexBytes + (rings_.size() - reg::kIndexBytes) / 2);
-  // Twice: between the look at a full ring and the wish for a bell, bytes may have been taken.
+  // Twice: bytes may have been taken between the check of the full ring and the request for a bell.
   for (int round = 0; round < 2; ++round) {
     const std::uint32_t held = put_ - reg::index_at(rings_.data(), reg::kUpTaken).load();
     if (held > ring.size()) return fail(Error::kBadIndex), false;

@@ -1,8 +1,8 @@
-// The registers and rings of the function, and the connection to its board: moves bytes between the two, and looks at
-// none of them.
+// The registers and rings of the function, and the connection to its board: moves bytes between the two without
+// interpreting them.
 //
-// Whatever a guest writes, an access returns, reads and writes only mapped memory, and moves at most the bytes of a
-// ring each way.
+// Whatever a guest writes, an access ends, reads and writes only mapped memory, and moves at most a ring's bytes in
+// each direction.
 #pragma once
 
 #include <poll.h>
@@ -19,7 +19,7 @@
 
 namespace gicube::pci {
 
-// A connected board. `owner` ends its process when it is released, if it is a private one.
+// A connected board. `owner` ends the process of a private board when it is released.
 struct Connection {
   Fd socket;
   std::shared_ptr<void> owner;
@@ -45,7 +45,8 @@ class Function {
 
   bool interrupt_is_pending() const;
 
-  // The board's socket, -1 without one, and the events of poll() to wait for. One of them has happened: move().
+  // The board's socket, -1 without one, and the events of poll() to wait for. Call move() when one of them has
+  // happened.
   int board_socket() const { return board_.socket.get(); }
   short board_events() const;
   void move();
@@ -60,7 +61,7 @@ class Function {
   // Ends the session.
   void close(State state);
   void fail(Error error);
-  // The error is kept if it is the first.
+  // Keeps the error if it is the first.
   void note(Error error);
   // False: the session has ended.
   bool move_down();

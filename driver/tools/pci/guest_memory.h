@@ -23,8 +23,8 @@ struct MemoryRegion {
 
 class GuestMemory {
  public:
-  // Replaces all regions. A region that can't be mapped, or is not within its file, is left out: a page of a mapping
-  // that is not in its file would be a SIGBUS.
+  // Replaces all regions. A region that can't be mapped, or exceeds its file, is left out: accesses beyond a file's end
+  // raise SIGBUS.
   void map(std::span<const MemoryRegion> regions) {
     mapped_.clear();
     for (const auto& [address, bytes, offset, file] : regions) {

@@ -1,5 +1,4 @@
-// gicube-pci: a board as a PCI function of a guest. Speaks with QEMU's x-pci-proxy-dev on one side, is a client of a
-// board on the other.
+// gicube-pci: a board as a PCI function of a guest. It serves QEMU's x-pci-proxy-dev, and is a client of the board.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
@@ -26,7 +25,8 @@
 namespace gicube::pci {
 namespace {
 
-constexpr std::chrono::seconds kConnectPatience{5};  // chosen: the guest's processor waits, and its kernel 20 s
+constexpr std::chrono::seconds kConnectPatience{
+    5};  // chosen: the guest's processor waits, and its kernel for 20 s at most
 
 Connection connect_board(const Uri& uri) {
   if (uri.scheme != UriScheme::kEmu) return {connect(uri, kConnectPatience), {}};
@@ -86,7 +86,8 @@ int main(int argc, char** argv) {
       "gicube-pci");
   app.set_version_flag("--version", "gicube-pci " GICUBE_VERSION);
   app.add_option("uri", board, "the board: emu:, unix:PATH or tcp:HOST:PORT")->type_name("URI")->capture_default_str();
-  app.add_option("--fd", number, "the socket to QEMU; a file of the command, or else of this process")
+  app.add_option("--fd", number,
+                 "the number of the socket to QEMU: of a file of the command or, without one, of this process")
       ->type_name("N")
       ->check(CLI::Range(3, 1023))
       ->capture_default_str();

@@ -13,7 +13,7 @@
 namespace gicube::pci {
 namespace {
 
-// In the machine's byte order; the data has the bytes.
+// In the machine's byte order. `data` must be long enough.
 template <typename Number>
 Number number_at(std::span<const std::uint8_t> data, std::size_t at) {
   Number number{};
@@ -42,8 +42,8 @@ std::optional<Message> decode(std::span<const std::uint8_t, kMessageHeaderBytes>
     }
     return message;
   }
-  // An address, a value and a size, of 32 bits each or, in messages of BARs, 64 but for the size. A byte behind that is
-  // 1 for memory and 0 for I/O ports, of which the function has none.
+  // An address, a value and a size, of 32 bits each; in messages of BARs address and value have 64. The next byte is 1
+  // for memory and 0 for I/O ports, of which the function has none.
   if (data.size() == 12) {
     message.address = number_at<std::uint32_t>(data, 0);
     message.value = number_at<std::uint32_t>(data, 4);
@@ -60,7 +60,7 @@ std::optional<Message> decode(std::span<const std::uint8_t, kMessageHeaderBytes>
 std::optional<Message> receive(int socket) {
   std::array<std::uint8_t, kMessageHeaderBytes> header{};
   std::array<std::uint8_t, kMaxMessageBytes> data{};
-  // One file more than any message has, so that too many are seen.
+  // Room for one file more than any message has, to detect too many.
   alignas(cmsghdr) std::array<char, CMSG_SPACE((kMaxRegions + 1) * sizeof(int))> control{};
   iovec part{header.data(), header.size()};
   msghdr parts{nullptr, 0, &part, 1, control.data(), control.size(), 0};

@@ -1,4 +1,4 @@
-// The messages between QEMU's device x-pci-proxy-dev and the process that is the device.
+// The messages between QEMU's device x-pci-proxy-dev and the process that implements it.
 //
 // Source: QEMU 7.2, include/hw/remote/mpqemu-link.h (records and numbers), hw/remote/proxy.c and
 // proxy-memory-listener.c (what is sent when). A message is a header of 16 bytes (command, 4 bytes of padding, size of
@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxMessageBytes = 192;  // of data: a map of the m
 inline constexpr std::size_t kMaxRegions = 8;
 
 enum class MessageKind : std::uint32_t {
-  kMemoryMap = 0,  // a file each region
+  kMemoryMap = 0,  // one file per region
   kAnswer = 1,     // to QEMU
   kConfigWrite = 2,
   kConfigRead = 3,
@@ -41,11 +41,11 @@ struct Message {
   std::vector<Fd> files{};          // kInterruptFiles
 };
 
-// Nothing if it is no message that QEMU sends.
+// Nothing if QEMU sends no such message.
 std::optional<Message> decode(std::span<const std::uint8_t, kMessageHeaderBytes> header,
                               std::span<const std::uint8_t> data, std::vector<Fd> files);
 
-// Waits for the next message. Nothing at the end of the stream. Throws std::runtime_error for something that is no
+// Waits for the next message. Nothing at the end of the stream. Throws std::runtime_error for anything else than a
 // message.
 std::optional<Message> receive(int socket);
 // Answers it. False: the stream has ended.

@@ -11,8 +11,8 @@
 namespace gicube::replay {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 20;           // bytes that are read at a time
-constexpr std::uint32_t kMaxPayload = std::uint32_t{1} << 28;  // chosen: far above what two peers agree on
+constexpr std::size_t kPiece = std::size_t{1} << 20;           // bytes per read
+constexpr std::uint32_t kMaxPayload = std::uint32_t{1} << 28;  // chosen: far above the limits that peers agree on
 
 }  // namespace
 
@@ -22,7 +22,7 @@ CaptureReader::CaptureReader(const std::filesystem::path& file) : name_(file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw CaptureError(file.string() + ": no such file");
   file_.reset(::gzopen(file.c_str(), "rb"));
-  if (!file_) throw CaptureError(file.string() + ": can't be read");
+  if (!file_) throw CaptureError(file.string() + ": cannot be read");
   std::array<std::uint8_t, wire::kCaptureHeaderBytes> header{};
   const bool is_whole = read(header.data(), header.size()) == header.size();
   const auto [magic, version] = wire::decode<wire::CaptureHeader>(header);
@@ -51,7 +51,7 @@ bool CaptureReader::next(wire::CaptureKind direction, CapturedFrame& frame) {
   while (next_of_all(frame)) {
     if (frame.record.kind != direction || wire::is_free(frame.header.type)) continue;
     std::uint32_t& taken = taken_[static_cast<std::size_t>(direction)];
-    // Frames before it came twice; those behind a lost one are refused, and sent again.
+    // Frames before it are duplicates; those after a lost one are refused and sent again.
     if (wire::sequence_step(taken, frame.header.sequence) != 1) continue;
     taken = frame.header.sequence;
     return true;

@@ -1,4 +1,4 @@
-// gicube-replay: plays a captured session (docs/guide/capture.md) to a board and compares what it answers.
+// gicube-replay: plays a captured session (docs/guide/capture.md) to a board and compares the answers.
 //
 // Exit codes: 0 the same, 1 a difference or a failure, 2 wrong usage.
 #include <fmt/format.h>
@@ -28,10 +28,10 @@ void print(const Report& report) {
   fmt::print("sent {} frames with {} bytes, compared {} answers\n", report.sent_frames, report.sent_bytes,
              report.compared);
   fmt::print("{}\n", report.same_machine
-                         ? "the board has the captured one's configuration: times and counters are compared too"
+                         ? "the board's configuration is that of the capture: times and counters are compared too"
                          : "the board has another configuration: times and counters are not compared");
   if (!report.complete) fmt::print("note: the capture has no end: its process died\n");
-  if (report.missing > 0) fmt::print("{} answers of the capture did not come\n", report.missing);
+  if (report.missing > 0) fmt::print("{} answers of the capture are missing\n", report.missing);
   if (report.differences == 0) {
     if (report.missing == 0) fmt::print("no difference\n");
     return;
@@ -68,7 +68,7 @@ int run(const std::string& file, const std::string& board, std::uint32_t watchdo
 int main(int argc, char** argv) {
   std::string file, board = "emu:";
   std::uint32_t watchdog_ms = 600'000;
-  CLI::App app("Sends the host's frames of a captured session to a board, and says where it answers differently.",
+  CLI::App app("Sends the host's frames of a captured session to a board, and reports where its answers differ.",
                "gicube-replay");
   app.set_version_flag("--version", "gicube-replay " GICUBE_VERSION);
   app.add_option("capture", file,
@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
       ->type_name("FILE")
       ->required();
   app.add_option("--board", board, "the board, as Board::open() takes it")->type_name("URI")->capture_default_str();
-  app.add_option("--watchdog", watchdog_ms, "give up on an answer after that time; 0 = never")->type_name("MS");
+  app.add_option("--watchdog", watchdog_ms, "time limit for an answer; 0 = none")->type_name("MS");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

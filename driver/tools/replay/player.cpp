@@ -32,7 +32,7 @@ constexpr std::array kNames{"frame", "frame",    "frame",       "config read", "
                             "frame", "frame",    "memory read", "frame",       "completion",   "wait",
                             "poll",  "counters", "frame",       "cancel"};
 
-// Registers that say what board this is: another machine has others, and may.
+// Registers that identify the board: other machines may have other values.
 bool is_identity(std::uint32_t offset) {
   const wire::RegisterInfo* info = wire::find_register(offset);
   const bool changes = offset == wire::reg::kStatus || offset == wire::reg::kErrorAddress;
@@ -47,7 +47,7 @@ std::string payload_difference(const Answer& expected, const Answer& got) {
       return fmt::format("byte {} of {} is 0x{:02x}, not 0x{:02x}", i, got.bytes, got.payload[i], expected.payload[i]);
     }
   }
-  return fmt::format("a byte behind the first {} of {}", kept, got.bytes);
+  return fmt::format("a byte after the first {} of {}", kept, got.bytes);
 }
 
 class Comparison {
@@ -65,7 +65,7 @@ class Comparison {
     const Answer got = answer_of(frame.header, frame.payload);
     const std::string what =
         fmt::format("{} {} at {} ps", kNames.at(static_cast<std::size_t>(got.type)), frame.header.id, got.time_ps);
-    if (found == list.end()) return differ(what + ": was not there", values_);
+    if (found == list.end()) return differ(what + ": is not in the capture", values_);
     const Answer expected = std::move(found->second);
     list.erase(found);
     ++report_.compared;
@@ -110,7 +110,7 @@ class Comparison {
   Recorded recorded_;
   Report& report_;
   std::unordered_map<std::uint32_t, std::uint32_t> registers_;  // request -> register
-  Differences values_, machine_;  // of what every board must answer; of what only the same machine does
+  Differences values_, machine_;  // of answers that all boards must give; of those that only the same machine gives
   bool same_hash_low_ = false, same_hash_high_ = false;  // of the configuration, if the host read it
 };
 
@@ -127,11 +127,11 @@ wire::VersionInfo version_for(std::uint32_t largest_payload, std::uint16_t minor
   return mine;
 }
 
-// The plainest client of the bus: sends frames in a captured order, with the numbers that they had. Throws BusError.
+// A minimal client of the bus: sends frames in their captured order, with their numbers. Throws BusError.
 class BusClient : private FrameSink {
  public:
-  // Takes a connected socket, shakes hands as `mine`. `comparison` is given everything that the board says but credit
-  // and progress, within send() and await_answer().
+  // Takes a connected socket, shakes hands as `mine`. `comparison` receives all frames of the board except credit and
+  // progress, within send() and await_answer().
   BusClient(Fd socket, const wire::VersionInfo& mine, std::chrono::milliseconds watchdog, const Access& access,
             Comparison& comparison)
       : watchdog_(watchdog),
@@ -144,15 +144,15 @@ class BusClient : private FrameSink {
     const Frame answer = receive();
     if (answer.header.type != FrameType::kVersion) throw BusError("no GI-Cube board answers there");
     if (answer.header.error != wire::ErrorCode::kNone) throw BusError(text_of(answer));
-    if (answer.payload.size() < wire::kVersionBytes) throw BusError("the board's version is cut short");
+    if (answer.payload.size() < wire::kVersionBytes) throw BusError("the board's version is truncated");
     const auto theirs = wire::decode<wire::VersionInfo>(answer.payload);
     const auto agreed = wire::agree(mine_, theirs);
-    if (!agreed) throw BusError(fmt::format("the board speaks version {}.{}", theirs.major, theirs.minor));
+    if (!agreed) throw BusError(fmt::format("the board has protocol version {}.{}", theirs.major, theirs.minor));
     max_payload_ = agreed->max_payload_bytes;
     window_.open(theirs);
   }
 
-  // Its credit and number are filled in, its id and time stay. Waits for credit.
+  // Sets its credit and number; its id and time are those of the capture. Waits for credit.
   void send(const FrameHeader& header, const std::vector<std::uint8_t>& payload) {
     if (payload.size() > max_payload_) {
       throw BusError(fmt::format("a frame of {} bytes, the board takes {}", payload.size(), max_payload_));
@@ -169,7 +169,7 @@ class BusClient : private FrameSink {
  private:
   StreamFault check_header(const FrameHeader& header) override {
     if (header.size <= mine_.max_payload_bytes) return {};
-    return {"the board sent something that is no frame"};
+    return {"the board sent something that is not a frame"};
   }
   StreamFault take_frame(const FrameHeader& header, std::vector<std::uint8_t> payload) override {
     const std::lock_guard lock(mutex_);
@@ -189,7 +189,7 @@ class BusClient : private FrameSink {
     if (watchdog_.count() == 0) {
       changed_.wait(lock, has_news);
     } else if (!changed_.wait_for(lock, watchdog_, has_news)) {
-      throw BusError(fmt::format("no answer of the board within {} ms", watchdog_.count()));
+      throw BusError(fmt::format("no answer from the board within {} ms", watchdog_.count()));
     }
     if (arrived_.empty()) throw BusError(*ended_);
     Frame frame = std::move(arrived_.front());
@@ -215,7 +215,7 @@ class BusClient : private FrameSink {
   std::uint32_t max_payload_ = 0;
   std::uint32_t answered_ = 0;  // the id of the last response
 
-  std::mutex mutex_;  // guards what the stream's thread brings
+  std::mutex mutex_;  // guards what the stream's thread delivers
   std::condition_variable changed_;
   std::deque<Frame> arrived_;
   std::optional<std::string> ended_;

@@ -1,4 +1,4 @@
-// Plays the host's side of a capture to a board and compares what it answers.
+// Plays the host's side of a capture to a board and compares the answers.
 #pragma once
 
 #include <chrono>
@@ -16,8 +16,8 @@ struct Report {
   std::uint64_t sent_frames = 0;
   std::uint64_t sent_bytes = 0;  // of payloads
   std::uint64_t compared = 0;    // answers and completions
-  std::uint64_t missing = 0;     // that the captured board gave and this one did not
-  bool complete = false;         // the capture has its end
+  std::uint64_t missing = 0;     // answers of the captured board that this one did not give
+  bool complete = false;         // the capture was ended properly
   // Both boards have the same configuration: then times and counters are compared too.
   bool same_machine = false;
   std::uint64_t differences = 0;
@@ -26,7 +26,7 @@ struct Report {
   bool good() const { return differences == 0 && missing == 0; }
 };
 
-// How the board is spoken to, if not plainly.
+// How the board is connected, beyond a plain socket.
 struct Access {
   std::string token;         // empty: none
   std::shared_ptr<Tls> tls;  // null: plain bytes

@@ -21,7 +21,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-// Whether the word after this option is its value; an option has the same form in all commands.
+// Whether the next word is this option's value; an option has the same form in all commands.
 bool wants_value(const CLI::App& app, const std::string& word) {
   const std::string name = name_of(word);
   if (name != word) return false;  // it has its value already
@@ -54,14 +54,14 @@ std::vector<std::string> command_first(const CLI::App& app, const std::vector<st
   return ordered;
 }
 
-// CLI::AsNumberWithUnit takes "ms" for 1ms, and refuses "20" with "Missing mandatory unit": neither what was expected
-// nor what came.
+// CLI::AsNumberWithUnit reads "ms" as 1ms, and refuses "20" with "Missing mandatory unit", without the expected and the
+// given value.
 std::chrono::milliseconds time_with_unit(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
   const double milliseconds = unit == "ms" ? 1 : unit == "s" ? 1e3 : unit == "min" ? 60e3 : 0;
-  constexpr double kLongest = 1e12;  // 30 years: beyond what anybody means, and no overflow
+  constexpr double kLongest = 1e12;  // 30 years: more than is useful, without overflow
   const bool is_time = error == std::errc{} && value >= 0 && value * milliseconds < kLongest && milliseconds > 0;
   if (!is_time)
     throw std::invalid_argument(fmt::format("expected a time with its unit (ms, s, min), as 500ms, got {}", text));

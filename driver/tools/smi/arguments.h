@@ -11,7 +11,7 @@ class App;
 
 namespace gicube::smi {
 
-// `words` without the program's name, with the options that stand before a command moved behind it.
+// `words`, without the program's name. Options before a command are moved after it.
 std::vector<std::string> command_first(const CLI::App& app, const std::vector<std::string>& words);
 
 // "500ms", "2s", "1.5s", "1min". Throws std::invalid_argument, "expected ..., got ...".

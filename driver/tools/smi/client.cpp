@@ -111,7 +111,7 @@ void Client::watch(std::uint32_t interval_ms, const std::function<bool(const v1:
   const auto reader = stub_->WatchCounters(&context, request);
   bool goes_on = true;
   for (v1::CounterSnapshot snapshot; reader->Read(&snapshot);) {
-    if (!goes_on) continue;  // what came before the cancellation
+    if (!goes_on) continue;  // these snapshots arrived before the cancellation
     goes_on = each(snapshot);
     if (!goes_on) context.TryCancel();
   }

@@ -1,4 +1,4 @@
-// The management plane's client: calls with a deadline, faults in words.
+// The management plane's client: calls with a deadline, errors as texts.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace gicube::smi {
 
-// A call failed: exit code 1. The text names the endpoint and says what to do.
+// A call failed: exit code 1. The text has the endpoint and advice.
 struct CallFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -67,7 +67,7 @@ void print_plan(const v1::FaultPlanInfo& plan) {
              plan.plan_text().ends_with('\n') ? "" : "\n");
 }
 
-// The log as a plan: a fault a line.
+// The log as a plan, one fault per line.
 void print_log(const v1::FaultLog& log) {
   if (log.faults().empty()) fmt::print("# board {}: no fault has happened\n", log.board());
   google::protobuf::TextFormat::Printer printer;
@@ -77,7 +77,7 @@ void print_log(const v1::FaultLog& log) {
     printer.PrintToString(fault, &text);
     fmt::print("fault {{ {}}}\n", text);
   }
-  if (log.left_out() > 0) fmt::print("# {} more have happened, which the log has no room for\n", log.left_out());
+  if (log.left_out() > 0) fmt::print("# {} more have happened, for which the log has no room\n", log.left_out());
 }
 
 int set_plan(const Options& options, const std::string& text) {

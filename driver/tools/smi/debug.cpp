@@ -13,7 +13,7 @@
 
 namespace gicube::smi {
 
-// Exit code 1 if a line of a script could not be carried out; the lines behind it are carried out all the same.
+// Exit code 1 if a line of a script failed; the lines after it are executed nevertheless.
 int debug(const Options& options) {
   std::ifstream file;
   const bool is_input = options.script_file == "-", asks = is_input && ::isatty(STDIN_FILENO) == 1;
@@ -36,7 +36,7 @@ int debug(const Options& options) {
   Client(options).debug(next, [&](const v1::DebugAnswer& answer) {
     has_fault = has_fault || answer.is_fault();
     if (options.json) {
-      fmt::print("{}\n", to_json(answer).dump());  // a line, as each is read before the next is sent
+      fmt::print("{}\n", to_json(answer).dump());  // one line per answer: readers take each before the next is sent
     } else {
       fmt::print("{}", answer.text());
     }

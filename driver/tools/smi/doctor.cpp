@@ -1,4 +1,4 @@
-// gicube-smi doctor: why a board can't be opened, one step after the other, and what to do.
+// gicube-smi doctor: why a board can't be opened, step by step, with advice.
 #include <fmt/format.h>
 #include <pwd.h>
 #include <sys/stat.h>
@@ -38,7 +38,7 @@ struct Step {
   std::string advice;  // empty: none
 };
 
-// Findings, step by step. The functions below return whether the next step has a chance.
+// Findings, step by step. The functions below return whether the next step can succeed.
 struct Diagnosis {
   std::vector<Step> steps;
 
@@ -76,7 +76,7 @@ bool look_for_program(Diagnosis& diagnosis) {
     if (!fs::exists(place, error)) continue;
     if (!fs::is_regular_file(place, error) || ::access(place.c_str(), X_OK) != 0) {
       return diagnosis.bad(question,
-                           fmt::format("{} is no program that {} may run", place.string(), user_name(::geteuid())),
+                           fmt::format("{} is not a program that {} may run", place.string(), user_name(::geteuid())),
                            fmt::format("chmod +x {}", place.string()));
     }
     const std::string version = version_of(place);
@@ -88,10 +88,10 @@ bool look_for_program(Diagnosis& diagnosis) {
     return diagnosis.good(question, fmt::format("{} ({})", place.string(), version));
   }
   if (const char* named = named_board_program()) {
-    return diagnosis.bad(question, fmt::format("GICUBE_BOARD names {}, which is not there", named),
+    return diagnosis.bad(question, fmt::format("GICUBE_BOARD names {}, which does not exist", named),
                          "set GICUBE_BOARD to the program, or unset it");
   }
-  return true;  // the driver names every place that it looked at
+  return true;  // the driver names all places that it searched
 }
 
 bool look_at_socket(const Uri& uri, Diagnosis& diagnosis) {
@@ -102,7 +102,8 @@ bool look_at_socket(const Uri& uri, Diagnosis& diagnosis) {
     if (errno != EACCES) {
       return diagnosis.bad(question, fmt::format("{}: {}", uri.path, std::strerror(errno)), start);
     }
-    return diagnosis.bad(question, fmt::format("a folder of {} is closed to {}", uri.path, user_name(::geteuid())),
+    return diagnosis.bad(question,
+                         fmt::format("a folder of {} may not be searched by {}", uri.path, user_name(::geteuid())),
                          "ask its owner for the right to search it");
   }
   if (!S_ISSOCK(info.st_mode)) {
@@ -157,7 +158,7 @@ bool look_at_place(const std::string& text, Diagnosis& diagnosis) {
       case UriScheme::kTcp: return look_at_port(uri, text, diagnosis);
       case UriScheme::kPci: return look_at_function(uri, diagnosis);
     }
-  } catch (const BadArgument&) {  // the driver says what is wrong with it
+  } catch (const BadArgument&) {  // the driver reports what is wrong with it
   }
   return true;
 }
@@ -179,9 +180,9 @@ void try_to_open(const std::string& uri, Diagnosis& diagnosis) {
   } catch (const TimedOut& error) {
     diagnosis.bad(question, error.what(), "something listens there that does not answer: is it a gicube-board?");
   } catch (const BadArgument& error) {
-    diagnosis.bad(question, error.what(), "mend the URI");
+    diagnosis.bad(question, error.what(), "correct the URI");
   } catch (const Error& error) {
-    diagnosis.bad(question, error.what(), "mend what it says; a board that listens also writes a log");
+    diagnosis.bad(question, error.what(), "correct what the message names; a board that listens also writes a log");
   }
 }
 
@@ -200,7 +201,7 @@ void look_at_management(const Options& options, Diagnosis& diagnosis) {
   }
 }
 
-// Lines after the first stand below it.
+// Indents the lines after the first.
 std::string indented(const std::string& text) {
   std::string lines;
   for (const char c : text) lines += c == '\n' ? std::string("\n        ") : std::string(1, c);

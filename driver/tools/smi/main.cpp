@@ -1,6 +1,6 @@
-// gicube-smi: what boards there are, what they do, whether they work, and why one can't be opened.
+// gicube-smi: lists boards, shows their activity, tests them, and finds out why one can't be opened.
 //
-// Exit codes: 0 good, 1 the answer is no or a call failed, 2 wrong usage.
+// Exit codes: 0 success, 1 a negative answer or a failed call, 2 wrong usage.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +22,7 @@ namespace {
 using Command = int (*)(const Options&);
 
 constexpr std::chrono::milliseconds kMinInterval{10},
-    kMaxInterval{60'000};  // those of WatchCounters (management.proto)
+    kMaxInterval{60'000};  // the limits of WatchCounters (management.proto)
 
 void add_management(CLI::App& app, Options& options, const char* what) {
   app.add_option("-m,--management", options.management, what)->type_name("ENDPOINT")->envname("GICUBE_MANAGEMENT");
@@ -33,7 +33,7 @@ void add_management(CLI::App& app, Options& options, const char* what) {
 }
 
 constexpr const char* kManagement =
-    "the board process's management plane: unix:PATH or tcp:HOST:PORT; unset: that of the only local one";
+    "management plane of the board process: unix:PATH or tcp:HOST:PORT; default: that of the only local one";
 
 void add_json(CLI::App& app, Options& options) {
   app.add_flag("--json", options.json, "for programs: JSON instead of text");
@@ -118,7 +118,7 @@ void add_export(CLI::App& app, Options& options) {
   CLI::App* sub = app.add_subcommand("export", "the counters of all local boards to Prometheus; ends with Ctrl-C");
   sub->callback([&options] { options.run = export_metrics; });
   sub->add_option("--listen", options.listen,
-                  "serve http://ADDRESS:PORT/metrics; a loopback address, port 0: any free one")
+                  "serve http://ADDRESS:PORT/metrics on a loopback address; port 0: any free one")
       ->type_name("ADDRESS:PORT")
       ->required();
 }
@@ -164,8 +164,8 @@ int run(int argc, const char* const* argv) {
       ->add_option("file", options.shown_file, "written by a program of this SDK")
       ->type_name("FILE")
       ->required();
-  CLI::App* doctor =
-      add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
+  CLI::App* doctor = add_command(app, options, smi::doctor, "doctor",
+                                 "finds out why a board can't be opened. Exit code 1 if it can't");
   add_uri(*doctor, options, "the board that an application would open");
   add_management(*doctor, options, "also looks at this management plane: unix:PATH or tcp:HOST:PORT");
 

@@ -16,7 +16,7 @@ namespace {
 
 using Labels = std::vector<std::pair<std::string, std::string>>;
 
-// One metric: its samples must stand together.
+// One metric. The format requires its samples in one group.
 struct Family {
   std::string type, help;
   std::vector<std::pair<Labels, std::string>> samples;
@@ -29,7 +29,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-// Exact: picoseconds are the last of twelve decimals.
+// Seconds, exactly: with twelve decimals for picoseconds.
 std::string seconds_text(std::uint64_t picoseconds) {
   constexpr std::uint64_t kSecond = 1'000'000'000'000;
   std::string text = fmt::format("{}.{:012}", picoseconds / kSecond, picoseconds % kSecond);
@@ -49,23 +49,23 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Where the digits at its end begin.
+// The position of the digits at the end.
 std::size_t digits_of(const std::string& part) { return part.find_last_not_of("0123456789") + 1; }
 
-// A counter in Prometheus' words.
+// A counter as a metric of Prometheus.
 struct Metric {
   std::string name, help, value;
-  Labels labels;        // of parts that are numbered
-  bool of_one = false;  // of one of several like parts of the board: processor0, not processor
+  Labels labels;        // the numbers of numbered parts
+  bool of_one = false;  // it counts for one of several equal parts of the board: processor0, not processor
 };
 
-// Cycles of any clock are cycles; which clock, the help says.
+// The unit of all clocks is cycles; the help text has the clock.
 std::string plural(const std::string& unit) {
   const std::string noun = lower(unit.substr(unit.rfind(' ') + 1));
   return noun == "clock" || noun.ends_with("cycle") ? "cycles" : noun + 's';
 }
 
-// Nothing for what is a course in time already, one counter for each millisecond: Prometheus keeps that itself.
+// Nothing for counters of single milliseconds: Prometheus keeps the course in time itself.
 std::optional<Metric> metric_of(const v1::Counter& counter) {
   constexpr std::string_view kPicoseconds = "_ps";
   Metric metric{"gicube", "", std::to_string(counter.value()), {}, false};
@@ -77,7 +77,7 @@ std::optional<Metric> metric_of(const v1::Counter& counter) {
     const std::string word = part.substr(0, digits);
     if (word == "ms" && digits < part.size()) return std::nullopt;
     if (last.empty()) metric.of_one = digits < part.size();
-    if (digits < part.size()) {  // processor0; or 3 of samples_with_misses.3, which counts the last word
+    if (digits < part.size()) {  // processor0; or the 3 of samples_with_misses.3, a number of the word before
       metric.labels.emplace_back(word.empty() ? last.substr(last.rfind('_') + 1) : word, part.substr(digits));
     }
     if (!word.empty()) metric.name += '_' + lower(word);
@@ -116,7 +116,7 @@ void add_counters(Families& families, const Labels& board, const v1::CounterSnap
     metrics.push_back(std::move(*metric));
   }
   for (Metric& metric : metrics) {
-    // A sum beside its parts would be counted twice.
+    // A sum is left out, since queries that add up the parts would count it twice.
     if (!metric.of_one && divided.contains(metric.name)) continue;
     Labels labels = board;
     labels.insert(labels.end(), metric.labels.begin(), metric.labels.end());
@@ -145,7 +145,7 @@ void add_boards(Families& families, const Labels& process, const v1::BoardProces
   }
 }
 
-// Name and value of a quota; for a process of another version, by its own name.
+// Name and description of a quota. One of another version's process keeps its own name.
 std::pair<std::string, std::string> quota_metric(const std::string& name) {
   static const std::map<std::string, std::string> kKnown{
       {"connections", "connections that own no board."},

@@ -11,13 +11,13 @@ struct Options;
 int overview(const Options& options);  // without a command
 
 struct Options {
-  // The command that was asked for. It prints to standard output and returns the exit code: 0 good, 1 not.
+  // The requested command. It prints to standard output and returns the exit code: 0 success, 1 failure.
   int (*run)(const Options&) = &overview;
   bool json = false;
 
   // The management plane: list, info, top, reset, faults, trace; doctor looks at it too if it is named.
   std::string management;  // unix:PATH or tcp:HOST:PORT; empty: that of the only local process
-  std::string ca_file;     // TLS: who signed the board's certificate; empty: no TLS
+  std::string ca_file;     // TLS: the certificate that signed the board's; empty: no TLS
   std::string token_file;
   std::uint32_t board = 0;
 
@@ -34,7 +34,7 @@ struct Options {
   std::string script_file = "-";  // debug; "-" = standard input
 };
 
-// The command line is wrong: exit code 2.
+// Wrong usage: exit code 2.
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

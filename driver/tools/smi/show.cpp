@@ -17,8 +17,7 @@
 
 #include "options.h"
 
-// Reads the few bytes that say where a file came from (gicube/scene/provenance.h) by itself: it needs nothing else of
-// gicube-scene.
+// Reads a file's provenance (gicube/scene/provenance.h) itself, since it needs nothing else of gicube-scene.
 namespace gicube::smi {
 namespace {
 
@@ -28,7 +27,8 @@ constexpr std::string_view kPrefix = "gicube.";
 constexpr std::size_t kMaxHeader = std::size_t{1} << 20;  // chosen: bytes; headers of our files take a few hundred
 constexpr std::size_t kMaxJson = std::size_t{64} << 20;   // chosen
 
-// The first bytes of the file, unpacked if it is gzipped. Throws UsageError; also for a pipe, which may never have any.
+// The first bytes of the file, unpacked if it is gzipped. Throws UsageError, also for a pipe, which may never deliver
+// any.
 std::string start_of(const std::string& path, std::size_t max_bytes) {
   std::error_code error;
   if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
@@ -46,7 +46,7 @@ std::string start_of(const std::string& path, std::size_t max_bytes) {
   return bytes;
 }
 
-// Takes bytes off the front; what is not there any more is zero or empty.
+// Takes bytes off the front; missing bytes are zero or empty.
 class Cursor {
  public:
   explicit Cursor(std::string_view bytes) : rest_(bytes) {}
@@ -83,7 +83,7 @@ void add(Entries& entries, std::string_view key, std::string_view value) {
   entries.emplace_back(key.substr(kPrefix.size()), value);
 }
 
-// Chunks of length, type, data, checksum; a text has its key first.
+// Chunks of length, type, data, checksum; a text begins with its key.
 Entries of_png(std::string_view bytes) {
   Entries entries;
   Cursor file(bytes);
@@ -140,7 +140,7 @@ Entries of_nrrd(std::string_view bytes) {
   return entries;
 }
 
-// NIfTI-1: 348 bytes, 4 that say whether extensions follow, those with size and code (6: comment).
+// NIfTI-1: 348 bytes, 4 that state whether extensions follow, then extensions with size and code (6: comment).
 Entries of_nifti(std::string_view bytes) {
   Entries entries;
   Cursor file(bytes);
@@ -192,7 +192,7 @@ int show(const Options& options) {
   Entries entries = entries_of(options.shown_file);
   put_in_order(entries);
   if (entries.empty()) {
-    fmt::print(stderr, "gicube-smi: {} does not say where it came from\n", options.shown_file);
+    fmt::print(stderr, "gicube-smi: {} has no provenance\n", options.shown_file);
     return 1;
   }
   if (options.json) {

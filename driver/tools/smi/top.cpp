@@ -19,7 +19,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-constexpr int kFewLines = 24;  // of a terminal that does not say
+constexpr int kFewLines = 24;  // for a terminal of unknown height
 
 int terminal_lines() {
   winsize size{};
@@ -30,7 +30,7 @@ int terminal_lines() {
 class Window {
  public:
   Window(const v1::CounterSnapshot* before, const v1::CounterSnapshot& now) : now_(now) {
-    // A board that was reset in between counts from 0 again.
+    // A board that was reset between the samples counts from 0 again.
     if (before != nullptr && before->simulated_ps() <= now.simulated_ps()) {
       begin_ps_ = before->simulated_ps();
       for (const v1::Counter& counter : before->counters()) begin_[counter.name()] = counter.value();
@@ -85,7 +85,7 @@ std::string counters(const v1::CounterSnapshot& now, const Window& window, bool 
   Table table({{"COUNTER"},
                {"VALUE", Align::kRight},
                {"SINCE THEN", Align::kRight},
-               {"A SIMULATED SECOND", Align::kRight},
+               {"PER SIMULATED SECOND", Align::kRight},
                {"UNIT"}});
   std::size_t lines = 0, left_out = 0;
   for (const v1::Counter& counter : now.counters()) {
@@ -98,7 +98,7 @@ std::string counters(const v1::CounterSnapshot& now, const Window& window, bool 
     table.add({counter.name(), std::to_string(counter.value()), std::to_string(delta),
                fmt::format("{:.0f}", window.a_second(static_cast<double>(delta))), counter.unit()});
   }
-  if (lines == 0) return "no counter has moved\n";
+  if (lines == 0) return "no counter has changed\n";
   return table.text() + (left_out > 0 ? fmt::format("... and {} more\n", left_out) : "");
 }
 
@@ -122,7 +122,7 @@ int top(const Options& options) {
       const std::string head = summary(now, window, !before, std::chrono::duration<double>(time - last).count());
       constexpr int kOtherLines = 10;
       const auto max_lines = redraws ? static_cast<std::size_t>(std::max(1, terminal_lines() - kOtherLines)) : 1000;
-      // Home and clear to the end, so that nothing flickers.
+      // Moves to the first line and clears the rest, which does not flicker.
       fmt::print("{}{}\n{}",
                  redraws     ? "\033[H\033[J"
                  : shown > 0 ? "\n"

@@ -20,11 +20,11 @@ constexpr std::chrono::seconds kWatchdog{60};  // chosen: the cycle level needs 
 constexpr int kEdge = 48;  // voxels, chosen: several blocks, and a second of work at most
 constexpr std::size_t kVoxels = kEdge * kEdge * kEdge;
 constexpr int kImageEdge = 64;  // pixels
-// FNV-1a of the pixels of picture(), the same on every board of a datapath.
+// FNV-1a of the pixels of picture(), equal on all boards with the same datapath.
 constexpr std::uint64_t kPaperPicture = 0x44fbf7347c2dc06f, kWidePicture = 0xfde891ec6a9120bd;
-constexpr double kMinBusShare = 0.5;  // chosen: of the bus's rate, while a volume is loaded
+constexpr double kMinBusShare = 0.5;  // chosen: share of the bus's rate while a volume is loaded
 
-// The board did otherwise than a good board does.
+// The board failed a test.
 void fail_if(bool wrong, const std::string& what) {
   if (wrong) throw std::runtime_error(what);
 }
@@ -50,11 +50,11 @@ std::string clock(Board& board) {
   fail_if(board.now() != begin + 1'000'000'000,
           fmt::format("1 ms of host work moved the clock by {} ps", board.now() - begin));
   const Counters counters = board.counters();
-  fail_if(counters.list().empty(), "the board keeps no counters");
+  fail_if(counters.list().empty(), "the board has no counters");
   return fmt::format("host work moves the clock; {} counters", counters.list().size());
 }
 
-// Every bit of every voxel, as 0 and as 1, beside each other and alone.
+// Tests each bit of each voxel as 0 and as 1, with equal and with other neighbours.
 std::string memory(Board& board) {
   using Pattern = int (*)(int, int, int);
   const std::array<std::pair<const char*, Pattern>, 4> patterns{
@@ -117,7 +117,7 @@ std::string known_picture(Board& board) {
   return fmt::format("{}x{} pixels, each bit as on every other board of its datapath", image.width, image.height);
 }
 
-// Through evenly dense matter the opacity is known.
+// The opacity of a homogeneous medium is known.
 std::string rays(Board& board) {
   constexpr double kOpacity = 0.02;  // of a voxel
   load(board, voxels([](int, int, int) { return 2000; }));
@@ -161,7 +161,7 @@ std::string refusals(Board& board) {
   const std::vector<HostRay> outside{{.id = 1, .position = {-1, 0, 0}, .direction = {0, 0, 1}}};
   try {
     board.submit(outside);
-    fail_if(true, "a ray from outside of the volume was taken");
+    fail_if(true, "a ray from outside the volume was accepted");
   } catch (const BadArgument&) {
   }
   const std::vector<HostRay> inside{{.id = 2, .position = {1, 1, 1}, .direction = {0, 0, 1}}};
@@ -169,7 +169,7 @@ std::string refusals(Board& board) {
   return "a bad ray is refused, and the next one comes back";
 }
 
-// In this order; each leaves the board usable for the next. run() returns what was seen, or throws.
+// In this order; after each the board is usable for the next. run() returns the observed result, or throws.
 struct Check {
   const char* name;
   std::string (*run)(Board&);

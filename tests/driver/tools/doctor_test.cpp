@@ -51,7 +51,7 @@ TEST(Doctor, FindsNothingWrongWithAPrivateBoard) {
 TEST(Doctor, SaysThatTheProgramIsNotThere) {
   const Finished run = doctor("emu:", {"GICUBE_BOARD=/no/such/program"});
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.out, HasSubstr("GICUBE_BOARD names /no/such/program, which is not there"));
+  EXPECT_THAT(run.out, HasSubstr("GICUBE_BOARD names /no/such/program, which does not exist"));
 }
 
 TEST(Doctor, SaysThatTheProgramMayNotBeRun) {
@@ -60,7 +60,7 @@ TEST(Doctor, SaysThatTheProgramMayNotBeRun) {
   std::ofstream(program) << "text";
   const Finished run = doctor("emu:", {"GICUBE_BOARD=" + program});
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.out, HasSubstr("is no program that"));
+  EXPECT_THAT(run.out, HasSubstr("is not a program that"));
   EXPECT_THAT(run.out, HasSubstr("-> chmod +x " + program));
 }
 
@@ -68,7 +68,7 @@ TEST(Doctor, SaysThatAConfigurationIsRefused) {
   const Finished run = doctor("emu:?set=asic.processors=99");
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.out, HasSubstr("asic.processors: expected 1 to 16 processors, got 99"));
-  EXPECT_THAT(run.out, HasSubstr("-> mend the URI"));
+  EXPECT_THAT(run.out, HasSubstr("-> correct the URI"));
 }
 
 TEST(Doctor, TellsAMissingSocketFromADeadOne) {

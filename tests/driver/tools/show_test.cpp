@@ -59,7 +59,7 @@ TEST(Show, SaysWhenAFileDoesNotTell) {
   std::ofstream(folder.file("other.nrrd")) << "NRRD0004\ntype: uint8\n\n";
   const Finished silent = run_program("gicube-smi", {"show", folder.file("other.nrrd")}, {});
   EXPECT_EQ(silent.code, 1);
-  EXPECT_THAT(silent.err, HasSubstr("does not say where it came from"));
+  EXPECT_THAT(silent.err, HasSubstr("has no provenance"));
   std::ofstream(folder.file("text")) << "nothing";
   ASSERT_EQ(::mkfifo(folder.file("pipe").c_str(), 0600), 0);
   for (const std::string& name : {folder.file("pipe"), std::string("/dev/zero"), std::string("/tmp")}) {

@@ -148,7 +148,7 @@ TEST(Handshake, AnotherMajorVersionIsAVersionMismatchWithBothNumbers) {
   wire::VersionInfo theirs;
   theirs.major = 9;
   const auto text = open_error([&theirs](FakeBoard& self) { self.shake_hands(theirs); });
-  EXPECT_EQ(text, "VersionMismatch: the board speaks another version: major version 9, this driver's is " +
+  EXPECT_EQ(text, "VersionMismatch: the board has another protocol version: major version 9, this driver's is " +
                       std::to_string(driver_version().major));
 }
 
@@ -178,7 +178,7 @@ TEST(Handshake, APeerThatSpeaksAnotherProtocolIsNoBoard) {
     self.drain();
   });
   EXPECT_THAT(text, HasSubstr("OpenFailed"));
-  EXPECT_THAT(text, HasSubstr("no frame"));
+  EXPECT_THAT(text, HasSubstr("not a frame"));
 }
 
 TEST(Handshake, APeerThatAnswersWithAnotherFrameIsNoBoard) {
@@ -212,7 +212,7 @@ TEST(Handshake, AVersionThatIsCutShortIsRefused) {
     self.respond(*self.receive(), 0, bytes_of("\1\0\0\0"));
     self.drain();
   });
-  EXPECT_THAT(text, HasSubstr("cut short"));
+  EXPECT_THAT(text, HasSubstr("is truncated"));
 }
 
 TEST(Handshake, LimitsThatLeaveNoRoomForAFrameAreRefused) {

@@ -231,8 +231,9 @@ TEST(Event, WithoutADescriptorIsAnErrorWithItsReason) {
   EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   // Only now: UndefinedBehaviorSanitizer needs a descriptor to look at an object.
   ASSERT_NE(thrown, nullptr);
-  EXPECT_THAT([&thrown] { std::rethrow_exception(thrown); },
-              testing::ThrowsMessage<Error>(std::string("no descriptor for an event: ") + std::strerror(EMFILE)));
+  EXPECT_THAT(
+      [&thrown] { std::rethrow_exception(thrown); },
+      testing::ThrowsMessage<Error>(std::string("cannot make a descriptor for an event: ") + std::strerror(EMFILE)));
 }
 
 TEST_F(Launch, TheChildIsGoneWhenItsObjectIs) {

@@ -291,7 +291,7 @@ TEST(Link, EachErrorOfTheBoardHasItsOwnType) {
   };
   const auto lost = [](Loss cause) { return "DeviceLost " + std::to_string(static_cast<int>(cause)) + ' '; };
   EXPECT_EQ(text(kBusy), "BoardBusy the board is busy: words");
-  EXPECT_EQ(text(kVersion), "VersionMismatch the board speaks another version: words");
+  EXPECT_EQ(text(kVersion), "VersionMismatch the board has another protocol version: words");
   EXPECT_EQ(text(kUnsupported), "Unsupported words");
   EXPECT_EQ(text(kMemory), "MemoryFault words");
   EXPECT_EQ(text(kProtocol), lost(Loss::kEnded) + "the board ended the session: words");
@@ -341,7 +341,7 @@ TEST(Link, WhatTheBoardDoesNotOweIsAFault) {
                 self.receive();
                 self.send_bytes(std::vector<std::uint8_t>(wire::kFrameHeaderBytes, 'x'));
               }),
-              HasSubstr("no frame"));
+              HasSubstr("not a frame"));
 }
 
 TEST(Link, APayloadBeyondTheAgreedLimitIsNeverSent) {
