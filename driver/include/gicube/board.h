@@ -165,12 +165,11 @@ class GICUBE_API Board {
   // Saves to a file that only its user can read. The file is complete or does not exist. Also throws Error if it cannot
   // be written.
   void save(const std::string& file);
-  // This board and this Board continue from a checkpoint of save(): clock and tickets are the saved ones. Set the
-  // scattering routine again. The board's configuration may differ in
-  // fields that do not shape its state.
-  // Throws BadArgument (a damaged checkpoint, by its field; a file that can't be read), Rejected (with the board's
-  // message: another configuration, or too large), Unsupported: nothing has changed. If the board is lost meanwhile,
-  // or OpenOptions::while_waiting throws: reopen(), and restore it again.
+  // The board and this Board continue from a checkpoint of save(), with its clock and tickets. Set the scattering
+  // routine again. The board's configuration may differ in fields that do not shape its state. Throws BadArgument (a
+  // damaged checkpoint, by its field; a file that can't be read), Rejected (with the board's message: another
+  // configuration, or too large), Unsupported: nothing has changed. If the board is lost meanwhile, or
+  // OpenOptions::while_waiting throws: reopen(), and restore it again.
   void restore(std::span<const std::byte> checkpoint);
   void restore(const std::string& file);
 

@@ -63,7 +63,7 @@ GICUBE_API gicube_status gicube_ray_request_init(gicube_ray_request* request, si
 GICUBE_API gicube_status gicube_pair_request_init(gicube_pair_request* request, size_t size);
 GICUBE_API gicube_status gicube_batch_report_init(gicube_batch_report* report, size_t size);
 
-/* The boards that a program could open, as gicube::enumerate(): a list as of now, which the caller frees. */
+/* The boards that a program could open, as gicube::enumerate(): the list of this moment, which the caller frees. */
 GICUBE_API gicube_status gicube_enumerate(gicube_found_list** list);
 GICUBE_API void gicube_found_free(gicube_found_list* list);
 GICUBE_API size_t gicube_found_count(const gicube_found_list* list);
@@ -120,9 +120,8 @@ GICUBE_API gicube_status gicube_illuminate(gicube_board* board, const gicube_lig
                                            gicube_lighting_report* report);
 /* Warning `index` of the last gicube_illuminate(); NULL if there is none. Until this board's next one. */
 GICUBE_API const char* gicube_lighting_warning(gicube_board* board, uint32_t index);
-/* One value per voxel of the box, or of the whole volume if it is NULL, or three (gicube_board_info.irradiance_words);
- * count is their
- *    number. */
+/* One value per voxel, or three (gicube_board_info.irradiance_words), of the box or, if it is NULL, the whole volume.
+ * count is their number. */
 GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values,
                                                 size_t count);
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,
@@ -221,7 +220,7 @@ GICUBE_API gicube_status gicube_host_compute(gicube_board* board, uint64_t durat
 /* Time limit of renderings and of gicube_illuminate(); 0: none. */
 GICUBE_API gicube_status gicube_set_time_limit(gicube_board* board, uint64_t limit_ps);
 
-/* Counters: a list as of now, which the caller frees. */
+/* The counters' values at this moment: a list, which the caller frees. */
 GICUBE_API gicube_status gicube_get_counters(gicube_board* board, gicube_counter_list** list);
 GICUBE_API void gicube_counters_free(gicube_counter_list* list);
 GICUBE_API size_t gicube_counters_count(const gicube_counter_list* list);

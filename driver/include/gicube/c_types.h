@@ -25,7 +25,7 @@ enum {
   GICUBE_BOARD_BUSY = 3,        /* it has another owner */
   GICUBE_VERSION_MISMATCH = 4,  /* driver and board speak different major versions */
   GICUBE_REJECTED = 5,          /* the board is not in a state for it, which stays as it is */
-  GICUBE_SCATTERING_FAILED = 6, /* a scattering routine answered what no ray can do */
+  GICUBE_SCATTERING_FAILED = 6, /* a scattering routine gave an answer that no ray can follow */
   GICUBE_UNSUPPORTED = 7,       /* this board or fidelity level can't do it */
   GICUBE_DEVICE_LOST = 8,       /* the link to the board is gone: gicube_last_loss() says why */
   GICUBE_TIMED_OUT = 9,         /* no answer within the wall-clock watchdog; as after GICUBE_DEVICE_LOST */
@@ -46,7 +46,7 @@ enum { GICUBE_BACK_PRESSURE_WAIT = 0, GICUBE_BACK_PRESSURE_FAIL = 1 };
 typedef struct gicube_open_options {
   uint32_t size;
   int32_t back_pressure;
-  uint64_t watchdog_ms;       /* wall clock; 0 = wait for ever */
+  uint64_t watchdog_ms;       /* wall clock; 0 = no limit */
   uint64_t max_rays;          /* that may be under way */
   int32_t keep_volume;        /* so that gicube_reopen() can load it again */
   int32_t reopen_attempts;    /* how often in a row a call resumes a session that lost its connection */
@@ -60,7 +60,7 @@ typedef struct gicube_open_options {
   int32_t reserved_too; /* 0 */
   uint64_t
       max_waiting_rays; /* for blocks of a volume: on the card, and as many in the host's memory; others in a file */
-  gicube_log log;       /* NULL: nobody is told */
+  gicube_log log;       /* NULL: none */
   void* log_user;       /* its first argument */
 } gicube_open_options;
 
@@ -74,7 +74,7 @@ typedef struct gicube_reopened {
 typedef struct gicube_found_board {
   uint32_t size;
   int32_t in_use;      /* a session owns it */
-  uint32_t process;    /* the id of its gicube-board; 0: a PCI function, which says no version and no owner */
+  uint32_t process;    /* the id of its gicube-board; 0: a PCI function, which has no version and no owner here */
   uint32_t reserved;   /* 0 */
   const char* uri;     /* for gicube_open() */
   const char* product; /* what it calls itself */

@@ -27,7 +27,7 @@ class GICUBE_API BadArgument : public Error {
   std::string field_, expected_, got_;
 };
 
-// No board could be opened: the socket or the program that the URI means is not there, or nobody answers.
+// No board could be opened: the socket or the program of the URI does not exist, or does not answer.
 struct GICUBE_API OpenFailed : Error {
   using Error::Error;
 };

@@ -41,8 +41,8 @@ class GICUBE_API Illuminator {
   // Sets the sums of kBackproject rays to zero, and one unit of them to `unit`, an energy times a length.
   // They are kept in addition to the volume until the next loading or reset. Throws BadArgument, Rejected (no volume).
   void clear_sums(double unit);
-  // One sum a voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them. The
-  // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
+  // One sum per voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them.
+  // The simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
   std::vector<float> read_sums(const VoxelBox& box);
   // Reads into the caller's memory. Throws BadArgument, too, if it has another size.
   void read_sums(const VoxelBox& box, std::span<float> values);

@@ -6,8 +6,8 @@
 //
 // A call that was started does what the blocking call does, with the same bits and simulated times, on a thread of the
 // driver and in its place in the order of the calls: later calls to the Board, now() included, wait until it has ended.
-// Ray batches alone go on beside other calls, in simulated time too: RayTracer::start() returns once the rays are sent,
-// and get() is RayTracer::receive().
+// Only ray batches continue beside other calls, in simulated time too: RayTracer::start() returns once the rays are
+// sent, and get() is RayTracer::receive().
 #pragma once
 
 #include <chrono>

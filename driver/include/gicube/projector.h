@@ -64,17 +64,16 @@ class GICUBE_API Projector {
   using ViewValues = std::function<std::vector<double>(std::size_t i)>;
 
   // Line integrals of `volume` (x fastest) from the source to each pixel, view after view, rows first. Values are
-  // trilinear between the voxel centres, and zero outside of their box. The board holds
-  // the volume in 12 bits between its least value, at most 0, and its greatest.
-  // Throws BadArgument (another number of values than voxels, one that is not finite, a view that is not there), what
-  // the board throws.
+  // trilinear between the voxel centres, and zero outside of their box. The board holds the volume in 12 bits between
+  // its least value, at most 0, and its greatest. Throws BadArgument (another number of values than voxels, one that is
+  // not finite, a view that is not there), what the board throws.
   std::vector<float> project(std::span<const float> volume, Views views = {});
   // Projects view by view: take(i, values) for the i-th of `views`. Meanwhile the board works on the next view.
   void project(std::span<const float> volume, Views views, const TakeView& take);
 
   // The transpose of project(): each ray leaves its value, times its length in a voxel by the same interpolation, in
-  // that voxel. One float a voxel, x fastest. `values`: as many as project() returns for these views.
-  // Throws BadArgument (another number of values, one that is not finite), what the board throws.
+  // that voxel. One float per voxel, x fastest. `values`: as many as project() returns for these views. Throws
+  // BadArgument (another number of values, one that is not finite), what the board throws.
   std::vector<float> backproject(std::span<const float> values, Views views = {});
   // Backprojects views that need not all be in memory: values(i) gives those of the i-th of `views`, and is asked in
   // this order. No value may be larger in size than `max`, which fixes the unit of the board's sums: half of a sum's

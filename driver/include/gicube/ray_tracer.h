@@ -18,7 +18,7 @@ class GICUBE_API RayTracer {
   explicit RayTracer(BoardState& of) : state_(&of) {}
 
   // Sends rays, in as many DSP commands as they need. The application's scattering routine is not used. Returns at once
-  // unless too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any
+  // unless too many are under way (OpenOptions::back_pressure); the simulated host continues while the board works. Any
   // number of batches may be under way; the caller may reuse its memory on return. If the card does not store the
   // volume whole, the simulated host waits for the rays, and the batch is complete on return; what the board refuses is
   // thrown at once. Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit

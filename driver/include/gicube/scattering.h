@@ -24,8 +24,8 @@ struct ScatterEvent {
 };
 
 struct ScatterAnswer {  // the outcome of a scattering
-  Vec3 direction;       // in which the ray goes on; physical, of a length from 1e-6 to 1e6
-  double passes = 1;    // the share of its energy, or of what it can still gather, that goes on: 0..1
+  Vec3 direction;       // in which the ray continues; physical, of a length from 1e-6 to 1e6
+  double passes = 1;    // the share of its energy, or of what it can still gather, that continues: 0..1
 };
 
 // Called on the thread that called the Board, one ray at a time, in an order that does not depend on the board.

@@ -56,14 +56,14 @@ struct View {
   bool irradiance = false;   // lit by the irradiance that illuminate() left, instead of by the reflectance map
   bool incident = false;     // the irradiance is what falls on a sample, not what it absorbed
   double exposure = 0;       // irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()
-  bool scatter = false;      // rays go on where a material scatters them (Material::seen_through_scattering)
+  bool scatter = false;      // rays continue where a material scatters them (Material::seen_through_scattering)
   bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays per pixel
   int lifetime = 8;          // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;    // of the scatterings' random choices
   std::vector<CutPlane> cut_planes{};  // at most 6
   // With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest
   // in its way, times what it still lets through, and the pixel is opaque there. Rays straight from the eye see none,
-  // and nothing is seen of a lamp that is inside of the volume. At most kMaxLamps; needs a board of protocol 2.3.
+  // and nothing is seen of a lamp that is inside the volume. At most kMaxLamps; needs a board of protocol 2.3.
   std::vector<Lamp> lamps{};
 };
 

@@ -30,10 +30,10 @@ class GICUBE_API VolumeStore {
   // (gicube-board --max-memory): there is no volume then. On DeviceLost or TimedOut the volume is lost with the board.
   void load(const VolumeView& volume, const Progress& progress = {});
   // Loads a volume that is read in planes: about n + 3 planes are in memory at a time. The driver writes the blocks
-  // that are not zero, 4.5 bytes a voxel, to a file without a name in the folder TMPDIR, or else in /var/tmp, and sends
-  // them from there; it keeps the file if the card does not store the volume whole. Throws Error, too, if the file
-  // can't be written, and what `read` throws: the board keeps its volume. Pictures throw Error if the file can't be
-  // read.
+  // that are not zero, 4.5 bytes per voxel, to a file without a name in the folder TMPDIR, or else in /var/tmp, and
+  // sends them from there; it keeps the file if the card does not store the volume whole. Throws Error, too, if the
+  // file can't be written, and what `read` throws: the board keeps its volume. Pictures throw Error if the file can't
+  // be read.
   void load(const VolumeStream& volume, const Progress& progress = {});
   // load(), started: the samples must stay where they are until it has ended; a stream is read on a thread of the
   // driver.
@@ -48,7 +48,7 @@ class GICUBE_API VolumeStore {
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for
   // the transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read(const VoxelBox& box);
-  // Reads into the caller's memory, one value a voxel. Throws BadArgument, too, if it has another size.
+  // Reads into the caller's memory, one value per voxel. Throws BadArgument, too, if it has another size.
   void read(const VoxelBox& box, std::span<float> values);
   // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags and colours
   // do not change. Gradients of the box and its neighbours are found again, unless load() was told to find none; so are
@@ -74,8 +74,7 @@ class GICUBE_API VolumeStore {
   // pixels wide, a block is sent as the means of cells of so many voxels an edge, an 8th, 64th or 512th of its bytes,
   // and the card gives its voxels these values. 1: cells are no larger than a pixel; 0, the default: full blocks. The
   // corner nearest to the eye decides a block's level; scattered pictures, host rays and light use full blocks. So a
-  // picture depends on its view alone. Throws BadArgument (detail: 0..64), Unsupported
-  // (a board before protocol 2.3).
+  // picture depends on its view alone. Throws BadArgument (detail: 0..64), Unsupported (a board before protocol 2.3).
   void set_detail(double detail);
   // The level of detail of the last picture; nothing if the card stores the volume whole. Throws Rejected if there is
   // no picture.

@@ -28,13 +28,13 @@ class BadArgument(Error, ValueError):
         super().__init__(f"{field}: expected {expected}, got {got}")
         self.field, self.expected, self.got = field, expected, got
 
-    # what other processes make it of, of each class that carries more than its text
+    # for pickling: the arguments of the classes that have more than a text
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.field, self.expected, self.got)
 
 
 class OpenFailed(Error, ConnectionError):
-    """No board could be opened: the socket or the program that the URI means is not there, or nobody answers."""
+    """No board could be opened: the socket or the program of the URI does not exist, or does not answer."""
 
 
 class BoardBusy(Error):
@@ -74,7 +74,7 @@ class DeviceLost(Error, ConnectionError):
 
 
 class DeadlinePassed(Error):
-    """The simulated host waited until its deadline, a simulated time. The board works on."""
+    """The simulated host waited until its deadline, a simulated time. The board continues."""
 
 
 class Cancelled(Error):
@@ -105,7 +105,7 @@ class Fault:
 
 
 class InputError(Error, ValueError):
-    """Something that a user wrote, in a file or as a value, is wrong: `faults` says what, all of it. No board was
+    """Something that a user wrote, in a file or as a value, is wrong: `faults` lists all faults. No board was
     touched."""
 
     def __init__(self, text: str, faults: list[Fault]) -> None:
@@ -117,4 +117,4 @@ class InputError(Error, ValueError):
 
 
 class FileError(InputError):
-    """A file can't be read or written, is damaged, or says what can't be."""
+    """A file can't be read or written, is damaged, or has impossible contents."""

@@ -411,7 +411,7 @@ class View(Record):
     exposure: float = 0.0
     """irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()"""
     scatter: bool = False
-    """rays go on where a material scatters them (Material.seen_through_scattering)"""
+    """rays continue where a material scatters them (Material.seen_through_scattering)"""
     high_albedo: bool = False
     """colour is taken once, where the ray is absorbed: needs many rays per pixel"""
     lifetime: int = 8
@@ -423,7 +423,7 @@ class View(Record):
     lamps: Sequence[Lamp] = field(default_factory=list)
     """With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest
     in its way, times what it still lets through, and the pixel is opaque there. Rays straight from the eye see none,
-    and nothing is seen of a lamp that is inside of the volume. At most 32; needs a board of protocol 2.3."""
+    and nothing is seen of a lamp that is inside the volume. At most 32; needs a board of protocol 2.3."""
 
 
 @dataclass
@@ -727,9 +727,9 @@ class ScatterEvent(Record):
 class ScatterAnswer(Record):
     """The outcome of a scattering. See gicube/scattering.h."""
     direction: Vec3 = (0.0, 0.0, 0.0)
-    """in which the ray goes on; physical, of a length from 1e-6 to 1e6"""
+    """in which the ray continues; physical, of a length from 1e-6 to 1e6"""
     passes: float = 1.0
-    """the share of its energy, or of what it can still gather, that goes on: 0..1"""
+    """the share of its energy, or of what it can still gather, that continues: 0..1"""
 
 
 @dataclass
