@@ -15,8 +15,8 @@ namespace gicube {
 
 // The value of the environment variable GICUBE_BOARD, or null.
 const char* named_board_program();
-// Where gicube-board may be: only there; or, if it is null, beside the running program, where the SDK was installed,
-// and on the PATH.
+// Where gicube-board may be: the place that GICUBE_BOARD names or, without it, beside the running program, where the
+// SDK was installed, and on the PATH.
 std::vector<std::filesystem::path> board_program_places();
 // The first of them that can be run. Throws OpenFailed that names every place looked at.
 std::string find_board_program();

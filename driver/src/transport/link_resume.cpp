@@ -105,7 +105,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
 StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
   if (theirs.session != session_ || !window_.fits(theirs)) {
     session_ = 0;
-    return {"the board did not say how far the session had come"};
+    return {"the board's frame numbers do not fit the session"};
   }
   if (wire::sequence_step(known_taken_, theirs.taken) > 0) attempts_ = 0;
   known_taken_ = theirs.taken;
