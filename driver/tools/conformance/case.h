@@ -8,10 +8,13 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 namespace gicube::conformance {
 
+class Host;
 class Place;
 
 // A board may claim a class if all cases of it and of class 0 pass.
@@ -24,7 +27,8 @@ struct Case {
   const char* name;      // group.what, for --filter
   const char* rule;      // P301
   const char* sentence;  // the words of the rule that are tested
-  void (*run)(Place& place);
+  // In a session that has just been opened, or with connections that the case makes itself.
+  std::variant<void (*)(Host& host), void (*)(Place& place)> run;
 };
 
 // All cases, class by class within each group.
@@ -45,7 +49,7 @@ std::span<const Case> light_cases();
 std::span<const Case> time_cases();
 std::span<const Case> session_cases();
 
-// The board broke the rule; the text says what was expected and what came.
+// The board broke the rule. The text says what was expected and what came.
 struct Failure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -56,7 +60,11 @@ void check(bool holds, fmt::format_string<Args...> expectation, Args&&... args) 
 }
 template <typename T>
 void check_same(const char* what, T got, std::type_identity_t<T> expected) {
-  check(got == expected, "{}: expected {}, got {}", what, expected, got);
+  if constexpr (std::is_enum_v<T>) {
+    check_same(what, fmt::underlying(got), fmt::underlying(expected));
+  } else {
+    check(got == expected, "{}: expected {}, got {}", what, expected, got);
+  }
 }
 inline void check_near(const char* what, double got, double expected, double tolerance) {
   check(std::abs(got - expected) <= tolerance, "{}: expected {} within {}, got {}", what, expected, tolerance, got);

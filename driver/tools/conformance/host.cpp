@@ -8,22 +8,32 @@
 namespace gicube::conformance {
 namespace {
 
-constexpr std::size_t kPiece = 36;  // a dword, a table's entry of 12 bytes and a pair of voxels: no piece ends in one
+// Pieces of a long transfer are multiples of this, so that none ends within a dword, within a table's entry of 12 bytes
+// or within a pair of voxels.
+constexpr std::size_t kPiece = 36;
 
-}  // namespace
-
-Bytes words(std::initializer_list<std::uint32_t> values) {
-  Bytes bytes(4 * values.size());
+template <typename Word>
+Bytes stored(std::initializer_list<Word> values) {
+  Bytes bytes(sizeof(Word) * values.size());
   std::size_t at = 0;
-  for (const std::uint32_t value : values) wire::store(std::span(bytes), 4 * at++, value);
+  for (const Word value : values) wire::store(std::span(bytes), sizeof(Word) * at++, value);
   return bytes;
 }
 
-Bytes long_words(std::initializer_list<std::uint64_t> values) {
-  Bytes bytes(8 * values.size());
-  std::size_t at = 0;
-  for (const std::uint64_t value : values) wire::store(std::span(bytes), 8 * at++, value);
-  return bytes;
+}  // namespace
+
+Bytes words(std::initializer_list<std::uint32_t> values) { return stored(values); }
+Bytes long_words(std::initializer_list<std::uint64_t> values) { return stored(values); }
+
+RawFrame next_answer(RawClient& client) {
+  auto answer = client.receive_answer();
+  check(answer.has_value(), "expected an answer, the board closed the connection");
+  return std::move(*answer);
+}
+
+RawFrame call(RawClient& client, FrameType type, std::uint32_t id, const Bytes& payload) {
+  client.send(type, id, 0, payload);
+  return next_answer(client);
 }
 
 wire::VersionInfo host_version() {
@@ -33,21 +43,20 @@ wire::VersionInfo host_version() {
   return mine;
 }
 
-RawFrame shake_hands(Place& place, RawClient& client, const wire::VersionInfo& mine) {
+RawFrame shake_hands(RawClient& client, const wire::VersionInfo& mine) {
   const auto answer = client.handshake(mine, access_token(client.socket(), false, {}));
-  check(answer.has_value(), "expected an answer to kVersion, the connection was closed");
-  check_same("the answer's type", static_cast<int>(answer->header.type), static_cast<int>(FrameType::kVersion));
+  check(answer.has_value(), "expected an answer to kVersion, the board closed the connection");
+  check_same("the answer's type", answer->header.type, FrameType::kVersion);
   check_same("the answer's flags", answer->header.flags, std::uint16_t{wire::kResponse});
-  check(place.silence().count() > 0 && answer->header.sequence == 0, "kVersion has no number, got {}",
-        answer->header.sequence);
+  check_same("kVersion's number", answer->header.sequence, 0);
   return *answer;
 }
 
 Host::Host(Place& place, const wire::VersionInfo& mine)
     : place_(place), mine_(mine), client_(place.connect()), window_(mine) {
-  const RawFrame answer = shake_hands(place, client_, mine);
+  const RawFrame answer = shake_hands(client_, mine);
   check(answer.header.error == ErrorCode::kNone, "expected a session, got error {}: {}",
-        static_cast<int>(answer.header.error), answer.text());
+        fmt::underlying(answer.header.error), answer.text());
   check(answer.payload.size() >= wire::kVersionBytes, "kVersion: expected 56 bytes, got {}", answer.payload.size());
   board_ = wire::decode<wire::VersionInfo>(answer.payload);
   window_.open(board_);
@@ -57,10 +66,7 @@ Host::~Host() {
   if (!ended_) client_.send(FrameType::kVersion, 0, wire::kPosted, {});
 }
 
-void Host::return_credit() {
-  const FrameHeader credit = window_.credit_frame(wire::kPosted);
-  client_.send(credit);
-}
+void Host::return_credit() { client_.send(window_.credit_frame(wire::kPosted)); }
 
 std::uint32_t Host::post(FrameType type, const Bytes& payload, std::uint16_t flags) {
   while (!window_.can_send(payload.size())) {
@@ -83,14 +89,14 @@ RawFrame Host::receive() {
     const FrameHeader& header = frame->header;
     if (header.type == FrameType::kVersion) {
       throw Failure(
-          fmt::format("the board ended the session: error {}: {}", static_cast<int>(header.error), frame->text()));
+          fmt::format("the board ended the session: error {}: {}", fmt::underlying(header.error), frame->text()));
     }
     check(window_.take_credit(header), "credit: {} frames and {} bytes came back, which were not sent",
           header.credit_slots, header.credit_bytes);
     if (header.type == FrameType::kProgress) continue;
     check(window_.arrival(header) == wire::ReliableWindow::Arrival::kNext, "expected frame {}, got {} of type {}",
           window_.taken() + 1, header.type == FrameType::kCredit ? header.id : header.sequence,
-          static_cast<int>(header.type));
+          fmt::underlying(header.type));
     if (header.type == FrameType::kCredit) continue;
     window_.take();
     check(window_.accept(header.size), "expected at most the window of {} frames and {} bytes in flight",
@@ -113,12 +119,12 @@ RawFrame Host::ask(FrameType type, const Bytes& payload) {
       completions.push_back(std::move(frame));
       continue;
     }
-    check_same("the response's type", static_cast<int>(frame.header.type), static_cast<int>(type));
+    check_same("the response's type", frame.header.type, type);
     check_same("the response's flags", frame.header.flags, std::uint16_t{wire::kResponse});
     check_same("the response's id", frame.header.id, id);
     check(frame.header.time_ps >= asked, "expected an answer from {} ps on, got {} ps", asked, frame.header.time_ps);
     check(frame.header.error == ErrorCode::kNone || !frame.payload.empty(), "expected a text with error {}, got none",
-          static_cast<int>(frame.header.error));
+          fmt::underlying(frame.header.error));
     now = frame.header.time_ps;
     return frame;
   }
@@ -127,8 +133,15 @@ RawFrame Host::ask(FrameType type, const Bytes& payload) {
 Bytes Host::request(FrameType type, const Bytes& payload) {
   RawFrame answer = ask(type, payload);
   check(answer.header.error == ErrorCode::kNone, "expected an answer to a frame of type {}, got error {}: {}",
-        static_cast<int>(type), static_cast<int>(answer.header.error), answer.text());
+        fmt::underlying(type), fmt::underlying(answer.header.error), answer.text());
   return std::move(answer.payload);
+}
+
+RawFrame Host::refused_request(FrameType type, const Bytes& payload, ErrorCode error) {
+  RawFrame answer = ask(type, payload);
+  check(answer.header.error == error, "a frame of type {} with {} bytes: expected error {}, got {}",
+        fmt::underlying(type), payload.size(), fmt::underlying(error), fmt::underlying(answer.header.error));
+  return answer;
 }
 
 std::uint32_t Host::read_register(std::uint32_t offset) {
@@ -189,26 +202,26 @@ RawFrame Host::completion(std::uint32_t ticket) {
 Bytes Host::run(const Bytes& payload) {
   RawFrame done = completion(command(payload));
   check(done.header.error == ErrorCode::kNone, "expected command {} to succeed, got error {}: {}",
-        wire::load<std::uint32_t>(payload, 0), static_cast<int>(done.header.error), done.text());
+        wire::load<std::uint32_t>(payload, 0), fmt::underlying(done.header.error), done.text());
   return std::move(done.payload);
 }
 
-void Host::refused(const Bytes& payload, ErrorCode error, const std::string& word) {
+void Host::refused(const Bytes& payload, const std::string& word) {
   const RawFrame done = completion(command(payload));
-  check(done.header.error == error, "{}: expected error {}, got {}", word, static_cast<int>(error),
-        static_cast<int>(done.header.error));
+  check_same(word.c_str(), done.header.error, ErrorCode::kBadValue);
   check(done.text().find(word) != std::string::npos, "expected a text that names \"{}\", got \"{}\"", word,
         done.text());
   check((read_register(reg::kStatus) & wire::kStatusBadCommand) != 0, "{}: expected STATUS.bad_command", word);
+  write_register(reg::kStatusClear, ~0u);
 }
 
 void Host::ends(RawClient& client, ErrorCode error, std::optional<std::uint32_t> id) {
   for (;;) {
     const auto frame = client.receive();
-    check(frame.has_value(), "expected a last frame with error {}, the connection was closed", static_cast<int>(error));
+    check(frame.has_value(), "expected a last frame with error {}, the connection was closed", fmt::underlying(error));
     if (frame->header.type != FrameType::kVersion) continue;
     check_same("the last frame's flags", frame->header.flags, std::uint16_t{wire::kResponse});
-    check_same("the last frame's error", static_cast<int>(frame->header.error), static_cast<int>(error));
+    check_same("the last frame's error", frame->header.error, error);
     check(!frame->payload.empty(), "expected a text with the last frame, got none");
     if (id) check_same("the last frame's id", frame->header.id, *id);
     break;

@@ -24,19 +24,26 @@ using wire::FrameHeader;
 using wire::FrameType;
 using Bytes = std::vector<std::uint8_t>;
 
-// Little-endian words of 32 bits.
+// Little-endian words of 32 and of 64 bits.
 Bytes words(std::initializer_list<std::uint32_t> values);
 Bytes long_words(std::initializer_list<std::uint64_t> values);
 wire::VersionInfo host_version();
 
+// The next frame from the board that is neither kCredit nor kProgress. Throws Failure if the board closed the
+// connection.
+RawFrame next_answer(RawClient& client);
+// Sends a request, and returns its answer. Nothing is checked.
+RawFrame call(RawClient& client, FrameType type, std::uint32_t id, const Bytes& payload);
+
 class Host {
  public:
-  // Opens a session; a board that another client has is waited for. Throws Failure if it is refused.
+  // Opens a session, waiting while another client has the board. Throws Failure if the board refuses.
   explicit Host(Place& place, const wire::VersionInfo& mine = host_version());
   // Says goodbye.
   ~Host();
   Host(Host&&) = delete;
 
+  Place& place() { return place_; }
   RawClient& wire() { return client_; }
   wire::ReliableWindow& window() { return window_; }
   const wire::VersionInfo& board() const { return board_; }  // its values, not the agreed ones
@@ -44,13 +51,14 @@ class Host {
 
   std::uint64_t now = 0;  // the host's clock, ps
 
-  // Sends a numbered frame as the window allows, with the credit that is due.
+  // Sends a numbered frame with the credit that is due, once the board's window allows it. Returns its id.
   std::uint32_t post(FrameType type, const Bytes& payload, std::uint16_t flags = wire::kPosted);
-  // Sends a request and returns its one response; moves the clock. Completions are kept.
+  // Sends a request, returns its one response, and advances `now` to it. Completions are kept.
   RawFrame ask(FrameType type, const Bytes& payload);
-  // ask() for a response without an error.
+  // ask() for a response without an error, and for one with this error.
   Bytes request(FrameType type, const Bytes& payload);
-  // The next frame but credit and progress, with the checks of every frame.
+  RawFrame refused_request(FrameType type, const Bytes& payload, ErrorCode error);
+  // The next frame that is neither credit nor progress, after the checks that hold for every frame.
   RawFrame receive();
   void return_credit();
 
@@ -66,22 +74,26 @@ class Host {
   RawFrame completion(std::uint32_t ticket);
   // The completion's payload of a command that must not fail.
   Bytes run(const Bytes& payload);
-  // The command must fail with that error and a text that has the word; the session lives.
-  void refused(const Bytes& payload, ErrorCode error, const std::string& word);
-  template <wire::Record T>
-  void refused(const T& record, const std::string& word) {
-    refused(wire::encoded(record), ErrorCode::kBadValue, word);
+  // The command must fail with kBadValue, a text that has the word, and STATUS.bad_command, which is cleared again.
+  void refused(const Bytes& payload, const std::string& word);
+  void refused(const wire::Record auto& record, const std::string& word) { refused(wire::encoded(record), word); }
+  // Picoseconds until the work, and all that was posted before it, is done.
+  std::uint64_t time_of(auto work) {
+    read_register(reg::kId);
+    const std::uint64_t before = now;
+    work();
+    return now - before;
   }
-  // Completions that came with answers, in their order.
+  // Completions that came before answers, in their order.
   std::deque<RawFrame> completions;
 
-  // The session must end with this error as the board's last frame, and the connection with it.
+  // The board's last frame must have this error. The board then closes the connection.
   static void ends(RawClient& client, ErrorCode error, std::optional<std::uint32_t> id = {});
   void ends(ErrorCode error, std::optional<std::uint32_t> id = {}) {
     ends(client_, error, id);
     ended_ = true;
   }
-  // No goodbye: the connection is cut.
+  // Closes the connection without a goodbye.
   void cut() {
     client_.close();
     ended_ = true;
@@ -97,7 +109,7 @@ class Host {
   bool ended_ = false;
 };
 
-// The handshake's answer on a new connection.
-RawFrame shake_hands(Place& place, RawClient& client, const wire::VersionInfo& mine);
+// Sends the version frame on a new connection, and returns the board's answer.
+RawFrame shake_hands(RawClient& client, const wire::VersionInfo& mine);
 
 }  // namespace gicube::conformance

@@ -1,6 +1,6 @@
-// gicube-conformance: holds a board to the rules of docs/reference/protocol.md (docs/guide/conformance.md).
+// gicube-conformance: tests a board against the rules of docs/reference/protocol.md (docs/guide/conformance.md).
 //
-// Exit codes: 0 all cases that were run passed, 1 one failed or there is no board, 2 wrong usage.
+// Exit codes: 0 all cases that were run passed, 1 a case failed or there is no board, 2 wrong usage.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +15,7 @@
 #include "gicube/error.h"
 #include "gicube/unknown_options.h"
 #include "gicube/whole_file.h"
+#include "host.h"
 #include "place.h"
 #include "report.h"
 
@@ -43,7 +44,12 @@ Outcome run(const Case& tested, Place& place) {
   Outcome outcome{tested, {}, 0};
   const auto begin = std::chrono::steady_clock::now();
   try {
-    tested.run(place);
+    if (const auto* alone = std::get_if<void (*)(Place&)>(&tested.run)) {
+      (*alone)(place);
+    } else {
+      Host host(place);
+      std::get<void (*)(Host&)>(tested.run)(host);
+    }
   } catch (const std::exception& error) {
     outcome.failure = error.what();
     if (const std::string last = place.last_words(); !last.empty()) outcome.failure += "; " + last;
@@ -54,7 +60,7 @@ Outcome run(const Case& tested, Place& place) {
 
 int run(const Options& options) {
   const std::vector<Case> cases = chosen(options);
-  if (cases.empty()) throw BadArgument("--filter, --class", "some case, see --list", "none");
+  if (cases.empty()) throw BadArgument("--filter, --class", "at least one matching case (--list shows all)", "none");
   if (options.lists) {
     fmt::print("{}", listed(cases));
     return 0;
@@ -80,26 +86,26 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Holds a board to the rules of the protocol, and says which classes it may claim.",
+  CLI::App app("Tests a board against the rules of the protocol, and reports the classes that it may claim.",
                "gicube-conformance");
   app.set_version_flag("--version", "gicube-conformance " GICUBE_VERSION);
-  app.add_option("board", options.uri, "emu:, unix:PATH or tcp:HOST:PORT; no other program may use it meanwhile")
+  app.add_option("board", options.uri, "emu:, unix:PATH or tcp:HOST:PORT; no other program may use the board meanwhile")
       ->type_name("URI")
       ->capture_default_str();
   app.add_option("--class", options.classes,
-                 "only cases of that class, repeatable: 0 opens and renders, 1 rays, 2 light, 3 time, 4 pictures, 5 "
+                 "only cases of this class, repeatable: 0 opens and renders, 1 rays, 2 light, 3 time, 4 pictures, 5 "
                  "lasting sessions")
       ->type_name("N")
       ->check(CLI::Range(0u, kClasses - 1));
-  app.add_option("--filter", options.filter, "only cases with that text in their names")->type_name("TEXT");
-  app.add_flag("--list", options.lists, "print the cases with their rules, and run none");
-  app.add_option("--junit", options.junit_file, "write the outcomes to that file, as JUnit's XML")->type_name("FILE");
-  app.add_option("--timeout", options.timeout_ms, "a board that is silent for that time has failed the case")
+  app.add_option("--filter", options.filter, "only cases whose names contain this text")->type_name("TEXT");
+  app.add_flag("--list", options.lists, "list the cases with their rules; none is run");
+  app.add_option("--junit", options.junit_file, "write the results to this file, as JUnit XML")->type_name("FILE");
+  app.add_option("--timeout", options.timeout_ms, "a case fails if the board is silent for longer")
       ->type_name("MS")
       ->check(CLI::Range(1u, 3'600'000u))
       ->capture_default_str();
-  app.add_flag("--stop", options.stops, "end at the first failure");
-  app.add_flag("-q,--quiet", options.quiet, "print failures and the summary only");
+  app.add_flag("--stop", options.stops, "stop at the first failure");
+  app.add_flag("-q,--quiet", options.quiet, "print only failures and the summary");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

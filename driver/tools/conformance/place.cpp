@@ -1,46 +1,34 @@
 #include "place.h"
 
 #include <fcntl.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <cstdlib>
 #include <system_error>
-#include <thread>
 
 #include "gicube/error.h"
 #include "transport/connect.h"
 
 namespace gicube::conformance {
-namespace {
 
-Fd listen_at(const std::string& path) {
-  Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  constexpr int kBacklog = 64;
-  if (socket.get() < 0 || ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::listen(socket.get(), kBacklog) != 0) {
-    throw OpenFailed("cannot listen at " + path + ": " + std::generic_category().message(errno));
-  }
-  return socket;
-}
-
-}  // namespace
+using boost::asio::local::stream_protocol;
 
 Place::Place(const std::string& uri, std::chrono::milliseconds silence)
     : uri_(uri), parsed_(parse_uri(uri)), silence_(silence) {
   if (parsed_.scheme == UriScheme::kPci || parsed_.is_secure) {
-    throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT, whose bytes the suite sends itself", uri);
+    throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT: the suite writes the bytes of the connection itself",
+                      uri);
   }
   if (parsed_.scheme != UriScheme::kEmu) return;
   const std::string program = find_board_program();
   std::string name = (std::filesystem::temp_directory_path() / "gicube-conformance-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) throw OpenFailed("no folder for the board's socket: " + name);
+  if (::mkdtemp(name.data()) == nullptr) throw OpenFailed("cannot create a folder for the board's socket: " + name);
   folder_ = name;
   const std::string path = folder_ / "board";
-  child_ = std::make_unique<ChildProcess>(program, parsed_.board_arguments, listen_at(path));
+  boost::asio::io_context io;
+  stream_protocol::acceptor listener(io, stream_protocol::endpoint(path));
+  child_ = std::make_unique<ChildProcess>(program, parsed_.board_arguments, Fd(listener.release()));
   uri_ = "unix:" + path;
   parsed_ = parse_uri(uri_);
 }
@@ -53,7 +41,7 @@ Place::~Place() {
 
 RawClient Place::connect() const {
   Fd socket = gicube::connect(parsed_, silence_);
-  ::fcntl(socket.get(), F_SETFL, ::fcntl(socket.get(), F_GETFL) & ~O_NONBLOCK);  // as Asio left it
+  ::fcntl(socket.get(), F_SETFL, ::fcntl(socket.get(), F_GETFL) & ~O_NONBLOCK);  // which Asio has set
   RawClient client(socket.release());
   client.limit_silence(silence_);
   return client;

@@ -1,4 +1,4 @@
-// Where the tested board is, and how it is reached.
+// The board under test, and connections to it.
 #pragma once
 
 #include <chrono>
@@ -17,26 +17,26 @@ using reference::RawFrame;
 
 class Place {
  public:
-  // emu: starts a board that serves a socket of a folder of its own, so that sessions can outlive connections.
-  // Throws BadArgument (not emu:, unix: or tcp:), OpenFailed.
+  // An emu: URI starts a board that listens on a socket in a temporary folder, so that sessions can outlive
+  // connections. Throws BadArgument (not emu:, unix: or tcp:), OpenFailed.
   Place(const std::string& uri, std::chrono::milliseconds silence);
   ~Place();
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
 
-  // The URI under which a driver finds the board.
+  // The URI of the board for a driver.
   const std::string& uri() const { return uri_; }
   std::chrono::milliseconds silence() const { return silence_; }
-  // A new connection, which reports `silence` as a failure.
+  // A new connection. Reading from it throws if the board is silent for longer than `silence`.
   RawClient connect() const;
-  // Words for the report if the board's process has ended.
+  // If the board's process has ended: how, and its last output.
   std::string last_words() const { return child_ ? child_->last_words() : std::string(); }
 
  private:
   std::string uri_;
   Uri parsed_;
   std::chrono::milliseconds silence_;
-  std::filesystem::path folder_;  // empty: none of ours
+  std::filesystem::path folder_;  // of an emu: board's socket, or empty
   std::unique_ptr<ChildProcess> child_;
 };
 

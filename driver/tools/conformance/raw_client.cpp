@@ -26,7 +26,7 @@ int connect_to(const sockaddr* address, socklen_t size, const std::string& name,
   const bool is_bound = source == nullptr || ::bind(fd, source, size) == 0;
   if (fd < 0 || !is_bound || ::connect(fd, address, size) != 0) {
     if (fd >= 0) ::close(fd);
-    throw std::runtime_error("nobody answers on " + name);
+    throw std::runtime_error("cannot connect to " + name);
   }
   return fd;
 }
@@ -112,7 +112,8 @@ std::optional<RawFrame> RawClient::receive() {
   if (!header) throw std::runtime_error("the board sent something that is no frame");
   RawFrame frame{*header, std::vector<std::uint8_t>(header->size)};
   if (read_fully(frame.payload) < frame.payload.size()) return std::nullopt;
-  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) throw std::runtime_error("a wrong checksum");
+  if (wire::frame_checksum(bytes, frame.payload) != header->checksum)
+    throw std::runtime_error("the board sent a frame with a wrong checksum");
   return frame;
 }
 

@@ -1,4 +1,4 @@
-// A client of the data plane that takes no care: it sends what a test wants, right or wrong, and shows what comes back.
+// A client of the data plane without checks: it sends any frame, right or wrong, and returns the frames that it gets.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ struct RawFrame {
 
 class RawClient {
  public:
-  // Throw std::runtime_error if nobody answers.
+  // Both throw std::runtime_error if they cannot connect.
   static RawClient connect_unix(const std::string& path);
   static RawClient connect_tcp(std::uint16_t port, const char* source = "127.0.0.1");  // to 127.0.0.1, from `source`
   // Takes over a connected stream socket.
@@ -43,7 +43,8 @@ class RawClient {
   bool send(wire::FrameHeader header, std::span<const std::uint8_t> payload = {});
   bool send(wire::FrameType type, std::uint32_t id, std::uint16_t flags, std::span<const std::uint8_t> payload);
 
-  // The next frame; nothing at the end of the stream. Throws std::runtime_error after 60 s of silence, or as limited.
+  // The next frame; nothing at the end of the stream. Throws std::runtime_error after the silence that limit_silence()
+  // allows, 60 s by default.
   std::optional<RawFrame> receive();
   // The next frame that is neither kCredit nor kProgress.
   std::optional<RawFrame> receive_answer();
@@ -53,11 +54,11 @@ class RawClient {
   // A request and its answer.
   std::optional<RawFrame> call(wire::FrameType type, std::uint32_t id, std::span<const std::uint8_t> payload);
 
-  // The next frame follows on number `sequence`.
+  // The next frame gets the number after `sequence`.
   void continue_from(std::uint32_t sequence) { sent_ = sequence; }
 
   void write_register(std::uint32_t offset, std::uint32_t value);
-  // All ones and more if there is no good answer.
+  // 2^64 - 1 if there is no valid answer.
   std::uint64_t read_register(std::uint32_t offset);
 
  private:

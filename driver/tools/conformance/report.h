@@ -1,4 +1,4 @@
-// The suite's results, as text and as JUnit's XML.
+// The results of the suite, as text and as JUnit XML.
 #pragma once
 
 #include <span>
@@ -15,10 +15,10 @@ struct Outcome {
   double seconds = 0;   // wall clock
 };
 
-// A line for a case as it ends.
+// The lines that are printed when a case ends.
 std::string line_of(const Outcome& outcome);
-// Passed cases of each class, and the classes that a board with these outcomes may claim: all cases of the class and of
-// class 0 were run and passed.
+// Passed cases of each class, and the classes that the board may claim: those of which all cases, and all cases of
+// class 0, were run and passed.
 std::string summary(std::span<const Outcome> outcomes);
 std::string junit(std::span<const Outcome> outcomes, const std::string& uri);
 // The list of cases with their rules and sentences.

@@ -13,7 +13,7 @@ std::int64_t mixed(std::int64_t a, std::int64_t b, std::int64_t weight) {
   return a + (((b - a) * weight + (1 << 14)) >> 15);
 }
 
-// 12 bits of which a pixel's 8 are `value`.
+// The 12-bit colour that becomes `value` in the 8 bits of a pixel.
 std::uint16_t told(std::uint32_t value) { return static_cast<std::uint16_t>((value * 4095 * 2 + 255) / 510); }
 
 }  // namespace
@@ -91,6 +91,20 @@ void send_look(Host& host, const std::function<Entry(std::uint32_t density, unsi
   host.write_memory(wire::kSegmentationLut.base, table);
 }
 
+Volume fog(Host& host, const std::array<int, 3>& size, std::uint16_t alpha) {
+  Volume volume(host, size);
+  volume.fill([](int, int, int) { return wire::Voxel{kFog}; });
+  host.write_register(reg::kPipeline, wire::kPipelineLeap);
+  send_look(host, [alpha](std::uint32_t density, unsigned) {
+    Entry entry{{4095, 2048, 0}, density == kFog ? alpha : std::uint16_t{0}};
+    entry.set_gain(256);
+    return entry;
+  });
+  return volume;
+}
+
+double opacity_after(double lengths, std::uint16_t alpha) { return 1 - std::pow(1 - alpha / 65535.0, lengths); }
+
 Entry telling(std::uint32_t density, unsigned tag) {
   return {{told(density >> 4), told(density & 15), told(tag)}, wire::kClassifiedOpacityOne};
 }
@@ -134,8 +148,7 @@ Start start_of(const wire::RenderCommand& command, double x, double y, const std
     }
   }
   Start start;
-  const double length =
-      std::sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+  const double length = std::hypot(direction[0], direction[1], direction[2]);
   start.hits = begin <= end;
   for (std::size_t i = 0; i < 3 && start.hits; ++i) {
     const double at = std::clamp((origin[i] + begin * direction[i]) * kUnit, 0.0, (size[i] - 1) * kUnit);

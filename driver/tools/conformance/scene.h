@@ -1,4 +1,4 @@
-// Volumes that the cases put on a board, and the pictures expected of them, by the rules P1601 to P1613.
+// Volumes that the cases put on a board, and the pictures that they expect by the rules P1601 to P1613.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace gicube::conformance {
 using Vector = std::array<double, 3>;
 using Words = std::array<std::int32_t, 3>;
 
-// Random numbers that are equal in each run.
+// Random numbers, the same in each run.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : state_(seed) {}
@@ -40,7 +40,7 @@ class Volume {
   using Maker = std::function<wire::Voxel(int x, int y, int z)>;
   // Sets all voxels and sends all blocks.
   void fill(const Maker& make);
-  const wire::Voxel& at(int x, int y, int z) const;  // none beyond the volume: zero
+  const wire::Voxel& at(int x, int y, int z) const;  // zero beyond the volume
 
   const std::array<int, 3>& size() const { return size_; }
   int block() const { return n_; }
@@ -59,9 +59,16 @@ class Volume {
 };
 
 using Entry = wire::SegmentationEntry;
-// The table by density and tag.
+// Sends the segmentation LUT.
 void send_look(Host& host, const std::function<Entry(std::uint32_t density, unsigned tag)>& entry);
-// Opaque: a pixel tells the density (red, green) and the tag (blue) of the first sample that is seen.
+// A volume of density kFog everywhere: an orange medium with an opacity of `alpha` / 65535 for a voxel length, drawn
+// without shading. Other densities are clear.
+inline constexpr std::uint16_t kFog = 1000;
+Volume fog(Host& host, const std::array<int, 3>& size, std::uint16_t alpha);
+// Opacity, 0..1, of such a medium after so many voxel lengths.
+double opacity_after(double lengths, std::uint16_t alpha);
+// An opaque entry that encodes its density in red and green, and its tag in blue, so that a pixel shows both for the
+// first visible sample.
 Entry telling(std::uint32_t density, unsigned tag);
 std::uint32_t told_density(const wire::Pixel& pixel);
 
@@ -70,7 +77,7 @@ wire::RenderCommand along(int axis, bool up, const Volume& volume, int width, in
                           Vector corner = {});
 std::vector<wire::Pixel> render(Host& host, const wire::RenderCommand& command);
 
-// P1602: the first position of the ray of image point (x, y) in words; nothing if it misses.
+// P1602: the first position, in words, of the ray through image point (x, y), and its direction.
 struct Start {
   bool hits = false;
   Words position{}, direction{};

@@ -39,4 +39,8 @@ std::vector<wire::Ray> trace(Host& host, const wire::TraceHeader& header, const 
   return back;
 }
 
+wire::Ray trace(Host& host, const wire::TraceHeader& header, const wire::Ray& ray) {
+  return trace(host, header, std::vector{ray}).at(0);
+}
+
 }  // namespace gicube::conformance

@@ -5,14 +5,15 @@
 namespace gicube::conformance {
 namespace {
 
-void send_credit(Host& host, std::uint32_t frames, std::uint64_t bytes) {
-  FrameHeader header{FrameType::kCredit, wire::kPosted, host.window().sent()};
+// `sent`: how many frames the host has sent.
+void send_credit(Host& host, std::uint32_t sent, std::uint32_t frames, std::uint64_t bytes) {
+  FrameHeader header{FrameType::kCredit, wire::kPosted, sent};
   header.credit_slots = frames;
   header.credit_bytes = bytes;
   host.wire().send(header);
 }
 
-// Asks until the board has nothing else to say (P211): no frame but credit may come meanwhile.
+// Asks for credit until the board answers (P211). No frame other than credit may come meanwhile.
 void nothing_comes(Host& host, std::uint32_t sent) {
   for (int tries = 0; tries < 100; ++tries) {
     host.wire().send(FrameType::kCredit, sent, 0, {});
@@ -38,10 +39,9 @@ constexpr Case kCases[] = {
        Host host(place, narrow(1, 4096));
        for (std::uint32_t i = 0; i < 3; ++i) host.wire().send(FrameType::kRegisterRead, i, 0, words({reg::kId}));
        for (std::uint32_t i = 0; i < 3; ++i) {
-         const auto answer = host.wire().receive_answer();
-         check(answer && answer->header.id == i, "expected answer {} after the credit for the one before", i);
+         check_same("the answer after the credit for the one before", next_answer(host.wire()).header.id, i);
          if (i < 2) nothing_comes(host, 3);
-         send_credit(host, 1, 4);
+         send_credit(host, 3, 1, 4);
        }
      }},
     {0, "credit.bytes", "P601",
@@ -51,16 +51,14 @@ constexpr Case kCases[] = {
        for (std::uint32_t i = 0; i < 3; ++i) {
          host.wire().send(FrameType::kMemoryRead, i, 0, long_words({wire::kReflectanceMap.base, 4096}));
        }
-       for (std::uint32_t i = 0; i < 2; ++i) check(host.wire().receive_answer().has_value(), "expected an answer");
+       for (std::uint32_t i = 0; i < 2; ++i) next_answer(host.wire());
        nothing_comes(host, 3);
-       send_credit(host, 2, 8192);
-       const auto last = host.wire().receive_answer();
-       check(last && last->header.id == 2, "expected the third answer after credit came back");
+       send_credit(host, 3, 2, 8192);
+       check_same("the third answer, after credit came back", next_answer(host.wire()).header.id, 2);
      }},
     {0, "credit.returns", "P603",
      "and in a `kCredit` frame as soon as half its window (frames or bytes) waits to be returned.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const std::uint32_t window = host.board().window_slots;
        for (std::uint32_t i = 0; i < window; ++i) host.wire().write_register(reg::kSeed, i);
        std::uint64_t frames = 0, bytes = 0;
@@ -76,14 +74,11 @@ constexpr Case kCases[] = {
     {0, "credit.in_answers", "P603",
      "A receiver returns credit for the frames that it has consumed, in order, in the header of the next frame that it "
      "sends,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (int i = 0; i < 3; ++i) host.wire().write_register(reg::kSeed, 1);
        std::uint32_t frames = 0;
        for (int i = 0; i < 2; ++i) {
-         const auto answer = host.wire().call(FrameType::kRegisterRead, 1, words({reg::kSeed}));
-         check(answer.has_value(), "expected an answer");
-         frames += answer->header.credit_slots;
+         frames += call(host.wire(), FrameType::kRegisterRead, 1, words({reg::kSeed})).header.credit_slots;
        }
        check(frames >= 4, "expected credit for the first 4 frames with the second answer, got it for {}", frames);
      }},
@@ -100,30 +95,24 @@ constexpr Case kCases[] = {
      [](Place& place) {
        for (const auto& [frames, bytes] : {std::pair{2u, 8u}, std::pair{1u, 5u}, std::pair{1u, 0u}}) {
          Host host(place);
-         check(host.wire().call(FrameType::kRegisterRead, 1, words({reg::kId})).has_value(), "expected an answer");
-         FrameHeader header{FrameType::kCredit, wire::kPosted, 1};
-         header.credit_slots = frames;
-         header.credit_bytes = bytes;
-         host.wire().send(header);
+         call(host.wire(), FrameType::kRegisterRead, 1, words({reg::kId}));
+         send_credit(host, 1, frames, bytes);
          host.ends(ErrorCode::kProtocol);
        }
      }},
     {0, "credit.query", "P211", "A `kCredit` frame without flags is a query.",
-     [](Place& place) {
-       Host host(place);
-       host.wire().call(FrameType::kRegisterRead, 1, words({reg::kId}));
-       host.wire().call(FrameType::kRegisterRead, 2, words({reg::kId}));
+     [](Host& host) {
+       for (const std::uint32_t id : {1u, 2u}) call(host.wire(), FrameType::kRegisterRead, id, words({reg::kId}));
        host.wire().send(FrameType::kCredit, 2, 0, {});
        const auto answer = host.wire().receive();
        check(answer && answer->header.type == FrameType::kCredit, "expected kCredit");
-       check_same("its flags", answer->header.flags, std::uint16_t{wire::kResponse});
+       check_same("its flags", answer->header.flags, wire::kResponse);
        check_same("the last number that the board used", answer->header.id, 2);
        check_same("its own number", answer->header.sequence, 0);
      }},
     {0, "credit.missing", "P210",
      "A receiver that has not taken that many frames knows that some are missing (`kCorrupted`).",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        host.wire().send(FrameType::kCredit, 1, wire::kPosted, {});
        host.ends(ErrorCode::kCorrupted);
      }},

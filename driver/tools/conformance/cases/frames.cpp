@@ -1,4 +1,4 @@
-// Frames: their form, their numbers, their order.
+// The form, the numbers and the order of frames.
 #include <array>
 
 #include "gicube/wire/checksum.h"
@@ -8,7 +8,7 @@
 namespace gicube::conformance {
 namespace {
 
-// A frame's bytes, with a wrong `size` or other fields if the caller has set them: only the checksum is right.
+// A frame's bytes with a right size and checksum. The caller may have set any other field to a wrong value.
 Bytes sealed(FrameHeader header, const Bytes& payload) {
   Bytes bytes(wire::kFrameHeaderBytes);
   header.size = static_cast<std::uint32_t>(payload.size());
@@ -23,7 +23,7 @@ Bytes read_id(std::uint32_t sequence) {
   return sealed(header, words({reg::kId}));
 }
 
-// These bytes, as the first after a handshake, end the connection, and the session unless the code is kCorrupted.
+// These bytes, sent first after a handshake, must end the connection with this error.
 void ended_by(Place& place, const Bytes& bytes, ErrorCode error, std::optional<std::uint32_t> id = {}) {
   Host host(place);
   host.wire().send_bytes(bytes);
@@ -61,14 +61,12 @@ constexpr Case kCases[] = {
      [](Place& place) { ended_by(place, read_id(2), ErrorCode::kCorrupted); }},
     {0, "frame.again", "P208",
      "A frame that was taken and arrives again is dropped by its number, completely, including its credit.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        host.wire().send_bytes(read_id(1));
        host.wire().send_bytes(read_id(1));
        host.wire().send_bytes(read_id(2));
        for (const std::uint32_t number : {1u, 2u}) {
-         const auto answer = host.wire().receive_answer();
-         check(answer && answer->header.sequence == number, "expected one answer to each number, not {}", number);
+         check_same("the next answer's number", next_answer(host.wire()).header.sequence, number);
        }
        host.wire().send(FrameType::kCredit, 2, 0, {});
        const auto answer = host.wire().receive();
@@ -76,8 +74,7 @@ constexpr Case kCases[] = {
      }},
     {0, "frame.size", "P302",
      "The receiver compares `size` with the agreed limit before it allocates memory, then verifies the checksum",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        FrameHeader header{FrameType::kMemoryWrite, wire::kPosted, 6};
        header.size = host.max_payload() + 1;
        header.sequence = 1;
@@ -122,83 +119,68 @@ constexpr Case kCases[] = {
      }},
     {0, "frame.response", "P306",
      "A **non-posted** frame has no flags and gets exactly one response: same type, same id, flag `kResponse`.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (const std::uint32_t id : {0u, 1u, 0x8000'0000u, 0xFFFF'FFFFu}) {
-         const auto answer = host.wire().call(FrameType::kRegisterRead, id, words({reg::kId}));
-         check(answer.has_value(), "expected an answer, the board closed the connection");
-         check_same("the response's id", answer->header.id, id);
-         check_same("the response's type", static_cast<int>(answer->header.type), 5);
-         check_same("the response's flags", answer->header.flags, std::uint16_t{wire::kResponse});
-         check(answer->payload == words({wire::kIdValue}), "expected ID in the response");
+         const RawFrame answer = call(host.wire(), FrameType::kRegisterRead, id, words({reg::kId}));
+         check_same("the response's id", answer.header.id, id);
+         check_same("the response's type", answer.header.type, FrameType::kRegisterRead);
+         check_same("the response's flags", answer.header.flags, wire::kResponse);
+         check(answer.payload == words({wire::kIdValue}), "expected ID in the response");
        }
      }},
     {0, "frame.numbers", "P304",
      "The sender numbers all frames except `kVersion`, `kCredit` and `kProgress`, in each direction from 1, modulo "
      "2³².",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (std::uint32_t number = 1; number <= 5; ++number) {
-         const auto answer = host.wire().call(FrameType::kRegisterRead, 3, words({reg::kId}));
-         check(answer.has_value(), "expected an answer, the board closed the connection");
-         check_same("the answer's number", answer->header.sequence, number);
+         const RawFrame answer = call(host.wire(), FrameType::kRegisterRead, 3, words({reg::kId}));
+         check_same("the answer's number", answer.header.sequence, number);
        }
      }},
     {0, "frame.order", "P303", "Frames of one direction are handled strictly in order.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (std::uint32_t i = 0; i < 12; ++i) {
          host.wire().write_register(reg::kSeed, 1000 + i);
          host.wire().send(FrameType::kRegisterRead, i, 0, words({reg::kSeed}));
        }
        for (std::uint32_t i = 0; i < 12; ++i) {
-         const auto answer = host.wire().receive_answer();
-         check(answer && answer->header.id == i && answer->payload == words({1000 + i}),
+         const RawFrame answer = next_answer(host.wire());
+         check(answer.header.id == i && answer.payload == words({1000 + i}),
                "expected the answers in the order of the requests, number {} is another", i);
        }
      }},
     {0, "frame.pieces", "P301", "A frame is a header of 48 bytes and `size` bytes of payload.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Bytes both = read_id(1);
        const Bytes second = read_id(2);
        both.insert(both.end(), second.begin(), second.end());
        for (const std::uint8_t byte : std::span(both).first(60)) host.wire().send_bytes(std::array{byte});
        host.wire().send_bytes(std::span(both).subspan(60));
        for (int i = 0; i < 2; ++i) {
-         const auto answer = host.wire().receive_answer();
-         check(answer && answer->payload == words({wire::kIdValue}), "expected an answer to frames in pieces");
+         check(next_answer(host.wire()).payload == words({wire::kIdValue}), "expected ID from a frame in pieces");
        }
      }},
     {0, "frame.payload", "P312",
      "A request with a payload of a wrong length gets `kBadValue`; a posted one changes nothing.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const std::pair<FrameType, std::size_t> wrong[] = {{FrameType::kRegisterRead, 3}, {FrameType::kRegisterRead, 8},
                                                           {FrameType::kConfigRead, 0},   {FrameType::kConfigWrite, 4},
                                                           {FrameType::kMemoryRead, 8},   {FrameType::kWait, 3},
                                                           {FrameType::kWait, 8},         {FrameType::kCancel, 0}};
-       for (const auto& [type, size] : wrong) {
-         const RawFrame answer = host.ask(type, Bytes(size));
-         check(answer.header.error == ErrorCode::kBadValue, "type {} with {} bytes: expected error 6, got {}",
-               static_cast<int>(type), size, static_cast<int>(answer.header.error));
-       }
+       for (const auto& [type, size] : wrong) host.refused_request(type, Bytes(size), ErrorCode::kBadValue);
        host.post(FrameType::kRegisterWrite, words({reg::kSeed}));
        check_same("SEED", host.read_register(reg::kSeed), 0);
      }},
     {0, "error.text", "P701", "A frame with an error carries a UTF-8 text instead of its payload.",
-     [](Place& place) {
-       Host host(place);
-       const RawFrame answer = host.ask(FrameType::kWait, words({12345}));
-       check_same("the error", static_cast<int>(answer.header.error), 6);
+     [](Host& host) {
+       const RawFrame answer = host.refused_request(FrameType::kWait, words({12345}), ErrorCode::kBadValue);
        check(answer.text().find("12345") != std::string::npos, "expected a text that names ticket 12345, got \"{}\"",
              answer.text());
      }},
     {0, "error.last", "P702",
      "When an error ends the session, the board's last frame is `kVersion | kResponse` with the id of the frame that "
      "caused it.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        host.read_register(reg::kId);
        const std::uint32_t id = host.post(FrameType::kCompletion, {});
        host.ends(ErrorCode::kProtocol, id);

@@ -14,9 +14,7 @@ constexpr std::array kTables{wire::kSegmentationLut, wire::kGradientLut, wire::k
                              wire::kAbsentFlags,     wire::kMaterials,   wire::kDarkFlags};
 
 void no_memory(Host& host, std::uint64_t address, std::uint64_t length) {
-  const RawFrame answer = host.ask(FrameType::kMemoryRead, long_words({address, length}));
-  check(answer.header.error == ErrorCode::kBadAddress, "0x{:x}: expected error 5, got {}", address,
-        static_cast<int>(answer.header.error));
+  host.refused_request(FrameType::kMemoryRead, long_words({address, length}), ErrorCode::kBadAddress);
 }
 
 void bad_write(Host& host, std::uint64_t address, std::size_t length) {
@@ -29,8 +27,7 @@ void bad_write(Host& host, std::uint64_t address, std::size_t length) {
 constexpr Case kCases[] = {
     {0, "memory.tables", "P1207",
      "A region that can be written reads back what was written last; tables are zero at reset.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (const wire::MemoryRegion& table : kTables) {
          check(host.read_memory(table.base, table.bytes) == Bytes(table.bytes), "{}: expected zeros at reset",
                table.name);
@@ -48,16 +45,14 @@ constexpr Case kCases[] = {
      }},
     {0, "memory.pieces", "P1207",
      "A region that can be written reads back what was written last; tables are zero at reset.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        host.write_memory(wire::kReflectanceMap.base + 5, {1, 2, 3});
        host.write_memory(wire::kReflectanceMap.base + 7, {9});
        check(host.read_memory(wire::kReflectanceMap.base + 4, 6) == Bytes{0, 1, 2, 9, 0, 0},
              "expected the bytes of both");
      }},
     {0, "memory.volume", "P1202", "A block is written as a whole or in pieces of whole bytes.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {19, 18, 17});
        const std::size_t bytes = volume.bytes();
        Noise noise(2);
@@ -68,14 +63,12 @@ constexpr Case kCases[] = {
        check_same("STATUS", host.read_register(reg::kStatus), 0);
      }},
     {0, "memory.zero", "P1203", "A block that was never written is zero.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume(host, {19, 18, 17});
        check(host.read_memory(wire::kVolume.base, volume.bytes()) == Bytes(volume.bytes()), "expected zeros");
      }},
     {0, "memory.size_clears", "P1103", "Writing VOLUME_X, VOLUME_Y or VOLUME_Z clears the volume and its empty flags.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (const std::uint32_t offset : {reg::kVolumeX, reg::kVolumeY, reg::kVolumeZ}) {
          const Volume volume(host, {9, 9, 9});
          host.write_memory(wire::kVolume.base, Bytes(volume.bytes(), 0x11));
@@ -88,8 +81,7 @@ constexpr Case kCases[] = {
      }},
     {0, "memory.clear", "P1110",
      "Bit 1 of CONTROL clears the volume, its empty flags, its irradiance and its sums, and keeps the volume's size.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        host.write_memory(wire::kVolume.base, Bytes(volume.bytes(), 0x11));
        host.write_memory(wire::kEmptyFlags.base, {0xFF});
@@ -102,8 +94,7 @@ constexpr Case kCases[] = {
        check_same("VOLUME_X", host.read_register(reg::kVolumeX), 9);
      }},
     {0, "memory.bad_writes", "P1201", "Otherwise it sets STATUS.bad_address and changes nothing.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        for (const wire::MemoryRegion& table : kTables) {
          bad_write(host, table.base + table.bytes - 4, 8);
@@ -117,8 +108,7 @@ constexpr Case kCases[] = {
        bad_write(host, ~std::uint64_t{0} - 3, 4);
      }},
     {0, "memory.bad_reads", "P1201", "Such a read gets `kBadAddress`.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        no_memory(host, wire::kReflectanceMap.base + wire::kReflectanceMap.bytes - 4, 8);
        no_memory(host, wire::kVolume.base + volume.bytes() - 4, 8);
@@ -137,8 +127,7 @@ constexpr Case kCases[] = {
      }},
     {1, "memory.verify", "P412",
      "Verify returns the CRC-32C of the packed words of each block; those of a block that was never written are zeros.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume(host, {9, 9, 70});
        Noise noise(3);
        const Bytes first = noise.voxels(volume.block_bytes());

@@ -7,15 +7,7 @@
 namespace gicube::conformance {
 namespace {
 
-Volume cloudy(Host& host, const std::array<int, 3>& size, std::uint16_t alpha) {
-  Volume volume(host, size);
-  volume.fill([](int, int, int) { return wire::Voxel{100}; });
-  host.write_register(reg::kPipeline, wire::kPipelineLeap);
-  send_look(host, [alpha](std::uint32_t, unsigned) { return Entry{{4095, 2048, 0}, alpha}; });
-  return volume;
-}
-
-double alpha_after(double lengths, std::uint16_t alpha) { return 4095 * (1 - std::pow(1 - alpha / 65535.0, lengths)); }
+double alpha_after(double lengths, std::uint16_t alpha) { return 4095 * opacity_after(lengths, alpha); }
 
 void set_plane(Host& host, std::uint32_t i, const Vector& normal, double offset) {
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -27,9 +19,8 @@ void set_plane(Host& host, std::uint32_t i, const Vector& normal, double offset)
 
 constexpr Case kCases[] = {
     {4, "picture.samples", "P1615", "With s samples per axis, a pixel has s² rays at the centres of its s × s parts.",
-     [](Place& place) {
-       Host host(place);
-       const Volume volume = cloudy(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
+     [](Host& host) {
+       const Volume volume = fog(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
        for (const int samples : {1, 2, 4}) {
          // The volume's edge at x = 0 is a quarter, then two thirds into the first pixel.
          for (const double edge : {0.25, 0.66}) {
@@ -43,9 +34,8 @@ constexpr Case kCases[] = {
      }},
     {4, "picture.tent", "P1616",
      "The tent filter weights a ray by (1 - |x|)(1 - |y|), with its distances from a pixel's centre in pixels.",
-     [](Place& place) {
-       Host host(place);
-       const Volume volume = cloudy(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
+     [](Host& host) {
+       const Volume volume = fog(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
        wire::RenderCommand command = along(2, true, volume, 4, 3, 1, {-2, 2, 0});  // the edge between pixels 1 and 2
        command.filter = wire::Filter::kTent;
        command.samples_per_axis = 4;
@@ -60,10 +50,9 @@ constexpr Case kCases[] = {
        check_near("alpha behind the edge", picture.at(6).alpha, 4095 * (1 - inside / all), 1);
      }},
     {4, "picture.cut", "P1620", "A cut plane keeps the points with normal · p ≥ offset.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        constexpr std::uint16_t kAlpha = 6554;
-       const Volume volume = cloudy(host, {17, 17, 17}, kAlpha);
+       const Volume volume = fog(host, {17, 17, 17}, kAlpha);
        set_plane(host, 0, {0, 0, 1}, 4);
        set_plane(host, 1, {0, 0, -1}, -9);
        const auto alpha = [&](bool up) { return render(host, along(2, up, volume, 3, 3, 5)).at(4).alpha; };
@@ -80,10 +69,9 @@ constexpr Case kCases[] = {
      }},
     {4, "picture.spacing", "P1617",
      "The length of a step along the ray counts in units of the length that opacities refer to:",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        constexpr std::uint16_t kAlpha = 3000;
-       const Volume volume = cloudy(host, {9, 9, 9}, kAlpha);
+       const Volume volume = fog(host, {9, 9, 9}, kAlpha);
        const double spacing[] = {0.5, 1, 2.25};
        for (std::uint32_t axis = 0; axis < 3; ++axis) {
          host.write_register(reg::kSpacingX + 4 * axis, static_cast<std::uint32_t>(spacing[axis] * wire::kSpacingOne));
@@ -94,8 +82,7 @@ constexpr Case kCases[] = {
        }
      }},
     {4, "picture.parts", "P1618", "Strips of `strip_rows` rows, from the top, are assigned to the parts in turn.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {16, 16, 4});
        Noise noise(8);
        volume.fill([&noise](int, int, int) { return wire::Voxel{static_cast<std::uint16_t>(noise.below(4096))}; });
@@ -119,10 +106,9 @@ constexpr Case kCases[] = {
      }},
     {4, "picture.jitter", "P1619",
      "With bit 0 of PIPELINE each step is multiplied by a factor of ½ to 1, with a mean of ¾,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        constexpr std::uint16_t kAlpha = 700;
-       const Volume volume = cloudy(host, {33, 33, 33}, kAlpha);
+       const Volume volume = fog(host, {33, 33, 33}, kAlpha);
        const wire::RenderCommand command = along(2, true, volume, 16, 16, 2);
        const double plain = render(host, command).at(0).alpha;
        host.write_register(reg::kPipeline, wire::kPipelineJitter);

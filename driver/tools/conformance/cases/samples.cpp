@@ -1,5 +1,5 @@
-// Samples of viewing rays: where they are, what they see, how they add up. Tables of opaque entries tell a sample's
-// words in a pixel.
+// Samples of viewing rays: their positions, their values and their compositing. With opaque entries a pixel shows the
+// words of a sample.
 #include <cmath>
 
 #include "tools/conformance/host.h"
@@ -22,7 +22,7 @@ Volume noisy(Host& host, int more = 3) {
   return volume;
 }
 
-// Each pixel tells density and tag of the first sample, or is empty where the ray misses.
+// Each pixel must show the density and tag of its first sample, or nothing where the ray misses.
 void check_first_samples(Host& host, const Volume& volume, const wire::RenderCommand& command) {
   const auto picture = render(host, command);
   std::size_t hits = 0;
@@ -44,18 +44,6 @@ void check_first_samples(Host& host, const Volume& volume, const wire::RenderCom
   check(hits > 0, "expected rays that hit the volume");
 }
 
-// A grey cube whose voxels have an opacity of `alpha` / 65535 a voxel length.
-Volume fog(Host& host, int edge, std::uint16_t alpha, std::uint32_t step = wire::kStepOne) {
-  Volume volume(host, {edge, edge, edge});
-  volume.fill([](int, int, int) { return wire::Voxel{100}; });
-  host.write_register(reg::kPipeline, kNoShade);
-  host.write_register(reg::kStep, step);
-  send_look(host, [alpha](std::uint32_t density, unsigned) {
-    return Entry{{4095, 2048, 0}, static_cast<std::uint16_t>(density == 100 ? alpha : 0)};
-  });
-  return volume;
-}
-
 wire::Pixel middle(Host& host, const Volume& volume, int axis = 2, bool up = true) {
   return render(host, along(axis, up, volume, 3, 3, volume.size()[0] / 3.5)).at(4);
 }
@@ -63,8 +51,7 @@ wire::Pixel middle(Host& host, const Volume& volume, int axis = 2, bool up = tru
 constexpr Case kCases[] = {
     {0, "sample.density", "P1606",
      "The density is interpolated along x, then y, then z, from the eight voxels around the sample,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        for (const int axis : {0, 1, 2}) {
          for (const bool up : {true, false}) {
@@ -74,8 +61,7 @@ constexpr Case kCases[] = {
      }},
     {0, "sample.perspective", "P1602",
      "It starts where its line enters the volume's box, or at the origin if that is inside,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        wire::RenderCommand command;
        command.width = 33;
@@ -89,9 +75,8 @@ constexpr Case kCases[] = {
        check_first_samples(host, volume, command);
      }},
     {0, "sample.direction", "P1602", "The direction is divided by its length and rounded to 14 fraction bits.",
-     [](Place& place) {
-       Host host(place);
-       const Volume volume = fog(host, 17, 3000);
+     [](Host& host) {
+       const Volume volume = fog(host, {17, 17, 17}, 3000);
        wire::RenderCommand command = along(2, true, volume, 5, 5, 3);
        const auto picture = render(host, command);
        for (const double length : {0.2, 7.0}) {
@@ -100,8 +85,7 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.misses", "P1612", "A ray that misses the volume leaves its pixel transparent black.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        check_first_samples(host, volume, along(1, true, volume, 21, 17, volume.size()[0] / 9.1, {-8, 0, -9}));
        wire::RenderCommand none = along(1, true, volume, 2, 1, 1);
@@ -110,8 +94,7 @@ constexpr Case kCases[] = {
          check(pixel == wire::Pixel{}, "expected nothing, without a direction");
      }},
     {0, "sample.steps", "P1603", "A step is the direction times STEP, rounded half up,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {9, 10, 40});
        Noise noise(5);
        volume.fill([&noise](int, int, int z) {
@@ -136,8 +119,7 @@ constexpr Case kCases[] = {
      }},
     {0, "sample.classified", "P1607",
      "The entry of the segmentation LUT is that of the tag of the nearest voxel and the rounded density.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        Noise noise(6);
        std::vector<Entry> table;
@@ -159,20 +141,18 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.transparent", "P1605", "A sample of opacity 0 adds nothing.",
-     [](Place& place) {
-       Host host(place);
-       const Volume volume = fog(host, 9, 0);
+     [](Host& host) {
+       const Volume volume = fog(host, {9, 9, 9}, 0);
        check(middle(host, volume) == wire::Pixel{}, "expected nothing to be seen");
      }},
     {0, "sample.fog", "P1611",
      "Front to back, a sample of opacity a adds (1 - A) a to the ray's opacity A, and as much of its colour.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        for (const std::uint16_t alpha : {std::uint16_t{655}, std::uint16_t{6554}, std::uint16_t{32768}}) {
-         const Volume volume = fog(host, 17, alpha);
+         const Volume volume = fog(host, {17, 17, 17}, alpha);
          for (const int axis : {0, 1, 2}) {
            const wire::Pixel pixel = middle(host, volume, axis, axis != 1);
-           const double expected = 1 - std::pow(1 - alpha / 65535.0, 17);  // samples at 0 to 16
+           const double expected = opacity_after(17, alpha);  // samples at 0 to 16
            check_near("alpha", pixel.alpha, 4095 * expected, 1.5);
            check_near("red", pixel.red, 255 * expected, 1.7);
            check_near("green", pixel.green, 127.5 * expected, 1.7);
@@ -182,20 +162,18 @@ constexpr Case kCases[] = {
      }},
     {0, "sample.correction", "P1610",
      "A sample stands for the step after it: its opacity is 1 - (1 - a)^e, with e the length of the step",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        constexpr std::uint16_t kAlpha = 9000;
        for (const double step : {0.25, 0.5, 1.0, 2.0, 16.0}) {
-         const Volume volume = fog(host, 17, kAlpha, static_cast<std::uint32_t>(step * wire::kStepOne));
+         const Volume volume = fog(host, {17, 17, 17}, kAlpha);
+         host.write_register(reg::kStep, static_cast<std::uint32_t>(step * wire::kStepOne));
          const double lengths = step * (std::floor(16 / step) + 1);
-         const double expected = 4095 * (1 - std::pow(1 - kAlpha / 65535.0, lengths));
-         check_near("alpha", middle(host, volume).alpha, expected, 1.5);
+         check_near("alpha", middle(host, volume).alpha, 4095 * opacity_after(lengths, kAlpha), 1.5);
        }
      }},
     {0, "sample.order", "P1611",
      "Front to back, a sample of opacity a adds (1 - A) a to the ray's opacity A, and as much of its colour.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {5, 5, 2});
        volume.fill([](int, int, int z) { return wire::Voxel{static_cast<std::uint16_t>(100 + 100 * z)}; });
        host.write_register(reg::kPipeline, kNoShade);
@@ -211,9 +189,8 @@ constexpr Case kCases[] = {
        check_same("alpha from behind", back.alpha, front.alpha);
      }},
     {0, "sample.threshold", "P1604", "until it is outside the volume or its opacity is at least OPACITY_THRESHOLD.",
-     [](Place& place) {
-       Host host(place);
-       const Volume volume = fog(host, 17, 16384);  // a quarter
+     [](Host& host) {
+       const Volume volume = fog(host, {17, 17, 17}, 16384);  // a quarter
        for (const double threshold : {0.2, 0.3, 0.6}) {
          host.write_register(reg::kOpacityThreshold, static_cast<std::uint32_t>(threshold * wire::kOpacityOne));
          const double samples = std::ceil(std::log(1 - threshold) / std::log(0.75));
@@ -221,8 +198,7 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.flags", "P1605", "With bit 2 of PIPELINE, a sample in a block whose empty flag is set adds nothing.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const int n = static_cast<int>(host.read_register(reg::kBlockVoxels));
        Volume volume(host, {n + 3, 4, 4});
        volume.fill([](int, int, int) { return wire::Voxel{100}; });
@@ -240,8 +216,7 @@ constexpr Case kCases[] = {
      }},
     {0, "sample.shade", "P1609",
      "The shade is ambient + reflect · r; what exceeds the knee adds white, the rest scales the colour,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {6, 6, 6});
        host.write_register(reg::kPipeline, kNoShade | wire::kPipelineShade);
        Bytes gradients(wire::kGradientCodes * wire::kGradientEntryBytes), map;
@@ -268,8 +243,7 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.map", "P1608", "and is interpolated between the four texels around it.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        Volume volume(host, {6, 6, 6});
        host.write_register(reg::kPipeline, kNoShade | wire::kPipelineShade);
        Bytes map(wire::kReflectanceBytes);
@@ -301,20 +275,17 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "picture.rows", "P1613", "Pixels are packed in rows from the top,",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 1}, std::pair{5, 7}, std::pair{2, 9}}) {
          check_first_samples(host, volume, along(2, true, volume, width, height, 1.3));
          const std::uint64_t bytes = wire::packed36_bytes(static_cast<std::size_t>(width * height));
-         const RawFrame more = host.ask(FrameType::kMemoryRead, long_words({wire::kFramebuffer.base, bytes + 1}));
-         check_same("the error of a read beyond the picture", static_cast<int>(more.header.error),
-                    static_cast<int>(ErrorCode::kBadAddress));
+         host.refused_request(FrameType::kMemoryRead, long_words({wire::kFramebuffer.base, bytes + 1}),
+                              ErrorCode::kBadAddress);
        }
      }},
     {0, "picture.again", "P1614", "A rendering replaces the former picture.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = noisy(host);
        const wire::RenderCommand command = along(2, true, volume, 9, 9, 2);
        const auto first = render(host, command);

@@ -39,13 +39,9 @@ struct Bus {
   std::uint64_t access() const { return clock_ps * 12; }
 };
 
-Volume fog(Host& host) {
-  Volume volume(host, {9, 9, 9});
-  volume.fill([](int, int, int) { return wire::Voxel{100}; });
-  host.write_register(reg::kPipeline, wire::kPipelineLeap);
-  send_look(host, [](std::uint32_t, unsigned) { return Entry{{4095, 2048, 0}, 3000}; });
-  return volume;
-}
+Volume fog(Host& host) { return fog(host, {9, 9, 9}, 3000); }
+
+Bytes one_ray() { return trace_command({.type = wire::RayType::kIntegrate}, {host_ray(1, {4, 4, 4}, {0, 0, 1})}); }
 
 Bytes picture(const Volume& volume, int size = 16) {
   return wire::encoded(along(2, true, volume, size, size, 8.0 / size));
@@ -54,68 +50,58 @@ Bytes picture(const Volume& volume, int size = 16) {
 constexpr Case kCases[] = {
     {3, "time.access", "P810",
      "A register or configuration read, a configuration write and a `kCancel` take 12 clocks.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Bus bus(host);
        for (const auto& [type, payload] : {std::pair{FrameType::kRegisterRead, words({reg::kId})},
                                            {FrameType::kConfigRead, words({0})},
                                            {FrameType::kConfigWrite, words({0x3C, 1})},
                                            {FrameType::kCancel, words({9})}}) {
-         const std::uint64_t before = host.now;
-         host.request(type, payload);
-         check_same("ps of an access", host.now - before, bus.access());
+         check_same("ps of an access", host.time_of([&] { host.request(type, payload); }), bus.access());
        }
      }},
     {3, "time.writes", "P810", "A burst of n dwords that is written takes n + 3 clocks, and has at most 256 dwords.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Bus bus(host);
-       for (const std::size_t bytes : {std::size_t{4}, std::size_t{5}, std::size_t{256}, std::size_t{1024},
-                                       std::size_t{1028}, std::size_t{10'000}}) {
-         host.read_register(reg::kId);
-         const std::uint64_t before = host.now;
-         host.write_memory(wire::kReflectanceMap.base, Bytes(bytes));
-         check_same("the host's clock after a posted write", host.now, before);
-         host.read_register(reg::kId);
-         check_same("ps of a memory write and a register read", host.now - before, bus.down(bytes) + bus.access());
+       for (const std::size_t bytes : {4u, 5u, 256u, 1024u, 1028u, 10'000u}) {
+         const std::uint64_t time = host.time_of([&] {
+           const std::uint64_t before = host.now;
+           host.write_memory(wire::kReflectanceMap.base, Bytes(bytes));
+           check_same("the host's clock after a posted write", host.now, before);
+           host.read_register(reg::kId);
+         });
+         check_same("ps of a memory write and a register read", time, bus.down(bytes) + bus.access());
        }
      }},
     {3, "time.register_write", "P810",
      "A burst of n dwords that is written takes n + 3 clocks, and has at most 256 dwords.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Bus bus(host);
-       host.read_register(reg::kId);
-       const std::uint64_t before = host.now;
-       for (int i = 0; i < 3; ++i) host.write_register(reg::kSeed, 1);
-       host.read_register(reg::kId);
-       check_same("ps of three register writes and a read", host.now - before, 3 * 4 * bus.clock_ps + bus.access());
+       const std::uint64_t time = host.time_of([&] {
+         for (int i = 0; i < 3; ++i) host.write_register(reg::kSeed, 1);
+         host.read_register(reg::kId);
+       });
+       check_same("ps of three register writes and a read", time, 3 * 4 * bus.clock_ps + bus.access());
      }},
     {3, "time.reads", "P811", "A memory read is a burst of four dwords down, and the bytes as bursts up.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Bus bus(host);
-       for (const std::uint64_t bytes :
-            {std::uint64_t{4}, std::uint64_t{1024}, std::uint64_t{1025}, std::uint64_t{9000}}) {
-         host.read_register(reg::kId);
-         const std::uint64_t before = host.now;
-         host.request(FrameType::kMemoryRead, long_words({wire::kReflectanceMap.base, bytes}));
-         check_same("ps of a memory read", host.now - before, 7 * bus.clock_ps + bus.up(bytes));
+       for (const std::uint64_t bytes : {4u, 1024u, 1025u, 9000u}) {
+         const Bytes read = long_words({wire::kReflectanceMap.base, bytes});
+         const std::uint64_t time = host.time_of([&] { host.request(FrameType::kMemoryRead, read); });
+         check_same("ps of a memory read", time, 7 * bus.clock_ps + bus.up(bytes));
        }
      }},
     {3, "time.free", "P805", "`kPoll` and `kCounters` take no simulated time.",
-     [](Place& place) {
-       Host host(place);
-       host.read_register(reg::kId);
-       const std::uint64_t before = host.now;
-       host.request(FrameType::kPoll, {});
-       host.request(FrameType::kCounters, {});
-       check_same("the clock", host.now, before);
+     [](Host& host) {
+       const std::uint64_t time = host.time_of([&] {
+         host.request(FrameType::kPoll, {});
+         host.request(FrameType::kCounters, {});
+       });
+       check_same("ps of kPoll and kCounters", time, 0);
      }},
     {3, "time.thinks", "P801",
      "Requests carry the host's clock at their issue, in picoseconds since the session began.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Bus bus(host);
        host.read_register(reg::kId);
        host.now += 123'456'789;
@@ -147,8 +133,7 @@ constexpr Case kCases[] = {
              runs[1].back());
      }},
     {3, "time.commands", "P808", "A memory read waits until the DSP has finished the commands before it.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = fog(host);
        host.command(picture(volume, 64));
        const std::uint64_t before = host.now;
@@ -158,31 +143,26 @@ constexpr Case kCases[] = {
              "expected the command to complete within the read's time");
      }},
     {3, "time.serial", "P814", "The DSP carries out commands one after the other, in the order in which they arrive.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = fog(host);
-       host.read_register(reg::kId);
-       const std::uint64_t begin = host.now;
-       const std::uint64_t alone = host.completion(host.command(picture(volume, 48))).header.time_ps - begin;
-       host.read_register(reg::kId);
-       const std::uint64_t again = host.now;
-       host.command(picture(volume, 48));
-       const std::uint64_t both = host.completion(host.command(picture(volume, 48))).header.time_ps - again;
+       const std::uint64_t alone = host.time_of([&] { host.run(picture(volume, 48)); });
+       const std::uint64_t both = host.time_of([&] {
+         host.command(picture(volume, 48));
+         host.run(picture(volume, 48));
+       });
        check(both > alone + alone / 2, "expected two commands to take longer than one with {} ps, got {}", alone, both);
      }},
     {3, "time.deadline", "P407",
      "If the command has not completed by then, the reply is `kDeadline` with the deadline as its time.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = fog(host);
        host.read_register(reg::kId);
        const std::uint32_t ticket = host.command(picture(volume, 64));
-       Bytes wait = words({ticket});
-       const Bytes at = long_words({host.now + 1'000'000});
-       wait.insert(wait.end(), at.begin(), at.end());
        const std::uint64_t deadline = host.now + 1'000'000;
-       const RawFrame late = host.ask(FrameType::kWait, wait);
-       check_same("the error", static_cast<int>(late.header.error), static_cast<int>(ErrorCode::kDeadline));
+       Bytes wait(12);
+       wire::store(std::span(wait), 0, ticket);
+       wire::store(std::span(wait), 4, deadline);
+       const RawFrame late = host.refused_request(FrameType::kWait, wait, ErrorCode::kDeadline);
        check_same("its time", late.header.time_ps, deadline);
        const RawFrame done = host.completion(ticket);
        check(done.header.error == ErrorCode::kNone && done.header.time_ps > deadline,
@@ -190,34 +170,29 @@ constexpr Case kCases[] = {
      }},
     {3, "time.cancel", "P408",
      "The reply is then 1, and the command completes with `kCancelled` at the time when the DSP would have begun it.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = fog(host);
        host.read_register(reg::kId);
        const std::uint32_t first = host.command(picture(volume, 200));
-       const std::uint32_t second =
-           host.command(trace_command({.type = wire::RayType::kIntegrate}, {host_ray(1, {4, 4, 4}, {0, 0, 1})}));
+       const std::uint32_t second = host.command(one_ray());
        check(host.request(FrameType::kCancel, words({second})) == words({1}), "expected 1 for a trace that waits");
        check(host.request(FrameType::kCancel, words({first})) == words({0}), "expected 0 for a rendering");
        const RawFrame cancelled = host.completion(second);
-       check_same("the error", static_cast<int>(cancelled.header.error), static_cast<int>(ErrorCode::kCancelled));
+       check_same("the error", cancelled.header.error, ErrorCode::kCancelled);
        check(cancelled.header.time_ps >= host.completion(first).header.time_ps, "expected it after the rendering");
      }},
     {3, "time.too_late", "P409",
      "The reply to `kCancel` is 0 if the command has begun, has completed, or changes the board",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        fog(host);
-       const std::uint32_t ticket =
-           host.command(trace_command({.type = wire::RayType::kIntegrate}, {host_ray(1, {4, 4, 4}, {0, 0, 1})}));
-       check_same("the error", static_cast<int>(host.completion(ticket).header.error), 0);
+       const std::uint32_t ticket = host.command(one_ray());
+       check_same("the error", host.completion(ticket).header.error, ErrorCode::kNone);
        check(host.request(FrameType::kCancel, words({ticket})) == words({0}),
              "expected 0 for a trace that has completed");
      }},
     {3, "time.counters", "P815",
      "The counters `bus.down.bytes` and `bus.up.bytes` count the payloads that are charged.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const std::uint64_t down = host.counter("bus.down.bytes"), up = host.counter("bus.up.bytes");
        host.write_memory(wire::kReflectanceMap.base, Bytes(1000));
        host.request(FrameType::kMemoryRead, long_words({wire::kReflectanceMap.base, 2000}));
@@ -225,8 +200,7 @@ constexpr Case kCases[] = {
        check_same("bytes up", host.counter("bus.up.bytes") - up, 2000u);
      }},
     {3, "time.rays", "P815", "The counters `bus.down.bytes` and `bus.up.bytes` count the payloads that are charged.",
-     [](Place& place) {
-       Host host(place);
+     [](Host& host) {
        const Volume volume = fog(host);
        host.read_register(reg::kId);
        const std::uint64_t rays = host.counter("dsp.viewing_rays"), down = host.counter("bus.down.bytes"),
