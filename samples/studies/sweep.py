@@ -18,9 +18,8 @@ sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
 from studies.pictures import read_picture, rmse  # noqa: E402
-# noqa: E402
-from studies.runs import (InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, is_field,
-                          progress, quoted)
+from studies.runs import (  # noqa: E402
+    InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, is_field, progress, quoted)
 from studies.sensitivity import sensitivity, table  # noqa: E402
 from studies.sweep_chart import draw_chart  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
@@ -297,9 +296,6 @@ def carry_out_sensitivity(options, folder, command):
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", csv_text(lines))
     write_whole(f"{base}.json", json_file({"cost": options.cost, "sensitivity": steps}, command))
-    for column, name in enumerate(options.also):
-        if all(math.isnan(row.also[column]) for row in rows):
-            print(f"{PROGRAM}: warning: --also {name}: no run has a number of that name", file=sys.stderr)
     if not options.quiet:
         print("\n".join(table(rows, options.cost)))
 
@@ -362,6 +358,12 @@ def warn_of_constant_cost(options, rows):
                   "--fix fidelity=cycle counts it", file=sys.stderr)
 
 
+def warn_of_absent_figures(options, rows):
+    for column, name in enumerate(options.also):
+        if all(math.isnan(row.also[column]) for row in rows):
+            print(f"{PROGRAM}: warning: --also {name}: no run has a number of that name", file=sys.stderr)
+
+
 def warn_of_invisible(rows):
     for text in dict.fromkeys(row.invisible for row in rows if row.invisible):
         print(f"{PROGRAM}: note: {text}: {sum(row.invisible == text for row in rows)} of {len(rows)} runs",
@@ -408,6 +410,7 @@ def sweep(arguments):
     if options.chart:
         draw_chart(options, rows, f"{base}.svg")
     if not options.quiet:
+        warn_of_absent_figures(options, rows)
         warn_of_constant_cost(options, rows)
         warn_of_invisible(rows)
         print_front(options, rows)

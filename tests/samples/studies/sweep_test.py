@@ -247,6 +247,12 @@ def test_a_functional_boards_frame_time_hardly_knows_the_step_and_it_says_so(pro
     assert "note:" not in program.err
 
 
+def test_a_figure_that_no_run_has_is_warned_of(program):
+    assert program.run(f"{SMALL} --also bus_ms --also buss_ms") == 0, program.err
+    assert "warning: --also buss_ms: no run has a number of that name\n" in program.err
+    assert "--also bus_ms" not in program.err
+
+
 def test_a_sweep_says_in_how_many_pictures_nothing_is_visible(program):
     grid = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --vary 'cut=1,0,0,900;1,0,0,8;0,1,0,900' -o out"
     assert program.run(grid) == 0, program.err
