@@ -35,17 +35,30 @@ def over_square(f):
     return 4 * integral(lambda x: ((1 - x) * integral(lambda y: (1 - y[:, None]) * f(x, y[:, None])).T).T)
 
 
+def parallel_rectangles(a, b, c):
+    """F of two equal rectangles a by b, face to face and c apart (Howell, A Catalog of Radiation Heat Transfer
+    Configuration Factors, C-11)."""
+    x, y = a / c, b / c
+    p, q = math.sqrt(1 + x * x), math.sqrt(1 + y * y)
+    across = x * q * math.atan(x / q) + y * p * math.atan(y / p) - x * math.atan(x) - y * math.atan(y)
+    return 2 / (math.pi * x * y) * (math.log(p * q / math.sqrt(p * p + q * q - 1)) + across)
+
+
 def parallel_squares(kappa):
-    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear
-    (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11), or else by quadrature to 1e-9."""
+    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear,
+    or else by quadrature to 1e-9."""
     if kappa == 0:
-        return 2 / math.pi * (math.log(math.sqrt(4 / 3)) + 2 * math.sqrt(2) * math.atan(1 / math.sqrt(2)) - math.pi / 2)
+        return parallel_rectangles(1, 1, 1)
     return over_square(lambda x, y: np.exp(-kappa * np.sqrt(x * x + y * y + 1)) / (math.pi * (x * x + y * y + 1) ** 2))
 
 
-def perpendicular_squares():
-    """F of two unit squares at a right angle with a common edge (C-14)."""
-    return (math.pi / 2 - math.sqrt(2) * math.atan(1 / math.sqrt(2)) + 0.25 * math.log(4 / 3 * 0.75 * 0.75)) / math.pi
+def perpendicular_rectangles(h, w):
+    """F from a floor of width w to a wall of height h, both of length 1 along their common edge (C-14)."""
+    s, t = h * h, w * w
+    root = math.sqrt(s + t)
+    logs = math.log((1 + t) * (1 + s) / (1 + t + s) * (t * (1 + t + s) / ((1 + t) * (t + s))) ** t
+                    * (s * (1 + s + t) / ((1 + s) * (s + t))) ** s)
+    return (w * math.atan(1 / w) + h * math.atan(1 / h) - root * math.atan(1 / root) + logs / 4) / (math.pi * w)
 
 
 def mean_inverse_square(distance):
@@ -65,7 +78,8 @@ class Form(NamedTuple):
     kappa: float = 0  # of the medium, a side
 
 
-FLOOR, CEILING = ((5, 5, 5), (SIDE, 0, 0), (0, SIDE, 0), (0, 0, 0)), ((5, 5, 25), (0, SIDE, 0), (SIDE, 0, 0), (0, 0, 0))
+FLOOR = ((5, 5, 5), (SIDE, 0, 0), (0, SIDE, 0), (0, 0, 0))
+CEILING = ((5, 5, 25), (0, SIDE, 0), (SIDE, 0, 0), (0, 0, 0))
 WALL = ((5, 5, 5), (0, SIDE, 0), (0, 0, SIDE), (0, 0, 0))
 BOXES = tuple(((5, 5, z), (4, 0, 0), (0, 4, 0), (0, 0, 4)) for z in (5, 13))
 FORMS = {
@@ -73,7 +87,7 @@ FORMS = {
     "parallel kappa 1": Form("patch", (FLOOR, CEILING), SIDE * SIDE, lambda: parallel_squares(1), 1),
     "parallel kappa 3": Form("patch", (FLOOR, CEILING), SIDE * SIDE, lambda: parallel_squares(3), 3),
     "boxes two apart": Form("box", BOXES, 16 * math.pi, lambda: mean_inverse_square(2)),
-    "common edge": Form("patch", (FLOOR, WALL), SIDE * SIDE, perpendicular_squares)}
+    "common edge": Form("patch", (FLOOR, WALL), SIDE * SIDE, lambda: perpendicular_rectangles(1, 1))}
 
 
 def error_of(name, rays):

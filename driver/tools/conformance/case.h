@@ -1,4 +1,4 @@
-// Cases of the suite: what a board promises, by a rule of docs/reference/protocol.md, and a function that tests it.
+// Cases of the suite: a rule of docs/reference/protocol.md, and a function that tests whether a board follows it.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,10 +23,9 @@ inline constexpr const char* kClassNames[] = {"opens and renders", "rays", "ligh
 inline constexpr unsigned kClasses = std::size(kClassNames);
 
 struct Case {
-  unsigned level;        // its class
-  const char* name;      // group.what, for --filter
-  const char* rule;      // P301
-  const char* sentence;  // the words of the rule that are tested
+  unsigned level;    // its class
+  const char* name;  // group.what, for --filter
+  const char* rule;  // P301
   // In a session that has just been opened, or with connections that the case makes itself.
   std::variant<void (*)(Host& host), void (*)(Place& place)> run;
 };

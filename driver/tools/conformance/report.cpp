@@ -6,7 +6,19 @@
 #include <array>
 
 namespace gicube::conformance {
+
+extern const char* const kProtocol;  // the text of docs/reference/protocol.md
+
 namespace {
+
+std::string text_of(const Case& tested) {
+  const std::string_view page = kProtocol;
+  const std::string mark = fmt::format("- **{}** ", tested.rule);
+  const std::size_t begin = page.find(mark) + mark.size();
+  std::string text(page.substr(begin, std::min(page.find("\n- **P", begin), page.find("\n\n", begin)) - begin));
+  for (std::size_t at = 0; (at = text.find("\n  ", at)) != std::string::npos;) text.replace(at, 3, " ");
+  return text;
+}
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -44,7 +56,7 @@ std::string line_of(const Outcome& outcome) {
   const Case& tested = outcome.tested;
   if (outcome.failure.empty()) return fmt::format("ok    {}  {}  {}\n", tested.level, tested.rule, tested.name);
   return fmt::format("FAIL  {}  {}  {}\n      rule: {}\n      {}\n", tested.level, tested.rule, tested.name,
-                     tested.sentence, outcome.failure);
+                     text_of(tested), outcome.failure);
 }
 
 std::string summary(std::span<const Outcome> outcomes) {
@@ -73,7 +85,7 @@ std::string junit(std::span<const Outcome> outcomes, const std::string& uri) {
     if (!outcome.failure.empty()) {
       ++failures;
       cases += fmt::format("    <failure message=\"{}\">{}: {}</failure>\n", escaped(outcome.failure),
-                           outcome.tested.rule, escaped(outcome.tested.sentence));
+                           outcome.tested.rule, escaped(text_of(outcome.tested)));
     }
     cases += "  </testcase>\n";
   }
@@ -87,7 +99,7 @@ std::string junit(std::span<const Outcome> outcomes, const std::string& uri) {
 std::string listed(std::span<const Case> cases) {
   std::string text;
   for (const Case& each : cases) {
-    text += fmt::format("{}  {}  {}\n      {}\n", each.level, each.rule, each.name, each.sentence);
+    text += fmt::format("{}  {}  {}\n      {}\n", each.level, each.rule, each.name, text_of(each));
   }
   return text;
 }

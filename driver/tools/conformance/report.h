@@ -21,7 +21,7 @@ std::string line_of(const Outcome& outcome);
 // class 0, were run and passed.
 std::string summary(std::span<const Outcome> outcomes);
 std::string junit(std::span<const Outcome> outcomes, const std::string& uri);
-// The list of cases with their rules and sentences.
+// The cases, with their rules.
 std::string listed(std::span<const Case> cases);
 
 }  // namespace gicube::conformance

@@ -10,7 +10,6 @@ import numpy as np
 from studies.table import rows_of
 from studies.truths.case import ABSORBER, Case, Value, even, folded, lattice, mean_of, sphere, transmittances
 from studies.truths.solvers import optical_depths
-from studies.truths.walk import flights
 
 SOURCE = "Kobayashi, Sugimura and Nagaya, Prog. Nucl. Energy 39 (2001) 119"
 SHIELD, VOID = 0.1, 1e-4  # extinction a cm
@@ -19,6 +18,8 @@ SOURCE_POWER = 1.0  # a cm^3
 ALBEDO = 0.5
 LEAST = 1e-3  # chosen
 FAINT = 0.1  # chosen: of a path's weight at its beginning; below it, it plays Russian roulette
+LEAST_OPACITY = 2.0**-24  # the board's opacities
+STRATA = 64  # chosen: commands of a batch, each with an opacity of its own
 SIZE = {1: (100, 100, 100), 2: (60, 100, 60), 3: (60, 100, 60)}
 DUCTS = {1: [((0, 0, 0), (50, 50, 50))],
          2: [((0, 0, 0), (10, 100, 10))],
@@ -113,6 +114,25 @@ def absorber(bench, problem, points=8192, runs=4, step=1 / 64, datapath="wide", 
     return [Value(f"{problem} absorber ({row['x']}, {row['y']}, {row['z']})", float(row["absorber"]), a, b,
                   limit=ABSORBER)
             for row, a, b in zip(rows, mean, error)]
+
+
+def flights(board, voxel, direction, random, step):
+    """Flights of light by the board, with free paths by first hits: their ends, and whether these are within the volume.
+    `voxel`: their beginnings (n, 3). A flight ends where its opacity reaches a random number, uniform in 0..1: one from
+    each of as many strata as there are commands, dealt to the flights at random."""
+    order = random.permutation(len(voxel))
+    parts = [each for each in np.array_split(order, min(STRATA, len(order))) if len(each)]
+    # Samples then lie in the middles of their steps.
+    rays = gicube.rays(voxel + step / 2 * direction, direction)
+    opacities = np.clip((np.arange(len(parts)) + random.random(len(parts))) / len(parts), LEAST_OPACITY, 1 - LEAST_OPACITY)
+    tickets = [board.submit(rays[part], type=gicube.RayType.FIRST_HIT, step=step, opacity=float(opacity))
+               for part, opacity in zip(parts, opacities)]
+    ends, hit = np.empty_like(voxel), np.empty(len(voxel), bool)
+    for k, (part, ticket) in enumerate(zip(parts, tickets)):
+        traced = board.receive(ticket).rays
+        ends[part] = traced["position"]
+        hit[part] = traced["opacity"] >= opacities[k]
+    return ends + step * (random.random((len(voxel), 1)) - 0.5) * direction, hit
 
 
 def scattering(bench, problem, paths=512, runs=16, points=2048, step=1 / 8, least=LEAST, chosen=slice(None)):

@@ -4,7 +4,7 @@ import math
 import gicube
 import numpy as np
 
-from studies.form_factors import parallel_squares, perpendicular_squares
+from studies.form_factors import parallel_rectangles, parallel_squares, perpendicular_rectangles
 from studies.truths.case import Case, Value, even
 
 HOWELL = "Howell, A Catalog of Radiation Heat Transfer Configuration Factors, "
@@ -27,23 +27,6 @@ def disc(centre, radius, up, hole=0.0):
 
 
 FLOOR, CEILING = patch((0, 0, 0), (1, 0, 0), (0, 1, 0)), patch((0, 0, 1), (0, 1, 0), (1, 0, 0))
-
-
-def parallel_rectangles(a, b, c):
-    """C-11: two equal rectangles a by b, c apart."""
-    x, y = a / c, b / c
-    p, q = math.sqrt(1 + x * x), math.sqrt(1 + y * y)
-    across = x * q * math.atan(x / q) + y * p * math.atan(y / p) - x * math.atan(x) - y * math.atan(y)
-    return 2 / (math.pi * x * y) * (math.log(p * q / math.sqrt(p * p + q * q - 1)) + across)
-
-
-def perpendicular_rectangles(h, w):
-    """C-14: from a floor of width w to a wall of height h, both of length 1 along their common edge."""
-    s, t = h * h, w * w
-    root = math.sqrt(s + t)
-    logs = math.log((1 + t) * (1 + s) / (1 + t + s) * (t * (1 + t + s) / ((1 + t) * (t + s))) ** t
-                    * (s * (1 + s + t) / ((1 + s) * (s + t))) ** s)
-    return (w * math.atan(1 / w) + h * math.atan(1 / h) - root * math.atan(1 / root) + logs / 4) / (math.pi * w)
 
 
 def discs(r1, r2, apart):
@@ -70,7 +53,7 @@ PAIRS = {
     "C-11 squares a fifth apart": (FLOOR, patch((0, 0, .2), (0, 1, 0), (1, 0, 0)), parallel_rectangles(1, 1, .2)),
     "C-11 rectangles": (patch((0, 0, 0), (1, 0, 0), (0, .4, 0)), patch((0, 0, .5), (0, .4, 0), (1, 0, 0)),
                         parallel_rectangles(1, .4, .5)),
-    "C-14 common edge": (FLOOR, patch((0, 0, 0), (0, 1, 0), (0, 0, 1)), perpendicular_squares()),
+    "C-14 common edge": (FLOOR, patch((0, 0, 0), (0, 1, 0), (0, 0, 1)), perpendicular_rectangles(1, 1)),
     "C-14 low wall": (FLOOR, patch((0, 0, 0), (0, 1, 0), (0, 0, .3)), perpendicular_rectangles(.3, 1)),
     "C-41 equal discs": (disc((.5, .5, 0), .5, True), disc((.5, .5, .8), .5, False), discs(.5, .5, .8)),
     "C-41 a small disc": (disc((.5, .5, 0), .2, True), disc((.5, .5, .3), .5, False), discs(.2, .5, .3)),
@@ -91,9 +74,8 @@ def factors(board, pairs, rays, seeds, **request):
     areas = np.array([area(b) for _, b, *_ in pairs])
     out = []
     for seed in range(seeds):
-        found = board.pair_factors(elements, gicube.pairs(np.arange(0, len(elements), 2),
-                                                          np.arange(1, len(elements),
-                                                                    2)), rays=rays, seed=seed, **request)
+        found = board.pair_factors(elements, gicube.pairs(np.arange(0, len(elements), 2), np.arange(1, len(elements), 2)),
+                                   rays=rays, seed=seed, **request)
         out.append([found[name] * areas for name in ("transported", "standard_error", "geometric")])
     return np.array(out).swapaxes(0, 1)
 
@@ -120,24 +102,23 @@ def with_blocker(bench, side, kappa, rays=4096, seeds=8, step=1 / 32):
     tags[:, beside[:, None] & beside] = 1
     at_sheet, thin = middle[2] / (EDGE - 1), BLOCKER_THICKNESS / 2 / (EDGE - 1)
     medium = -math.expm1(-kappa / SIDE)
-    sheet = gicube.TransferFunction([(0, (1, 1, 1))], [(0, medium), (at_sheet - thin, medium), (at_sheet - thin, 1),
-                                                       (at_sheet + thin, 1),
-                                                       (at_sheet + thin, medium)])
+    sheet = gicube.TransferFunction([(0, (1, 1, 1))], [
+        (0, medium), (at_sheet - thin, medium), (at_sheet - thin, 1), (at_sheet + thin, 1), (at_sheet + thin, medium)])
     with bench.board(z, even(kappa / SIDE), tags, [sheet], edge=64) as board:
-        found, error, geometric = factors(board, [(FLOOR, CEILING)], rays, seeds, step=step)
-    truth = blocked(side, kappa)
-    name = f"blocker of {side:g}, kappa {kappa:g}, {rays} rays"
-    out = [Value(f"{name}, seed {seed}", truth, a, b) for seed, (a, b) in enumerate(zip(found[:, 0], error[:, 0]))]
-    return [*out, Value(f"{name}: most over the unobstructed one", 0, max(0, (found / geometric).max() - 1),
-                        limit=1e-6)]
+        return between_squares(board, f"blocker of {side:g}, kappa {kappa:g}, {rays} rays", blocked(side, kappa), rays,
+                               seeds, step=step)
 
 
 def in_medium(bench, kappa, rays=1024, seeds=8):
     with bench.board(np.ones(3 * (EDGE,)), even(kappa / SIDE), edge=64) as board:
-        found, error, geometric = factors(board, [(FLOOR, CEILING)], rays, seeds)
-    name = f"squares one apart, kappa {kappa:g}, {rays} rays"
-    out = [Value(f"{name}, seed {seed}", parallel_squares(kappa), a, b) for seed,
-           (a, b) in enumerate(zip(found[:, 0], error[:, 0]))]
+        return between_squares(board, f"squares one apart, kappa {kappa:g}, {rays} rays", parallel_squares(kappa), rays,
+                               seeds)
+
+
+def between_squares(board, name, truth, rays, seeds, **request):
+    """An estimate for each seed, none of which may exceed the unobstructed one."""
+    found, error, geometric = factors(board, [(FLOOR, CEILING)], rays, seeds, **request)
+    out = [Value(f"{name}, seed {seed}", truth, a, b) for seed, (a, b) in enumerate(zip(found[:, 0], error[:, 0]))]
     return [*out, Value(f"{name}: most over the unobstructed one", 0, max(0, (found / geometric).max() - 1),
                         limit=1e-6)]
 

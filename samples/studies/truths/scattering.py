@@ -25,19 +25,26 @@ def shares(report):
             (report.deposited + report.clipped) / report.emitted]
 
 
+def over_runs(board, runs, start, kind, step=0.5, count=shares):
+    """Means and standard errors of `count` over runs of the rays that `start` makes with a run's random numbers: places
+    and directions."""
+    return mean_of([count(spread(board, *start(np.random.default_rng(run)), run, kind, step)) for run in range(runs)])
+
+
 def down(cosine, count):
     return np.tile([math.sqrt(1 - cosine * cosine), 0, cosine], (count, 1))
+
+
+def square_beam(random, count, cosine):
+    """Through the middle of a face of 65 voxels."""
+    return random.uniform((31, 31, 0), (33, 33, 0), (count, 3)), down(cosine, count)
 
 
 def layer(bench, depth, albedo, g, rays=2048, runs=32, kind="low", step=0.5):
     """A beam falls squarely on the middle of a layer two voxels thick and, to either side, 32 wide."""
     with bench.board(np.ones((3, 65, 65)), even(depth / 2), edge=128) as board:
         scatterer(board, albedo, g)
-        found = []
-        for run in range(runs):
-            place = np.random.default_rng(run).uniform((31, 31, 0), (33, 33, 0), (rays, 3))
-            found.append(shares(spread(board, place, down(1, rays), run, kind, step)))
-    mean, error = mean_of(found)
+        mean, error = over_runs(board, runs, lambda random: square_beam(random, rays, 1), kind, step)
     reflected, passed = slab(depth, albedo, g)
     name = f"depth {depth:g}, albedo {albedo:g}, g {g:g}"
     return [Value(f"{name}: reflected", reflected, mean[4], error[4], 1e-6),
@@ -49,11 +56,7 @@ def half_space(bench, albedo, cosine, rays=1024, runs=32, kind="low"):
     """A block 64 free paths deep stands for it."""
     with bench.board(np.ones((65, 65, 65)), even(1.0), edge=128) as board:
         scatterer(board, albedo)
-        found = []
-        for run in range(runs):
-            place = np.random.default_rng(run).uniform((31, 31, 0), (33, 33, 0), (rays, 3))
-            found.append(shares(spread(board, place, down(cosine, rays), run, kind)))
-    mean, error = mean_of(found)
+        mean, error = over_runs(board, runs, lambda random: square_beam(random, rays, cosine), kind)
     return [Value(f"albedo {albedo:g}, cosine {cosine:g}: reflected", half_space_albedo(albedo, cosine), mean[4],
                   error[4], 1e-6)]
 
@@ -65,14 +68,18 @@ CUBE_ERROR = 1.1e-4
 
 def cube(bench, depth, albedo, rays=4096, runs=32, kind="low"):
     edge = 16
+
+    def start(random):
+        place = np.column_stack([edge * random.random((rays, 2)), np.zeros(rays)])
+        return place, lambert(random.random((rays, 2)))
+
+    def parts(report):
+        *sides, back, opposite, absorbed = shares(report)
+        return back, opposite, sum(sides), absorbed
+
     with bench.board(np.ones(3 * (edge + 1,)), even(depth / edge)) as board:
         scatterer(board, albedo)
-        found = []
-        for run in range(runs):
-            random = np.random.default_rng(run)
-            place = np.column_stack([edge * random.random((rays, 2)), np.zeros(rays)])
-            found.append(shares(spread(board, place, lambert(random.random((rays, 2))), run, kind)))
-    mean, error = mean_of([[each[4], each[5], sum(each[:4]), each[6]] for each in found])
+        mean, error = over_runs(board, runs, start, kind, count=parts)
     names = ("back", "opposite", "four sides", "absorbed")
     return [Value(f"depth {depth:g}, albedo {albedo:g}: {name}", truth, a, b, CUBE_ERROR)
             for name, truth, a, b in zip(names, CUBE[depth, albedo], mean, error) if truth or a]
@@ -86,32 +93,34 @@ def furnace(bench, albedo, rays=8192, runs=32, kind="low"):
     tags[:, :, 4:] = 1
     albedos = (albedo, albedo if albedo == 1 else albedo / 2)
     areas = np.array([size[1] * size[2], size[0] * size[2], size[0] * size[1]], float)
-    faces, volumes = np.repeat(math.pi * areas, 2), size[1] * size[2] * np.array((3.5,
-        8.5))  # the media part half way between voxels
+    faces = np.repeat(math.pi * areas, 2)
+    volumes = size[1] * size[2] * np.array((3.5, 8.5))  # the media meet half way between two voxels
     bodies = 4 * math.pi * volumes * np.array(kappa) * (1 - np.array(albedos))
     powers = np.concatenate([faces, bodies])
+
+    def start(random):
+        where = random.choice(8, rays, p=powers / powers.sum())
+        place, direction = size * random.random((rays, 3)), sphere(random.random((rays, 2)))
+        for face in range(6):
+            mine, axis, far = where == face, face // 2, face % 2
+            place[mine, axis] = far * size[axis]
+            inward = lambert(random.random((mine.sum(), 2)))[:, np.roll([0, 1, 2], axis + 1)]
+            inward[:, axis] = abs(inward[:, axis]) * (1 - 2 * far)
+            direction[mine] = inward
+        for body, (low, high) in enumerate(((0, 3.5), (3.5, 12))):
+            mine = where == 6 + body
+            place[mine, 0] = random.uniform(low, high, mine.sum())
+        return place, direction
+
     with bench.board(np.ones(tags.shape), even(kappa[0]), tags, [even(kappa[1])]) as board:
         for tag, each in enumerate(albedos):
             scatterer(board, each, tag=tag)
-        found = []
-        for run in range(runs):
-            random = np.random.default_rng(run)
-            where = random.choice(8, rays, p=powers / powers.sum())
-            place, direction = size * random.random((rays, 3)), sphere(random.random((rays, 2)))
-            for face in range(6):
-                mine, axis, far = where == face, face // 2, face % 2
-                place[mine, axis] = far * size[axis]
-                inward = lambert(random.random((mine.sum(), 2)))[:, np.roll([0, 1, 2], axis + 1)]
-                inward[:, axis] = abs(inward[:, axis]) * (1 - 2 * far)
-                direction[mine] = inward
-            for body, (low, high) in enumerate(((0, 3.5), (3.5, 12))):
-                mine = where == 6 + body
-                place[mine, 0] = random.uniform(low, high, mine.sum())
-            report = spread(board, place, direction, run, kind)
-            kept = board.read_irradiance()
-            near = kept[:, :, :3].sum() / report.emitted  # wholly in the first medium
-            found.append([*shares(report)[:6], shares(report)[6], near])
-    mean, error = mean_of(found)
+
+        def parts(report):
+            near = board.read_irradiance()[:, :, :3].sum() / report.emitted  # wholly in the first medium
+            return *shares(report), near
+
+        mean, error = over_runs(board, runs, start, kind, count=parts)
     total = powers.sum()
     out = [Value(f"albedo {albedo:g}: out by {name}", power / total, a, b)
            for name, power, a, b in zip(("x = 0", "x = 12", "y = 0", "y = 8", "z = 0", "z = 16"), faces, mean, error)]
@@ -157,9 +166,7 @@ def cube60(bench, rays=512, runs=16, photons=50000):
     """A pencil beam on a cube of 60 mm."""
     with bench.board(np.ones((61, 61, 61)), even(MCX[0]), edge=128) as board:
         scatterer(board, MCX[1], MCX[2])
-        found = [shares(spread(board, np.tile([29.0, 29, 0], (rays, 1)), down(1, rays), run, "high"))
-                 for run in range(runs)]
-    mean, error = mean_of(found)
+        mean, error = over_runs(board, runs, lambda _: (np.tile([29.0, 29, 0], (rays, 1)), down(1, rays)), "high")
     absorbed, faces = photons_in_box((60, 60, 60), *MCX, np.tile([29.0, 29, 0], (photons, 1)), down(1, photons), seed=7)
     spread_of = absorbed.std() / math.sqrt(photons)
     return [Value("absorbed", absorbed.mean(), mean[6], error[6], spread_of),

@@ -168,7 +168,7 @@ def test_the_shares_of_the_light_are_those_of_the_closed_form():
 def test_closed_forms_are_those_of_the_table():
     """Published values of these pairs, to their last digit; docs/studies/form_factors.md has the larger table."""
     assert form_factors.parallel_squares(0) == pytest.approx(0.199825, abs=5e-7)
-    assert form_factors.perpendicular_squares() == pytest.approx(0.200044, abs=5e-7)
+    assert form_factors.perpendicular_rectangles(1, 1) == pytest.approx(0.200044, abs=5e-7)
     assert form_factors.parallel_squares(0.1) == pytest.approx(0.1789, abs=1e-4)
     assert form_factors.parallel_squares(1) == pytest.approx(0.0662, abs=5e-5)
     assert form_factors.parallel_squares(3) == pytest.approx(0.0074, abs=5e-5)

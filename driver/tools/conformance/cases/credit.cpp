@@ -34,7 +34,6 @@ wire::VersionInfo narrow(std::uint32_t frames, std::uint32_t payload) {
 
 constexpr Case kCases[] = {
     {0, "credit.frames", "P601",
-     "A sender may have at most the receiver's window in flight, in frames and in payload bytes.",
      [](Place& place) {
        Host host(place, narrow(1, 4096));
        for (std::uint32_t i = 0; i < 3; ++i) host.wire().send(FrameType::kRegisterRead, i, 0, words({reg::kId}));
@@ -45,7 +44,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "credit.bytes", "P601",
-     "A sender may have at most the receiver's window in flight, in frames and in payload bytes.",
      [](Place& place) {
        Host host(place, narrow(64, 4096));
        for (std::uint32_t i = 0; i < 3; ++i) {
@@ -57,7 +55,6 @@ constexpr Case kCases[] = {
        check_same("the third answer, after credit came back", next_answer(host.wire()).header.id, 2);
      }},
     {0, "credit.returns", "P603",
-     "and in a `kCredit` frame as soon as half its window (frames or bytes) waits to be returned.",
      [](Host& host) {
        const std::uint32_t window = host.board().window_slots;
        for (std::uint32_t i = 0; i < window; ++i) host.wire().write_register(reg::kSeed, i);
@@ -72,8 +69,6 @@ constexpr Case kCases[] = {
        check(frames <= window, "expected credit for at most {} frames, got {}", window, frames);
      }},
     {0, "credit.in_answers", "P603",
-     "A receiver returns credit for the frames that it has consumed, in order, in the header of the next frame that it "
-     "sends,",
      [](Host& host) {
        for (int i = 0; i < 3; ++i) host.wire().write_register(reg::kSeed, 1);
        std::uint32_t frames = 0;
@@ -83,7 +78,6 @@ constexpr Case kCases[] = {
        check(frames >= 4, "expected credit for the first 4 frames with the second answer, got it for {}", frames);
      }},
     {0, "credit.overrun", "P604",
-     "A sender that exceeds its credit, or a receiver that returns more than it took, ends the session with an error.",
      [](Place& place) {
        Host host(place, narrow(1, 4096));  // the board can't go on after its first answer
        const std::uint32_t more = host.board().window_slots + 8;
@@ -91,7 +85,6 @@ constexpr Case kCases[] = {
        host.ends(ErrorCode::kProtocol);
      }},
     {0, "credit.too_much", "P604",
-     "A sender that exceeds its credit, or a receiver that returns more than it took, ends the session with an error.",
      [](Place& place) {
        for (const auto& [frames, bytes] : {std::pair{2u, 8u}, std::pair{1u, 5u}, std::pair{1u, 0u}}) {
          Host host(place);
@@ -100,7 +93,7 @@ constexpr Case kCases[] = {
          host.ends(ErrorCode::kProtocol);
        }
      }},
-    {0, "credit.query", "P211", "A `kCredit` frame without flags is a query.",
+    {0, "credit.query", "P211",
      [](Host& host) {
        for (const std::uint32_t id : {1u, 2u}) call(host.wire(), FrameType::kRegisterRead, id, words({reg::kId}));
        host.wire().send(FrameType::kCredit, 2, 0, {});
@@ -111,7 +104,6 @@ constexpr Case kCases[] = {
        check_same("its own number", answer->header.sequence, 0);
      }},
     {0, "credit.missing", "P210",
-     "A receiver that has not taken that many frames knows that some are missing (`kCorrupted`).",
      [](Host& host) {
        host.wire().send(FrameType::kCredit, 1, wire::kPosted, {});
        host.ends(ErrorCode::kCorrupted);

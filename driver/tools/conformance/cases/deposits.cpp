@@ -65,7 +65,6 @@ wire::Ray back_ray(std::uint32_t id, const Vector& position, const Vector& direc
 
 constexpr Case kCases[] = {
     {1, "sums.ray", "P1711",
-     "A backprojecting ray adds its amount at each of its samples, split among the eight voxels around it,",
      [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        const wire::TraceHeader header{.type = RayType::kBackproject, .words = wire::SumWords::kWhole};
@@ -87,7 +86,7 @@ constexpr Case kCases[] = {
          check_same("a word on the first ray's way", word(2, 3, z), std::int64_t{1000});
        check_near("half a word on the second's", static_cast<double>(word(4, 4, 1)), -38.5, 38.5);
      }},
-    {1, "sums.clear", "P1205", "Bit 3 of CONTROL clears them, and so does a new volume.",
+    {1, "sums.clear", "P1205",
      [](Host& host) {
        const wire::TraceHeader header{.type = RayType::kBackproject, .words = wire::SumWords::kWhole};
        for (const bool by_control : {true, false}) {
@@ -100,7 +99,6 @@ constexpr Case kCases[] = {
        }
      }},
     {1, "sums.alignment", "P1205",
-     "They are read in whole pairs of words: addresses and lengths are multiples of nine.",
      [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        for (const auto& [at, length] : {std::pair{0u, 8u}, std::pair{4u, 9u}}) {
@@ -109,7 +107,6 @@ constexpr Case kCases[] = {
        }
      }},
     {2, "deposit.escapes", "P1801",
-     "Energy is neither lost nor made: emitted = deposited + escaped + scattered away + clipped.",
      [](Host& host) {
        const Volume volume = slab(host, 9, 0);
        const auto ledger =
@@ -122,7 +119,6 @@ constexpr Case kCases[] = {
        check_same("irradiance", sum_of(host, volume, wire::kIrradiance), std::int64_t{0});
      }},
     {2, "deposit.absorbs", "P1802",
-     "A ray of low albedo leaves 1 - (1 - a)^x of its energy after a way of x voxel lengths in a medium of opacity a,",
      [](Host& host) {
        for (const std::uint16_t alpha : {std::uint16_t{3277}, std::uint16_t{13107}}) {
          const Volume volume = slab(host, 12, alpha);
@@ -139,14 +135,14 @@ constexpr Case kCases[] = {
                     static_cast<std::int64_t>(ledger.deposited));
        }
      }},
-    {2, "deposit.refused", "P1702", "The board checks each ray; the text names its index and the field.",
+    {2, "deposit.refused", "P1702",
      [](Host& host) {
        slab(host, 9, 0);
        const wire::TraceHeader header{.type = RayType::kDeposit};
        host.refused(trace_command(header, {lamp_ray(1, {4, 4, 1}, {0, 0, 1}, 0)}), "energy");
        host.refused(trace_command(header, {host_ray(1, {4, 4, 1}, {0, 0, 1})}), "flags");
      }},
-    {2, "irradiance.words", "P1204", "Addresses and lengths are multiples of four.",
+    {2, "irradiance.words", "P1204",
      [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        host.write_memory(wire::kIrradiance.base + 40, words({7, 2000}));
@@ -158,7 +154,7 @@ constexpr Case kCases[] = {
        check(host.read_memory(wire::kIrradiance.base + 36, 16) == words({0, 0, 0, 0}),
              "expected bit 2 of CONTROL to clear");
      }},
-    {2, "irradiance.saturates", "P1803", "Irradiance words saturate, and what does not fit is counted as clipped.",
+    {2, "irradiance.saturates", "P1803",
      [](Host& host) {
        const Volume volume = slab(host, 9, wire::kClassifiedOpacityOne);
        const bool wide = host.read_register(reg::kDatapath) == static_cast<std::uint32_t>(wire::Datapath::kWide);

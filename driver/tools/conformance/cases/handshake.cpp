@@ -25,7 +25,7 @@ VersionInfo with(auto VersionInfo::*field, auto value) {
 }
 
 constexpr Case kCases[] = {
-    {0, "version.answer", "P103", "If the board accepts, it answers `kVersion | kResponse` with its own values.",
+    {0, "version.answer", "P103",
      [](Place& place) {
        const Host host(place);
        const VersionInfo& board = host.board();
@@ -38,7 +38,7 @@ constexpr Case kCases[] = {
        check((board.capabilities & (wire::kFunctionalLevel | wire::kApproximateLevel | wire::kCycleLevel)) != 0,
              "capabilities: expected a level, got 0x{:x}", board.capabilities);
      }},
-    {0, "version.token", "P201", "The board's answer to the first handshake names the session by a random token.",
+    {0, "version.token", "P201",
      [](Place& place) {
        std::array<std::uint64_t, 3> tokens{};
        for (std::uint64_t& token : tokens) token = Host(place).board().session;
@@ -46,13 +46,11 @@ constexpr Case kCases[] = {
              "expected three tokens, none 0, got {}, {}, {}", tokens[0], tokens[1], tokens[2]);
      }},
     {0, "version.major", "P104",
-     "If the board refuses, it answers with an error and a text, and closes the connection: `kVersion` (major versions "
-     "differ)",
      [](Place& place) {
        refuses(place, with(&VersionInfo::major, std::uint16_t{1}), ErrorCode::kVersion);
        refuses(place, with(&VersionInfo::major, std::uint16_t{3}), ErrorCode::kVersion);
      }},
-    {0, "version.minor", "P105", "the smaller minor version;",
+    {0, "version.minor", "P105",
      [](Place& place) {
        for (const std::uint16_t minor : {std::uint16_t{0}, std::uint16_t{99}}) {
          Host host(place, with(&VersionInfo::minor, minor));
@@ -60,7 +58,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "version.limits", "P106",
-     "Each receiver chooses its own window: at least one frame, and bytes for two of the largest payloads.",
      [](Place& place) {
        refuses(place, with(&VersionInfo::max_payload_bytes, std::uint32_t{4095}), ErrorCode::kProtocol);
        refuses(place, with(&VersionInfo::window_slots, std::uint32_t{0}), ErrorCode::kProtocol);
@@ -70,38 +67,36 @@ constexpr Case kCases[] = {
        narrow.window_bytes = 8192;
        check_same("ID", Host(place, narrow).read_register(reg::kId), wire::kIdValue);
      }},
-    {0, "version.first", "P104", "`kProtocol` (another frame came first, or limits are too small for a frame)",
+    {0, "version.first", "P104",
      [](Place& place) {
        RawClient client = place.connect();
        client.send(FrameType::kRegisterRead, 1, 0, words({reg::kId}));
        Host::ends(client, ErrorCode::kProtocol);
      }},
-    {0, "version.large", "P102", "Until a version is agreed, no payload may exceed 4,096 bytes.",
+    {0, "version.large", "P102",
      [](Place& place) {
        RawClient client = place.connect();
        client.send(FrameType::kVersion, 0, 0, Bytes(4097));
        Host::ends(client, ErrorCode::kTooLarge);
      }},
-    {0, "version.no_session", "P104", "`kNoSession` (there is no such session to resume)",
+    {0, "version.no_session", "P104",
      [](Place& place) {
        refuses(place, with(&VersionInfo::session, std::uint64_t{0x1234567}), ErrorCode::kNoSession);
      }},
-    {0, "owner.busy", "P104", "`kBusy` (the board has an owner;",
+    {0, "owner.busy", "P104",
      [](Place& place) {
        Host owner(place);
        owner.write_register(reg::kSeed, 7);
        refuses(place, with(&VersionInfo::wait_ms, std::uint32_t{0}), ErrorCode::kBusy);
        check_same("SEED after another client was refused", owner.read_register(reg::kSeed), 7);
      }},
-    {0, "owner.goodbye", "P203", "A session ends when the client says goodbye (`kVersion | kPosted`, empty);",
+    {0, "owner.goodbye", "P203",
      [](Place& place) {
        const std::uint64_t session = Host(place).board().session;
        const Host next(place);
        check(next.board().session != session, "expected a new session after a goodbye, got the former one");
      }},
     {0, "owner.new_board", "P108",
-     "When its session ends, for any reason, everything that the board holds is freed, and a new board is built in its "
-     "place.",
      [](Place& place) {
        {
          Host former(place);
@@ -114,7 +109,7 @@ constexpr Case kCases[] = {
        check_same("STATUS of a new session", host.read_register(reg::kStatus), 0);
        check(host.now < 10'000'000, "expected a clock that begins with the session, got {} ps", host.now);
      }},
-    {5, "owner.waits", "P110", "Waiting clients are served in the order of their arrival.",
+    {5, "owner.waits", "P110",
      [](Place& place) {
        auto owner = std::make_unique<Host>(place);
        RawClient first = place.connect(), second = place.connect();
@@ -133,7 +128,6 @@ constexpr Case kCases[] = {
        second.send(FrameType::kVersion, 0, wire::kPosted, {});
      }},
     {5, "owner.force", "P110",
-     "A client with `kForce` goes to the head of the queue and ends the owner's session (`kTaken`).",
      [](Place& place) {
        Host owner(place);
        RawClient thief = place.connect();
@@ -142,7 +136,7 @@ constexpr Case kCases[] = {
        owner.ends(ErrorCode::kTaken);
        thief.send(FrameType::kVersion, 0, wire::kPosted, {});
      }},
-    {5, "version.silence", "P107", "A client that has not stated its version within five seconds is disconnected.",
+    {5, "version.silence", "P107",
      [](Place& place) {
        RawClient client = place.connect();
        const auto begin = std::chrono::steady_clock::now();

@@ -41,7 +41,6 @@ void set_material(Host& host, wire::Bsdf bsdf, double scattering, std::uint8_t r
 
 constexpr Case kCases[] = {
     {2, "light.directional", "P1804",
-     "A directional light of energy E sends E cos θ A through a face of area A, with its angle θ to the face's normal.",
      [](Host& host) {
        fog(host, {11, 11, 11}, 0);
        const auto straight = ledger_of(host.run(wire::encoded(sunlight(100, {0, 0, -1}))));
@@ -52,7 +51,7 @@ constexpr Case kCases[] = {
        check_near("emitted", static_cast<double>(slanted.emitted), 100 * (80 + 60), 140);
        check_balance(slanted);
      }},
-    {2, "light.point", "P1805", "A point light of power E inside the volume emits E, with the conserving rules,",
+    {2, "light.point", "P1805",
      [](Host& host) {
        fog(host, {11, 11, 11}, 0);
        wire::IlluminateCommand light;
@@ -72,7 +71,6 @@ constexpr Case kCases[] = {
        check_near("emitted from outside", static_cast<double>(outside.emitted), 30'000 * share, 0.06 * 30'000 * share);
      }},
     {2, "light.solid", "P1801",
-     "Energy is neither lost nor made: emitted = deposited + escaped + scattered away + clipped.",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
        const auto ledger = ledger_of(host.run(wire::encoded(sunlight(20, {0, 0, -1}))));
@@ -84,7 +82,7 @@ constexpr Case kCases[] = {
        const Bytes deep = host.read_memory(wire::kIrradiance.base + 4 * (4 + n * (4 + n * 4)), 4);
        check_same("light behind an opaque face", wire::load<std::uint32_t>(deep, 0), 0u);
      }},
-    {2, "light.old_ledger", "P1503", "A session of 2.0 or 2.1 has ledgers of lighting without faces, of 64 bytes.",
+    {2, "light.old_ledger", "P1503",
      [](Place& place) {
        wire::VersionInfo mine = host_version();
        mine.minor = 1;
@@ -94,7 +92,6 @@ constexpr Case kCases[] = {
        check_same("bytes of a ledger", host.run(wire::encoded(sunlight(20, {0, 0, -1}))).size(), 64 * lights);
      }},
     {2, "light.seed", "P1806",
-     "The same command with the same SEED leaves the same light; another SEED draws other numbers.",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, 6000);
        const auto light = [&](std::uint32_t seed) {
@@ -108,7 +105,6 @@ constexpr Case kCases[] = {
        check(light(2) != first, "expected other light with another seed");
      }},
     {2, "light.rounds", "P1807",
-     "The rays of a pass may be sent by several commands: together they leave what one leaves.",
      [](Host& host) {
        fog(host, {9, 9, 9}, 6000);
        wire::IlluminateCommand light = sunlight(100, {0.2, 0.1, -1});
@@ -124,7 +120,7 @@ constexpr Case kCases[] = {
        check_same("emitted", sum.emitted, whole.emitted);
        check_same("deposited", sum.deposited, whole.deposited);
      }},
-    {2, "light.refused", "P411", "The text names the field, what was expected and what came.",
+    {2, "light.refused", "P411",
      [](Host& host) {
        fog(host, {9, 9, 9}, 0);
        const auto refused = [&host](auto field, auto value, const char* word) {
@@ -140,8 +136,6 @@ constexpr Case kCases[] = {
        refused(&Light::energy, -1.0, "energy");
      }},
     {2, "light.scattering", "P1808",
-     "A material of isotropic scattering Ks deposits the share 1 - Ks of what it takes from a ray, and scatters the "
-     "rest.",
      [](Host& host) {
        fog(host, {17, 17, 17}, 6554);
        const auto light = [&](double scattering) {
@@ -164,7 +158,6 @@ constexpr Case kCases[] = {
              "expected light to come back by scattering only");
      }},
     {2, "light.picture", "P1809",
-     "With bit 3 of PIPELINE a sample's light is its irradiance times its gain times EXPOSURE,",
      [](Host& host) {
        const Volume volume = fog(host, {8, 8, 8}, wire::kClassifiedOpacityOne);
        const std::size_t n = static_cast<std::size_t>(volume.block());
@@ -184,7 +177,7 @@ constexpr Case kCases[] = {
          check_same("blue", pixel.blue, std::uint8_t{0});
        }
      }},
-    {2, "material.refused", "P1206", "The next `render` or `illuminate` refuses it, with its tag and field.",
+    {2, "material.refused", "P1206",
      [](Host& host) {
        fog(host, {9, 9, 9}, 6000);
        set_material(host, static_cast<wire::Bsdf>(9), 0.5);
@@ -193,8 +186,6 @@ constexpr Case kCases[] = {
        host.refused(sunlight(20, {0, 0, -1}), "bsdf");
      }},
     {2, "trap.host", "P421",
-     "The host fetches waiting rays by `resume` commands. Each states the maximum number of rays to return, and "
-     "carries the answers for rays fetched earlier.",
      [](Host& host) {
        if (host.read_register(reg::kIrradianceWords) == 3)
          return;  // such boards refuse it (docs/reference/hardware.md)

@@ -18,7 +18,7 @@ void set_plane(Host& host, std::uint32_t i, const Vector& normal, double offset)
 }
 
 constexpr Case kCases[] = {
-    {4, "picture.samples", "P1615", "With s samples per axis, a pixel has s² rays at the centres of its s × s parts.",
+    {4, "picture.samples", "P1615",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
        for (const int samples : {1, 2, 4}) {
@@ -33,7 +33,6 @@ constexpr Case kCases[] = {
        }
      }},
     {4, "picture.tent", "P1616",
-     "The tent filter weights a ray by (1 - |x|)(1 - |y|), with its distances from a pixel's centre in pixels.",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, wire::kClassifiedOpacityOne);
        wire::RenderCommand command = along(2, true, volume, 4, 3, 1, {-2, 2, 0});  // the edge between pixels 1 and 2
@@ -49,7 +48,7 @@ constexpr Case kCases[] = {
        check_near("alpha before the edge", picture.at(5).alpha, 4095 * inside / all, 1);
        check_near("alpha behind the edge", picture.at(6).alpha, 4095 * (1 - inside / all), 1);
      }},
-    {4, "picture.cut", "P1620", "A cut plane keeps the points with normal · p ≥ offset.",
+    {4, "picture.cut", "P1620",
      [](Host& host) {
        constexpr std::uint16_t kAlpha = 6554;
        const Volume volume = fog(host, {17, 17, 17}, kAlpha);
@@ -68,7 +67,6 @@ constexpr Case kCases[] = {
        check_same("alpha behind a plane that keeps nothing", alpha(true), 0);
      }},
     {4, "picture.spacing", "P1617",
-     "The length of a step along the ray counts in units of the length that opacities refer to:",
      [](Host& host) {
        constexpr std::uint16_t kAlpha = 3000;
        const Volume volume = fog(host, {9, 9, 9}, kAlpha);
@@ -81,7 +79,7 @@ constexpr Case kCases[] = {
          check_near("alpha", alpha, alpha_after(9 * spacing[axis], kAlpha), 1.5);
        }
      }},
-    {4, "picture.parts", "P1618", "Strips of `strip_rows` rows, from the top, are assigned to the parts in turn.",
+    {4, "picture.parts", "P1618",
      [](Host& host) {
        Volume volume(host, {16, 16, 4});
        Noise noise(8);
@@ -105,7 +103,6 @@ constexpr Case kCases[] = {
        host.refused(command, "part");
      }},
     {4, "picture.jitter", "P1619",
-     "With bit 0 of PIPELINE each step is multiplied by a factor of ½ to 1, with a mean of ¾,",
      [](Host& host) {
        constexpr std::uint16_t kAlpha = 700;
        const Volume volume = fog(host, {33, 33, 33}, kAlpha);

@@ -24,7 +24,7 @@ void check_opacity(const wire::Ray& ray, double expected) {
 }
 
 constexpr Case kCases[] = {
-    {1, "ray.integrate", "P1703", "An integrating ray returns the colour and the opacity that it has gathered.",
+    {1, "ray.integrate", "P1703",
      [](Host& host) {
        fog(host);
        const auto rays = trace(host, {.type = RayType::kIntegrate},
@@ -38,7 +38,7 @@ constexpr Case kCases[] = {
          check_same("blue", rays[i].colour[2], std::uint16_t{0});
        }
      }},
-    {1, "ray.goes_on", "P1704", "It goes on from the colour and the opacity that it was sent with.",
+    {1, "ray.goes_on", "P1704",
      [](Host& host) {
        fog(host);
        wire::Ray ray = host_ray(1, {4, 4, 0}, {0, 0, 1});
@@ -50,7 +50,6 @@ constexpr Case kCases[] = {
        check_same("blue", back.colour[2], std::uint16_t{500});
      }},
     {1, "ray.order", "P1701",
-     "The completion returns the rays in the order in which they were sent, with their ids and flags.",
      [](Host& host) {
        fog(host);
        std::vector<wire::Ray> sent;
@@ -70,8 +69,6 @@ constexpr Case kCases[] = {
        check(trace(host, {.type = RayType::kIntegrate}, {}).empty(), "expected no rays of none");
      }},
     {1, "ray.first_hit", "P1705",
-     "A first-hit ray ends at the sample with which its opacity reaches the one asked for, and returns that sample's "
-     "position.",
      [](Host& host) {
        fog(host);
        for (const double asked : {0.05, 0.3, 0.7}) {
@@ -89,7 +86,6 @@ constexpr Case kCases[] = {
        check_same("z of a ray that hit nothing", miss.position[2], 16u * wire::kVoxel);
      }},
     {1, "ray.segment", "P1706",
-     "A segment has the fewest equal steps of at most STEP, and takes a sample in the middle of each.",
      [](Host& host) {
        fog(host);
        for (const double length : {0.25, 3.0, 7.3, 12.0}) {
@@ -106,7 +102,7 @@ constexpr Case kCases[] = {
        const wire::TraceHeader opacity{.type = RayType::kOpacity, .opacity = wire::kOpacityOne};
        check_opacity(trace(host, opacity, segment(1, {4, 4, 2}, {1, 0, 0}, 0)), 0);
      }},
-    {1, "ray.segment_stops", "P1707", "Segments end at the first sample with which they reach the opacity asked for.",
+    {1, "ray.segment_stops", "P1707",
      [](Host& host) {
        fog(host);
        const auto opacity = static_cast<std::uint32_t>(0.25 * wire::kOpacityOne);
@@ -114,7 +110,7 @@ constexpr Case kCases[] = {
            trace(host, {.type = RayType::kOpacity, .opacity = opacity}, segment(1, {4, 4, 2}, {0, 0, 1}, 12));
        check_opacity(ray, opacity_after(3));
      }},
-    {1, "ray.integral", "P1708", "An integral ray returns the sum of its samples' densities, with three fraction bits,",
+    {1, "ray.integral", "P1708",
      [](Host& host) {
        Volume volume(host, {17, 17, 17});
        volume.fill(
@@ -131,7 +127,6 @@ constexpr Case kCases[] = {
        check_same("its opacity", rays[0].opacity, 0u);
      }},
     {1, "ray.step", "P1706",
-     "A segment has the fewest equal steps of at most STEP, and takes a sample in the middle of each.",
      [](Host& host) {
        fog(host);
        for (const std::uint32_t divisor : {1u, 2u, 8u}) {
@@ -141,7 +136,7 @@ constexpr Case kCases[] = {
          check_same("the sum of densities", ray.colour_word(), static_cast<std::uint64_t>(steps) * kFog * 8);
        }
      }},
-    {1, "ray.refused", "P1702", "The board checks each ray; the text names its index and the field.",
+    {1, "ray.refused", "P1702",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, kAlpha);
        const wire::Ray good = host_ray(1, {4, 4, 4}, {0, 0, 1});
@@ -168,7 +163,7 @@ constexpr Case kCases[] = {
        ray.set_colour_word(wire::kMaxLength + 1);
        host.refused(trace_command({.type = RayType::kIntegral}, {ray}), "length");
      }},
-    {1, "ray.header", "P1702", "The board checks each ray; the text names its index and the field.",
+    {1, "ray.header", "P1702",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, kAlpha);
        const wire::Ray good = host_ray(1, {4, 4, 4}, {0, 0, 1});
@@ -186,7 +181,6 @@ constexpr Case kCases[] = {
        host.refused(cut, "payload");
      }},
     {1, "ray.threshold", "P1709",
-     "OPACITY_THRESHOLD, jitter and cut planes are those of the registers for integrating rays,",
      [](Host& host) {
        fog(host);
        host.write_register(reg::kOpacityThreshold, static_cast<std::uint32_t>(0.25 * wire::kOpacityOne));
@@ -194,7 +188,7 @@ constexpr Case kCases[] = {
        const wire::TraceHeader opacity{.type = RayType::kOpacity, .opacity = wire::kOpacityOne};
        check_opacity(trace(host, opacity, segment(1, {4, 4, 0}, {0, 0, 1}, 8)), opacity_after(8));
      }},
-    {1, "ray.as_pixels", "P1710", "A ray of the host that begins where a viewing ray enters gathers the same bits.",
+    {1, "ray.as_pixels", "P1710",
      [](Host& host) {
        Volume volume(host, {12, 13, 14});
        Noise noise(10);
@@ -229,7 +223,6 @@ constexpr Case kCases[] = {
        }
      }},
     {1, "pair.clear", "P1720",
-     "A pair's result is the mean of the geometric factor G, and the mean of G times the transmittance,",
      [](Host& host) {
        fog(host);
        constexpr double kDistance = 2;

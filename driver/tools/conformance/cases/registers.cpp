@@ -58,7 +58,7 @@ void expect_status(Host& host, std::uint32_t bits, std::uint32_t address) {
 }
 
 constexpr Case kCases[] = {
-    {0, "config.reset", "P1001", "The space has 256 bytes, read and written in dwords at multiples of 4.",
+    {0, "config.reset", "P1001",
      [](Host& host) {
        const wire::PciConfigSpace expected = wire::pci_config_at_reset(agp_rates(host));
        for (std::uint32_t at = 0; at < wire::kPciConfigBytes; at += 4) {
@@ -66,7 +66,7 @@ constexpr Case kCases[] = {
          check(got == expected[at / 4], "dword 0x{:02x}: expected 0x{:08x}, got 0x{:08x}", at, expected[at / 4], got);
        }
      }},
-    {0, "config.bars", "P1002", "(writing all ones reads back the size mask)",
+    {0, "config.bars", "P1002",
      [](Host& host) {
        const std::pair<std::uint32_t, std::uint32_t> masks[] = {
            {pci::kBar0Register, 0xFFFF'F000}, {pci::kBar2Low, 0xC}, {pci::kBar2High, 0xFFFF'FFF0}};
@@ -75,7 +75,7 @@ constexpr Case kCases[] = {
          check_same("a BAR's size mask", host.read_config(offset), mask);
        }
      }},
-    {0, "config.writes", "P1002", "Other writes have no effect.",
+    {0, "config.writes", "P1002",
      [](Host& host) {
        const wire::PciConfigSpace reset = wire::pci_config_at_reset(agp_rates(host));
        const std::pair<std::uint32_t, std::uint32_t> changed[] = {{pci::kCommandStatus, 0x0010'0007u},
@@ -88,11 +88,11 @@ constexpr Case kCases[] = {
          check(host.read_config(offset) == expected, "dword 0x{:02x}: expected 0x{:08x}", offset, expected);
        }
      }},
-    {0, "config.beyond", "P1003", "A read beyond the space, or not aligned to a dword, returns all ones.",
+    {0, "config.beyond", "P1003",
      [](Host& host) {
        for (const std::uint32_t offset : {256u, 2u, 0x8000'0000u}) check_same("it", host.read_config(offset), ~0u);
      }},
-    {0, "register.reset", "P1101", "Registers have 32 bits and lie at multiples of 4.",
+    {0, "register.reset", "P1101",
      [](Host& host) {
        for (const wire::RegisterInfo& info : wire::kRegisterTable) {
          const bool fixed = info.access == wire::Access::kReadOnly && info.offset != reg::kId &&
@@ -103,7 +103,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "register.configuration", "P1106",
-     "Registers whose values come from the configuration have one of those named.",
      [](Host& host) {
        const auto one_of = [&host](const char* name, std::uint32_t offset,
                                    std::initializer_list<std::uint32_t> values) {
@@ -122,7 +121,7 @@ constexpr Case kCases[] = {
          check(host.read_register(offset) != 0, "register 0x{:03x}: expected a value, got 0", offset);
        }
      }},
-    {0, "register.unmapped", "P1101", "Reads of unmapped and of write-only registers return all ones.",
+    {0, "register.unmapped", "P1101",
      [](Host& host) {
        for (const std::uint32_t offset :
             {reg::kStatusClear, reg::kControl, reg::kDropBlock, 0x05Cu, 0x0F0u, 0xFFCu, 0x1000u, 0x002u}) {
@@ -130,7 +129,7 @@ constexpr Case kCases[] = {
        }
        check_same("STATUS", host.read_register(reg::kStatus), 0);
      }},
-    {0, "register.holds", "P1107", "A register that can be written reads back what was written last.",
+    {0, "register.holds", "P1107",
      [](Host& host) {
        write_other_values(host);
        for (const wire::RegisterInfo& info : wire::kRegisterTable) {
@@ -140,7 +139,7 @@ constexpr Case kCases[] = {
        }
        check_same("STATUS", host.read_register(reg::kStatus), 0);
      }},
-    {0, "register.read_only", "P1102", "Writes to unmapped and to read-only registers set STATUS.bad_address.",
+    {0, "register.read_only", "P1102",
      [](Host& host) {
        for (const std::uint32_t offset : {reg::kId, reg::kFidelity, reg::kBlockVoxels, reg::kStatus, 0x05Cu, 0xFFCu}) {
          const std::uint32_t before = host.read_register(offset);
@@ -149,7 +148,7 @@ constexpr Case kCases[] = {
          check(host.read_register(offset) == before, "register 0x{:03x}: expected it unchanged", offset);
        }
      }},
-    {0, "register.ranges", "P1105", "Other values are out of range.",
+    {0, "register.ranges", "P1105",
      [](Host& host) {
        for (const Range& range : kRanges) {
          host.write_register(range.offset, range.least);
@@ -169,7 +168,7 @@ constexpr Case kCases[] = {
                range.most);
        }
      }},
-    {0, "register.sticky", "P1108", "STATUS keeps its bits until STATUS_CLEAR clears them.",
+    {0, "register.sticky", "P1108",
      [](Host& host) {
        host.write_register(reg::kStep, 0);
        host.write_register(reg::kStep, wire::kStepOne);
@@ -182,7 +181,6 @@ constexpr Case kCases[] = {
        check_same("STATUS after both were", host.read_register(reg::kStatus), 0);
      }},
     {0, "register.control_reset", "P1109",
-     "Bit 0 of CONTROL sets all registers that can be written, STATUS and the tables to their reset values.",
      [](Host& host) {
        write_other_values(host);
        host.write_register(reg::kId, 0);

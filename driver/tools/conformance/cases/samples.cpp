@@ -50,7 +50,6 @@ wire::Pixel middle(Host& host, const Volume& volume, int axis = 2, bool up = tru
 
 constexpr Case kCases[] = {
     {0, "sample.density", "P1606",
-     "The density is interpolated along x, then y, then z, from the eight voxels around the sample,",
      [](Host& host) {
        const Volume volume = noisy(host);
        for (const int axis : {0, 1, 2}) {
@@ -60,7 +59,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.perspective", "P1602",
-     "It starts where its line enters the volume's box, or at the origin if that is inside,",
      [](Host& host) {
        const Volume volume = noisy(host);
        wire::RenderCommand command;
@@ -74,7 +72,7 @@ constexpr Case kCases[] = {
        command.origin = {3.25, 4.5, 5.125};
        check_first_samples(host, volume, command);
      }},
-    {0, "sample.direction", "P1602", "The direction is divided by its length and rounded to 14 fraction bits.",
+    {0, "sample.direction", "P1602",
      [](Host& host) {
        const Volume volume = fog(host, {17, 17, 17}, 3000);
        wire::RenderCommand command = along(2, true, volume, 5, 5, 3);
@@ -84,7 +82,7 @@ constexpr Case kCases[] = {
          check(render(host, command) == picture, "expected the same picture with a direction of length {}", length);
        }
      }},
-    {0, "sample.misses", "P1612", "A ray that misses the volume leaves its pixel transparent black.",
+    {0, "sample.misses", "P1612",
      [](Host& host) {
        const Volume volume = noisy(host);
        check_first_samples(host, volume, along(1, true, volume, 21, 17, volume.size()[0] / 9.1, {-8, 0, -9}));
@@ -93,7 +91,7 @@ constexpr Case kCases[] = {
        for (const wire::Pixel& pixel : render(host, none))
          check(pixel == wire::Pixel{}, "expected nothing, without a direction");
      }},
-    {0, "sample.steps", "P1603", "A step is the direction times STEP, rounded half up,",
+    {0, "sample.steps", "P1603",
      [](Host& host) {
        Volume volume(host, {9, 10, 40});
        Noise noise(5);
@@ -118,7 +116,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.classified", "P1607",
-     "The entry of the segmentation LUT is that of the tag of the nearest voxel and the rounded density.",
      [](Host& host) {
        const Volume volume = noisy(host);
        Noise noise(6);
@@ -140,13 +137,12 @@ constexpr Case kCases[] = {
                pixel.blue);
        }
      }},
-    {0, "sample.transparent", "P1605", "A sample of opacity 0 adds nothing.",
+    {0, "sample.transparent", "P1605",
      [](Host& host) {
        const Volume volume = fog(host, {9, 9, 9}, 0);
        check(middle(host, volume) == wire::Pixel{}, "expected nothing to be seen");
      }},
     {0, "sample.fog", "P1611",
-     "Front to back, a sample of opacity a adds (1 - A) a to the ray's opacity A, and as much of its colour.",
      [](Host& host) {
        for (const std::uint16_t alpha : {std::uint16_t{655}, std::uint16_t{6554}, std::uint16_t{32768}}) {
          const Volume volume = fog(host, {17, 17, 17}, alpha);
@@ -161,7 +157,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.correction", "P1610",
-     "A sample stands for the step after it: its opacity is 1 - (1 - a)^e, with e the length of the step",
      [](Host& host) {
        constexpr std::uint16_t kAlpha = 9000;
        for (const double step : {0.25, 0.5, 1.0, 2.0, 16.0}) {
@@ -172,7 +167,6 @@ constexpr Case kCases[] = {
        }
      }},
     {0, "sample.order", "P1611",
-     "Front to back, a sample of opacity a adds (1 - A) a to the ray's opacity A, and as much of its colour.",
      [](Host& host) {
        Volume volume(host, {5, 5, 2});
        volume.fill([](int, int, int z) { return wire::Voxel{static_cast<std::uint16_t>(100 + 100 * z)}; });
@@ -188,7 +182,7 @@ constexpr Case kCases[] = {
        check_near("red behind", back.red, 255 * 0.75 * 0.5, 1);
        check_same("alpha from behind", back.alpha, front.alpha);
      }},
-    {0, "sample.threshold", "P1604", "until it is outside the volume or its opacity is at least OPACITY_THRESHOLD.",
+    {0, "sample.threshold", "P1604",
      [](Host& host) {
        const Volume volume = fog(host, {17, 17, 17}, 16384);  // a quarter
        for (const double threshold : {0.2, 0.3, 0.6}) {
@@ -197,7 +191,7 @@ constexpr Case kCases[] = {
          check_near("alpha", middle(host, volume).alpha, 4095 * (1 - std::pow(0.75, samples)), 1.5);
        }
      }},
-    {0, "sample.flags", "P1605", "With bit 2 of PIPELINE, a sample in a block whose empty flag is set adds nothing.",
+    {0, "sample.flags", "P1605",
      [](Host& host) {
        const int n = static_cast<int>(host.read_register(reg::kBlockVoxels));
        Volume volume(host, {n + 3, 4, 4});
@@ -215,7 +209,6 @@ constexpr Case kCases[] = {
        check_near("alpha if flags do not count", alpha(), alpha_of(n + 3), 1.5);
      }},
     {0, "sample.shade", "P1609",
-     "The shade is ambient + reflect · r; what exceeds the knee adds white, the rest scales the colour,",
      [](Host& host) {
        Volume volume(host, {6, 6, 6});
        host.write_register(reg::kPipeline, kNoShade | wire::kPipelineShade);
@@ -242,7 +235,7 @@ constexpr Case kCases[] = {
          check_near("blue", pixel.blue, 255 * (shade - base), 1);
        }
      }},
-    {0, "sample.map", "P1608", "and is interpolated between the four texels around it.",
+    {0, "sample.map", "P1608",
      [](Host& host) {
        Volume volume(host, {6, 6, 6});
        host.write_register(reg::kPipeline, kNoShade | wire::kPipelineShade);
@@ -274,7 +267,7 @@ constexpr Case kCases[] = {
          check_near("red", middle(host, volume).red, 255 * texel / 128, 1.5);
        }
      }},
-    {0, "picture.rows", "P1613", "Pixels are packed in rows from the top,",
+    {0, "picture.rows", "P1613",
      [](Host& host) {
        const Volume volume = noisy(host);
        for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 1}, std::pair{5, 7}, std::pair{2, 9}}) {
@@ -284,7 +277,7 @@ constexpr Case kCases[] = {
                               ErrorCode::kBadAddress);
        }
      }},
-    {0, "picture.again", "P1614", "A rendering replaces the former picture.",
+    {0, "picture.again", "P1614",
      [](Host& host) {
        const Volume volume = noisy(host);
        const wire::RenderCommand command = along(2, true, volume, 9, 9, 2);

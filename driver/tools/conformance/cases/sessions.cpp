@@ -42,8 +42,6 @@ Bytes checkpoint(Host& host, Step step, const Bytes& data = {}) {
 
 constexpr Case kCases[] = {
     {5, "session.resumes", "P202",
-     "If the connection breaks, the board keeps the session: the board's state, commands that are being executed, and "
-     "frames to be sent.",
      [](Host& host) {
        host.write_register(reg::kSeed, 77);
        host.read_register(reg::kSeed);
@@ -54,7 +52,6 @@ constexpr Case kCases[] = {
        expect_seed(next.client, 77);
      }},
     {5, "session.answers_again", "P207",
-     "sends again the frames that were not taken, in order and with their old numbers,",
      [](Host& host) {
        for (std::uint32_t i = 0; i < 3; ++i) {
          call(host.wire(), FrameType::kRegisterRead, 10 + i, words({reg::kId}));
@@ -69,7 +66,6 @@ constexpr Case kCases[] = {
        }
      }},
     {5, "session.damaged", "P305",
-     "A wrong checksum, an invalid header or a gap in the numbers ends the connection with `kCorrupted`.",
      [](Host& host) {
        host.write_register(reg::kSeed, 5);
        host.wire().send_bytes(Bytes(wire::kFrameHeaderBytes, 0x55));
@@ -80,7 +76,6 @@ constexpr Case kCases[] = {
        expect_seed(next.client, 5);
      }},
     {5, "session.once", "P208",
-     "So every frame is taken exactly once, whatever was lost, damaged or doubled, and simulated time does not change.",
      [](Host& host) {
        host.write_register(reg::kSeed, 1);
        const std::uint64_t access = host.time_of([&] { host.read_register(reg::kSeed); });
@@ -97,7 +92,7 @@ constexpr Case kCases[] = {
        check(answer.header.time_ps <= host.now + access, "expected at most {} ps, got {}", host.now + access,
              answer.header.time_ps);
      }},
-    {5, "session.new_client", "P203", "or as soon as another client wants the board in that time;",
+    {5, "session.new_client", "P203",
      [](Host& host) {
        host.write_register(reg::kSeed, 5);
        host.read_register(reg::kSeed);
@@ -111,8 +106,6 @@ constexpr Case kCases[] = {
                   static_cast<int>(ErrorCode::kNoSession));
      }},
     {5, "session.command", "P202",
-     "If the connection breaks, the board keeps the session: the board's state, commands that are being executed, and "
-     "frames to be sent.",
      [](Host& host) {
        const Volume volume(host, {9, 9, 9});
        const Bytes command = wire::encoded(along(2, true, volume, 64, 64, 0.1));
@@ -129,7 +122,7 @@ constexpr Case kCases[] = {
        check_same("the type of a completion", done.header.type, FrameType::kCompletion);
        check_same("its id", done.header.id, 600);
      }},
-    {5, "checkpoint.restores", "P504", "Go on: the board becomes the one of the checkpoint in the buffer",
+    {5, "checkpoint.restores", "P504",
      [](Place& place) {
        Bytes saved;
        {
@@ -164,8 +157,6 @@ constexpr Case kCases[] = {
        check(host.read_memory(wire::kReflectanceMap.base, 4) == Bytes{1, 2, 3, 4}, "expected the saved table");
      }},
     {5, "checkpoint.refused", "P505",
-     "A refusal is `kBadValue` with the field, what was expected and what came. The board is as before, and the "
-     "session lives.",
      [](Host& host) {
        host.write_register(reg::kSeed, 4);
        checkpoint(host, Step::kBegin);
