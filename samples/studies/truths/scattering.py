@@ -4,7 +4,7 @@ import math
 import gicube
 import numpy as np
 
-from studies.truths.case import EXACT, Case, Value, even, lambert, mean_of, scatterer, sphere
+from studies.truths.case import Case, Value, even, lambert, mean_of, scatterer, sphere
 from studies.truths.solvers import half_space_albedo, photons_in_box, slab
 
 UNIT = 2.0**-20  # of a ray's energy; more than a voxel's word of 32 bits is clipped, and reported

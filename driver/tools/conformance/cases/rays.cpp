@@ -17,7 +17,7 @@ using wire::RayType;
 constexpr std::uint16_t kAlpha = 6554;  // a tenth
 
 Volume fog(Host& host) { return fog(host, {17, 17, 17}, kAlpha); }
-double opacity_after(double lengths) { return opacity_after(lengths, kAlpha); }
+double opacity_after(double lengths) { return conformance::opacity_after(lengths, kAlpha); }
 
 void check_opacity(const wire::Ray& ray, double expected) {
   check_near("a ray's opacity", ray.opacity / double{wire::kOpacityOne}, expected, 4e-5);
@@ -66,7 +66,7 @@ constexpr Case kCases[] = {
          check(back[i].direction == sent[i].direction, "ray {}: expected its direction unchanged", i);
          check(back[i].opacity > 0, "ray {}: expected some opacity", i);
        }
-       check(trace(host, {.type = RayType::kIntegrate}, {}).empty(), "expected no rays of none");
+       check(trace(host, {.type = RayType::kIntegrate}, std::vector<wire::Ray>{}).empty(), "expected no rays of none");
      }},
     {1, "ray.first_hit", "P1705",
      [](Host& host) {

@@ -6,14 +6,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kPathsAtOnce = 32768;  // chosen: some 100 MB of vertices and connections
+constexpr std::size_t kPathsAtOnce = 32768;  // chosen: vertices and connections take about 100 MB
 
 bool is_dark(const Rgb& colour) { return !(std::ranges::max(colour) > 0); }
-
-Vec3 beside(const Vertex& vertex, Vec3 direction) {
-  return vertex.tag < 0 || vertex.normal == Vec3{} ? vertex.place
-                                                   : off_surface({vertex.place, 0, 0, vertex.normal}, direction);
-}
 
 }  // namespace
 
@@ -35,29 +30,15 @@ Rgb Bidirectional::scattered(const Vertex& vertex, Vec3 out) const {
   return product(vertex.weight, medium_.optics(vertex.tag).albedo, density_of(vertex, vertex.direction, out));
 }
 
-Path Bidirectional::from_eye(std::size_t pixel, PathRandom random) const {
-  Path path;
-  path.random = random;
-  const auto width = static_cast<std::size_t>(eye_.width());
-  const double x = static_cast<double>(pixel % width) + path.random.uniform();
-  const double y = static_cast<double>(pixel / width) + path.random.uniform();
-  path.flight = {eye_.place(), eye_.direction(x, y)};
-  path.density =
-      eye_.density(path.flight.direction) / static_cast<double>(sum_.pixels());  // of the whole image's paths
-  path.weight = {1, 1, 1};
-  path.vertices.push_back({.place = eye_.place(), .weight = path.weight});
-  return path;
-}
-
-// 1 over the sum, over all ways in which the path could be made, of their densities over that of this one, whose first
-// `s` vertices come from the light.
+// Weight of the balance heuristic: the density of the strategy that takes the first `s` vertices from the light, over
+// the sum of the densities of all strategies for the path.
 double Bidirectional::balance(const std::vector<Node>& nodes, std::size_t s, bool area_light) const {
   const auto allowed = [&](std::size_t from_light) {
     const std::size_t from_eye = nodes.size() - from_light;
     if (from_light > static_cast<std::size_t>(settings_.light_scatterings) + 1) return false;
     if (from_eye > static_cast<std::size_t>(settings_.max_scatterings) + 1) return false;
     if (from_light == 0)
-      return area_light && from_eye > 2;  // the light is met by chance, and not straight from the eye
+      return area_light && from_eye > 2;  // the eye's path hits the light by chance, and not with its first segment
     return !nodes[from_light - 1].sharp && !nodes[from_light].sharp;
   };
   const auto or_one = [](double density) { return density > 0 ? density : 1; };
@@ -74,10 +55,10 @@ double Bidirectional::balance(const std::vector<Node>& nodes, std::size_t s, boo
   return 1 / sum;
 }
 
-// An eye's path comes upon lights by itself.
+// Adds the radiance of area lights that the next segment of an eye's path hits.
 void Bidirectional::see(const Path& eye, std::size_t pixel, double reach, std::vector<Rgb>& pixels) const {
   const std::size_t t = eye.vertices.size();
-  if (t < 2) return;  // lights are not seen straight
+  if (t < 2) return;  // lights are not visible to the eye directly
   const Vec3 direction = eye.flight.direction, back = -1.0 * direction;
   lights_.meet(eye.flight.place, direction, [&](const LightPoint& point, double distance, const Rgb& radiance) {
     if (!(distance < reach)) return;
@@ -113,7 +94,7 @@ void Bidirectional::connect_with_light(const Path& eye, std::size_t t, std::size
   out.push_back({{beside(last, direction), lamp.place}, pixel, value});
 }
 
-// The eye's first t vertices with the light's first s, 2 or more.
+// Connects the first t vertices of the eye's path with the first s of the light's path, s at least 2.
 void Bidirectional::connect(const Path& eye, std::size_t t, const Path& light, std::size_t s, std::size_t pixel,
                             std::vector<Connection>& out) const {
   const Vertex &a = eye.vertices[t - 1], &b = light.vertices[s - 1];
@@ -122,13 +103,13 @@ void Bidirectional::connect(const Path& eye, std::size_t t, const Path& light, s
   const double squared = dot(way, way);
   if (!(squared > 0)) return;
   Rgb from_eye{};
-  double seen = 0;  // density of b from the eye's end
+  double seen = 0;  // density of the direction to b
   if (t == 1) {
     const auto target = eye_.pixel_of(direction);
     if (!target) return;
     pixel = *target;
     seen = eye_.density(direction) / static_cast<double>(sum_.pixels());
-    from_eye = {seen, seen, seen};  // of all the pass's light paths this is one
+    from_eye = {seen, seen, seen};  // over all light paths of the pass
   } else {
     seen = density_of(a, a.direction, direction);
     from_eye = scattered(a, direction);
@@ -155,7 +136,7 @@ void Bidirectional::trace(std::size_t first, std::size_t count, std::vector<Rgb>
   std::vector<Path> eyes, lights;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t number = 2 * (sum_.passes() * sum_.pixels() + first + i);
-    eyes.push_back(from_eye(first + i, {settings_.seed, number}));
+    eyes.push_back(from_eye(eye_, first + i, {settings_.seed, number}));
     if (settings_.light_scatterings > 0) lights.push_back(paths_.from_light({settings_.seed, number + 1}));
   }
   paths_.walk(eyes, settings_.max_scatterings, [&](const Path& path, double reach) {

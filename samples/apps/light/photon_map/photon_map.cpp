@@ -8,7 +8,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kPathsAtOnce = 32768;  // chosen: of paths that are in memory together
+constexpr std::size_t kPathsAtOnce = 32768;  // chosen: paths that are in memory together
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void PhotonMapping::shoot() {
     }
     paths_.walk(paths, settings_.max_scatterings);
     for (const Path& path : paths) {
-      // The first interaction is the light's own, for which shadow rays are sent.
+      // Shadow rays find the light of the first interaction.
       for (std::size_t i = 2; i < path.vertices.size(); ++i) {
         const Vertex& vertex = path.vertices[i];
         if (vertex.sharp) continue;
@@ -51,7 +51,7 @@ void PhotonMapping::shoot() {
   media_ = PhotonTree(std::move(media));
 }
 
-// Radiance towards the eye of what the photons bring, times the vertex's weight.
+// Radiance towards the eye that is scattered from the photons' power, times the vertex's weight.
 Rgb PhotonMapping::gathered(const Vertex& vertex) {
   using std::numbers::pi;
   const Optics& optics = medium_.optics(vertex.tag);
@@ -69,7 +69,7 @@ Rgb PhotonMapping::gathered(const Vertex& vertex) {
   Rgb sum{};
   for (const Photon* photon : near.photons) {
     double share = density(optics, photon->direction, vertex.normal, -1.0 * vertex.direction);
-    if (surface) {  // as much light leaves as arrives, of all directions alike; behind the surface none
+    if (surface) {  // a density per area, and no light from behind the surface
       const double cosine = std::abs(dot(vertex.normal, vertex.direction));
       share = cosine > 0 ? share / cosine / (pi * r * r) : 0;
     } else {
@@ -77,22 +77,15 @@ Rgb PhotonMapping::gathered(const Vertex& vertex) {
     }
     add(sum, product(photon->power, optics.albedo, share));
   }
-  // A path of the eye interacts with a chance that grows with the extinction, as photons do.
+  // The eye's path interacts, as photons do, with a probability in proportion to the extinction.
   const double extinction = surface ? 1 : medium_.extinction(vertex.place);
   return extinction > 0 ? product(vertex.weight, sum, 1 / extinction) : Rgb{};
 }
 
 void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>& pixels) {
   std::vector<Path> paths;
-  const auto width = static_cast<std::size_t>(eye_.width());
   for (std::size_t pixel = first; pixel < first + count; ++pixel) {
-    Path& path = paths.emplace_back();
-    path.random = {settings_.seed, 2 * (sum_.passes() * sum_.pixels() + pixel) + 1};
-    const double x = static_cast<double>(pixel % width) + path.random.uniform();
-    const double y = static_cast<double>(pixel / width) + path.random.uniform();
-    path.flight = {eye_.place(), eye_.direction(x, y)};
-    path.weight = {1, 1, 1};
-    path.vertices.push_back({.place = eye_.place()});
+    paths.push_back(from_eye(eye_, pixel, {settings_.seed, 2 * (sum_.passes() * sum_.pixels() + pixel) + 1}));
   }
   struct Shadow {
     Segment segment;
@@ -109,7 +102,7 @@ void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>&
                  });
   };
   std::vector<char> found(paths.size(), 0);
-  // Through mirrors and glass to the first place that scatters every way.
+  // Follows the paths through mirrors and glass to the first vertex that scatters in all directions.
   for (int i = 0; i < settings_.max_scatterings; ++i) {
     paths_.walk(paths, 1, see);
     for (std::size_t k = 0; k < paths.size(); ++k) {
@@ -128,9 +121,7 @@ void PhotonMapping::look(std::size_t first, std::size_t count, std::vector<Rgb>&
       const Rgb share = product(vertex.weight, optics.albedo, towards / (distant ? 1 : dot(way, way)));
       const Rgb value = product(share, lights_.emitted(point, -1.0 * direction), 1);
       if (!(std::ranges::max(value) > 0)) continue;
-      const Vec3 from =
-          vertex.normal == Vec3{} ? vertex.place : off_surface({vertex.place, 0, 0, vertex.normal}, direction);
-      shadows.push_back({{from, target}, first + k, value});
+      shadows.push_back({{beside(vertex, direction), target}, first + k, value});
     }
     if (std::ranges::all_of(paths, [](const Path& path) { return path.ended; })) break;
   }

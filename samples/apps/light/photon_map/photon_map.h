@@ -1,9 +1,9 @@
-// Photon mapping (Jensen 1996; media Jensen and Christensen 1998): light's paths leave photons where they interact, and
-// the light scattered to the eye is found from the density of those round a place.
+// Photon mapping (Jensen 1996; media Jensen and Christensen 1998): paths from lights store photons where they interact,
+// and the light scattered to the eye is estimated from the density of photons around a point.
 //
-// Each pass has photons of its own. Light that comes straight from a light is found by shadow rays; photons are what
-// was reflected, refracted or scattered before. Their density is even over the ball that holds the neighbours: light is
-// blurred by so much, which more photons make less, and more passes do not.
+// Each pass has its own photons. Shadow rays find direct light; photons are light that was reflected, refracted or
+// scattered before. The estimate assumes a uniform density over the ball of the neighbours, and so blurs the light by
+// its radius. More photons reduce the blur, more passes do not.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 namespace gicube::samples {
 
 struct Photon {
-  Vec3 place, direction;  // in which it came
+  Vec3 place, direction;  // along which it arrived
   Rgb power;
 };
 
@@ -30,8 +30,8 @@ class PhotonTree {
   PhotonTree& operator=(PhotonTree&&) noexcept;
 
   std::size_t size() const;
-  // The photons nearest to a place, at most `count`, none beyond `radius`; and the radius of the ball that their
-  // density is of: that of the farthest, which is left out then, or `radius` if there are fewer.
+  // The photons nearest to a point, at most `count` and none beyond `radius`, and the radius of their ball: the distance
+  // of the farthest, which is then left out, or `radius` if there are fewer than `count`.
   struct Near {
     std::vector<const Photon*> photons;
     double radius = 0;
@@ -45,28 +45,28 @@ class PhotonTree {
 
 struct PhotonSettings {
   std::uint64_t photons = 100'000;  // paths from lights, each pass
-  int neighbours = 60;              // of a density
-  double radius = 8;                // greatest, in smallest voxel edges
+  int neighbours = 60;              // in a density estimate
+  double radius = 8;                // of their ball, at most; in smallest voxel edges
   int max_scatterings = 32;         // of a photon
   double step = 0.5;                // voxels between the board's samples
   std::uint64_t seed = 0;
 };
 
 struct PhotonStatistics {
-  std::uint64_t emitted = 0, on_surfaces = 0, in_media = 0;  // kept
-  std::uint64_t rays = 0;                                    // of the board, all kinds
-  // Densities of photons in media; those whose ball reaches beyond the volume, where no photons are, and that are too
-  // low.
+  std::uint64_t emitted = 0, on_surfaces = 0, in_media = 0;  // the last two: stored photons
+  std::uint64_t rays = 0;                                    // of all kinds, traced by the board
+  // Density estimates in media; and those that are too low, because their ball reaches beyond the volume, where no
+  // photons are stored.
   std::uint64_t looks_in_media = 0, beyond_faces = 0;
 };
 
 class PhotonMapping {
  public:
-  // All must outlive it. Throws InputError as Eye().
+  // The arguments must outlive it. Throws InputError as Eye().
   PhotonMapping(Board& board, const Medium& medium, const Lights& lights, const View& view,
                 const PhotonSettings& settings);
 
-  // New photons, and one path of the eye for each pixel.
+  // Traces new photons, and one path from the eye for each pixel.
   void pass();
   RadiancePicture picture() const { return sum_.picture(); }
   const PhotonStatistics& statistics() const { return statistics_; }

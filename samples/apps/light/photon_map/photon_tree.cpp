@@ -17,7 +17,7 @@ struct Cloud {
   }
   template <typename Box>
   bool kdtree_get_bbox(Box&) const {
-    return false;  // the library finds it
+    return false;  // nanoflann computes it
   }
 };
 
@@ -45,7 +45,7 @@ PhotonTree::Near PhotonTree::nearest(Vec3 place, std::size_t count, double radiu
   std::vector<double> squares(count);
   const std::array<double, 3> query{place.x, place.y, place.z};
   const std::size_t found = index_->tree.knnSearch(query.data(), count, which.data(), squares.data());
-  // The farthest is on the ball's border: of count - 1 within a ball round count, the mean density is the true one.
+  // The farthest photon lies on the surface of the ball. With count - 1 photons the density is unbiased.
   std::size_t kept = found;
   if (found == count && squares[count - 1] < radius * radius) {
     out.radius = std::sqrt(squares[count - 1]);

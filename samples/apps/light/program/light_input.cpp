@@ -13,16 +13,16 @@ void add_light_input(CLI::App& app, LightInput& input) {
   add_scene_input(app, input.scene);
   OptionGroup scene(app, "Scene");
   scene.choice("--bsdf", input.bsdf, {{"diffuse", Bsdf::kDiffuse}, {"isotropic", Bsdf::kIsotropic}},
-               "of a volume without a scene's materials: a diffuse surface or an isotropic medium (diffuse)");
-  scene.number("--albedo", input.albedo, CLI::Range(0.0, 1.0), "the share that such a volume scatters");
+               "BSDF of a volume without a scene's materials (diffuse)");
+  scene.number("--albedo", input.albedo, CLI::Range(0.0, 1.0), "albedo of such a volume");
   OptionGroup picture(app, "Picture");
-  picture.file("-o,--output", input.output, "the picture, PNG or EXR");
-  picture.file("--pixels", input.pixels, "radiance of each pixel and its standard error, CSV");
-  picture.value("--camera", input.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
-  picture.size("--size", input.size, "pixels of the picture (the scene's)");
+  picture.file("-o,--output", input.output, "write the picture here, PNG or EXR");
+  picture.file("--pixels", input.pixels, "write each pixel's radiance and its standard error here, CSV");
+  picture.value("--camera", input.camera_name, "name of the scene's camera to use (the first)")->type_name("NAME");
+  picture.size("--size", input.size, "size of the picture, pixels (the scene's)");
   picture.number("--exposure", input.exposure, CLI::Range(0.0, 1e12),
-                 "brightness of a white surface with a unit of power on a unit of area; 0: chosen");
-  picture.number("--step", input.step, CLI::Range(1.0 / 64, 16.0), "of the board's rays, voxels");
+                 "brightness of a white surface with a unit of power per unit of area; 0: chosen");
+  picture.number("--step", input.step, CLI::Range(1.0 / 64, 16.0), "step of the board's rays, voxels");
 }
 
 Scene light_scene(const LightInput& input) {
@@ -40,7 +40,7 @@ SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads
     setup.emissions.assign(setup.materials.size(), {0, 0, 0});
     setup.scattering_colours.clear();
     for (const TransferFunctionFile& look : setup.materials) {
-      // The colour where it is most opaque, as linear light.
+      // Linear light of the colour at the greatest opacity.
       const auto& opacities = look.function.opacities;
       const auto most = std::ranges::max_element(opacities, {}, &OpacityPoint::opacity);
       Colour colour{1, 1, 1};

@@ -1,4 +1,4 @@
-// The input of each method of gicube-light: a scene, and a picture of the light in it.
+// Input of each method of gicube-light: a scene and a picture of the light in it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@ namespace gicube::samples {
 
 struct LightInput {
   SceneInput scene;
-  // Material of a volume without materials of a scene:
+  // Material of a volume without a scene's materials.
   Bsdf bsdf = Bsdf::kDiffuse;
   double albedo = 0.8;
   double step = 0.5;
@@ -28,12 +28,11 @@ struct LightInput {
 };
 
 void add_light_input(CLI::App& app, LightInput& input);
-// The scene as read, with what the options change, and its setup. Throws what reading and setting up a scene throws.
+// Reads the scene and applies the options to it; sets it up. Throws what reading and setting up a scene throws.
 Scene light_scene(const LightInput& input);
 SceneSetup set_up_light(const Scene& scene, const LightInput& input, int threads);
 
-// A pixel shows pi times its radiance times the exposure, 1 is white; 0: one by which nine of ten lit pixels are below
-// 0.8.
+// A pixel shows pi * radiance * exposure; 1 is white. Exposure 0: nine of ten lit pixels are below 0.8.
 Image image_of(int width, int height, const std::vector<Rgb>& radiance, double exposure);
 
 }  // namespace gicube::samples

@@ -1,5 +1,4 @@
-// The common part of the methods: their options, passes of light on a board, and what is printed and written about
-// them.
+// Common part of the methods: their options, their passes on a board, and their reports.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,7 +27,7 @@ struct LightOptions {
   BoardOptions board;
 };
 
-// The counts of a run: as it is printed, and for --stats.
+// Counts of a run, printed and for --stats.
 struct LightCounts {
   std::string text;
   nlohmann::ordered_json json;

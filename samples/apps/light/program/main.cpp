@@ -1,4 +1,4 @@
-// gicube-light: light in a volume by host rays of a GI-Cube board.
+// gicube-light: computes the light in a volume with host rays of a GI-Cube board.
 #include <iostream>
 
 #include "light/program/methods.h"
@@ -9,7 +9,7 @@ using namespace gicube::samples;
 
 int main(int argc, char** argv) {
   return run_program("gicube-light", [&] {
-    CLI::App app("Paths of light in a volume, their rays by a GI-Cube board.", "gicube-light");
+    CLI::App app("Compute light paths in a volume with rays traced by a GI-Cube board.", "gicube-light");
     app.footer("Exit codes: 0 done, 1 failed, 2 wrong usage. Methods, limits and figures: docs/guide/light_paths.md.");
     app.set_version_flag("--version", std::string(GICUBE_VERSION));
     app.require_subcommand(1);

@@ -8,11 +8,11 @@ namespace {
 using PathOptions = LightOptions<BidirectionalSettings>;
 
 void add_path_options(OptionGroup& group, PathOptions& options) {
-  group.number("--passes", options.passes, CLI::Range(1, 1'000'000), "paths a pixel");
+  group.number("--passes", options.passes, CLI::Range(1, 1'000'000), "paths per pixel");
   group.number("--light-scatterings", options.settings.light_scatterings, CLI::Range(0, 64),
-               "of a light's path, at most; 0: paths from the eye alone, connected with the lights");
+               "scatterings of a path from a light, at most; 0: connect only paths from the eye with lights");
   group.number("--max-scatterings", options.settings.max_scatterings, CLI::Range(1, 1024),
-               "of a whole path: light that was scattered more often is missing");
+               "scatterings of a whole path; light that scatters more often is missing");
 }
 
 nlohmann::ordered_json path_settings(const BidirectionalSettings& settings) {

@@ -41,14 +41,11 @@ Noise noise_of(const RadiancePicture& picture) {
 void print(const Noise& noise) {
   fmt::print("mean radiance {:.4g} {:.4g} {:.4g}; standard error of a pixel {:.1f}% of it\n", noise.mean[0],
              noise.mean[1], noise.mean[2], 100 * noise.relative);
-  warn_if_black(noise);
-}
-
-void warn_if_black(const Noise& noise) {
-  if (noise.mean == Rgb{})
+  if (noise.mean == Rgb{}) {
     warn(
-        "nothing is visible in the picture: no light comes to the eye, as without a lamp or with the camera turned "
+        "nothing is visible in the picture: no light reaches the eye, as without a lamp or with the camera turned "
         "away");
+  }
 }
 
 nlohmann::ordered_json noise_json(const Noise& noise) {

@@ -1,4 +1,4 @@
-// Output of the programs about a picture of radiance.
+// Printed and written reports of a radiance picture.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,8 +13,7 @@ struct Noise {
   double relative = 0;  // root mean square of the pixels' standard errors over the mean radiance of all channels
 };
 Noise noise_of(const RadiancePicture& picture);
-void print(const Noise& noise);  // and what warn_if_black() says
-void warn_if_black(const Noise& noise);
+void print(const Noise& noise);                         // with a warning if the picture is black
 nlohmann::ordered_json noise_json(const Noise& noise);  // the relative error; null for one pass
 
 // To LightInput::output and pixels, where these are given. Throws FileError.

@@ -22,20 +22,13 @@ Vec3 Eye::direction(double x, double y) const {
   return normalise(forward_ + pixel_ * (x - width_ / 2.0) * right_ + pixel_ * (height_ / 2.0 - y) * up_);
 }
 
-Vec3 Eye::direction(std::size_t pixel, int ray, std::uint64_t seed) const {
-  PathRandom random(seed ^ 0xE7E, pixel);
-  const auto [u, v] = spread_point(ray, {random.uniform(), random.uniform()});
-  const auto width = static_cast<std::size_t>(width_);
-  return direction(static_cast<double>(pixel % width) + u, static_cast<double>(pixel / width) + v);
-}
-
 std::optional<std::size_t> Eye::pixel_of(Vec3 direction) const {
   const double ahead = dot(direction, forward_);
   if (!(ahead > 0)) return std::nullopt;
   const double x = std::floor(width_ / 2.0 + dot(direction, right_) / (ahead * pixel_));
   const double y = std::floor(height_ / 2.0 - dot(direction, up_) / (ahead * pixel_));
   if (!(x >= 0 && x < width_ && y >= 0 && y < height_)) return std::nullopt;
-  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  return static_cast<std::size_t>(y) * width() + static_cast<std::size_t>(x);
 }
 
 double Eye::density(Vec3 direction) const {

@@ -1,7 +1,6 @@
-// The eye of a view, as the board's pictures have it: pixels of a perspective image.
+// The eye of a view, with the perspective pixels of the board's pictures.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "gicube/view.h"
@@ -11,19 +10,17 @@ namespace gicube::samples {
 
 class Eye {
  public:
-  // Throws InputError for a parallel view, which light can't be connected with.
+  // Throws InputError for a parallel view, because light paths can't be connected with its eye.
   Eye(const View& view, const Medium& medium);
 
   Vec3 place() const { return eye_; }
-  // Through image point (x, y), pixels from the top left corner; unit.
+  // Unit vector through image point (x, y), in pixels from the top left corner.
   Vec3 direction(double x, double y) const;
-  // Direction of the `ray`th ray through a pixel (rows from the top); a pixel's rays are spread evenly.
-  Vec3 direction(std::size_t pixel, int ray, std::uint64_t seed) const;
   std::optional<std::size_t> pixel_of(Vec3 direction) const;
-  // Density of a direction whose image point is even over a pixel, per solid angle.
+  // Density, per solid angle, of a direction whose image point is uniform over a pixel.
   double density(Vec3 direction) const;
-  int width() const { return width_; }
-  int height() const { return height_; }
+  std::size_t width() const { return static_cast<std::size_t>(width_); }
+  std::size_t pixels() const { return width() * static_cast<std::size_t>(height_); }
 
  private:
   int width_, height_;

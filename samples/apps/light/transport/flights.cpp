@@ -7,9 +7,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kCommands = 64, kRaysOfOne = 32;  // chosen: of a batch, and the least of a command
-constexpr double kOff = 0.02;   // chosen: edges off a surface; the board's positions have 1/16384 voxel
-constexpr double kFine = 0.05;  // chosen: edges between the host's own samples in the skin of glass
+constexpr std::size_t kCommands = 64, kRaysOfOne = 32;  // chosen: most commands of a batch, fewest rays of a command
+constexpr double kOff = 0.02;   // chosen: distance from a surface, edges; the board's positions have 1/16384 voxel
+constexpr double kFine = 0.05;  // chosen: distance of the host's own samples in the skin of glass, edges
 
 }  // namespace
 
@@ -25,7 +25,7 @@ std::optional<Flights::Line> Flights::line_of(const Flight& flight, std::size_t 
   return line;
 }
 
-// A sample stands in the middle of its step, the first half a step behind the line's beginning.
+// A sample is in the middle of its step, so the first is half a step from the beginning of the line.
 Ticket Flights::send(std::span<const Line> lines, double opacity) {
   std::vector<HostRay> sent;
   const Dims& dims = medium_.dims();
@@ -40,7 +40,7 @@ Ticket Flights::send(std::span<const Line> lines, double opacity) {
   return board_.submit(sent, {.type = RayType::kFirstHit, .opacity = opacity, .step = step_});
 }
 
-// The nearer surface between two distances, neither of which is in a solid.
+// The surface between a distance outside of solids and a later one, if that is in a solid.
 std::optional<Hit> Flights::surface_between(const Line& line, double before, double after) const {
   constexpr int kHalvings = 20;
   const auto tag = medium_.solid(line.at(after));
@@ -54,16 +54,16 @@ std::optional<Hit> Flights::surface_between(const Line& line, double before, dou
   return Hit{place, after, medium_.solid(place).value_or(*tag), normal == Vec3{} ? -1.0 * line.direction : normal};
 }
 
-// The board's ray ends at or before the line's own end, since `opacity` is at most the line's. The host walks the rest.
+// The board's ray ends at or before the line's own end, since `opacity` is at most the line's. The host marches on.
 std::optional<Hit> Flights::hit_of(const Line& line, const TracedRay& ray, double opacity) const {
   const double first = line.begin + line.length / 2, steps = (line.end - line.begin) / line.length;
   double begin = line.begin + std::floor(steps + 0.5) * line.length, clear = begin;
   double before =
-      begin == line.begin ? 0 : ray.opacity;  // up to `begin`; the one sample of less than half a step is not
+      begin == line.begin ? 0 : ray.opacity;  // up to `begin`, which a single sample of less than half a step is not
   if (ray.opacity >= opacity) {
     const double index = std::round(dot(medium_.place_of(ray.position) - line.at(first), line.direction) / line.length);
     clear = first + std::clamp(index, 0.0, std::floor(steps)) * line.length;
-    // The board's sample is a little off the line: a solid that it met may begin behind ours.
+    // The board's sample is a little off the line, so the solid that it hit may begin later on the line.
     for (double after = clear; after <= clear + line.length; after += line.length / 8) {
       if (const auto hit = surface_between(line, std::max(line.begin, clear - line.length), after)) return hit;
       if (ray.opacity < 1) break;
@@ -84,7 +84,7 @@ std::optional<Hit> Flights::hit_of(const Line& line, const TracedRay& ray, doubl
     }
     if (ends) {
       const Vec3 place = line.at(distance);
-      const int tag = medium_.tag(place);  // next to a solid it may be the solid's, though the place is not within
+      const int tag = medium_.tag(place);  // beside a solid it may be the solid's, though the place is outside of it
       const bool medium = medium_.optics(tag).look == Look::kMedium;
       return Hit{place, distance, medium ? tag : medium_.tag(line.at(middle)), {}};
     }
@@ -93,7 +93,7 @@ std::optional<Hit> Flights::hit_of(const Line& line, const TracedRay& ray, doubl
   return std::nullopt;
 }
 
-// The host walks through the skin, the board through the body beneath.
+// The host marches through the skin of glass, the board traces the body beneath.
 void Flights::leave_glass(std::vector<Line> lines, std::vector<std::optional<Hit>>& hits) {
   constexpr int kMaxRounds = 64;  // a ray that grazes the skin comes back to it
   constexpr double kHalf = 0.5;
@@ -102,7 +102,7 @@ void Flights::leave_glass(std::vector<Line> lines, std::vector<std::optional<Hit
     for (Line& line : lines) {
       for (bool walks = true; walks;) {
         const double next = std::min(line.begin + kFine, line.end);
-        if (!medium_.solid(line.at(next))) {  // turned round, the outside is before the surface
+        if (!medium_.solid(line.at(next))) {  // bisection for the surface, from the inside
           double within = line.begin, outside = next;
           for (int i = 0; i < 20; ++i) {
             const double middle = (within + outside) / 2;
@@ -145,12 +145,12 @@ std::vector<std::optional<Hit>> Flights::first_hits(std::span<const Flight> flig
   for (std::size_t i = free.size(); i > 1; --i) {  // Fisher and Yates
     std::swap(free[i - 1], free[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
   }
-  for (std::size_t i = 0; i < free.size(); ++i) {  // one of each of as many even strata
+  for (std::size_t i = 0; i < free.size(); ++i) {  // one number in each of as many equal strata
     free[i].opacity = (static_cast<double>(i) + random.uniform()) / static_cast<double>(free.size());
   }
   struct Command {
     std::span<const Line> lines;
-    double opacity = 0;  // at most that of each line
+    double opacity = 0;  // at most that of each of its lines
     Ticket ticket;
   };
   std::vector<Command> commands;

@@ -1,9 +1,9 @@
-// Free flights and visibility by the board.
+// Free path segments and visibility, traced by the board.
 //
-// A flight ends where the opacity gathered from its start on reaches its random number, which is even in 0..1. A
-// batch's numbers lie one in each of as many strata, dealt at random. A command of the board has one opacity: the least
-// of its flights, sorted by their numbers. Its first hits are samples; from there the host walks on to each flight's
-// end, and finds that of a surface by halving.
+// A segment ends where the opacity from its start reaches its random number, uniform in 0..1. The numbers of a batch are
+// stratified, one in each stratum, and dealt to its segments at random. A command of the board has one opacity, so
+// segments are sorted by their numbers, and a command has the least number of its segments. The board returns the sample
+// of that first hit; from there the host marches on to each segment's own end, and locates a surface by bisection.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 namespace gicube::samples {
 
 struct Flight {
-  Vec3 place, direction;  // anywhere; unit
+  Vec3 place, direction;  // the place may be outside of the volume; the direction has unit length
   bool in_glass = false;
 };
 
@@ -23,7 +23,7 @@ struct Hit {
   Vec3 place;
   double distance = 0;
   int tag = 0;
-  Vec3 normal{};  // of a surface, out of it; zero in a medium
+  Vec3 normal{};  // outward normal of a surface; zero in a medium
 };
 
 struct Segment {
@@ -36,9 +36,9 @@ class Flights {
   Flights(Board& board, const Medium& medium, double step, std::uint64_t seed)
       : board_(board), medium_(medium), step_(step), seed_(seed) {}
 
-  // Nothing for a flight that leaves the volume.
+  // The end of each segment; nothing if it leaves the volume.
   std::vector<std::optional<Hit>> first_hits(std::span<const Flight> flights);
-  // The share of light that passes, 0..1. What lies outside of the volume is clear; glass stops all.
+  // The share of light that passes, 0..1. Space outside of the volume is clear; glass stops all light.
   std::vector<double> transmittances(std::span<const Segment> segments);
 
   std::uint64_t rays() const { return rays_; }
@@ -64,7 +64,7 @@ class Flights {
   std::uint64_t seed_, batches_ = 0, rays_ = 0;
 };
 
-// Where a path goes on from a surface: a little off it, to the side of `direction`.
+// Where a path continues from a surface: a little off it, on the side of `direction`.
 Vec3 off_surface(const Hit& hit, Vec3 direction);
 
 }  // namespace gicube::samples

@@ -1,5 +1,5 @@
 // The host's model of the volume on the board: materials at a point, and positions of surfaces.
-// 
+//
 // Points are physical, in smallest voxel edges: a voxel's indices times the spacing.
 #pragma once
 
@@ -17,9 +17,9 @@ namespace gicube::samples {
 
 class Medium {
  public:
-  // Loads the scene's volume onto the board. Materials are set so that first hits of rays end where paths scatter:
-  // media as they look, an opaque solid wholly opaque from half of its greatest opacity on, glass a skin of that.
-  // Throws InputError: a material that paths can't follow, a cut plane.
+  // Loads the scene's volume onto the board, with transfer functions by which first hits are where paths scatter: media
+  // keep theirs, an opaque solid is opaque from half of its greatest opacity on, and so is a skin of glass. Throws
+  // InputError: a material that paths can't follow, a cut plane.
   Medium(Board& board, const SceneSetup& setup, const Progress& progress = {});
 
   Vec3 voxel_of(Vec3 p) const { return {p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z}; }
@@ -29,13 +29,13 @@ class Medium {
   double radius() const { return 0.5 * length(high_); }  // of a sphere round the volume
 
   const Optics& optics(int tag) const { return tags_[static_cast<std::size_t>(tag)].optics; }
-  int tag(Vec3 place) const;            // the nearest voxel's
+  int tag(Vec3 place) const;            // of the nearest voxel
   double extinction(Vec3 place) const;  // of media, per length; 0 in solids
-  // The tag of the solid that the place is in; none: it is in no solid.
+  // The tag of the solid at a place, if there is one.
   std::optional<int> solid(Vec3 place) const;
-  // Whether rays are free within glass there: beneath its skin.
+  // Whether the place is in glass, beneath its skin, where rays pass freely.
   bool in_body(Vec3 place) const;
-  Vec3 normal(Vec3 place) const;  // unit, towards thinner stuff; zero where there is none
+  Vec3 normal(Vec3 place) const;  // unit vector towards lower values; zero where they are constant
 
   struct Span {
     double begin = 0, end = -1;  // begin < end: the part of a half line in the volume

@@ -1,4 +1,4 @@
-// How a material scatters a path, as gicube/material.h says: a random direction and its density.
+// Scattering of a path by a material (gicube/material.h): a random direction and its density.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ enum class Look { kMedium, kOpaque, kGlass };
 struct Optics {
   Look look = Look::kMedium;
   Bsdf bsdf = Bsdf::kNone;
-  Rgb albedo{};      // the share that goes on
+  Rgb albedo{};      // share of the light that is scattered
   double g = 0;      // media: the phase function's mean cosine (Henyey, Greenstein)
   double index = 1;  // glass: of refraction
 
@@ -28,11 +28,11 @@ struct Optics {
 // Throws InputError (`name`: the material's): a BSDF that paths can't follow.
 Optics optics_of(const Material& material, const std::array<double, 3>& colour, const std::string& name);
 
-// `normal`: of a surface, out of the solid; media don't look at it. Directions are unit vectors.
+// `normal`: outward normal of a surface; not used for media. Directions are unit vectors.
 Vec3 scatter(const Optics& optics, Vec3 direction, Vec3 normal, PathRandom& random);
 
-// Density of `out`, per solid angle; 0 for sharp materials. Times the albedo it is the share of light that continues
-// along `out`. It is equal for the way back, except for the cosine at a surface.
+// Density of `out`, per solid angle; 0 for sharp materials. Multiplied by the albedo it is the share of light that is
+// scattered along `out`. The reverse direction has the same density, except for the cosine at a surface.
 double density(const Optics& optics, Vec3 direction, Vec3 normal, Vec3 out);
 
 }  // namespace gicube::samples

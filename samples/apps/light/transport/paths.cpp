@@ -7,7 +7,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kRouletteBelow = 0.1;  // chosen: of a path's weight at its beginning
+constexpr double kRouletteBelow = 0.1;  // chosen: share of a path's initial weight
 
 }  // namespace
 
@@ -17,6 +17,23 @@ double density_at(double density, const Vertex& from, const Vertex& to) {
   if (to.distant || squared == 0) return density;
   const double cosine = to.normal == Vec3{} ? 1 : std::abs(dot(to.normal, way)) / std::sqrt(squared);
   return from.distant ? density * cosine : density * cosine / squared;
+}
+
+Vec3 beside(const Vertex& vertex, Vec3 direction) {
+  return vertex.tag < 0 || vertex.normal == Vec3{} ? vertex.place
+                                                   : off_surface({vertex.place, 0, 0, vertex.normal}, direction);
+}
+
+Path from_eye(const Eye& eye, std::size_t pixel, PathRandom random) {
+  Path path;
+  path.random = random;
+  const double x = static_cast<double>(pixel % eye.width()) + path.random.uniform();
+  const double y = static_cast<double>(pixel / eye.width()) + path.random.uniform();
+  path.flight = {eye.place(), eye.direction(x, y)};
+  path.density = eye.density(path.flight.direction) / static_cast<double>(eye.pixels());
+  path.weight = {1, 1, 1};
+  path.vertices.push_back({.place = eye.place(), .weight = path.weight});
+  return path;
 }
 
 Path Paths::from_light(PathRandom random) const {

@@ -17,8 +17,8 @@ inline void add(Rgb& sum, const Rgb& value, double factor = 1) {
   for (std::size_t c = 0; c < 3; ++c) sum[c] += value[c] * factor;
 }
 
-// Rows from the top. A radiance of L shows a white surface on which pi L of power falls on a unit of area (a square of
-// the smallest voxel edge).
+// Rows from the top. A white surface has the radiance L if a power of pi L falls on a unit of its area (a square of the
+// smallest voxel edge).
 struct RadiancePicture {
   int width = 0, height = 0;
   std::uint64_t passes = 0;
@@ -40,7 +40,7 @@ class RadianceSum {
   void add(const std::vector<Rgb>& pass) {
     const auto n = static_cast<double>(++picture_.passes);
     for (std::size_t i = 0; i < pass.size(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c) {  // Welford's: no cancellation
+      for (std::size_t c = 0; c < 3; ++c) {  // Welford's method, which avoids cancellation
         const double off = pass[i][c] - picture_.mean[i][c];
         picture_.mean[i][c] += off / n;
         squares_[i][c] += off * (pass[i][c] - picture_.mean[i][c]);

@@ -239,8 +239,8 @@ TEST(Eye, DrawsEvenPlacesInPixelsForAnyNumberOfRays) {
   constexpr int kSeeds = 3000, kRays = 3;
   int left = 0, upper = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    for (int ray = 0; ray < kRays; ++ray) {
-      const Vec3 direction = eye.direction(kPixel, ray, seed);
+    for (std::uint64_t ray = 0; ray < kRays; ++ray) {
+      const Vec3 direction = from_eye(eye, kPixel, {seed, ray}).flight.direction;
       EXPECT_EQ(eye.pixel_of(direction), kPixel);
       // Before the planes through the eye and the pixel's middle.
       const auto beside = [&](double x, double y) { return eye.direction(5.5 + x, 3.5 + y); };
