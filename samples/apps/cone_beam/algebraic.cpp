@@ -45,7 +45,7 @@ double square_sum(const std::vector<float>& values) {
   return sum;
 }
 
-// How much of what was measured a volume's projections miss.
+// Residual of a volume's projections.
 struct Missing {
   double squares = 0, measured = 0;
 
@@ -64,7 +64,7 @@ struct Loop {
   std::vector<std::size_t> order = subset_order(subsets.size());
   std::vector<std::vector<float>> known_weights{subsets.size()};  // of subsets, once they are known
   Reconstruction out{.values = std::vector<float>(voxel_count(geometry.volume.dims))};
-  // kCgls: what is missing of all projections, the direction that was gone last, and the gradient's square there.
+  // kCgls: residual of all projections, the last direction, and the square of its gradient.
   std::vector<float> remainder{}, direction{};
   double steepness = 0;
   double tv_weight = settings.tv_weight;
@@ -111,13 +111,13 @@ struct Loop {
                static_cast<std::uint32_t>(settings.iterations) * all);
   }
 
-  // A correction that is not too large makes the projections of its own views better.
+  // A correction that is not too large improves the projections of its own views.
   void judge(double after, double before) {
     if (!(after <= kGrown * before)) out.diverged = true;  // also of what is not a number
   }
 
-  // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected
-  // again after its correction: non-negative values may circle for ever without growing.
+  // Corrects for all subsets once. Stops when a residual exceeds that of an empty volume by too much. Projects the
+  // first subset again after its correction, because non-negative values may oscillate for ever without growing.
   double iterate(int iteration, const Progress& progress) {
     const std::vector<float> before = settings.method == Method::kTv ? out.values : std::vector<float>();
     Missing missing;
@@ -139,8 +139,8 @@ struct Loop {
     return missing.relative();
   }
 
-  // The residual of a subset's views; and the correction of each ray, per its length, or for kOsem its factor. Rays
-  // that only cut a corner are omitted, because they carry little information and much noise.
+  // Residual of a subset's views, and the correction of each ray over its length, or for kOsem its factor. Omits rays
+  // that only cut a corner, because they carry little information and much noise.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     constexpr double kDark = 1e-3;  // chosen: of a ray of the mean value, which no ratio is taken over less of
     densities.clear();
@@ -174,7 +174,7 @@ struct Loop {
     return projector.backproject(views, most, [&](std::size_t i) { return densities[i]; });
   }
 
-  // The sums of a density of one on all rays; 0 where rays say nothing of a voxel.
+  // Sums of a density of one on all rays; 0 for voxels that rays hardly reach.
   std::vector<float> weights_of(const std::vector<std::size_t>& views) {
     Densities ones;
     for (const std::size_t view : views) {
@@ -240,7 +240,7 @@ struct Loop {
     return std::sqrt(square_sum(remainder) / square_sum(projections.values));
   }
 
-  // The next direction: downhill, and conjugate to the last.
+  // Next direction: downhill, and conjugate to the last.
   void turn() {
     std::vector<float> gradient = projector.backproject(remainder);
     mask(gradient);
@@ -251,7 +251,7 @@ struct Loop {
       direction[i] = gradient[i] + static_cast<float>(kept) * direction[i];
   }
 
-  // kTv: steps down the total variation.
+  // kTv: reduces the total variation.
   void flatten(const std::vector<float>& before) {
     const auto distance = [this](const std::vector<float>& from) {
       double sum = 0;
@@ -284,7 +284,7 @@ std::vector<float> tv_gradient(const std::vector<float>& values, const Dims& dim
   float most = 0;
   for (const float value : values) most = std::max(most, std::abs(value));
   const float least = kSmooth * most * kSmooth * most;
-  // Differences to the next voxel on each axis, over their size; and what flows out of each voxel by them.
+  // Normalised differences to the next voxel on each axis, and their divergence at each voxel.
   std::array<std::vector<float>, 3> flows;
   for (auto& flow : flows) flow.resize(values.size());
   const auto place = [&](std::size_t i) { return std::array{i % columns, i / columns % rows, i / strides[2]}; };
@@ -327,7 +327,7 @@ std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const Alge
 std::vector<std::size_t> subset_order(std::size_t subsets) {
   std::vector<std::size_t> sorted(subsets), order(subsets);
   std::iota(sorted.begin(), sorted.end(), 0);
-  // The ranks of the fractions of multiples of the golden ratio.
+  // Ranks of the fractional parts of multiples of the golden ratio.
   std::ranges::sort(sorted, {},
                     [](std::size_t i) { return std::fmod(static_cast<double>(i) * 0.6180339887498949, 1); });
   for (std::size_t rank = 0; rank < subsets; ++rank) order[sorted[rank]] = rank;

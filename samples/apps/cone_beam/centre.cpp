@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "cone_beam/redundancy.h"
 #include "gicube/error.h"
@@ -14,39 +13,32 @@
 namespace gicube::samples {
 namespace {
 
-// The mean of some rows of each view, views by columns.
+// Sums of a few rows per view, columns fastest.
 struct Fan {
   const ConeGeometry& geometry;
   std::size_t columns;
   std::vector<double> values;
 
-  // Between pixels of a view, by the parabola through three of them.
+  // Interpolates between pixels of a view, by the parabola through three of them.
   double at(std::size_t view, double column) const {
     const double nearest = std::clamp(std::round(column), 1.0, static_cast<double>(columns) - 2), t = column - nearest;
     const double* const p = values.data() + view * columns + static_cast<std::size_t>(nearest);
     return p[0] + t * (p[1] - p[-1]) / 2 + t * t * (p[1] + p[-1] - 2 * p[0]) / 2;
   }
 
-  // By how much lines and their opposites differ with this offset, over what both are; infinite if there are too few.
+  // Squared difference between lines and their opposites at this offset, relative to their squares; infinite if there
+  // are too few.
   double mismatch(double offset) const {
-    const auto& angles = geometry.angles;
     const Detector& detector = geometry.detector;
-    const double turn = 2 * std::numbers::pi;
     double off = 0, all = 0;
     std::size_t pairs = 0;
-    for (std::size_t view = 0; view < angles.size(); ++view) {
+    for (std::size_t view = 0; view < geometry.angles.size(); ++view) {
       for (std::size_t column = 0; column < columns; ++column) {
         const double u = (static_cast<double>(column) - (detector.columns - 1) / 2.0) * detector.pitch_u + offset;
         const double other = (-u - offset) / detector.pitch_u + (detector.columns - 1) / 2.0;
         if (other < 0 || other > detector.columns - 1) continue;
-        double angle = angles[view] + std::numbers::pi - 2 * std::atan(u / geometry.source_to_detector);
-        angle -= turn * std::floor((angle - angles[0]) / turn);
-        const auto above = static_cast<std::size_t>(std::ranges::upper_bound(angles, angle) - angles.begin());
-        const bool closes = above == angles.size();
-        if (closes && is_short_scan(geometry)) continue;
-        const std::size_t before = above - 1, behind = closes ? 0 : above;
-        const double gap = angles[behind] + (closes ? turn : 0) - angles[before];
-        const double part = (angle - angles[before]) / gap;
+        const auto [before, behind, part] = opposite_views(geometry, view, u);
+        if (behind == 0 && is_short_scan(geometry)) continue;
         const double own = values[view * columns + column];
         const double opposite = (1 - part) * at(before, other) + part * at(behind, other);
         off += (own - opposite) * (own - opposite);
@@ -66,8 +58,7 @@ double find_offset_u(const ConeGeometry& geometry, const Projections& projection
   check(geometry);
   check(projections, geometry);
   if (!geometry.circular()) {
-    throw BadArgument("poses", "views on a circle, whose centre is looked for",
-                      fmt::format("{} poses", geometry.poses.size()));
+    throw BadArgument("poses", "views on a circle, to find its centre", fmt::format("{} poses", geometry.poses.size()));
   }
   const Detector& detector = geometry.detector;
   const auto columns = static_cast<std::size_t>(detector.columns);
@@ -83,7 +74,7 @@ double find_offset_u(const ConeGeometry& geometry, const Projections& projection
       for (std::size_t i = 0; i < columns; ++i) fan.values[view * columns + i] += double{from[i]};
     }
   }
-  // Whole pixels first, then ever finer about the best.
+  // Steps of whole pixels first, then finer ones around the best offset.
   double best = detector.offset_u, step = detector.pitch_u;
   int steps = std::max(2, detector.columns / 4);
   for (; step > 0.005 * detector.pitch_u; step /= 4, steps = 5) {

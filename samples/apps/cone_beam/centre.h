@@ -1,14 +1,14 @@
-// Where the axis of rotation is seen, found from the projections themselves.
+// Finds the position of the axis of rotation on the detector from the projections.
 #pragma once
 
 #include "cone_beam/geometry.h"
 
 namespace gicube::samples {
 
-// The detector's offset_u by which lines that were measured from both sides, in the rows nearest to the middle plane,
-// differ least. It is looked for within a quarter of the detector's width of geometry.detector.offset_u, and is good to
-// a tenth of a pixel. Throws BadArgument: views of their own poses; an arc in which no line is measured twice;
-// projections that are the same everywhere.
+// Returns the detector's offset_u that minimises the difference between opposite measurements of the same lines, in the
+// rows nearest to the middle plane. The search covers a quarter of the detector's width on both sides of
+// geometry.detector.offset_u. The result is accurate to a tenth of a pixel. Throws BadArgument: views with their own
+// poses; an arc that measures no line twice; uniform projections.
 double find_offset_u(const ConeGeometry& geometry, const Projections& projections);
 
 }  // namespace gicube::samples

@@ -12,7 +12,7 @@
 namespace gicube::samples {
 namespace {
 
-// Between pixels, by cubics along both axes; beyond the detector its edge.
+// Interpolates between pixels by cubics along both axes; repeats the edge beyond the detector.
 double value_at(const float* view, const Detector& detector, double column, double row) {
   const double left = std::floor(column), below = std::floor(row);
   const std::array<double, 4> across = cubic(column - left), up = cubic(row - below);

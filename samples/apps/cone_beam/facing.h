@@ -1,5 +1,4 @@
-// Views whose detectors are tilted, turned or shifted, as a detector would see them that faces the axis of rotation
-// squarely.
+// Resamples views of tilted, turned or shifted detectors to detectors that face the axis of rotation squarely.
 #pragma once
 
 #include <array>
@@ -13,15 +12,14 @@ struct FacingViews {
   Projections projections;
 };
 
-// Resamples by Catmull and Rom's cubics: a ray is the same wherever a detector catches it. Pixels that a detector has
-// not seen repeat its edge. Views of one angle are averaged. Throws BadArgument that names the first source that is
-// more than half a pixel, as seen at the axis, off the mean circle about z [C: it moves no ray by more than a fraction
-// of that inside of the volume].
+// Resamples by Catmull and Rom's cubics. Pixels outside the detector repeat its edge. Views of one angle are averaged.
+// Throws BadArgument with the first source that is more than half a pixel, scaled to the axis, off the mean circle
+// about z [C: it moves no ray by more than a fraction of that inside the volume].
 FacingViews facing(const ConeGeometry& geometry, const Projections& projections);
 
 // Weights of four pixels for a value between the second and the third, by Catmull and Rom's cubic. The cubic through
-// all four loses more of the highest frequencies, and a transform, exact for rows of limited band, would make those of
-// edges ring.
+// all four loses more of the highest frequencies. A Fourier transform would be exact for band-limited rows, but edges
+// would ring.
 std::array<double, 4> cubic(double t);
 
 }  // namespace gicube::samples

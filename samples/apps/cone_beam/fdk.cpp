@@ -12,7 +12,7 @@
 namespace gicube::samples {
 namespace {
 
-// At the axis, along x and y by its width, along z by its height.
+// A pixel at the axis: its width along x and y, its height along z.
 Vec3 pixel_in_voxels(const ConeGeometry& geometry) {
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
   const double u = geometry.detector.pitch_u * at_axis, v = geometry.detector.pitch_v * at_axis;
@@ -32,7 +32,7 @@ void check(const FdkSettings& settings, const ConeGeometry& geometry, const Proj
   check(projections, geometry);
 }
 
-// The pixels and weights that make a ray's value. Pixels beyond the detector repeat its edge.
+// Pixels and weights of a ray's value. Pixels beyond the detector repeat its edge.
 struct Taps {
   std::array<std::size_t, 4> pixels{};
   std::array<double, 4> weights{};
@@ -72,8 +72,8 @@ std::vector<double> finer_view(std::vector<double> pixels, std::size_t columns, 
   return out;
 }
 
-// Scale of a value: the arc, the area of a ray at the axis, and the ray's slant, divided by a voxel's volume; here
-// without the slant.
+// Scale of a value: the arc times the area of a ray at the axis over a voxel's volume. The caller multiplies it by the
+// ray's slant.
 double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   const Vec3 edge = geometry.volume.spacing;
   const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
@@ -81,12 +81,12 @@ double density_scale(const ConeGeometry& geometry, double arc, PixelRays rays) {
   return arc * area / (edge.x * edge.y * edge.z);
 }
 
-// That no |density| of filtered_view() exceeds: found without filtering all views, which together would take more
-// memory than the volume.
+// Upper bound of |density| in filtered_view(). It needs no filtered views, which together would take more memory than
+// the volume.
 double max_density(const Projections& projections, const ConeGeometry& geometry, const RampFilter& filter,
                    PixelRays rays, bool displaced) {
   const auto [least, most] = std::ranges::minmax(projections.values);
-  constexpr double kCubics = 1.25 * 1.25;  // by which the cubics of finer_view() can overshoot
+  constexpr double kCubics = 1.25 * 1.25;  // overshoot of the cubics of finer_view()
   const double value = std::max(std::abs(double{least}), std::abs(double{most})) * filter.gain();
   return value * density_scale(geometry, std::ranges::max(arc_weights(geometry)), rays) *
          (rays == PixelRays{} ? 1 : kCubics) * (displaced ? 2 : 1);
@@ -111,9 +111,8 @@ double voxels_of_a_pixel(const ConeGeometry& geometry) {
   return std::max({pixel.x, pixel.y, pixel.z});
 }
 
-// chosen: the fewest rays by which hardly any object is more than 1.05 times as wrong as in double precision, and what
-// sharpens them best (docs/guide/cone_beam.md). Errors along v, of which all views have the same, need rays closer
-// together than those along u.
+// chosen: the fewest rays with which hardly any object has more than 1.05 times the error of double precision
+// (docs/guide/cone_beam.md). All views share errors along v, so rays must be closer along v than along u.
 PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.rays > 0) return {settings.rays, settings.rays};
   constexpr double kOneAcross = 0.9, kOneDown = 0.55, kOneOfSmall = 0.7, kSpacing = 1.25;
@@ -127,7 +126,7 @@ PixelRays rays_of(const FdkSettings& settings, const ConeGeometry& geometry) {
 
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry) {
   if (settings.sharpen) return {*settings.sharpen, *settings.sharpen, *settings.sharpen};
-  constexpr double kSplat = 1.0 / 12;  // splatting adds a variance of 1/6 voxel^2; a part a takes 2 a away
+  constexpr double kSplat = 1.0 / 12;  // splatting adds a variance of 1/6 voxel^2; a part `a` removes 2 a
   constexpr double kAcross = 0.1;      // chosen: also restores what the cubics lose (measured)
   const PixelRays rays = rays_of(settings, geometry);
   const Vec3 pixel = pixel_in_voxels(geometry);
@@ -146,7 +145,7 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
       stride = run;
       continue;
     }
-    // Runs of at most so many lanes side by side, as they stand in memory [chosen].
+    // Processes at most so many adjacent lanes together, in the order of memory [chosen].
     constexpr std::size_t kLanes = 256;
     const std::size_t runs = (stride + kLanes - 1) / kLanes;
     parallel_for(values.size() / run * runs, 0, [&, stride](std::size_t piece) {

@@ -1,4 +1,4 @@
-// The ramp filter along rows.
+// Ramp filter along rows.
 #include <fftw3.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-// FFTW's planner is not for several threads at once; running plans is.
+// FFTW's planner is not thread-safe; execution of plans is.
 std::mutex planner;
 
 struct Free {
@@ -49,8 +49,8 @@ RampFilter::RampFilter(int samples, double pitch, Window window)
     forward_.reset(fftw_plan_dft_r2c_1d(size, time.get(), spectrum.get(), FFTW_ESTIMATE));
     backward_.reset(fftw_plan_dft_c2r_1d(size, spectrum.get(), time.get(), FFTW_ESTIMATE));
   }
-  // The band-limited ramp in space (Kak and Slaney, eq. 61 of chapter 3), times the pitch of the convolution's sum: its
-  // transform has the right mean, where a ramp of frequencies would have none.
+  // The band-limited ramp in space (Kak and Slaney, eq. 61 of chapter 3), times the pitch of the convolution's sum. Its
+  // transform has the right mean; a ramp of frequencies would have none.
   std::fill_n(time.get(), padded_, 0.0);
   time[0] = 1 / (4 * pitch);
   for (std::size_t n = 1; n < padded_ / 2; n += 2) {

@@ -16,7 +16,7 @@ Reconstruction backproject_into_irradiance(Board& board, const Projector& projec
   Reconstruction out;
   out.values.resize(voxel_count(dims));
   double kept = 0, clipped = 0;
-  // One pass: the sums of these views, from `first` on, with one sign.
+  // One pass: adds the values of one sign of these views, from `first` on.
   const auto pass = [&](std::size_t first, const std::vector<std::vector<double>>& views, double sign) {
     double most = 0, of_all = 0;
     for (std::size_t view = 0; view < views.size(); ++view) {
@@ -26,7 +26,7 @@ Reconstruction backproject_into_irradiance(Board& board, const Projector& projec
       of_all += here * projector.max_of_a_voxel(first + view);
     }
     if (most == 0) return;
-    // Full words, and what a step may leave at once, which has 11 bits on any board.
+    // Greatest words, and the greatest deposit of a step, which has 11 bits on any board.
     constexpr double kMaxUnits = 2047;
     const double of_a_step = most * std::max({edge.x, edge.y, edge.z}) * step / kMaxUnits;
     const double of_words = settings.headroom * of_all / full;

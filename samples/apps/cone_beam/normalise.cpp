@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPlaces = 4;  // chosen: of depths and radii in a voxel's edge
 
-// Density that the rows of a view's rays give voxels at a depth, relative to uniform rays: docs/guide/cone_beam.md
-// derives it.
+// Density that the rows of a view's rays deposit in voxels at a depth, relative to uniform rays;
+// docs/guide/cone_beam.md derives it.
 class RowRipples {
  public:
   RowRipples(const ConeGeometry& geometry, int fine) : geometry_(geometry) {
@@ -22,7 +22,7 @@ class RowRipples {
     reach_ = std::hypot(corner.x, corner.y) + 2 * step_;
     depths_ = static_cast<std::size_t>(2 * reach_ / step_) + 2;
     ripples_.resize(depths_ * heights());
-    // Within a voxel's hat rays come from other depths: three of the same mean and variance.
+    // Rays within a voxel's hat have several depths: three depths give the same mean and variance.
     const double off = std::sqrt((edge.x * edge.x + edge.y * edge.y) / 4);
     parallel_for(depths_, 0, [&](std::size_t i) {
       const double depth = geometry.source_to_axis - reach_ + static_cast<double>(i) * step_;
@@ -32,7 +32,7 @@ class RowRipples {
     });
   }
 
-  // For all heights at (x, y, 0): the ideal density over the actual one.
+  // Ideal density over actual density, for all heights at (x, y, 0).
   std::vector<float> factors(double x, double y, const std::vector<double>& arcs) const {
     std::vector<double> weights(depths_);
     double wanted = 0;
@@ -60,8 +60,8 @@ class RowRipples {
  private:
   std::size_t heights() const { return static_cast<std::size_t>(geometry_.volume.dims[2]); }
 
-  // Adds `part` of the hats that rows of rays meet at this depth, by the distance between them. A voxel on a face has
-  // rays on one side of it, and twice their sum.
+  // Adds `part` of the hats of the rows of rays at this depth, times the distance between rows. A voxel on a face has
+  // rays only on one side, and twice their sum.
   void add_rows(double depth, int fine, double part, float* out) const {
     const Detector& detector = geometry_.detector;
     const double scale = depth / geometry_.source_to_detector;
@@ -85,8 +85,8 @@ class RowRipples {
   std::vector<float> ripples_;  // of the heights at each depth
 };
 
-// Within which height the hat of a voxel at this distance from the axis is within the detector's rays in any view;
-// negative: nowhere.
+// Greatest height at which the hat of a voxel at this distance from the axis is inside the detector's rays in every
+// view; negative: none.
 double height_seen_by_all(const ConeGeometry& geometry, double radius) {
   const Detector& d = geometry.detector;
   const Vec3 edge = geometry.volume.spacing;
@@ -113,7 +113,7 @@ void normalise(Reconstruction& made, const ConeGeometry& geometry, const FdkSett
   const Vec3 corner = to_space(grid, {0, 0, 0});
   const auto columns = static_cast<std::size_t>(grid.dims[0]), rows = static_cast<std::size_t>(grid.dims[1]);
   const auto heights = static_cast<std::size_t>(grid.dims[2]);
-  // After an even turn all places at one distance from the axis have the same factors.
+  // In a uniform whole turn all places at one distance from the axis have the same factors.
   const double step = std::min(grid.spacing.x, grid.spacing.y) / kPlaces;
   std::vector<std::vector<float>> by_radius(
       is_even_turn(geometry, arcs) ? static_cast<std::size_t>(std::hypot(corner.x, corner.y) / step) + 2 : 0);

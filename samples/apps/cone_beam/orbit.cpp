@@ -1,4 +1,4 @@
-// Views on any orbit, and what a circle makes of them.
+// Views on any orbit, and the circle nearest to them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@ SeenAt seen_at(const ViewPose& view, Vec3 place) {
   const Vec3 normal = cross(view.u, view.v), way = place - view.source;
   const double toward = dot(way, normal), part = dot(view.centre - view.source, normal) / toward;
   if (!(part > 0)) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  // Position on the detector: its shares of u and v, which need not be perpendicular.
+  // Position on the detector in units of u and v, which need not be perpendicular.
   const Vec3 on = view.source + part * way - view.centre;
   const double square = dot(normal, normal);
   return {dot(cross(on, view.v), normal) / square, dot(cross(view.u, on), normal) / square};

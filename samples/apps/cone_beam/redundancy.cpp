@@ -16,13 +16,13 @@ using std::numbers::pi;
 constexpr double kDisplaced = 0.01;  // chosen: of the detector's width
 double width_of(const Detector& detector) { return detector.columns * detector.pitch_u; }
 
-// A smooth step: 0 at -1, 1/2 at 0, 1 at 1.
-double smooth_rise(double part) {
-  const double s = std::sin(pi / 4 * (1 + std::clamp(part, -1.0, 1.0)));
+// Rises smoothly from 0 at 0 to 1 at 2.
+double smooth(double part) {
+  const double s = std::sin(pi / 4 * part);
   return s * s;
 }
 
-// Columns that are missing on the near side.
+// Number of columns that the near side misses.
 int missing_columns(const Detector& detector, bool displaced) {
   return displaced ? static_cast<int>(std::lround(2 * std::abs(detector.offset_u) / detector.pitch_u)) : 0;
 }
@@ -51,10 +51,6 @@ std::vector<double> arc_weights(const ConeGeometry& geometry) {
 
 double short_scan_weight(double angle, double fan, double arc) {
   const double beyond = (arc - pi) / 2;  // the largest fan angle that the arc serves
-  const auto smooth = [](double part) {
-    const double s = std::sin(pi / 4 * part);
-    return s * s;
-  };
   if (angle < 0 || angle > arc) return 0;
   const double rise = 2 * (beyond - fan), fall = 2 * (beyond + fan);  // angles of the first and the last such views
   if (rise > 0 && angle < rise) return smooth(2 * angle / rise);
@@ -82,17 +78,20 @@ WeightedRows::WeightedRows(const ConeGeometry& geometry, bool displaced)
   reach_ = near_ + 2 * std::abs(detector.offset_u);
 }
 
-// The line of column u is measured again at angle + pi - 2 atan(u / D), in column -u. Both cross the plane through the
-// axis that is square to them at the same height where they are in the same row.
-double WeightedRows::from_opposite(const Projections& projections, std::size_t view, int row, double u) const {
-  const auto& angles = geometry_.angles;
-  const Detector& detector = geometry_.detector;
-  const double turn = 2 * pi, angle = angles[view] + pi - 2 * std::atan(u / geometry_.source_to_detector);
+OppositeViews opposite_views(const ConeGeometry& geometry, std::size_t view, double u) {
+  const auto& angles = geometry.angles;
+  const double turn = 2 * pi, angle = angles[view] + pi - 2 * std::atan(u / geometry.source_to_detector);
   const double wanted = angles[0] + std::fmod(std::fmod(angle - angles[0], turn) + turn, turn);
   const auto above = static_cast<std::size_t>(std::ranges::upper_bound(angles, wanted) - angles.begin());
   const std::size_t before = above - 1, behind = above == angles.size() ? 0 : above;
   const double gap = (behind == 0 ? angles[0] + turn : angles[behind]) - angles[before];
-  const double part = (wanted - angles[before]) / gap;
+  return {before, behind, (wanted - angles[before]) / gap};
+}
+
+// In the same row, both lines cross the plane through the axis that is perpendicular to them at the same height.
+double WeightedRows::from_opposite(const Projections& projections, std::size_t view, int row, double u) const {
+  const Detector& detector = geometry_.detector;
+  const auto [before, behind, part] = opposite_views(geometry_, view, u);
   const double column = std::clamp((-u - detector.offset_u) / detector.pitch_u + (detector.columns - 1) / 2.0, 0.0,
                                    detector.columns - 1.0);
   const auto left = std::min(static_cast<std::size_t>(column), static_cast<std::size_t>(detector.columns) - 2);
@@ -119,9 +118,10 @@ void WeightedRows::row(const Projections& projections, std::size_t view, int row
     double value = measured ? double{from[column]} : 0;
     if (short_scan_) value *= short_scan_weight(after, -std::atan(u / distance), whole);
     if (displaced_) {
-      const double weight = 2 * smooth_rise(std::atan(toward_far / distance) / std::atan(reach_ / distance));
+      const double weight =
+          2 * smooth(1 + std::clamp(std::atan(toward_far / distance) / std::atan(reach_ / distance), -1.0, 1.0));
       if (toward_far < 0) {
-        // From what was measured to what the opposite views say, over the near side.
+        // Fades from the measured values to those of the opposite views over the near side.
         const double own = measured ? std::clamp(1 + toward_far / near_, 0.0, 1.0) : 0;
         value = own * value + (1 - own) * from_opposite(projections, view, row, u);
       }

@@ -10,7 +10,7 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSame = 1e-6;  // chosen: radians, a thousandth of a pixel at the edge of a detector of thousands
 
-// In [0, one turn); an angle just below a whole turn counts as the next.
+// In [0, one turn); an angle just below a whole turn becomes 0.
 double within_turn(double angle) {
   const double part = angle - kTurn * std::floor(angle / kTurn);
   return part > kTurn - kSame ? 0 : part;
@@ -27,8 +27,8 @@ std::size_t SortedViews::repeated() const {
 SortedViews sorted_views(const std::vector<double>& angles) {
   SortedViews out;
   if (angles.empty()) return out;
-  // From the first of the list on, which so is the least. Whole turns go first: of very many of them little else would
-  // be left.
+  // Relative to the first of the list, which becomes the least. Whole turns are removed first, because many of them
+  // would take most of the precision.
   const double first = std::fmod(angles[0], kTurn);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < angles.size(); ++i) {
@@ -43,7 +43,7 @@ SortedViews sorted_views(const std::vector<double>& angles) {
     out.places.back().push_back(place);
   }
   for (auto& places : out.places) std::ranges::sort(places);
-  // The widest gap, behind which a short scan begins, and the next in width.
+  // The widest gap, behind which a short scan begins, and the second widest.
   const std::size_t count = out.angles.size();
   double widest = 0, second = 0;
   std::size_t begin = 0;

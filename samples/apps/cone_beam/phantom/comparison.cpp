@@ -34,7 +34,7 @@ std::vector<std::size_t> voxels_in(const FieldOfView& field, const Grid& grid) {
 constexpr int kReach = 5;
 constexpr double kSigma = 1.5;
 
-// One line's means at each of its places, of `lanes` lines side by side that lie `stride` apart along the line.
+// Windowed means at each place of `lanes` adjacent lines, whose places are `stride` apart.
 void smooth_lines(double* first, int length, std::size_t stride, std::size_t lanes, const std::vector<double>& weights,
                   std::vector<double>& copy) {
   copy.resize(static_cast<std::size_t>(length) * lanes);
@@ -55,7 +55,7 @@ void smooth_lines(double* first, int length, std::size_t stride, std::size_t lan
   }
 }
 
-// Means over Gaussian windows, axis by axis; of a window that reaches beyond the volume over the part inside.
+// Means over Gaussian windows, by axes. A window across a face has the mean of its part inside.
 void smooth(Field& field, const Dims& dims) {
   std::vector<double> weights;
   for (int i = 0; i <= kReach; ++i) weights.push_back(std::exp(-i * i / (2 * kSigma * kSigma)));

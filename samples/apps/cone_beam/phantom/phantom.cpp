@@ -38,7 +38,7 @@ Vec3 to_unit_sphere(const Ellipsoid& ellipsoid, Vec3 place) {
           place.z / ellipsoid.axes.z};
 }
 
-// The part of the way from `from` to `from + way` that lies in the ellipsoid.
+// Part of the line from `from` to `from + way` inside the ellipsoid.
 double part_inside(const Ellipsoid& ellipsoid, Vec3 from, Vec3 way) {
   const Vec3 p = to_unit_sphere(ellipsoid, from - ellipsoid.centre), d = to_unit_sphere(ellipsoid, way);
   const double a = dot(d, d), b = dot(p, d), c = dot(p, p) - 1, square = b * b - a * c;
@@ -53,7 +53,7 @@ Phantom head(double radius, double Row::*value) {
   return phantom;
 }
 
-// The standard fixes what this engine gives, but not what its distributions make of it.
+// The standard defines the values of this engine, but not those of its distributions.
 using Engine = std::mt19937_64;
 
 double uniform(Engine& engine) { return (static_cast<double>(engine() >> 11) + 0.5) * 0x1p-53; }  // inside 0..1
@@ -66,8 +66,8 @@ double few(Engine& engine, double mean) {
   return count;
 }
 
-// Hoermann (1993), The transformed rejection method for generating Poisson random variables, algorithm PTRS: from mean
-// 10 on.
+// Hoermann (1993), The transformed rejection method for generating Poisson random variables, algorithm PTRS: for means
+// of at least 10.
 double many(Engine& engine, double mean) {
   const double b = 0.931 + 2.53 * std::sqrt(mean), a = -0.059 + 0.02483 * b;
   const double inverse_alpha = 1.1239 + 1.1328 / (b - 3.4), quick = 0.9277 - 3.6224 / (b - 2);

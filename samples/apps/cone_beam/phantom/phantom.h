@@ -1,5 +1,5 @@
-// Phantoms of ellipsoids, whose line integrals are known in closed form; counting noise of a detector; and how far a
-// reconstruction is from what it should be.
+// Phantoms of ellipsoids, which have line integrals in closed form; a detector's counting noise; and the error of a
+// reconstruction.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace gicube::samples {
 
 struct Ellipsoid {
-  double value = 0;    // added to what it overlaps
+  double value = 0;    // added where ellipsoids overlap
   Vec3 axes{1, 1, 1};  // half lengths
   Vec3 centre;
   double turned = 0;  // about z, radians
@@ -27,26 +27,26 @@ Phantom shepp_logan(double radius);
 // These ellipsoids with the contrasts of Yu, Ye and Wang (2005): 1 for the skull, 0.1 to 0.2 inside.
 Phantom high_contrast_shepp_logan(double radius);
 Phantom uniform_sphere(double radius, double value);
-// Seven flat discs of value 1 along the axis of rotation, an 18th part of `radius` half thick and 11 of 36 parts apart,
-// which a wide cone smears into one another (after Defrise).
+// Seven flat discs of value 1 along the axis of rotation, radius / 9 thick and 11/36 of `radius` apart. A wide
+// cone smears them into one another (after Defrise).
 Phantom discs(double radius);
 
 double value_at(const Phantom& phantom, Vec3 place);
-// Along the whole straight line from one point to another, which lie outside of it.
+// Along the straight line between two points outside the phantom.
 double line_integral(const Phantom& phantom, Vec3 from, Vec3 to);
 
-// Every pixel's line integral, through its middle.
+// Line integrals through the middles of all pixels.
 Projections project(const Phantom& phantom, const ConeGeometry& geometry);
 // At the voxels' centres, x fastest.
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid);
 
 // Adds the noise of `photons` (> 0) per pixel: a line integral p becomes -ln(N / photons), with N from Poisson's
-// distribution of mean photons e^-p. Its deviation is about e^(p/2) / sqrt(photons). A pixel that no photon reaches
-// counts as half a one; returns the number of such pixels. The same seed makes the same noise, whatever the number of
-// threads; views differ. Throws BadArgument (photons).
+// distribution of mean photons e^-p. Its deviation is about e^(p/2) / sqrt(photons). A pixel without photons counts as
+// half a photon; returns the number of such pixels. The noise depends on the seed and the view, not on the number of
+// threads. Throws BadArgument (photons).
 std::size_t add_poisson_noise(Projections& projections, double photons, std::uint64_t seed);
 
-// The voxels that are compared: those whose centre is so near to the axis of rotation and to the middle plane, in
+// Voxels to compare: their centres are within these distances of the axis of rotation and the middle plane, in
 // Grid::spacing's unit.
 struct FieldOfView {
   double radius = std::numeric_limits<double>::infinity();
@@ -56,12 +56,11 @@ struct FieldOfView {
 struct Comparison {
   std::size_t voxels = 0;
   double rmse = 0;
-  double bias = 0;         // mean of values less truth
+  double bias = 0;         // mean of values - truth
   double relative_l2 = 0;  // rmse over the root mean square of the truth
   double psnr = 0;         // dB: 20 log10 (greatest - least of the truth / rmse); infinite if they are equal
-  // Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) in three dimensions: its mean over the voxels,
-  // windows being Gaussians of 1.5 voxels, of which at a volume's face there is only a part; K 0.01 and 0.03 of the
-  // truth's span.
+  // Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) in three dimensions. Windows are Gaussians of
+  // 1.5 voxels, cut at the volume's faces; K is 0.01 and 0.03 of the truth's span.
   double ssim = 0;
 };
 
@@ -69,10 +68,10 @@ struct Comparison {
 Comparison compare(const Grid& grid, std::span<const float> values, std::span<const float> truth,
                    const FieldOfView& field = {});
 
-// Values less truth, a voxel each.
+// Values - truth per voxel.
 std::vector<float> differences(std::span<const float> values, std::span<const float> truth);
 
-// The values on the grid's line along `axis` (0, 1, 2) that runs through voxel `through`. Throws BadArgument.
+// Values on the line along `axis` (0, 1, 2) through voxel `through`. Throws BadArgument.
 std::vector<float> profile(const Grid& grid, std::span<const float> values, int axis, Dims through);
 
 }  // namespace gicube::samples

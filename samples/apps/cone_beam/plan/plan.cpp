@@ -18,19 +18,19 @@ constexpr double kFinestStep = 0.5;
 constexpr double kSteps[] = {1, 2};  // chosen
 constexpr int kMaxEvery = 8;
 constexpr int kMinSlices = 12, kMaxSlices = 40;  // chosen: of a pilot; an eighth of the volume between them
-constexpr int kFaces = 2;                        // slices at a pilot's faces that have no neighbours
+constexpr int kFaces = 2;                        // slices at a pilot's faces, which have no neighbours
 constexpr int kTries = 12;                       // chosen
 constexpr int kParts = 24;                       // of the progress
-constexpr double kAgain = 1.01;                  // as of pictures: what the same volume may take more the next time
-// chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle
-// does (docs/guide/plan.md has what was measured).
+constexpr double kAgain = 1.01;  // as for pictures: greatest increase of a volume's time in the next run
+// chosen: bound of other slices' errors, relative to the pilot's worst slice. A head's error is up to 1.6 times that of
+// its middle (docs/guide/plan.md has the measurements).
 constexpr double kMargin = 2;
 
 struct SlabError {
   double all = 0, bound = 0;
 };
 
-// Relative to the whole slab's values; of the slice that is worst with the margin.
+// Errors relative to the whole slab's values; the bound is the worst slice's error times the margin.
 SlabError error_of(const Grid& grid, const std::vector<float>& values, const std::vector<float>& best, double radius) {
   double off = 0, power = 0, worst = 0;
   int slices = 0;
@@ -68,9 +68,9 @@ struct Planner {
   Slab slab = slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kMinSlices, kMaxSlices));
   std::vector<float> best{};
 
-  // Cost of a view in the whole volume, from two views and from six of them.
+  // Cost of a view in the whole volume, from runs of two and of six views.
   struct Costs {
-    double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all that is done once
+    double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all work that is done once
   };
   std::map<std::pair<int, double>, Costs> known_costs{};  // by rays and step
 
@@ -110,7 +110,7 @@ struct Planner {
     return point;
   }
 
-  // Each coarser in one way.
+  // Settings that are coarser in one parameter.
   std::vector<FdkPlanPoint> coarser_ones() const {
     std::vector<FdkPlanPoint> out;
     const auto add = [&](auto FdkPlanPoint::*what, auto value) {
@@ -126,7 +126,7 @@ struct Planner {
   const Costs& costs(int rays, double step) {
     const auto [known, is_new] = known_costs.try_emplace({rays, step});
     if (!is_new) return known->second;
-    // Spread over the turn, since caches and memory take rays along an axis better than others.
+    // Distributed over the turn, because rays along an axis use caches and memory better than others.
     const int all = static_cast<int>(geometry.angles.size());
     double views[2] = {}, deposits[2] = {}, times[2] = {};
     for (const std::size_t i : {0, 1}) {
@@ -153,7 +153,7 @@ struct Planner {
     point.time = static_cast<Picoseconds>(views * each.view + each.rest);
   }
 
-  // Together, as the errors of each alone would add up if they knew nothing of each other.
+  // Combined error if the errors of the single parameters are independent.
   std::vector<FdkPlanPoint> together(const std::vector<FdkPlanPoint>& singles) {
     std::vector<FdkPlanPoint> all{plan.finest};
     const auto add = [&](auto FdkPlanPoint::*what) {
@@ -175,12 +175,12 @@ struct Planner {
     return all;
   }
 
-  // The cheapest of all pilots whose bound keeps the target. What promises to keep it and would be cheaper still is
-  // tried, cheapest first.
+  // Chooses the cheapest pilot whose bound keeps the target. Tries cheaper combinations that are predicted to keep it,
+  // cheapest first.
   void choose_cheapest(std::vector<FdkPlanPoint> all) {
     const auto cost = [](const FdkPlanPoint& point) { return point.deposits; };
     const double max_error = plan.target.max_error;
-    plan.chosen = plan.finest;  // what all is told against, and so without an error
+    plan.chosen = plan.finest;  // the reference of all errors
     plan.kept = true;
     if (const FdkPlanPoint* point = cheapest_kept(plan.points, max_error, cost); point != nullptr) {
       if (cost(*point) < cost(plan.chosen)) plan.chosen = *point;
@@ -198,13 +198,14 @@ struct Planner {
     }
   }
 
-  // In how many ways it is coarser than the finest setting; those that are so in one have been tried.
+  // Number of parameters that are coarser than in the finest setting; settings with one have been tried.
   int coarser_ways(const FdkPlanPoint& point) const {
     const FdkPlanPoint& finest = plan.finest;
     return (point.every != finest.every) + (point.rays != finest.rays) + (point.step != finest.step);
   }
 
-  // The most accurate that is predicted to keep the budget and does, once it is made on the board whose time counts.
+  // Chooses the most accurate setting that is predicted to keep the budget, and keeps it on the board whose time
+  // counts.
   void choose_within_time(std::vector<FdkPlanPoint> all) {
     const Picoseconds budget = plan.target.time_budget;
     std::ranges::stable_sort(all, [&](const FdkPlanPoint& a, const FdkPlanPoint& b) {

@@ -1,12 +1,12 @@
-// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays
-// a pixel and their step.
+// The plan step of filtered backprojection: chooses the stride of the used views, the rays per pixel and their step for
+// a target.
 //
-// A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray
-// a pixel along each axis more than asked for, half a voxel) is compared with others: first each coarser one alone,
-// then combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell
-// what settings cost in the whole volume; for a time budget the chosen one is reconstructed, and another one taken if
-// it misses the budget. "Error" is the root of the mean square difference over that of the finest setting's values, of
-// the voxels that all views see.
+// A pilot is the same reconstruction of a slab around the middle plane. The planner compares pilots with that of the
+// finest setting (all views, one ray per pixel along each axis more than asked for, half a voxel): first those that are
+// coarser in one parameter, then combinations, cheapest first. It chooses the cheapest setting that is good enough.
+// Runs of two and of six views give the cost in the whole volume. For a time budget, it reconstructs the whole volume
+// with the chosen setting, and chooses another one if that misses the budget. "Error" is the root of the mean square
+// difference relative to that of the finest setting's values, over the voxels that all views see.
 #pragma once
 
 #include <string>
@@ -19,50 +19,48 @@
 namespace gicube::samples {
 
 struct FdkPlanPoint {
-  int every = 1;  // which views: each so many'th
+  int every = 1;  // stride of the views
   int rays = 1;
   double step = 1;
-  double error = 0, error_bound = 0;  // as found in the pilot; see plan.cpp
+  double error = 0, error_bound = 0;  // in the pilot; see plan.cpp
   double deposits = 0;                // predicted, of the whole volume
-  Picoseconds time = 0;               // predicted, of the board; FdkPlan::chosen's for a budget was simulated
+  Picoseconds time = 0;               // predicted, of the board; simulated for FdkPlan::chosen with a budget
 };
 
 struct FdkPlan {
   FdkPlanPoint chosen, finest;
-  bool kept = true;                  // false: nothing reaches the target, and `chosen` is what comes nearest
-  std::vector<FdkPlanPoint> points;  // every pilot, in that order
+  bool kept = true;                  // false: no setting reaches the target, and `chosen` is the nearest
+  std::vector<FdkPlanPoint> points;  // all pilots, in their order
   std::size_t views = 0;             // of the scan
   int slices = 0;                    // of a pilot
-  FieldOfView field;                 // that all views see, as far as the volume goes
+  FieldOfView field;                 // that all views see, inside the volume
   int pilots = 0;
   double pilot_deposits = 0;
   double host_seconds = 0;
   PlanTarget target;
 
   FdkSettings settings(const FdkSettings& original) const;
-  std::vector<std::string> explain() const;  // lines for people
+  std::vector<std::string> explain() const;  // lines for the user
 };
 
-// `settings`: what is not chosen; its rays are the least that leave no voxels out. Throws BadArgument (one of both
-// targets; geometry, projections, settings), what the board throws. The boards' volumes are lost.
-// `timed`: the board whose time counts, if pilots are made by another one (a functional board has the same bits much
-// sooner).
+// `settings`: the fixed settings; its rays are the fewest that omit no voxel. `timed`: the board whose time counts, if
+// `board` is another one for pilots (a functional board computes the same bits much sooner). Overwrites the boards'
+// volumes. Throws BadArgument (not exactly one target; geometry, projections, settings), what the board throws.
 FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
                  const FdkSettings& settings, const PlanTarget& target, const Progress& progress = {},
                  Board* timed = nullptr);
 
-// Each `every`th view alone.
+// Each `every`th view.
 ConeGeometry some_views(const ConeGeometry& geometry, int every);
 Projections some_views(const Projections& projections, std::size_t views, int every);
 
 // The voxels that every view sees.
 FieldOfView field_seen(const ConeGeometry& geometry, bool displaced = false);
 
-// Strides at which views may be kept so that they remain evenly spread, for a short scan from the first to the last.
-// Ascending, from 2.
+// Strides that keep the views' distances equal; in a short scan also its first and last view. Ascending, from 2.
 std::vector<int> strides_of(const ConeGeometry& geometry, int max_stride);
 
-// Some slices around the middle plane, and the detector's rows whose rays run through them.
+// A few slices around the middle plane, and the detector's rows with rays through them.
 struct Slab {
   ConeGeometry geometry;
   Projections projections;

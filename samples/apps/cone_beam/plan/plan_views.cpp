@@ -1,4 +1,4 @@
-// Parts of scans that pilots are made of.
+// Parts of scans for pilots.
 #include "cone_beam/plan/plan.h"
 
 #include <algorithm>

@@ -83,7 +83,7 @@ void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
   ScanDescription description = description_of(scan);
   const std::string extension = lower_case(output.extension().string());
   if (extension == ".xml" || extension == ".txt") {
-    // In the scan's own coordinates, pixels as the files have them.
+    // In the scan's own coordinates, with the files' order of pixels.
     ConeGeometry& geometry = description.geometry;
     std::vector<ViewPose> poses;
     for (std::size_t view = 0; view < geometry.angles.size(); ++view) {
@@ -102,30 +102,29 @@ void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
 }  // namespace
 
 void add_compare(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("compare", "a volume with the truth");
+  CLI::App& app = *program.add_subcommand("compare", "compare a volume with the truth");
   const auto options = std::make_shared<CompareOptions>();
   app.add_option("VOLUME", options->volume, "a volume file")->required();
   add_object(app, options->truth, "TRUTH", "the true object");
   OptionGroup field(app, "Field of view"), output(app, "Output");
-  field.value("--field-radius", options->field.radius, "voxels further from the axis are left out")
+  field.value("--field-radius", options->field.radius, "omit voxels farther from the axis")->check(CLI::PositiveNumber);
+  field.value("--field-height", options->field.half_height, "omit voxels farther from the middle plane")
       ->check(CLI::PositiveNumber);
-  field.value("--field-height", options->field.half_height, "and those further from the middle plane")
-      ->check(CLI::PositiveNumber);
-  output.file("--difference", options->difference, "the values less what they should be, as a volume");
-  output.file("--profiles", options->profiles, "values and truth along the three lines through the middle, CSV");
-  output.file("--stats", options->stats, "the figures as JSON");
+  output.file("--difference", options->difference, "write values - truth here, as a volume");
+  output.file("--profiles", options->profiles, "write values and truth along three lines through the middle here, CSV");
+  output.file("--stats", options->stats, "write the figures here, JSON");
   add_slices(app, options->slices, "the difference");
   app.callback([options] { run_compare(*options); });
 }
 
 void add_import(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("import", "a scan as a scan file, to be looked at and edited, or for others");
+  CLI::App& app = *program.add_subcommand("import", "convert a scan to a scan file, RTK's geometry or ASTRA's vectors");
   const auto scan = std::make_shared<ScanOptions>();
   const auto output = std::make_shared<std::filesystem::path>();
   add_input(app, *scan);
   OptionGroup(app, "Output")
       .file("-o,--output", *output,
-            "a scan file, RTK's geometry (.xml) or vectors of ASTRA (.txt) (a scan file, printed)");
+            "write a scan file, RTK's geometry (.xml) or ASTRA's vectors (.txt) here (print a scan file)");
   app.callback([=] { run_import(*scan, *output); });
 }
 

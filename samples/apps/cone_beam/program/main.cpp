@@ -1,4 +1,4 @@
-// gicube-cone-beam: cone-beam tomography by a GI-Cube board.
+// gicube-cone-beam: cone-beam tomography with a GI-Cube board.
 #include <malloc.h>
 
 #include <iostream>
@@ -9,11 +9,11 @@
 using namespace gicube::samples;
 
 int main(int argc, char** argv) {
-  // Chosen: views of megabytes come and go; the memory of the last is kept for the next.
+  // Chosen: keeps the memory of a view, megabytes, for the next one.
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
   ::mallopt(M_TRIM_THRESHOLD, 128 << 20);
   return run_program("gicube-cone-beam", [&] {
-    CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
+    CLI::App app("Reconstruct volumes from cone-beam projections with a GI-Cube board.", "gicube-cone-beam");
     app.footer(
         "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/guide/cone_beam.md.");
     app.set_version_flag("--version", std::string(GICUBE_VERSION));

@@ -22,17 +22,17 @@ CLI::ValidationError expected(const std::string& option, const char* what, const
 }
 
 void add_allow_outside(CLI::App& app, const char* group, bool& target) {
-  OptionGroup(app, group).flag("--allow-outside", target, "let headers name data files outside of their folders");
+  OptionGroup(app, group).flag("--allow-outside", target, "let headers name data files outside their folders");
 }
 
 void add_volume(CLI::App& app, ScanOptions& scan) {
   OptionGroup group(app, "Volume");
-  group.parsed("--size", "X,Y,Z", "voxels (the scan's; else what the detector sees)",
+  group.parsed("--size", "X,Y,Z", "number of voxels (the scan's, or as many as the detector sees)",
                [&scan](const std::string& name, const std::string& text) {
                  const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
                  scan.size = Dims{sizes[0], sizes[1], sizes[2]};
                });
-  group.parsed("--spacing", "EDGE|X,Y,Z", "edges of a voxel (the scan's; else a pixel's seen at the axis)",
+  group.parsed("--spacing", "EDGE|X,Y,Z", "edges of a voxel (the scan's, or a pixel's at the axis)",
                [&scan](const std::string& name, const std::string& text) {
                  const bool three = text.find(',') != std::string::npos;
                  std::vector<double> edges = parse_numbers(name, text, three ? 3 : 1);
@@ -45,11 +45,11 @@ void add_volume(CLI::App& app, ScanOptions& scan) {
 }
 
 void add_pixels(OptionGroup& group, ScanOptions& scan, const std::string& when) {
-  group.parsed("--detector", "WxH", "pixels" + when + "", [&scan](const std::string& option, const std::string& text) {
+  group.parsed("--detector", "WxH", "pixels" + when, [&scan](const std::string& option, const std::string& text) {
     const std::vector<int> sizes = parse_sizes(option, text, 2, 'x');
     scan.detector_size = {sizes[0], sizes[1]};
   });
-  group.value("--pitch", scan.pitch, "of the pixels" + when)->check(CLI::PositiveNumber);
+  group.value("--pitch", scan.pitch, "distance of the pixels" + when)->check(CLI::PositiveNumber);
 }
 
 }  // namespace
@@ -68,59 +68,58 @@ void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, c
                      "volume file (.nrrd .mhd .mha .nii)")
       ->required();
   OptionGroup(app, "Options")
-      .number("--radius", object.radius, CLI::PositiveNumber, "of a phantom, in the scan's unit");
-  app.add_option("--value", object.value, "of the sphere; times a head's or discs' values: 0.02 a mm is about water's")
+      .number("--radius", object.radius, CLI::PositiveNumber, "radius of a phantom, in the scan's unit");
+  app.add_option("--value", object.value,
+                 "value of the sphere, or factor of a head's or discs' values; water has about 0.02 per mm")
       ->capture_default_str();
   add_allow_outside(app, "Options", object.allow_outside);
 }
 
 void add_input(CLI::App& app, ScanOptions& scan) {
   app.add_option("SCAN", scan.input,
-                 "a scan file (protobuf text), CTSimU's .json, RTK's geometry (.xml), Nikon's .xtekct, vectors of "
-                 "ASTRA (text), "
-                 "or a folder of plastimatch's projection matrices")
+                 "a scan file (protobuf text), CTSimU's .json, RTK's geometry (.xml), Nikon's .xtekct, ASTRA's vectors "
+                 "(text), or a folder of plastimatch's projection matrices")
       ->required();
   OptionGroup group(app, "Scan");
   group
       .value("--projections", scan.projections,
-             "files of views in place of the scan's: .nrrd .mhd .mha .nii .pfm .tif, a folder of images, or raw")
+             "views that replace the scan's: .nrrd .mhd .mha .nii .pfm .tif, a folder of images, or raw")
       ->type_name("FILE...");
-  group.parsed("--type", "NAME", "of raw --projections: uint8 uint16 int16 float32, little-endian",
+  group.parsed("--type", "NAME", "type of raw --projections: uint8 uint16 int16 float32, little-endian",
                [&scan](const std::string& name, const std::string& text) {
                  scan.type = raw_type(text);
                  if (!scan.type) throw expected(name, "uint8, uint16, int16 or float32", text);
                });
-  add_pixels(group, scan, " of RTK's or ASTRA's views where the projections' header says nothing");
+  add_pixels(group, scan, " of RTK's or ASTRA's views, if the projections' header does not give it");
   add_allow_outside(app, "Scan", scan.allow_outside);
   add_volume(app, scan);
 }
 
 void add_own_scan(CLI::App& app, ScanOptions& scan) {
   OptionGroup group(app, "Scan");
-  group
-      .file("--scan", scan.input,
-            "whose geometry is taken: as SCAN of reconstruct; without it these options describe one")
+  group.file("--scan", scan.input, "take the geometry of this scan (a SCAN of reconstruct), instead of these options")
       ->type_name("SCAN");
   add_pixels(group, scan, " (256x256 of 1.56)");
-  group.number("--source-to-axis", scan.source_to_axis, CLI::PositiveNumber, "distance");
-  group.number("--source-to-detector", scan.source_to_detector, CLI::PositiveNumber, "distance");
-  group.number("--views", scan.views, CLI::Range(2, 100'000), "evenly over the arc");
-  group.number("--arc", scan.arc, CLI::Range(1.0, 360.0), "degrees");
+  group.number("--source-to-axis", scan.source_to_axis, CLI::PositiveNumber, "distance from source to axis");
+  group.number("--source-to-detector", scan.source_to_detector, CLI::PositiveNumber,
+               "distance from source to detector");
+  group.number("--views", scan.views, CLI::Range(2, 100'000), "number of views, uniform over the arc");
+  group.number("--arc", scan.arc, CLI::Range(1.0, 360.0), "arc of the views, degrees");
   add_volume(app, scan);
 }
 
 void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what) {
   OptionGroup group(app, "Output");
-  group.value("--slices", slices.name, "pictures of " + what + ": NAME_x.png, NAME_y.png, NAME_z.png")
+  group.value("--slices", slices.name, "write pictures of " + what + ": NAME_x.png, NAME_y.png, NAME_z.png")
       ->type_name("NAME");
-  group.parsed("--grey", "LOW,HIGH", "values that are black and white (nearly the least and the greatest)",
+  group.parsed("--grey", "LOW,HIGH", "values for black and white (nearly the least and the greatest)",
                [&slices](const std::string& name, const std::string& text) {
                  const std::vector<double> range = parse_numbers(name, text, 2);
                  if (range[0] >= range[1]) throw expected(name, "LOW below HIGH", text);
                  slices.grey = {range[0], range[1]};
                });
   group
-      .parsed("--slice", "AXIS=INDEX", "a plane in place of the three in the middle, as z=75; repeatable",
+      .parsed("--slice", "AXIS=INDEX", "a plane such as z=75, instead of the three in the middle; repeatable",
               [&slices](const std::string& name, const std::string& text) {
                 static const std::regex kPlane("([xyz])=([0-9]{1,5})");
                 std::smatch parts;

@@ -30,11 +30,11 @@ struct ProjectOptions {
   std::string extension() const { return lower_case(output.extension().string()); }
 };
 
-// The scan file beside the views, and the matrix beside each.
+// The scan file beside the views, and the matrix beside each view.
 std::filesystem::path scan_of(std::filesystem::path views) { return views.replace_extension(".textproto"); }
 std::filesystem::path matrix_of(std::filesystem::path view) { return view.replace_extension(".txt"); }
 
-// The files that are written for so many views.
+// The output files for so many views.
 std::vector<Output> outputs_of(const ProjectOptions& options, std::size_t views) {
   std::vector<Output> out{
       {"--output", scan_of(options.output)}, {"--voxels", options.voxels}, {"--stats", options.board.stats}};
@@ -131,25 +131,25 @@ void run_project(const ProjectOptions& options) {
   if (options.board.quiet) return;
   fmt::print("{}: {} views of {} x {} pixels, {}\n", options.output.string(), geometry.angles.size(),
              projections.columns, projections.rows, cost);
-  if (unseen > 0) fmt::print("{} pixels were reached by no photon, and count as half a one\n", unseen);
+  if (unseen > 0) fmt::print("{} pixels received no photon, and count as half a one\n", unseen);
 }
 
 }  // namespace
 
 void add_project(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("project", "projections of a phantom or a volume");
+  CLI::App& app = *program.add_subcommand("project", "compute projections of a phantom or a volume");
   const auto options = std::make_shared<ProjectOptions>();
-  add_object(app, options->object, "OBJECT", "what is projected");
+  add_object(app, options->object, "OBJECT", "the object to project");
   add_own_scan(app, options->scan);
   OptionGroup group(app, "Projections"), output(app, "Output");
-  group.flag("--by-board", options->by_board, "of a phantom's voxels by the board, not by its closed form");
-  group.number("--step", options->step, CLI::Range(1.0 / 64, 16.0), "of the board's rays, voxels");
+  group.flag("--by-board", options->by_board, "project a phantom's voxels with the board, not by closed form");
+  group.number("--step", options->step, CLI::Range(1.0 / 64, 16.0), "step of the board's rays, voxels");
   group.number("--photons", options->photons, CLI::Range(0.0, 1e15),
-               "a pixel would count without an object: Poisson noise by --seed; 0: none");
+               "photons per pixel without an object, for Poisson noise by --seed; 0: no noise");
   output
       .file("-o,--output", options->output,
-            "the views: .nrrd .mhd .mha .raw, or a file each: .tif .pfm (with plastimatch's matrices). Beside them "
-            "NAME.textproto, the SCAN for reconstruct")
+            "write the views here: .nrrd .mhd .mha .raw, or a file per view: .tif .pfm (with plastimatch's matrices); "
+            "NAME.textproto beside them is the SCAN for reconstruct")
       ->required();
   output.file("--voxels", options->voxels, "also write a phantom's voxels: .nrrd .mhd .mha .nii");
   add_board_options(app, options->board);

@@ -23,7 +23,7 @@
 namespace gicube::samples {
 namespace {
 
-// The names of settings, on the command line and in --stats.
+// Names of settings, on the command line and in --stats.
 const std::map<std::string, Window> kWindows{
     {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
 const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
@@ -130,9 +130,9 @@ Json plan_json(const FdkPlan& plan) {
   return json;
 }
 
-// Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last
-// value read), deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of `cost`
-// (cost_json()), and plan, null without one.
+// Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last value read),
+// deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of `cost` (cost_json()), and plan
+// (null without one).
 Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
                    const std::optional<FdkPlan>& plan) {
   const Grid& volume = scan.geometry.volume;
@@ -163,8 +163,8 @@ std::vector<std::string> warnings_of(const Scan& scan, const Reconstruction& res
   }
   if (result.clipped > 0) {
     out.push_back(
-        fmt::format("irradiance words: full ones lost {:.3g} of what was left in all; values are wrong by it "
-                    "(a larger --headroom, a smaller --read-every)",
+        fmt::format("irradiance words: full ones lost {:.3g} of all deposits; values are wrong by it "
+                    "(use a larger --headroom or a smaller --read-every)",
                     result.clipped));
   }
   if (result.diverged) {
@@ -176,7 +176,8 @@ std::vector<std::string> warnings_of(const Scan& scan, const Reconstruction& res
   return out;
 }
 
-// A functional one beside an emulated board of another level: deposits are slow there, and have the same bits.
+// A functional board if the user's is an emulated one of another level: there deposits are slow, and have the same
+// bits.
 std::optional<Board> board_for_pilots(const BoardOptions& options, const Board& board) {
   if (board.info().fidelity == Fidelity::kFunctional || !options.board.starts_with("emu:")) return std::nullopt;
   if (options.board.find("fidelity=") != std::string::npos) return std::nullopt;
@@ -194,12 +195,11 @@ void print_summary(const ReconstructOptions& options, const Scan& scan, const Re
   fmt::print("{}\n", cost["bound"].get<std::string>());
   if (options.find_centre) {
     const Detector& detector = scan.geometry.detector;
-    fmt::print("the axis is seen {:.2f} pixels from the detector's middle: offset_u {:.6g}\n",
+    fmt::print("the axis is {:.2f} pixels from the detector's middle: offset_u {:.6g}\n",
                -detector.offset_u / detector.pitch_u, detector.offset_u);
   }
   if (scan.repeated > 0) {
-    fmt::print("{} views were read; {} of them repeat an angle, and are averaged with it\n", scan.views_read,
-               scan.repeated);
+    fmt::print("{} views were read; {} of them repeat an angle, and are averaged\n", scan.views_read, scan.repeated);
   }
   if (!options.fdk() && !result.residuals.empty()) {
     fmt::print("{} iterations, residual {:.4g}\n", result.iterations, *std::ranges::min_element(result.residuals));
@@ -258,8 +258,7 @@ void run_reconstruct(ReconstructOptions& options) {
     constexpr double kFarApart = 1.25 * 4;  // of the most rays that there are
     if (const double pixel = voxels_of_a_pixel(scan.geometry); pixel > kFarApart) {
       scan.warnings.push_back(fmt::format(
-          "volume: voxels are {:.1f} times as small as pixels seen at the axis; rays leave some out between them",
-          pixel));
+          "volume: pixels at the axis are {:.1f} times as large as voxels; rays miss voxels between them", pixel));
     }
   }
   progress.show("starting the board");
@@ -297,60 +296,63 @@ void run_reconstruct(ReconstructOptions& options) {
 
 void add_fdk(CLI::App& app, FdkSettings& fdk) {
   OptionGroup group(app, "FDK");
-  group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
+  group.choice("--window", fdk.window, kWindows, "window of the ramp filter (ram-lak)");
   group.number("--rays", fdk.rays, CLI::Range(0, 4),
-               "a pixel's, along both detector axes; 0: by the size of pixels and voxels, 1 to 4 along each");
+               "rays per pixel along each detector axis; 0: chosen by the sizes of pixels and voxels, 1 to 4");
   group
       .value("--sharpen", fdk.sharpen,
-             "against the blur of splatting: what a voxel takes from each neighbour (by pixels and rays)")
+             "sharpen against the blur of splatting: part of each neighbour to subtract (by pixels and rays)")
       ->check(CLI::Range(0.0, 0.25));
   group.flag("--normalise,!--no-normalise", fdk.normalise,
-             "divide out the ripples of rows of rays that lie unevenly against voxels (on)");
+             "divide out ripples from varying distances between rays and voxels (on)");
   group.choice("--accumulator", fdk.accumulator, kAccumulators,
-               "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
-  group.number("--read-every", fdk.read_every, CLI::Range(1, 100'000), "views, with --accumulator irradiance");
-  group.number("--bits", fdk.bits, CLI::Range(0, 32), "of irradiance words that are used; 0: all");
+               "words on the board: sums (signed, 36 bits) or irradiance (the paper's, two passes) (sums)");
+  group.number("--read-every", fdk.read_every, CLI::Range(1, 100'000),
+               "views between reads, with --accumulator irradiance");
+  group.number("--bits", fdk.bits, CLI::Range(0, 32), "used bits of irradiance words; 0: all");
   group.number("--headroom", fdk.headroom, CLI::PositiveNumber,
-               "what full irradiance words stand for, over a bound of what a voxel can get; less is finer, and clips");
+               "value of full irradiance words, relative to a voxel's bound; less is finer, and clips");
 }
 
 void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
   OptionGroup group(app, "Iterative methods");
-  group.number("--iterations", settings.iterations, CLI::Range(1, 10'000), "at most, each through all views");
+  group.number("--iterations", settings.iterations, CLI::Range(1, 10'000), "iterations over all views, at most");
   group.number("--subsets", settings.subsets, CLI::Range(2, 100'000),
-               "of views, each corrected for at once; os-sart, osem, tv");
+               "number of subsets of views for os-sart, osem and tv");
   group.number("--relaxation", settings.relaxation, CLI::PositiveNumber,
-               "of a correction; best about 1.9 with sirt, 2.2 with os-sart, where more diverges; not of cgls, osem");
+               "factor of a correction; best about 1.9 for sirt, 2.2 for os-sart; more diverges; not for cgls, osem");
   app.add_flag_callback(
          "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
       ->group("Iterative methods");
-  group.number("--tv-steps", settings.tv_steps, CLI::Range(1, 1000), "down the total variation after an iteration; tv");
+  group.number("--tv-steps", settings.tv_steps, CLI::Range(1, 1000),
+               "steps that reduce the total variation after an iteration; tv");
   group.number("--tv-weight", settings.tv_weight, CLI::Range(0.0, 1.0),
-               "of such a step, over what the iteration has changed; tv");
+               "size of such a step, relative to the iteration's change; tv");
   group.number("--stop", settings.stop, CLI::Range(0.0, 1.0),
-               "when an iteration lowers the residual by less than this part of it; 0: never");
+               "stop when an iteration lowers the residual by less than this part of it; 0: never");
   group.number("--noise-level", settings.noise, CLI::Range(0.0, 1.0),
-               "stop at a residual of this, the projections' own noise; 0: never");
+               "stop at this residual, the noise of the projections; 0: never");
 }
 
 }  // namespace
 
 void add_reconstruct(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("reconstruct", "a volume from the projections of a scan");
+  CLI::App& app = *program.add_subcommand("reconstruct", "reconstruct a volume from the projections of a scan");
   const auto options = std::make_shared<ReconstructOptions>();
   add_input(app, options->scan);
   OptionGroup method(app, "Method");
   method.number("--method", options->method, CLI::IsMember({"fdk", "sart", "os-sart", "sirt", "cgls", "osem", "tv"}),
-                "fdk, sart, os-sart, sirt, cgls, osem or tv");
+                "reconstruction method");
   method.flag("--find-centre", options->find_centre,
-              "find the detector's offset_u, where the axis is seen, from the views");
-  method.number("--step", options->filtered.step, CLI::Range(1.0 / 64, 16.0), "of the rays, voxels");
+              "find the position of the axis, the detector's offset_u, from the views");
+  method.number("--step", options->filtered.step, CLI::Range(1.0 / 64, 16.0), "step of the rays, voxels");
   add_fdk(app, options->filtered);
   add_algebraic(app, options->algebraic);
   OptionGroup(app, "Iterative methods")
-      .file("--mask", options->mask, "a volume, 0 where nothing is: those voxels stay 0");
+      .file("--mask", options->mask, "a volume that is 0 outside the object; there voxels stay 0");
   OptionGroup(app, "Output")
-      .file("-o,--output", options->output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
+      .file("-o,--output", options->output,
+            "write the volume here, with spacing and origin: .nrrd .mhd .mha .nii .nii.gz")
       ->required();
   add_slices(app, options->slices, "it");
   add_plan_options(app, options->plan, "the volume");

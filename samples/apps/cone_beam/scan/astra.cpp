@@ -1,4 +1,4 @@
-// Facts of the format: ASTRA's page "3D geometries", cone_vec.
+// Source of the format: ASTRA's page "3D geometries", cone_vec.
 #include <fmt/format.h>
 
 #include <algorithm>

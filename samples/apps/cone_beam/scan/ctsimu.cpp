@@ -15,8 +15,8 @@ constexpr int kMaxViews = 1 << 16, kMaxPixels = 1 << 16;  // chosen
 constexpr double kMaxBytes = 1e15;                        // chosen: of a header
 constexpr double kDegree = std::numbers::pi / 180;
 
-// A JSON value that knows its own name. What is asked of it throws FileError if it is missing, of another type or out
-// of range.
+// A JSON value with its path. Its functions throw FileError for a value that is missing, of another type or out of
+// range.
 struct JsonPart {
   std::filesystem::path file;
   std::string name;
@@ -57,8 +57,8 @@ struct JsonPart {
     return static_cast<int>(value);
   }
 
-  // The value of {"value": .., "unit": ".."} or of a bare number: millimetres, radians (degrees are the format's own
-  // unit), pixels.
+  // Value of {"value": .., "unit": ".."} or of a plain number, in millimetres, radians (the format's default is
+  // degrees) or pixels.
   double length() const { return with_unit({{"mm", 1}, {"nm", 1e-6}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}}); }
   double angle() const {
     const bool plain = json.is_number() || !has("unit");
@@ -105,7 +105,7 @@ JsonPart read_json(const std::filesystem::path& file) {
   }
 }
 
-// x, y, z of lengths.
+// A point: x, y and z are lengths.
 Vec3 place(const JsonPart& part) { return {part.at("x").length(), part.at("y").length(), part.at("z").length()}; }
 
 Vec3 direction(const JsonPart& part) {
@@ -118,7 +118,7 @@ Vec3 direction(const JsonPart& part) {
   return (1 / length(v)) * v;
 }
 
-// A part of the machine and the way that it looks. u and w as the file has them, v = w x u.
+// Position and axes of a part of the machine: u and w from the file, v = w x u.
 struct Stand {
   Vec3 centre, u, v, w;
 };
@@ -128,11 +128,11 @@ Stand stand_of(const JsonPart& part) {
     part.at("deviations").fault("none: machines that deviate from their geometry are not supported");
   }
   const Stand stand{place(part.at("center")), direction(part.at("vector_u")), {}, direction(part.at("vector_w"))};
-  if (std::abs(dot(stand.u, stand.w)) > 1e-6) part.at("vector_u").fault("a direction square to vector_w");
+  if (std::abs(dot(stand.u, stand.w)) > 1e-6) part.at("vector_u").fault("a direction perpendicular to vector_w");
   return {stand.centre, stand.u, cross(stand.w, stand.u), stand.w};
 }
 
-// The view when the stage has turned by `angle` from where the file has it, in the stage's own axes.
+// The view after the stage has turned by `angle` from its position in the file, in the stage's own axes.
 ViewPose pose_of(const Stand& source, const Stand& stage, const Stand& detector, double pitch_u, double pitch_v,
                  double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -144,7 +144,7 @@ ViewPose pose_of(const Stand& source, const Stand& stage, const Stand& detector,
           pitch_v * turned(detector.v)};
 }
 
-// Degrees that the stage turns to, in the order of the views; radians.
+// Angles of the stage in the order of the views, radians.
 std::vector<double> stage_angles(const JsonPart& acquisition) {
   const double start = acquisition.at("start_angle").angle(), stop = acquisition.at("stop_angle").angle();
   const int count = acquisition.at("number_of_projections").whole(2, kMaxViews);
@@ -206,7 +206,7 @@ RawLayout layout_of(const JsonPart& projections, int columns, int rows) {
   return layout;
 }
 
-// A name with a %04d stands for a series of `count` files, 0 first.
+// A name with %04d names `count` files, from 0 on.
 StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   StackFiles out;
   out.raw = layout;
@@ -228,7 +228,7 @@ StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   return out;
 }
 
-// Averaged frames that the projections are not corrected by yet.
+// Frames for the correction of the projections, empty if these are corrected.
 StackFiles correction_of(const JsonPart& projections, const char* key, const RawLayout& layout) {
   if (!projections.has(key)) return {};
   const JsonPart field = projections.at(key);

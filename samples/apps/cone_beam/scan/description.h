@@ -1,5 +1,4 @@
-// A scan's description before its projections are read: positions, files and their roles, and the stacks of views in
-// them.
+// Description of a scan before its projections are read: positions, files, and the stacks of views in them.
 #pragma once
 
 #include <filesystem>
@@ -14,69 +13,68 @@
 
 namespace gicube::samples {
 
-// Throws FileError that names the field unless `good`.
+// Throws FileError with the field's name unless `good`.
 inline void expect(bool good, const std::filesystem::path& file, const std::string& field, const std::string& expected,
                    const std::string& got) {
   if (!good) throw FileError(file, field, expected, got);
 }
 
 // Views in one or more files, in the order of the scan's angles: .nrrd .mhd .mha .nii volumes whose slices are views,
-// .pfm and .tif images, folders of images, or raw samples. Rows as the files store them.
+// .pfm and .tif images, folders of images, or raw samples. Rows are in the files' order.
 struct StackFiles {
   std::vector<std::filesystem::path> files;
-  std::optional<RawLayout> raw;  // of files without a header; dims: columns, rows, and 0 for the views
-  bool allow_outside = false;    // as that of VolumeSource
-  std::string part{};            // of files of HDF5: the data set
+  std::optional<RawLayout> raw;  // for files without a header; dims: columns, rows, and 0 for the views
+  bool allow_outside = false;    // see VolumeSource
+  std::string part{};            // data set in HDF5 files
 
   bool empty() const { return files.empty(); }
 };
 
 struct Stack {
   int columns = 0, rows = 0;
-  std::vector<float> values;  // view by view, row by row as the files store them
-  bool counts = false;        // they were whole numbers in the files
+  std::vector<float> values;  // by views, then rows in the files' order
+  bool counts = false;        // the files have integers
 
   std::size_t view_size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   std::size_t views() const { return view_size() == 0 ? 0 : values.size() / view_size(); }
 };
 
-// All files' views, those of one file behind those of the one before. A raw file's views are as many as its bytes hold.
-// Throws FileError: a file that can't be read, no whole number of views, views of different sizes, values that are not
+// Reads the views of all files, in the order of the files. The size of a raw file gives its number of views. Throws
+// FileError: a file that can't be read, a fractional number of views, views of different sizes, values that are not
 // finite.
 Stack read_stack(const StackFiles& files);
 
-// By the extension: .nrrd, .mhd (with a .raw beside it), .mha or .raw (float32, little-endian) one file for all; .pfm,
-// .tif or .tiff a file a view, NAME_0000.EXT beside `path`. The files that a StackFiles names to read so many views
-// again.
+// Names of the files that write_stack() writes. The extension selects the format: .nrrd, .mhd (with a .raw beside it),
+// .mha or .raw (float32, little-endian) for one file with all views; .pfm, .tif or .tiff for a file per view,
+// NAME_0000.EXT beside `path`.
 std::vector<std::filesystem::path> stack_files(const std::filesystem::path& path, std::size_t views);
-// Writes those, and returns them; pfm is little-endian, of scale 1. Throws FileError; no file is there then that was
-// not before.
+// Writes these files and returns their names; pfm is little-endian with scale 1. Throws FileError, and then leaves no
+// new file.
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
                                                const Provenance& provenance = {});
 
-// Portable float maps of one channel: "Pf", width and height, a scale whose sign says the byte order (below 0:
-// little-endian) and whose size is ignored. Rows stay in the file's order, which the format's own description lets run
-// upwards and writers of projections downwards. Throws FileError: no such file, no header of one channel, too few or
-// too many bytes.
+// Reads a portable float map of one channel: "Pf", width and height, and a scale. The scale's sign gives the byte order
+// (below 0: little-endian); its size is ignored. Rows stay in the file's order: upwards by the format's description,
+// downwards in files of projections. Throws FileError: no such file, no header of one channel, a wrong number of bytes.
 Stack read_pfm(const std::filesystem::path& file);
 struct ScanDescription {
   ScanDescription() { geometry.volume.spacing = {0, 0, 0}; }
 
-  std::filesystem::path file;  // where it came from, for messages
-  // Its angles or poses are those of the files' views: in any order, over any number of turns. What the scan leaves
-  // open of the volume is 0.
+  std::filesystem::path file;  // source, for messages
+  // Angles or poses are in the order of the files' views, over any number of turns. Fields of the volume that the scan
+  // does not give are 0.
   ConeGeometry geometry;
-  Vec3 centre;                    // of the volume, in the scan's own coordinates; the geometry's origin
-  bool columns_reversed = false;  // the files' first column is that of the greatest u
-  bool rows_reversed = false;     // the files' first row is that of the greatest v, as where rows run downwards
+  Vec3 centre;                    // of the volume, the geometry's origin, in the scan's own coordinates
+  bool columns_reversed = false;  // the files' first column has the greatest u
+  bool rows_reversed = false;     // the files' first row has the greatest v, as in rows that run downwards
   StackFiles projections;
-  bool intensities = false;        // of the projections: else they are line integrals
+  bool intensities = false;        // the projections are intensities; else line integrals
   StackFiles flats, darks;         // averaged; only with intensities
-  StackFiles dead;                 // one picture, whose pixels are not 0 where they are dead
-  double full = 0;                 // the intensity of a ray that met nothing, where there is no flat
-  std::filesystem::path dxchange;  // take_dxchange(): or empty
+  StackFiles dead;                 // one picture; its pixels are not 0 where they are dead
+  double full = 0;                 // intensity without an object, if there is no flat
+  std::filesystem::path dxchange;  // file for take_dxchange(), or empty
 
-  std::vector<std::filesystem::path> inputs() const;  // the files that it was read from, and those that it names
+  std::vector<std::filesystem::path> inputs() const;  // its own files, and those that it names
 };
 
 }  // namespace gicube::samples

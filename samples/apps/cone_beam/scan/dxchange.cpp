@@ -1,5 +1,5 @@
 // The layout: De Carlo and others, "Scientific data exchange: a schema for HDF5-based storage of raw and analyzed
-// data", J. Synchrotron Rad. 21 (2014). It knows parallel beams, so a scan file has the distances.
+// data", J. Synchrotron Rad. 21 (2014). It is for parallel beams, so a scan file gives the distances.
 #include <numbers>
 
 #include "cone_beam/scan/formats.h"
@@ -11,7 +11,7 @@ StackFiles data_set(const std::filesystem::path& file, const std::string& name) 
   return {.files = {file}, .raw = {}, .part = "/exchange/" + name};
 }
 
-// Empty if the file has none of this name.
+// Empty if the file has no data set of this name.
 Stack stack_of(const StackFiles& data_set) {
   try {
     return read_stack(data_set);

@@ -12,7 +12,7 @@
 namespace gicube::samples {
 namespace {
 
-// The least measurable rest of the light.
+// Least measurable light.
 double least_of(const Stack& views, double light) { return views.counts ? 0.5 : 1e-6 * light; }  // chosen
 
 // One view, in double precision.
@@ -29,7 +29,7 @@ std::vector<double> mean(const Stack& stack, const Stack& views, const char* nam
   return out;
 }
 
-// Dead pixels side by side, and the live ones at both ends of them with their shares of what is between.
+// A gap of adjacent dead pixels, and the live ones at its ends with their weights.
 struct Gap {
   std::size_t dead = 1;
   std::vector<std::size_t> ends;
@@ -42,7 +42,7 @@ struct Gap {
   }
 };
 
-// In the row or the column of a dead pixel, whichever has the shorter gap.
+// The shorter of the gaps in the row and the column of a dead pixel.
 Gap gap_at(const std::vector<double>& light, std::size_t pixel, std::size_t columns) {
   const auto along = [&](std::size_t place, std::size_t count, std::size_t stride) {
     Gap gap;
@@ -63,7 +63,7 @@ Gap gap_at(const std::vector<double>& light, std::size_t pixel, std::size_t colu
   return row.ends.empty() || (!column.ends.empty() && column.dead < row.dead) ? column : row;
 }
 
-// Takes the light of pixels that got none in any view, where they make small gaps in the flat field; how many.
+// Clears the flat field at small gaps of pixels that have no light in any view; returns their number.
 std::size_t take_unlit(const Stack& views, const std::vector<double>& dark, std::vector<double>& light) {
   constexpr std::size_t kLeastViews = 8,
                         kWidestGap = 4;  // chosen: an object that lets nothing through is wider in some view
@@ -140,8 +140,8 @@ DeadPixels repair_pixels(Stack& views, const Stack& map) {
     std::vector<double> about;
     for (std::size_t i = 0; i < size; ++i) {
       if (live[i] == 0 || changes[i] > kStuck * all) continue;
-      // The minimum change of three fifths of the surrounding pixels, two on each side: beside two dead columns two
-      // fifths are dead, and beside a convex shadow half or more do not change.
+      // Three fifths of the surrounding pixels, two on each side, change at least this much. Beside two dead columns
+      // two fifths are dead, and beside a convex shadow at least half do not change.
       about.clear();
       const std::size_t row = i / columns, column = i % columns;
       for (std::size_t y = row - std::min<std::size_t>(row, 2); y <= std::min(row + 2, size / columns - 1); ++y) {

@@ -13,11 +13,10 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// Files that people hold for a scan's description, by their first bytes; where there is none the file extension is
-// asked.
+// Files that users may mistake for a scan's description, by their first bytes. kind_of() uses the extension of others.
 constexpr std::array kOthers{
     std::pair{"\x89HDF\r\n\x1a\n"sv,
-              "an HDF5 file; one of DXchange's layout belongs into a scan file, as dxchange, with distances and pitch"},
+              "an HDF5 file; a scan file names one of DXchange's layout as dxchange, with distances and pitch"},
     std::pair{"\x93NUMPY"sv, "an array of numpy: numpy.savetxt() writes vectors as text"},
     std::pair{"MATLAB 5.0"sv, "a MATLAB file"},
     std::pair{"II*\0"sv, "a TIFF picture: views belong to a scan's projections"},
@@ -31,7 +30,7 @@ constexpr std::array kOthers{
     std::pair{"VMS.XI"sv, "a Varian .xim picture"},
 };
 
-// A line of twelve numbers before anything else.
+// Whether the first line has twelve numbers.
 bool is_vectors(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {

@@ -1,5 +1,5 @@
-// Facts of the format: CIL's NikonDataReader. The source is at the origin, y runs to the detector, z upwards; the
-// object turns about an axis beside y, by AngularStep a view.
+// Source of the format: CIL's NikonDataReader. The source is at the origin, y runs to the detector, z upwards; the
+// object turns about an axis beside y, by AngularStep per view.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,13 +83,13 @@ ScanDescription read_nikon(const std::filesystem::path& file) {
   detector.rows = keys.whole("DetectorPixelsY", kMaxPixels);
   const double pitch_u = keys.positive("DetectorPixelSizeX"), pitch_v = keys.positive("DetectorPixelSizeY");
   const double to_axis = keys.positive("SrcToObject"), to_detector = keys.positive("SrcToDetector");
-  // The machine's centre of rotation is the position of the axis on the detector, at its top and bottom.
+  // CentreOfRotation is the position of the axis on the detector, at its top and bottom.
   const double top = keys.number_or("CentreOfRotationTop", 0), bottom = keys.number_or("CentreOfRotationBottom", 0);
   const double beside = keys.number_or("ObjectOffsetX", (top + bottom) / 2 * to_axis / to_detector);
   const double roll =
       keys.has("ObjectRoll") ? kDegree * keys.number("ObjectRoll") : -std::atan2(top - bottom, detector.rows * pitch_v);
   const double tilt = -kDegree * keys.number_or("ObjectTilt", 0);
-  // The axis, and what with it makes axes of the object as it stands in the first view.
+  // The axis, and the other axes of the object in the first view.
   const Vec3 z{std::sin(roll), -std::sin(tilt) * std::cos(roll), std::cos(tilt) * std::cos(roll)};
   const Vec3 side = cross(Vec3{0, 1, 0}, z), x = (1 / length(side)) * side, y = cross(z, x);
   const Vec3 middle{-beside, to_axis, 0};
@@ -103,7 +103,7 @@ ScanDescription read_nikon(const std::filesystem::path& file) {
       const double a = dot(v, x), b = dot(v, y);
       return Vec3{c * a - s * b, s * a + c * b, dot(v, z)};
     };
-    // The first column is that of the greatest x, the first row the uppermost.
+    // The first column has the greatest x, the first row is the uppermost.
     views.push_back({turned(Vec3{} - middle), turned(Vec3{0, to_detector, 0} - middle), turned({-pitch_u, 0, 0}),
                      turned({0, 0, -pitch_v})});
   }

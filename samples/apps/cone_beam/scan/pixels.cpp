@@ -1,4 +1,4 @@
-// How many pixels there are, and how large, where a scan's file says it of views alone.
+// Number and size of pixels, for a scan's file that has only views.
 #include <fmt/format.h>
 
 #include <regex>
@@ -11,7 +11,7 @@
 namespace gicube::samples {
 namespace {
 
-// The first pixel's place by a MetaImage's header, which RTK's projections have.
+// Position of the first pixel by a MetaImage's header, which RTK's projections have.
 void read_offset(const std::filesystem::path& file, Pixels& out) {
   static const std::regex kOffset(R"((^|\n)(Offset|Origin|Position) *= *(\S+) +(\S+))");
   const std::string start = file_start(file, 4096);

@@ -84,22 +84,22 @@ ViewPose pose_of(const ProjectionMatrix& view, int columns, int rows, const std:
   expect(view.source_to_detector > 0, file, "source to detector", "a number above 0",
          fmt::format("{}", view.source_to_detector));
   expect(view.source_to_axis > 0, file, "source to axis", "a number above 0", fmt::format("{}", view.source_to_axis));
-  // Where all three rows vanish is the source.
+  // All three rows are 0 at the source.
   ViewPose out;
   out.source =
       (-1 / volume) * (view.matrix[3] * cross(b, c) + view.matrix[7] * cross(c, a) + view.matrix[11] * cross(a, b));
-  // A matrix counts up to a factor; the scan's middle lies before the source.
+  // A matrix has an arbitrary factor; the scan's middle is in front of the source.
   const double side = view.matrix[11] < 0 ? -1 : 1;
   const double scale = side / (length(c) * view.source_to_detector);
   const Vec3 towards = (side / length(c)) * c;
-  // The steps from pixel to pixel are the inverse of the rows' parts in the detector's plane.
+  // The inverse of the rows' parts in the detector's plane gives the steps between pixels.
   const auto in_plane = [&](Vec3 row) { return scale * (row - (dot(row, c) / dot(c, c)) * c); };
   const Vec3 along_u = in_plane(a), along_v = in_plane(b);
   const double uu = dot(along_u, along_u), vv = dot(along_v, along_v), uv = dot(along_u, along_v);
   const double square = uu * vv - uv * uv;
   out.u = (1 / square) * (vv * along_u - uv * along_v);
   out.v = (1 / square) * (uu * along_v - uv * along_u);
-  // Pixels from the one that the source faces to the middle.
+  // Distance in pixels from the foot of the source's perpendicular to the middle.
   const double right = (columns - 1) / 2.0 - view.centre[0] - dot(a, c) / dot(c, c);
   const double down = (rows - 1) / 2.0 - view.centre[1] - dot(b, c) / dot(c, c);
   out.centre = out.source + view.source_to_detector * towards + right * out.u + down * out.v;
@@ -119,7 +119,7 @@ ScanDescription read_matrix_folder(const std::filesystem::path& folder, const St
   if (projections.empty()) {
     for (const auto& text : texts) out.projections.files.push_back(image_beside(text));
   }
-  // A matrix doesn't know how many pixels there are.
+  // A matrix does not have the number of pixels.
   StackFiles first = out.projections;
   first.files.resize(1);
   const Stack stack = read_stack(first);

@@ -1,4 +1,4 @@
-// Facts of the format: RTK's page "3D Circular Projection Geometry" (openrtk.org).
+// Source of the format: RTK's page "3D Circular Projection Geometry" (openrtk.org).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr const char* kRoot = "RTKThreeDCircularGeometry";
 Vec3 from_rtk(Vec3 v) { return {v.z, v.x, v.y}; }
 Vec3 to_rtk(Vec3 v) { return {v.y, v.z, v.x}; }
 
-// The parameters of a view, by the names of their elements; what holds for all views stands before them.
+// Parameters of a view by the names of their elements; those of all views come first.
 struct Parameters {
   std::map<std::string, double> values{{"SourceToIsocenterDistance", 0},
                                        {"SourceToDetectorDistance", 0},
@@ -46,7 +46,7 @@ struct Parameters {
   }
 };
 
-// Rows of the rotation that RTK takes the volume by: directions of columns, of rows, and towards the source.
+// Rows of RTK's rotation of the volume: directions of columns, of rows, and towards the source.
 struct Axes {
   Vec3 u, v, n;
 };
@@ -61,7 +61,7 @@ ViewPose pose_of(const Parameters& given, const Pixels& pixels) {
   const Axes axes = axes_of(kDegree * given.at("GantryAngle"), kDegree * given.at("OutOfPlaneAngle"),
                             kDegree * given.at("InPlaneAngle"));
   const double to_axis = given.at("SourceToIsocenterDistance"), to_detector = given.at("SourceToDetectorDistance");
-  // The middle pixel, which the header of the projections places.
+  // Position of the middle pixel, from the header of the projections.
   const double u = given.at("ProjectionOffsetX") + pixels.first_u + (pixels.columns - 1) / 2.0 * pixels.pitch_u;
   const double v = given.at("ProjectionOffsetY") + pixels.first_v + (pixels.rows - 1) / 2.0 * pixels.pitch_v;
   return {from_rtk(given.at("SourceOffsetX") * axes.u + given.at("SourceOffsetY") * axes.v + to_axis * axes.n),

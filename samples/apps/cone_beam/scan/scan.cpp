@@ -16,7 +16,7 @@
 namespace gicube::samples {
 namespace {
 
-// One view between the file's order of pixels and the geometry's; its own inverse.
+// Converts a view between the file's order of pixels and the geometry's; it is its own inverse.
 template <typename Take>
 void for_each_pixel(const ScanDescription& description, int of_columns, int of_rows, const Take& take) {
   const auto columns = static_cast<std::size_t>(of_columns), rows = static_cast<std::size_t>(of_rows);
@@ -39,7 +39,7 @@ void check_size(const ScanDescription& description, const Stack& stack) {
          std::to_string(stack.views()));
 }
 
-// Views of the same angle averaged.
+// Averages views of the same angle.
 Projections sorted(const Stack& stack, const ScanDescription& description, const SortedViews& order) {
   Projections out{stack.columns, stack.rows, {}};
   const std::size_t size = stack.view_size();
@@ -56,16 +56,15 @@ Projections sorted(const Stack& stack, const ScanDescription& description, const
   return out;
 }
 
-// Whether the object reaches beyond the detector, and what follows from that; a displaced detector's near side is no
-// fault.
+// Warnings about an object that reaches beyond the detector, except beyond a displaced detector's near side.
 void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>& out) {
   const Detector& detector = scan.geometry.detector;
   const SidesSeen seen = sides_seen(scan.projections);
   constexpr double kBright = 0.95, kLess = 0.9;  // chosen
   if (!intensities && std::min(seen.first, seen.last) >= kBright && seen.least < kLess) {
     out.push_back(
-        "projections: the detector's sides have the greatest values, and columns between them less, as intensities "
-        "have; line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
+        "projections: the detector's sides have the greatest values, and columns between them less, like intensities; "
+        "line integrals are expected (intensities need intensities: true in the scan file, with a flat or "
         "full_intensity)");
     return;
   }
@@ -75,7 +74,7 @@ void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>&
   const std::string shows = fmt::format("(its edge shows {:.0f}% of the greatest mean of a column)", edge);
   if (first && last) {
     out.push_back("projections: the object reaches beyond both sides of the detector " + shows +
-                  "; values are too high, most of all near the rim of what is seen");
+                  "; values are too high, most near the rim of the field");
   } else if (std::abs(offset) > 0.01 * detector.columns * detector.pitch_u && (offset > 0) == first) {
     return;  // what a displaced detector is for
   } else {
@@ -90,37 +89,37 @@ void warn_of_sides(const Scan& scan, bool intensities, std::vector<std::string>&
 // Warnings about features that the projections cannot show.
 std::vector<std::string> warnings_of(const Scan& scan, bool intensities) {
   std::vector<std::string> out;
-  // Turns of the source, in degrees, that measure every ray at least once.
+  // The least arc, in degrees, that measures every ray.
   const Detector& detector = scan.geometry.detector;
   const double side = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
   const double degrees = 180 / std::numbers::pi;
   const double wanted = 180 + 2 * degrees * std::atan(side / scan.geometry.source_to_detector);
   if (scan.geometry.circular() && is_short_scan(scan.geometry) && degrees * arc_of(scan.geometry) < wanted - 0.01) {
     out.push_back(
-        fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
+        fmt::format("angles: the views cover {:.1f} degrees, but only {:.1f} measure every ray through the "
                     "detector's field; expect streaks and shadows",
                     degrees * arc_of(scan.geometry), wanted));
   }
   warn_of_sides(scan, intensities, out);
   if (scan.flat_field.absorbed > 0) {
     out.push_back(
-        fmt::format("projections: {} values without any light left were taken as half a count; "
-                    "the object is denser there than can be told",
+        fmt::format("projections: {} values without light count as half a count; "
+                    "there the object may be denser",
                     scan.flat_field.absorbed));
   }
   if (scan.flat_field.dead > 0) {
-    out.push_back(fmt::format("flat: {} dead pixels have the mean of those beside them", scan.flat_field.dead));
+    out.push_back(fmt::format("flat: {} dead pixels are interpolated", scan.flat_field.dead));
   }
   if (scan.flat_field.unlit > 0) {
     out.push_back(
-        fmt::format("projections: {} pixels got no light in any view; they are taken as dead, and have the "
-                    "mean of those beside them",
+        fmt::format("projections: {} pixels have no light in any view; they count as dead, and are "
+                    "interpolated",
                     scan.flat_field.unlit));
   }
   if (scan.dead.stuck > 0) {
     out.push_back(
-        fmt::format("projections: {} pixels hardly change from view to view, as those about them do; they are "
-                    "taken as dead, and interpolated",
+        fmt::format("projections: {} pixels hardly change from view to view, unlike those around them; they "
+                    "count as dead, and are interpolated",
                     scan.dead.stuck));
   }
   return out;
@@ -132,7 +131,7 @@ ScanDescription read_description(const std::filesystem::path& path, const StackF
                                  const PixelsGiven& given) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return read_matrix_folder(path, projections);
-  // A file that is not there is the scan file's own fault.
+  // A missing file is an error of the scan file.
   const ScanKind kind = std::filesystem::exists(path, error)               ? kind_of(path)
                         : lower_case(path.extension().string()) == ".json" ? ScanKind::kCtsimu
                                                                            : ScanKind::kScanFile;

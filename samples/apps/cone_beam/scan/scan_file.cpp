@@ -18,7 +18,7 @@ constexpr double kMaxPixels = 65536;    // chosen: of a detector's edge
 constexpr int kMaxViews = 1 << 20;      // chosen
 constexpr double kRadians = std::numbers::pi / 180;
 
-// Turns the parsed message into a description; a fault leaves that part of it at its default.
+// Converts the parsed message to a description; an error leaves that part of it at its default.
 struct Translator {
   Faults& faults;
   std::filesystem::path folder;
@@ -43,7 +43,7 @@ struct Translator {
     return out;
   }
 
-  // The rest of the description is there when the file has been read.
+  // Reading the file completes the description.
   void dxchange(const v1::ConeScan& source, ScanDescription& out) {
     const bool twice = source.view_size() > 0 || source.angle_size() > 0 || source.has_even_angles() ||
                        source.has_projections() || source.intensities() || source.has_flat() || source.has_dark() ||

@@ -1,4 +1,4 @@
-// Sets the views of a scan's file, as a circle where they lie on one.
+// Sets the views of a scan's file, as a circle if they are on one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ void set_views(std::vector<ViewPose> views, Vec3 axis, ScanDescription& descript
   double height = 0;
   for (const ViewPose& view : views) height += view.source.z / static_cast<double>(views.size());
   description.centre = {axis.x, axis.y, given_height.value_or(height)};
-  // Rows and columns as on a circle: as they run in the first view.
+  // Directions of rows and columns as on a circle, by the first view.
   const ViewPose first = views.front();
   const Vec3 source = first.source - description.centre;
   description.columns_reversed = dot(first.u, Vec3{-source.y, source.x, 0}) < 0;
@@ -50,7 +50,7 @@ void set_views(std::vector<ViewPose> views, Vec3 axis, ScanDescription& descript
     geometry.volume = volume;
     return;
   }
-  // Means, from which the size of voxels follows.
+  // Means, which give the size of voxels.
   const auto count = static_cast<double>(geometry.poses.size());
   geometry.source_to_axis = geometry.source_to_detector = 0;
   Detector& detector = geometry.detector;

@@ -22,7 +22,7 @@ Stack stack_of(const Volume& volume) {
   return {volume.dims[0], volume.dims[1], values_of(volume), volume.type != SampleType::kFloat32};
 }
 
-// Reads as many views as the file's bytes hold; one from a compressed file, whose size is not informative.
+// Reads as many views as the file has; one from a compressed file, whose size does not give the number.
 Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
   const auto pixels = static_cast<std::uint64_t>(layout.dims[0]) * static_cast<std::uint64_t>(layout.dims[1]);
   const std::uint64_t view = pixels * bytes_per_sample(layout.type);
@@ -95,7 +95,7 @@ void write_pfm(std::span<const float> values, const Stack& stack, const std::fil
 }  // namespace
 
 Stack read_pfm(const std::filesystem::path& file) {
-  // Three fields of text, each followed by one white space; the samples begin behind the third.
+  // Three fields of text, each followed by one white space; the samples follow the third.
   const std::string start = file_start(file, 256);
   std::istringstream header(start);
   std::string magic;

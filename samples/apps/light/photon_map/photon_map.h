@@ -30,8 +30,8 @@ class PhotonTree {
   PhotonTree& operator=(PhotonTree&&) noexcept;
 
   std::size_t size() const;
-  // The photons nearest to a point, at most `count` and none beyond `radius`, and the radius of their ball: the distance
-  // of the farthest, which is then left out, or `radius` if there are fewer than `count`.
+  // The photons nearest to a point, at most `count` and none beyond `radius`, and the radius of their ball: the
+  // distance of the farthest, which is then left out, or `radius` if there are fewer than `count`.
   struct Near {
     std::vector<const Photon*> photons;
     double radius = 0;

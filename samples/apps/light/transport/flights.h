@@ -1,9 +1,10 @@
 // Free path segments and visibility, traced by the board.
 //
-// A segment ends where the opacity from its start reaches its random number, uniform in 0..1. The numbers of a batch are
-// stratified, one in each stratum, and dealt to its segments at random. A command of the board has one opacity, so
-// segments are sorted by their numbers, and a command has the least number of its segments. The board returns the sample
-// of that first hit; from there the host marches on to each segment's own end, and locates a surface by bisection.
+// A segment ends where the opacity from its start reaches its random number, uniform in 0..1. The numbers of a batch
+// are stratified, one in each stratum, and dealt to its segments at random. A command of the board has one opacity, so
+// segments are sorted by their numbers, and a command has the least number of its segments. The board returns the
+// sample of that first hit; from there the host marches on to each segment's own end, and locates a surface by
+// bisection.
 #pragma once
 
 #include <optional>

@@ -73,7 +73,7 @@ TEST_F(LoadedScan, HasItsReversedColumnsAndRowsTurnedRound) {
 TEST_F(LoadedScan, WarnsOfAnArcThatMissesRays) {
   EXPECT_THAT(load_scan(scan({0, 90, 180, 270})).warnings, testing::Not(testing::Contains(HasSubstr("angles"))));
   EXPECT_THAT(load_scan(scan({0, 30, 60, 90})).warnings,
-              testing::Contains(HasSubstr("the views stand for 120.0 degrees, where 180.6 would")));
+              testing::Contains(HasSubstr("the views cover 120.0 degrees, but only 180.6 measure")));
 }
 
 TEST_F(LoadedScan, TellsAnObjectBeyondOneSideFromOneBeyondBoth) {
