@@ -8,7 +8,7 @@
 namespace gicube::samples {
 namespace {
 
-// An interval of the difference of two coordinates, and the linear density of it there.
+// An interval of the difference of two coordinates, and its linear density there.
 struct Interval {
   double low = 0, high = 0;
   double at_low = 1, at_high = 1;
@@ -21,7 +21,7 @@ Interval part(const Interval& of, double low, double high) {
   return {low, high, density(low), density(high)};
 }
 
-// The difference b - a of points anywhere in both, alike. Cut where its density bends, and at zero.
+// Intervals of b - a for points uniform in both, divided at zero and at the bends of the density.
 Intervals differences(double a_low, double a_high, double b_low, double b_high) {
   const double a = a_high - a_low, b = b_high - b_low;
   if (a == 0 && b == 0) return {{b_low - a_low, b_low - a_low}};
@@ -43,7 +43,7 @@ Intervals differences(double a_low, double a_high, double b_low, double b_high) 
   return out;
 }
 
-// Gauss and Legendre's points and weights on -1..1.
+// Gauss-Legendre points and weights on -1..1.
 struct Rule {
   std::size_t points;
   std::array<double, 4> at, weight;
@@ -54,7 +54,7 @@ constexpr Rule kFour{4,
                      {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526},
                      {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538}};
 
-// By the distance of the integrand's only singularity, in sizes.
+// Number of points by the distance of the integrand's only singularity, in sizes.
 const Rule& rule_at(double sizes) { return sizes < 2 ? kFour : sizes < 8 ? kThree : kTwo; }
 
 class Integral {
@@ -79,7 +79,7 @@ class Integral {
     }
     const double distance = std::sqrt(square);
     if (size <= distance || depth == 0) return sum(cell, rule_at(distance / size));
-    // In half along the axes that are long, so that parts become cubes.
+    // Halves the long axes, so that parts become cubes.
     std::array<Intervals, 3> parts;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Interval& t = cell[axis];
@@ -140,7 +140,7 @@ class Integral {
   WayFactor& out_;
 };
 
-constexpr int kMaxDepth = 12;  // chosen: about 2^-12 of the light between touching elements is summed without care
+constexpr int kMaxDepth = 12;  // chosen: about 2^-12 of the light between touching elements has no error bound
 
 }  // namespace
 
@@ -149,7 +149,7 @@ WayFactor::WayFactor(const AxisBox& a, const AxisBox& b) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     axes[axis] = differences(a.low[axis], a.high[axis], b.low[axis], b.high[axis]);
   }
-  // Two faces in one plane, or of one facing, never see each other.
+  // Two faces in one plane, or of one facing, do not see each other.
   const auto flat = [](const AxisBox& box) { return box.facing != kMedium; };
   if (flat(a) && flat(b) && a.facing / 2 == b.facing / 2) {
     const Interval& apart = axes[a.facing / 2u].front();
@@ -176,7 +176,7 @@ double BoxFactors::of(const Cluster& a, const Cluster& b, double kappa) {
     key[axis] = halves(a.high[axis] - a.low[axis]);
     key[3 + axis] = halves(b.high[axis] - b.low[axis]);
     key[6 + axis] = halves(b.low[axis] - a.low[axis]);
-    // Across the faces' normals a mirror image is as good.
+    // Perpendicular to the faces' normals, a mirror image has the same factor.
     const bool normal =
         (a.facing != kMedium && a.facing / 2u == axis) || (b.facing != kMedium && b.facing / 2u == axis);
     if (!normal) key[6 + axis] = std::max(key[6 + axis], halves(a.high[axis] - b.high[axis]));

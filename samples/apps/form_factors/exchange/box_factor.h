@@ -1,5 +1,5 @@
-// The factor of two elements along the axes without a ray, if nothing but an even medium is between them. Where
-// elements touch, 1/r^2 has no bound, and the mean of few rays is too low.
+// Computes the factor of two axis-aligned elements without rays, if only a uniform medium is between them. For elements
+// that touch, 1/r^2 has no bound, and the mean of a few rays is too low.
 #pragma once
 
 #include <algorithm>
@@ -12,24 +12,24 @@
 
 namespace gicube::samples {
 
-// A box along the axes, or one of its faces; physical.
+// An axis-aligned box, or one of its faces; physical.
 struct AxisBox {
   std::array<double, 3> low{}, high{};
-  std::uint8_t facing = kMedium;  // of a face: flat along its axis, as Leaf::facing
+  std::uint8_t facing = kMedium;  // of a face, which is flat along its axis: see Leaf::facing
 };
 
-// The light between two boxes by the length of its way: of any even medium between them at once.
+// The light between two boxes by path length, for any uniform medium between them.
 class WayFactor {
  public:
-  // The integrand depends on the difference of two points alone, whose distribution is a product of trapezoids: so it
-  // is an integral over three dimensions, not six, and is graded towards a difference of zero. Boxes may touch, overlap
-  // or be one and the same.
+  // The integrand depends only on the difference of two points, which has a product of trapezoids as distribution. So
+  // the integral has three dimensions, not six; its grid is finer towards a difference of zero. Boxes may touch,
+  // overlap or be the same.
   WayFactor(const AxisBox& a, const AxisBox& b);
   WayFactor() = default;
 
-  // Mean over both of f f e^(-kappa r) / (pi r^2), f the cosine at a face (0 behind it) and 1 in a box:
-  // PairFactor::transported without sampling, and with kappa 0 PairFactor::geometric. Within 5e-5 of it, and in a
-  // medium within (kappa d / 16)^2 / 24 besides, d the longest way.
+  // Mean over both of f f e^(-kappa r) / (pi r^2), where f is the cosine at a face (0 behind it) and 1 in a box. This
+  // is PairFactor::transported without sampling; with kappa 0, PairFactor::geometric. The error is at most 5e-5, and in
+  // a medium (kappa d / 16)^2 / 24 more, with the longest path d.
   double at(double kappa) const;
 
   void add(double r, double factor) {
@@ -44,7 +44,7 @@ class WayFactor {
   std::array<double, kBins> factor_{}, way_{};
 };
 
-// Keeps what it worked out: in a grid the same offsets come again and again.
+// Caches factors, because a grid has many pairs with the same offset.
 class BoxFactors {
  public:
   explicit BoxFactors(const Edges& edges) : edges_(edges) {}
@@ -55,7 +55,7 @@ class BoxFactors {
   using Key = std::array<std::int16_t, 10>;
   struct Known {
     WayFactor way;
-    double kappa = -1, factor = 0;  // the last that was asked for: a fog has one kappa
+    double kappa = -1, factor = 0;  // last request: a fog has one kappa
   };
 
   Edges edges_;

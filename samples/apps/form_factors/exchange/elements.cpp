@@ -7,7 +7,7 @@
 namespace gicube::samples {
 namespace {
 
-// Bits of x, y and z in turn: the order in which an octree's leaves follow each other.
+// Interleaves the bits of x, y and z: the order of an octree's leaves.
 std::uint64_t octree_place(const GridCell& voxel) {
   std::uint64_t place = 0;
   for (unsigned bit = 0; bit < 21; ++bit) {
@@ -34,11 +34,11 @@ Element box_element(const std::array<double, 3>& low, const std::array<double, 3
   return {ElementKind::kPatch, vec3_of(low), side(positive ? next : third), side(positive ? third : next), {}};
 }
 
-// Which part of a face's area is area of the surface that its staircase follows. By Gauss's theorem that is the
-// cosine of the surface's normal with the face's axis, as long as the faces lie on the surface. They are up to half a
-// voxel off, and an edge or a small ball has more area further out. So a factor for each solid brings the sum to the
-// mean over the levels of density within half a voxel to both sides of its surface, which is right to second order in
-// the voxel. A solid within something as dense has no such step: its normals are those of its voxels' outline.
+// Share of a face's area in the area of the surface that its staircase follows. If the faces were on the surface, this
+// would be the cosine between the surface's normal and the face's axis (Gauss's theorem). They are up to half a voxel
+// off, and an edge or a small ball has more area outside. So a factor for each solid scales the sum to the mean over
+// the levels of density within half a voxel on both sides of its surface, which is right to second order in the voxel.
+// A solid inside an equally dense one has no step of density; its normals are those of its voxels' outline.
 class SurfaceShares {
  public:
   SurfaceShares(const Medium& medium, const SceneSetup& setup) : medium_(medium), setup_(setup) {
@@ -65,7 +65,7 @@ class SurfaceShares {
     });
   }
 
-  // 1 where nothing says how the surface lies.
+  // 1 if the surface's direction is unknown.
   double of(const GridCell& open, const GridCell& solid, std::size_t axis) const {
     const std::size_t outside = medium_.at(open), inside = medium_.at(solid), solid_tag = tag(inside);
     constexpr double kMostHidden = 0.75;  // chosen: below this share of its outline the step is hidden
@@ -87,10 +87,10 @@ class SurfaceShares {
     const float* g = &setup_.gradients[3 * at];
     return {g[0], g[1], g[2]};
   }
-  // Cosine of the gradient between two neighbours with the axis along which the density rises, or otherwise falls; 0 if
-  // it does not. At an edge one of them has the gradient of the other side.
+  // Cosine between the gradient of two neighbours and the axis, along which the density must rise, or otherwise fall;
+  // else 0. At an edge one of them has the gradient of the other side.
   double cosine(std::size_t a, std::size_t b, std::size_t axis, bool rises) const {
-    constexpr double kEdge = 0.72;  // chosen: of the angle between both; a little above that of 45 degrees
+    constexpr double kEdge = 0.72;  // chosen: cosine of the angle between both; slightly above that of 45 degrees
     const auto along = [&](Vec3 g) {
       const double size = length(g);
       return size > 0 ? std::max(0.0, (rises ? 1 : -1) * array_of(g)[axis] / size) : 0;
@@ -99,7 +99,7 @@ class SurfaceShares {
     return dot(at_a, at_b) < kEdge ? std::max(along(at_a), along(at_b)) : along(at_a + at_b);
   }
 
-  // The area of the voxels' sides across an axis; half or a quarter of it at the volume's edges.
+  // Area of a voxel's side perpendicular to an axis; half or a quarter of it at the volume's edges.
   double area(const GridCell& cell, std::size_t axis) const {
     double area = 1;
     for (std::size_t other = 0; other < 3; ++other) {
@@ -120,7 +120,7 @@ class SurfaceShares {
       }
     });
   }
-  // The cosine of the face's axis to the direction away from the middle of the solid's voxels nearby.
+  // Cosine between the face's axis and the direction away from the middle of the solid's voxels nearby.
   double outline_cosine(const GridCell& open, const GridCell& solid, std::size_t axis) const {
     constexpr int kReach = 2;  // chosen: a ball of three voxels' radius has its area within 11%, of six within 4%
     const std::uint8_t tag = medium_.tags[medium_.at(solid)];
@@ -152,7 +152,7 @@ class SurfaceShares {
 std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, const Emissions& emissions) {
   std::array<std::vector<Leaf>, 7> trees;  // by facing
   const SurfaceShares shares(medium, setup);
-  // With its area or volume for a weight.
+  // Weighted by its area or volume.
   const auto add = [&](const GridCell& voxel, std::uint8_t facing, std::uint8_t tag) -> Leaf& {
     std::array<double, 3> low, high;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -244,7 +244,7 @@ Forest make_forest(std::vector<Leaf> leaves, const Edges& edges, int leaf_voxels
   }
   const unsigned leaf_bits = 3 * static_cast<unsigned>(std::bit_width(static_cast<unsigned>(leaf_voxels)) - 1);
   for (std::uint32_t i = 0; i < size(); ++i) {
-    // Into the parts of the first digit, of 8, in which its leaves' places differ.
+    // Divides at the first octal digit in which the places of its leaves differ.
     const std::uint32_t last = forest.clusters[i].last, child = size();
     const auto top = static_cast<unsigned>(std::bit_width(places[forest.clusters[i].first] ^ places[last - 1]));
     if (top <= leaf_bits) continue;

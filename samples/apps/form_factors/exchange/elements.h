@@ -1,10 +1,11 @@
-// The volume that the board measures form factors in: solids that are opaque to their very sides, and a medium.
+// The volume for form factors on the board: solids that are opaque up to their sides, and a medium.
 //
-// In a volume made for pictures a solid's opacity rises over a voxel or two, which rays graze through. Here a tag,
-// which a sample takes from its nearest voxel, makes the voxel's whole box opaque, and density is extinction alone.
-// Within a solid it goes on as in the open voxels around, so that interpolation brings no wall's density into the open.
+// In a volume for pictures a solid's opacity rises over one or two voxels, and grazing rays pass there. Here a tag
+// makes a voxel's whole box opaque, because a sample has the tag of its nearest voxel; density is only extinction.
+// Solid voxels continue the density of the open voxels around them, so that interpolation adds no wall's density to
+// open ones.
 //
-// Over its elements and those of the solids there are seven trees.
+// Seven trees cover the elements of the solids and of the medium.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ struct Medium {
   Edges edges{1, 1, 1};
   std::vector<std::uint8_t> solid;  // 1 or 0 by voxel, x fastest
   std::vector<std::uint8_t> tags;   // of the materials, by voxel
-  // Extinction a length, by voxel, as the board's tables hold it; in solids continued.
+  // Extinction per length, by voxel, as in the board's tables; continued into solids.
   std::vector<double> kappa;
   double max_kappa = 0;  // of density 4095
   std::vector<std::uint16_t> densities;
@@ -44,16 +45,17 @@ struct Medium {
   std::size_t at(const GridCell& cell) const { return voxel_index(dims, cell); }
 };
 
-// Takes voxels apart by the opacity of one voxel length. Throws InputError: no voxels, solid_opacity not within 0..1.
+// Divides voxels into solid and open ones by the opacity of one voxel length. Throws InputError: no voxels,
+// solid_opacity not within 0..1.
 Medium make_medium(const SceneSetup& setup, double solid_opacity);
 
 // Throws InputError if it is larger than the board's volumes, and what Board throws.
 void load(Board& board, const Medium& medium);
 
-// Mean extinction of the box of an open voxel: of the trilinear interpolation, exactly.
+// Exact mean of the interpolated extinction over the box of an open voxel.
 double mean_kappa(const Medium& medium, const GridCell& voxel);
 
-// Content of any box of the volume in constant time: from running sums over all voxels before each.
+// Content of any box of the volume in constant time, from cumulative sums over the voxels.
 class Contents {
  public:
   explicit Contents(const Medium& medium);
@@ -73,27 +75,27 @@ class Contents {
   std::vector<Sums> sums_;
 };
 
-// Leaves of one facing follow each other, in the order of the octree: those of a cluster lie together.
+// Orders leaves by facing, then by the octree, so that the leaves of a cluster are adjacent.
 std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, const Emissions& emissions);
 
 struct Forest {
   std::vector<Leaf> leaves;
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> roots;  // at most seven
-  std::vector<double> measures;      // running sums over the leaves of area, or kappa V: leaves + 1 of them
+  std::vector<double> measures;      // leaves + 1 cumulative sums over the leaves of area, or kappa V
   Edges edges{1, 1, 1};
 
   // The factor of a mean over both elements: area, or kappa V.
   double exchange_measure(const Cluster& cluster) const { return measures[cluster.last] - measures[cluster.first]; }
 };
 
-// Cubes of `leaf_voxels` an edge, a power of two, are not divided.
+// Does not divide cubes with edges of `leaf_voxels`, a power of two.
 Forest make_forest(std::vector<Leaf> leaves, const Edges& edges, int leaf_voxels);
 
-// Its box as the board takes it; of a full cluster all there is of it.
+// The cluster's box as an element of the board; a full cluster fills it.
 Element element_of(const Cluster& cluster);
 
-// Whether any of `a` could see any of `b` by their sides alone.
+// Whether the sides let any part of `a` see any part of `b`.
 bool may_see(const Cluster& a, const Cluster& b);
 
 }  // namespace gicube::samples

@@ -22,7 +22,7 @@ std::string row_of(const RadiosityResult& result, std::size_t i) {
                      cluster.first + 1, cluster.last, cluster.parent == kNone ? 0 : cluster.parent + 1);
 }
 
-// By leaf: the sum of its exchange areas over its weight, with those of the clusters that it is a part of.
+// By leaf: the sum of its own and its ancestors' exchange areas over its weight.
 std::vector<double> closures(const RadiosityResult& result) {
   std::vector<double> sums(result.clusters.size()), leaves(result.leaves.size());
   for (const Link& link : result.links) {
@@ -42,9 +42,9 @@ double furthest_off(const std::vector<double>& closures) {
   return off;
 }
 
-// Multiplies all by factors of the clusters, as symmetric scaling of a full matrix would by those of its rows (Sinkhorn
-// 1964): each goes by what its leaves' sums lack. Some can't close altogether: elements without links of their own,
-// beside others that have some.
+// Multiplies all links by factors of their clusters, like symmetric scaling of the rows of a full matrix (Sinkhorn
+// 1964). A factor follows from the closure of the cluster's leaves. Some sums cannot close: elements without their own
+// links beside others that have some.
 void balance(RadiosityResult& result) {
   constexpr int kMaxPasses = 500;   // chosen
   constexpr double kClosed = 1e-4;  // chosen

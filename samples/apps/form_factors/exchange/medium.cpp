@@ -17,7 +17,7 @@ constexpr double kOpacityOne = 65535;  // of the board's segmentation table
 
 double opacity_of(double max_kappa, int density) { return 1 - std::exp(-max_kappa * density / kDensityMax); }
 
-// The extinction that the board's table makes of a density.
+// The extinction of a density in the board's table.
 std::vector<double> table(double max_kappa) {
   std::vector<double> kappas;
   for (int density = 0; density <= kDensityMax; ++density) {
@@ -26,19 +26,19 @@ std::vector<double> table(double max_kappa) {
   return kappas;
 }
 
-// The opacity at the edge of a scene's solid belongs to the surface, which faces stand for.
+// The opacity at the edge of a scene's solid belongs to its surface, which has faces.
 bool is_edge(const SceneSetup& setup, std::size_t tag) {
   return tag < setup.looks.size() && std::holds_alternative<SolidLook>(setup.looks[tag]);
 }
 
-// A fog's extinction, where the voxels' may be greater for what they lack beside solids (gicube/scene/voxeliser.h):
-// here a solid ends with its voxels.
+// A fog's extinction. Its voxels beside solids may have more, to compensate for missing ones
+// (gicube/scene/voxeliser.h); here a solid ends with its voxels.
 double thickest(const SceneSetup& setup, std::size_t tag) {
   const auto* fog = tag < setup.looks.size() ? std::get_if<FogLook>(&setup.looks[tag]) : nullptr;
   return fog != nullptr ? fog->extinction * setup.grid.voxel : std::numeric_limits<double>::infinity();
 }
 
-// Calls visit(index) for the voxels around one, and for itself.
+// Calls visit(index) for a voxel and those around it.
 template <typename Visit>
 void around(const Medium& medium, const GridCell& cell, const Visit& visit) {
   GridCell first, end;
@@ -49,7 +49,7 @@ void around(const Medium& medium, const GridCell& cell, const Visit& visit) {
   for_each_voxel(first, end, [&](const GridCell& beside) { visit(medium.at(beside)); });
 }
 
-// Open voxels with a solid's tag, and those beside them, become the thickest fog around.
+// Open voxels with a solid's tag, and those beside them, become the densest fog around.
 void bring_fog_to_solids(Medium& medium, const SceneSetup& setup) {
   const auto fog = [](const MaterialLook& look) { return std::holds_alternative<FogLook>(look); };
   if (std::ranges::none_of(setup.looks, fog)) return;
@@ -72,7 +72,7 @@ void bring_fog_to_solids(Medium& medium, const SceneSetup& setup) {
   }
 }
 
-// A solid voxel beside open ones gets the mean of theirs, so that what lies between is as in the open.
+// A solid voxel beside open ones has their mean, so that interpolation between them is as in the open.
 void continue_into_solids(Medium& medium) {
   const std::vector<std::uint16_t> open = medium.densities;
   const auto& dims = medium.dims;
@@ -149,7 +149,7 @@ void load(Board& board, const Medium& medium) {
 }
 
 double mean_kappa(const Medium& medium, const GridCell& voxel) {
-  // Means of the interpolation's three weights over half a voxel on both sides, or over what is left at an end.
+  // Means of the interpolation's three weights over half a voxel on both sides, or on one side at an end.
   std::array<std::array<double, 3>, 3> weights;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool first = voxel[axis] == 0, last = voxel[axis] == medium.dims[axis] - 1;

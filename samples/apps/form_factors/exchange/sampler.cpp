@@ -8,8 +8,8 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kRaysPerMember = 2;  // chosen: more pairs of members tell more, fewer spare the bus
-constexpr double kCautious = 1.8;  // PairFactor::standard_error of a far pair, compared with the scatter of its runs
+constexpr int kRaysPerMember = 2;  // chosen: more pairs of members are more accurate, fewer spare the bus
+constexpr double kCautious = 1.8;  // PairFactor::standard_error of a far pair, relative to the scatter of its runs
 constexpr std::size_t kLinksAtOnce = 1u << 16;  // chosen: some ten commands of the driver's
 
 std::uint64_t mix(std::uint64_t x) {  // SplitMix64 (Steele, Lea, Flood 2014)
@@ -43,7 +43,7 @@ std::vector<PairFactor> LinkSampler::ask(std::span<const ElementPair> pairs, con
 }
 
 void LinkSampler::estimate(Links links, int rays) {
-  // One request has one first sample, and either whole clusters or members of some.
+  // A request has one first sample, and either whole clusters or members of clusters.
   std::map<std::pair<std::uint32_t, bool>, std::vector<SampledLink*>> parts;
   for (SampledLink* sampled : links) {
     if (conclude_without_rays(*sampled)) continue;
@@ -71,7 +71,7 @@ void LinkSampler::full_pairs(Links links, int rays) {
                                    .step = settings_.step,
                                    .made = settings_.made});
   for (std::size_t i = 0; i < links.size(); ++i) {
-    PairFactor scattered = factors[i];  // a solution's error comes from many links, whose scatter adds up to it
+    PairFactor scattered = factors[i];  // many links' scatter adds up to a solution's error
     scattered.standard_error /= kCautious;
     conclude(*links[i], scattered, rays);
   }
@@ -133,7 +133,7 @@ LinkSampler::Place LinkSampler::place_of(const Cluster& a, const Cluster& b) con
   return place;
 }
 
-// The mean factor of two full clusters that are too near for rays, if what is between them is open and even enough.
+// Mean factor of two full clusters that are too near for rays, if the space between them is open and uniform enough.
 std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& b) {
   constexpr double kUneven = 0.02;  // chosen: of ln T
   const Place place = place_of(a, b);
@@ -144,13 +144,13 @@ std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& 
     high[axis] = std::max(a.high[axis], b.high[axis]);
   }
   const Contents::Of between = contents_.box(low, high);
-  const bool leaves = a.child == kNone && b.child == kNone;  // as even as their elements are taken to be
+  const bool leaves = a.child == kNone && b.child == kNone;  // as uniform as their elements by definition
   if (between.solid) return std::nullopt;
   if (!leaves && between.kappa_spread * (place.gap + 2 * place.size) > kUneven) return std::nullopt;
   return box_factors_.of(a, b, between.mean_kappa);
 }
 
-// Leaves that are near: no rays tell more, and there is no division that their spread would have to decide on.
+// Near leaves: rays add no information, and leaves cannot be divided by their spread.
 bool LinkSampler::conclude_without_rays(SampledLink& sampled) {
   const Cluster& a = forest_.clusters[sampled.link.a];
   const Cluster& b = forest_.clusters[sampled.link.b];
@@ -160,7 +160,7 @@ bool LinkSampler::conclude_without_rays(SampledLink& sampled) {
   return factor.has_value();
 }
 
-// From means to the exchange area.
+// Converts means to the exchange area.
 void LinkSampler::conclude(SampledLink& sampled, const PairFactor& mean, int rays) {
   Link& link = sampled.link;
   sampled.next += static_cast<std::uint32_t>(rays);
@@ -172,7 +172,7 @@ void LinkSampler::conclude(SampledLink& sampled, const PairFactor& mean, int ray
   link.standard_error = scale * mean.standard_error;
   link.spread = link.standard_error * std::sqrt(rays);
   if (a.full && b.full && mean.geometric > 0) {
-    // The rays' error is that of the share which arrives, and can't be more than if each came whole or not at all.
+    // The rays' error is that of the share that arrives, at most that of shares 0 and 1.
     const double geometric = box_factors_.of(a, b, 0);
     const double share = std::min(mean.transported / mean.geometric, 1.0);
     const double most = std::sqrt(share * (1 - share) / rays);
@@ -183,8 +183,8 @@ void LinkSampler::conclude(SampledLink& sampled, const PairFactor& mean, int ray
       link.standard_error = 0;
     }
   }
-  link.exchange = std::min({link.exchange, a.weight, b.weight});  // as it is, whatever few rays say
-  // Light that none of the rays has found, the next ray may find. Where clusters touch it may be the largest part.
+  link.exchange = std::min({link.exchange, a.weight, b.weight});  // true bounds, which a few rays may exceed
+  // The next ray may find light that no ray has found. For touching clusters it may be the largest part.
   const Place place = place_of(a, b);
   const double unseen = (mean.transported > 0 ? mean.transported : mean.geometric) / (rays + 1);
   const double meeting = 1 / (std::numbers::pi * (place.gap * place.gap + place.size * place.size));

@@ -1,4 +1,4 @@
-// Estimates links by the board's pairs.
+// Estimates links from pairs that the board traces.
 #pragma once
 
 #include <optional>
@@ -13,29 +13,28 @@ namespace gicube::samples {
 
 struct SampledLink {
   Link link;
-  std::uint32_t next = 0;                    // the first of its samples that was not used
-  double first_error = 0, first_spread = 0;  // of the first guess, which decides on more rays and on division
-  bool measured = false;                     // apart from the guess that decided whether to divide it
+  std::uint32_t next = 0;                    // first unused sample
+  double first_error = 0, first_spread = 0;  // of the first estimate, which decides on more rays and on division
+  bool measured = false;                     // after the estimate that decided whether to divide it
 };
 
-// A full cluster is one element for the board: k rays between two of them are k points that fill both evenly. What is
-// known without rays, their geometric factor, is taken from BoxFactors; the rays say which share of it arrives. Near
-// ones with an open and about even medium around them are done without rays. Of other clusters members are drawn,
-// evenly in the running sum of their measures: the mean over members is an unbiased estimate of the sum over all of
-// them.
+// A full cluster is one element for the board: k rays between two of them connect k points that fill both uniformly.
+// BoxFactors has their geometric factor; the rays measure the share that arrives. Near clusters in an open and nearly
+// uniform medium need no rays. For other clusters it draws members, uniformly in the cumulative sum of their measures:
+// the mean over members is an unbiased estimate of the sum over all of them.
 class LinkSampler {
  public:
   LinkSampler(Board& board, const Forest& forest, const Contents& contents, const RadiositySettings& settings,
               RadiosityStatistics& statistics);
 
-  // Estimates each of them anew, with `rays` samples that it has not used before; leaves that need none take none.
+  // Estimates each link anew with `rays` new samples; leaves that need no rays use none.
   void estimate(std::span<SampledLink* const> links, int rays);
 
   // Physical distance of two boxes, and the longest edge of both.
   struct Place {
     double gap = 0, size = 0;
     bool near() const { return gap <= size; }      // chosen
-    bool touch() const { return 2 * gap < size; }  // chosen: 1/r^2 has no bound that a few rays could know
+    bool touch() const { return 2 * gap < size; }  // chosen: a few rays cannot sample 1/r^2 there
   };
   Place place_of(const Cluster& a, const Cluster& b) const;
 

@@ -18,9 +18,9 @@ constexpr double kStep = 3.1622776601683795;   // chosen: from one to the next; 
 constexpr double kGain = 0.85;                 // chosen: of error^2 x rays, what makes a variant worth taking
 constexpr double kTimeMargin = 1.25;           // as of pictures
 
-// chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other
-// it would be 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3
-// (docs/guide/plan.md has what was measured). Either way the earlier one errs by a third more.
+// chosen: error of the later of two solutions over their difference. If each solution has 3/4 of the error of the one
+// before, it is 0.6 for independent errors, and 3 for equal ones (docs/guide/plan.md has the measurements). In both
+// cases the earlier one has a third more error.
 constexpr double kEstimate = 1, kBound = 2, kOfEarlier = 4.0 / 3;
 
 struct Solution {
@@ -37,7 +37,7 @@ struct Planner {
   int first_rays = plan.settings.rays;
   std::uint32_t solutions = 0;
 
-  std::optional<Solution> cheapest{};  // of those whose bound keeps the target
+  std::optional<Solution> cheapest{};  // with a bound that keeps the target
 
   RadiosityPlan make() {
     const auto start = std::chrono::steady_clock::now();
@@ -47,7 +47,7 @@ struct Planner {
       const RadiosityPlanPoint& last = plan.points[before.point];
       if (plan.target.time_budget > 0 && too_long(last)) break;
       plan.settings.error /= kStep;
-      plan.settings.hierarchy = 2 * last.all_rays < plan.finest_rays;  // chosen: else a full matrix does as well
+      plan.settings.hierarchy = 2 * last.all_rays < plan.finest_rays;  // chosen: else a full matrix needs as few
       Solution here = solve(plan.settings);
       const double off = difference(before.result, here.result);
       tell(before.point, off, kOfEarlier);
@@ -57,7 +57,7 @@ struct Planner {
       if (over) break;
       consider(std::exchange(before, std::move(here)));
       if (keeps(before.point) || cheapest) break;
-      if (!plan.settings.hierarchy) break;  // there is nothing finer
+      if (!plan.settings.hierarchy) break;  // no solution is finer
     }
     if (plan.target.max_error > 0) {
       consider(before);
@@ -98,7 +98,7 @@ struct Planner {
     return {std::move(result), plan.points.size() - 1};
   }
 
-  // Records the difference from another solution as a bound of a point's error; of two bounds the lower one holds.
+  // Sets a point's error and bound from the difference to another solution; the lower of two bounds holds.
   void tell(std::size_t index, double off, double factor) {
     RadiosityPlanPoint& point = plan.points[index];
     if (point.difference > 0 && kBound * factor * off >= point.error_bound) return;
@@ -116,13 +116,13 @@ struct Planner {
     if (!cheapest || rays < plan.points[cheapest->point].all_rays) cheapest = std::move(solution);
   }
 
-  // Those of the stage before, which differed by `off` from this one's solution.
+  // The solutions of the stage before; they differed by `off` from this one's solution.
   void try_variants(const RadiosityResult& better, std::size_t base, double off) {
     RadiositySettings original = plan.settings;
     original.hierarchy = true;
     original.error = plan.points[base].threshold;
     double best = kGain * std::pow(off, 2) * plan.points[base].all_rays;
-    // chosen: rays beside 16, and cubes twice as large
+    // chosen: numbers of rays other than 16, and cubes twice as large
     for (const auto& [rays, times] : {std::pair{8, 1}, {32, 1}, {original.rays, 2}}) {
       RadiositySettings variant = original;
       variant.rays = rays;
@@ -139,7 +139,7 @@ struct Planner {
     }
   }
 
-  // The next solution, as the last two make one expect; where there is only one, twice as long.
+  // Predicts the next solution from the last two; after only one, twice as long.
   bool too_long(const RadiosityPlanPoint& point) const {
     double growth = 2;
     for (const RadiosityPlanPoint& other : plan.points) {

@@ -1,10 +1,10 @@
-// The plan step of radiosity: from a target to the threshold of the links, their rays and how far elements are divided.
+// The plan step of radiosity: chooses the links' threshold, their rays and the size of elements for a target.
 //
-// Solutions of one scene are made with thresholds that fall by the root of ten, each with other random choices. What
-// one differs from the next (difference()) is what both err; so each tells how good both were, and how much better the
-// next will be. Where rays become as many as a full matrix would take, that is the last one. Before the third, other
-// numbers of rays and larger elements are tried at the second threshold, and the one that needs the fewest rays for its
-// error is kept. Once any is good enough, the one of those with the fewest rays is the solution.
+// It solves one scene with thresholds that decrease by factors of the root of ten, each with new random numbers. The
+// difference() of two successive solutions estimates the errors of both, and predicts that of the next. A full matrix
+// is the last one, when the rays become as many. Before the third solution, it tries other numbers of rays and larger
+// elements at the second threshold, and keeps the one with the fewest rays for its error. When solutions are good
+// enough, it returns the one with the fewest rays.
 #pragma once
 
 #include <string>
@@ -21,35 +21,35 @@ struct RadiosityPlanPoint {
   int rays = 0;          // RadiositySettings::rays
   int leaf_voxels = 1;
   std::uint32_t seed = 0;
-  double difference = 0;              // from the solution that it is held against: the one before or the next
+  double difference = 0;              // from the solution before or after
   double error = 0, error_bound = 0;  // of the light on all elements, relative; see plan.cpp
-  double all_rays = 0;                // that it took
+  double all_rays = 0;                // of the solution
   Picoseconds time = 0;               // of the board
 };
 
 struct RadiosityPlan {
   RadiositySettings settings;  // as chosen
   RadiosityPlanPoint chosen;
-  bool kept = true;                        // false: nothing reaches the target, and `result` is what comes nearest
-  std::vector<RadiosityPlanPoint> points;  // every solution, in that order
-  double finest_rays = 0;                  // of a full matrix: the rays of a first guess for every pair of elements
+  bool kept = true;                        // false: no solution reaches the target, and `result` is the nearest
+  std::vector<RadiosityPlanPoint> points;  // all solutions, in their order
+  double finest_rays = 0;                  // of a full matrix: the first estimates of all pairs of elements
   Picoseconds finest_time = 0;             // in proportion
   double all_rays = 0;                     // of all solutions
   double host_seconds = 0;
   PlanTarget target;
   RadiosityResult result;
 
-  std::vector<std::string> explain() const;  // lines for people
+  std::vector<std::string> explain() const;  // lines for the user
 };
 
-// `settings`: what is not chosen; its seed is the first solution's. Throws InputError (one of both targets), and as
-// solve_radiosity().
+// `settings`: the fixed settings; its seed is the first solution's. Throws InputError (not exactly one target), and
+// what solve_radiosity() throws.
 RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                              const RadiositySettings& settings, const PlanTarget& target,
                              const RadiosityProgress& progress = {});
 
-// Sum of w |H - reference| over the sum of w reference, over elements and channels; not of the volume's ends. Both must
-// be of one scene with the same leaves: throws InputError.
+// Sum of w |H - reference| over the sum of w reference, over elements and channels, without the volume's ends. Throws
+// InputError unless both have the same leaves.
 double difference(const RadiosityResult& result, const RadiosityResult& reference);
 
 }  // namespace gicube::samples

@@ -1,4 +1,4 @@
-// gicube-form-factors: radiosity in volumes, and visibility between voxels, by a GI-Cube board.
+// gicube-form-factors: radiosity in volumes, and visibility between voxels, with a GI-Cube board.
 #include <iostream>
 
 #include "form_factors/program/options.h"

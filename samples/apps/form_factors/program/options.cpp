@@ -46,61 +46,62 @@ void add_materials(CLI::App& app, SolveOptions& options) {
         ->take_all();
   };
   add("--emission", "TAG=POWER",
-      "light from a unit of a tag's surface (or of a fog's volume), as 2=5 or 2=5,4,3 for red, green and blue; in "
-      "place "
-      "of the scene's; repeatable",
+      "replace a tag's emission, per unit of surface (or of a fog's volume), as 2=5 or 2=5,4,3 for red, green and "
+      "blue; "
+      "repeatable",
       std::numeric_limits<double>::infinity(), options.emissions);
-  add("--albedo", "TAG=SHARE", "what a tag scatters of the light that meets it, 0..1; likewise", 1, options.albedos);
+  add("--albedo", "TAG=SHARE", "replace a tag's albedo, 0..1; likewise", 1, options.albedos);
 }
 
 void add_made(OptionGroup& group, PairRays& made) {
-  group.choice(
-      "--made", made, kPairRays,
-      "who makes the rays: board (its DSP, from pair lists) or host (sent over the bus); never changes a result "
-      "(board)");
+  group.choice("--made", made, kPairRays,
+               "where rays are made: board (its DSP, from pair lists) or host (sent over the bus); results are the "
+               "same (board)");
 }
 
 void add_method(CLI::App& app, RadiositySettings& settings) {
   OptionGroup group(app, "Method");
-  group.number("--error", settings.error, kShares,
-               "a link that may misplace more than this share of all power is refined");
-  group.number("--rays", settings.rays, CLI::Range(8, 65536), "of a link's first guess");
-  group.number("--max-rays", settings.max_rays, CLI::Range(8, 1 << 24), "of a link that can't be divided");
-  group.number("--step", settings.step, kSteps, "of the rays, voxels");
+  group.number("--error", settings.error, kShares, "refine links that may misplace more than this share of all power");
+  group.number("--rays", settings.rays, CLI::Range(8, 65536), "rays of a link's first estimate");
+  group.number("--max-rays", settings.max_rays, CLI::Range(8, 1 << 24),
+               "rays of a link that can't be divided, at most");
+  group.number("--step", settings.step, kSteps, "step of the rays, voxels");
   group.number("--solid-opacity", settings.solid_opacity, CLI::Range(1e-6, 1.0),
-               "of one voxel length from which a voxel is solid, not medium");
+               "least opacity of one voxel length in a solid; less is medium");
   group.number("--leaf-voxels", settings.leaf_voxels, kLeafVoxels,
-               "edge of the voxel cubes that are not divided: 1, 2, 4, ...");
-  group.choice("--solver", settings.solver, kSolvers, "gathering or shooting (gathering)");
+               "edge of the cubes that are not divided, voxels: 1, 2, 4, ...");
+  group.choice("--solver", settings.solver, kSolvers, "solver (gathering)");
   group.number("--convergence", settings.convergence, kShares,
-               "share of all power that may be under way when the solver stops");
-  group.number("--iterations", settings.max_iterations, CLI::Range(1, 1'000'000), "at most so many");
+               "share of all power that may be in transit when the solver stops");
+  group.number("--iterations", settings.max_iterations, CLI::Range(1, 1'000'000), "iterations of the solver, at most");
   app.add_flag_callback(
-         "--full-matrix", [&settings] { settings.hierarchy = false; }, "a link for each pair of elements: no hierarchy")
+         "--full-matrix", [&settings] { settings.hierarchy = false; },
+         "use a link for each pair of elements, without a hierarchy")
       ->group("Method");
   add_made(group, settings.made);
 }
 
 void add_output(CLI::App& app, SolveOptions& options) {
   OptionGroup group(app, "Output");
-  group.file("--factors", options.factors, "exchange areas as Matrix Market, their rows in FILE.clusters.csv");
-  group.file("--elements", options.elements, "the light that falls on each element, CSV");
+  group.file("--factors", options.factors,
+             "write exchange areas here, Matrix Market, and their rows to FILE.clusters.csv");
+  group.file("--elements", options.elements, "write the incident light of each element here, CSV");
   group.file("--solution", options.solution,
-             "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance");
-  group.file("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR");
-  group.value("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
-  group.size("--size", options.size, "pixels of the picture (the scene's)");
+             "write the incident light of each voxel here, NRRD of three channels for gicube-render --irradiance");
+  group.file("-o,--output", options.picture, "write a picture in that light here, PNG or EXR");
+  group.value("--camera", options.camera_name, "name of the scene's camera to use (the first)")->type_name("NAME");
+  group.size("--size", options.size, "size of the picture, pixels (the scene's)");
   group.number("--exposure", options.exposure, CLI::Range(0.0, 1e12),
-               "brightness of a unit of light on a unit of area; 0: chosen");
+               "brightness of a unit of light per unit of area; 0: chosen");
 }
 
 void add_visibility(CLI::App& app, VisibilityOptions& options) {
   OptionGroup group(app, "Pairs");
-  group.number("--pairs", options.pairs, CLI::Range(1u, 100'000'000u), "of random voxels");
-  group.number("--rays", options.rays, CLI::Range(1, 65536), "a pair, between random points of both voxels");
-  group.number("--step", options.step, kSteps, "of the rays, voxels");
+  group.number("--pairs", options.pairs, CLI::Range(1u, 100'000'000u), "pairs of random voxels");
+  group.number("--rays", options.rays, CLI::Range(1, 65536), "rays per pair, between random points of both voxels");
+  group.number("--step", options.step, kSteps, "step of the rays, voxels");
   add_made(group, options.made);
-  group.file("--pairs-file", options.pairs_file, "each pair's boxes and what passes between them, CSV");
+  group.file("--pairs-file", options.pairs_file, "write each pair's boxes and transmittance here, CSV");
 }
 
 void check_solve(SolveOptions& options) {
@@ -120,12 +121,13 @@ void check_solve(SolveOptions& options) {
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out) {
   SolveOptions solve;
   VisibilityOptions visibility;
-  CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
+  CLI::App app("Compute radiosity in volumes, with form factors from a GI-Cube board.", "gicube-form-factors");
   app.footer("Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.");
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.require_subcommand(1);
-  CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
-  CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and its cost");
+  CLI::App* const solving = app.add_subcommand("solve", "compute the light of a scene's emitters on all elements");
+  CLI::App* const looking =
+      app.add_subcommand("visibility", "measure transmittances between random voxels, and their cost");
   add_scene_input(*solving, solve.input);
   add_materials(*solving, solve);
   add_method(*solving, solve.settings);

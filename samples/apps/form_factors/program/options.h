@@ -1,4 +1,4 @@
-// The commands of gicube-form-factors: what they are asked for, and their parts.
+// Commands of gicube-form-factors: their options and their parts.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@
 
 namespace gicube::samples {
 
-// The names of settings, on the command line and in --stats.
+// Names of settings, on the command line and in --stats.
 inline const std::map<std::string, PairRays> kPairRays{{"board", PairRays::kByBoard}, {"host", PairRays::kByHost}};
 inline const std::map<std::string, Solver> kSolvers{{"gathering", Solver::kGathering}, {"shooting", Solver::kShooting}};
 
@@ -28,20 +28,20 @@ struct SolveOptions {
     int tag = 0;
     Power value{};
   };
-  std::vector<ByTag> emissions, albedos;  // in place of the scene's
+  std::vector<ByTag> emissions, albedos;  // replace the scene's
   RadiositySettings settings;
   std::filesystem::path factors, elements, solution, picture;  // empty: none
   std::string camera_name;
   std::optional<std::array<int, 2>> size;
   double exposure = 0;  // 0 = the scene's or chosen
-  PlanOptions plan;     // in place of the settings' error, rays and leaf_voxels
+  PlanOptions plan;     // replaces the settings' error, rays and leaf_voxels
   BoardOptions board;
 };
 
 struct VisibilityOptions {
   SceneInput input;
   std::uint32_t pairs = 100'000;
-  int rays = 16;  // a pair
+  int rays = 16;  // per pair
   double step = 0.5;
   PairRays made = PairRays::kByBoard;
   std::filesystem::path pairs_file;  // empty: none
@@ -50,30 +50,29 @@ struct VisibilityOptions {
 
 using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions>;
 
-// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+// Empty after printing help or the version to `out`. Throws UsageError with one line.
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);
 
-// Do what the options ask for. Throw UsageError, InputError, FileError, and what Board throws.
+// Run the command. Throw UsageError, InputError, FileError, and what Board throws.
 void run(const SolveOptions& options, ProgressLine& progress);
 void run(const VisibilityOptions& options, ProgressLine& progress);
 
-// The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have
-// none.
+// Applies the options' emissions and albedos to the scene's materials. Adds materials for tags without one.
 void set_materials(const SolveOptions& options, Scene& scene);
 
-// Light that the scene's materials send out, as the solver counts it: of solids a unit of surface, of fogs a unit of
-// volume, which is brought from the scene's units to voxels, of scans both. Powers stay per unit of the scene's area.
+// Emission of the scene's materials for the solver: per unit of surface for solids, per unit of volume for fogs,
+// converted from the scene's units to voxels, and both for scans. Powers stay per unit of the scene's area.
 Emissions emissions_of(const SceneSetup& setup);
 
-// The board's work in a period, as shares of it. A part that the fidelity level does not model has none.
+// Shares of a period in which the board's parts are busy. Empty for parts that the fidelity level does not model.
 struct Utilisation {
-  double bus_down = 0, bus_up = 0;  // of one bus, which both directions share
+  double bus_down = 0, bus_up = 0;  // of one bus for both directions
   double dsp = 0;
-  std::optional<double> pipelines;  // cycles of the busiest processor that took a sample
-  std::optional<double> sorter;     // its cycles that were lost because its sorter had no ray ready
+  std::optional<double> pipelines;  // cycles of the busiest processor with a sample
+  std::optional<double> sorter;     // its cycles without a ray ready in its sorter
   std::optional<double> memory;     // data cycles of the busiest memory channel
 
-  std::string bound() const;  // the name of the busiest part
+  std::string bound() const;  // name of the busiest part
 };
 Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const BoardInfo& board);
 nlohmann::ordered_json to_json(const Utilisation& utilisation);

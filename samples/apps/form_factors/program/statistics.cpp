@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// (emitted - all that it became) / emitted, the worst channel.
+// (emitted - sum of the balance) / emitted, the worst channel.
 double balance_error(const EnergyBalance& energy) {
   double worst = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -39,7 +39,7 @@ Json energy_json(const EnergyBalance& energy, double unit) {
   return json;
 }
 
-// Errors of the light that falls on elements, all channels together, by weight.
+// Errors of the incident light of elements, summed over channels, by weight.
 Json error_json(const RadiosityResult& result) {
   double weights = 0, light = 0, errors = 0, greatest = 0;
   for (std::size_t i = 0; i < result.standard_error.size(); ++i) {
@@ -102,7 +102,7 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
   out.bus_up = of_time("bus.up.busy_ps");
   out.dsp = of_time("dsp.busy_ps");
   if (!counters.has("asic.cycles") || counters.value("asic.cycles") == 0) return out;
-  // Cycles of the elapsed time, not of the ASIC, which does not count while it has no rays.
+  // Cycles of the elapsed time; the ASIC does not count cycles without rays.
   const double cycles = static_cast<double>(duration) * 1e-9 * board.core_khz;
   const double working = static_cast<double>(counters.value("asic.cycles")) / cycles;
   out.pipelines = out.sorter = out.memory = 0;

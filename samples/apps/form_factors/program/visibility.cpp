@@ -54,7 +54,7 @@ void print(const Visibility& seen) {
   fmt::print(": bound by the {}\n", u.bound());
 }
 
-// Both boxes' corners in voxels, and the transmittance.
+// Writes both boxes' corners in voxels, and the transmittance.
 void write_pairs(const RandomPairs& pairs, const Visibility& seen, const std::filesystem::path& file) {
   std::string text =
       "a_low_x,a_low_y,a_low_z,a_high_x,a_high_y,a_high_z,b_low_x,b_low_y,b_low_z,b_high_x,b_high_y,b_high_z,"
@@ -73,7 +73,7 @@ void write_pairs(const RandomPairs& pairs, const Visibility& seen, const std::fi
 }  // namespace
 
 RandomPairs random_pairs(const Dims& dims, std::uint32_t count, std::uint64_t seed) {
-  std::mt19937_64 engine(seed);  // its numbers are the same everywhere, those of distributions are not
+  std::mt19937_64 engine(seed);  // its numbers are portable; those of distributions are not
   RandomPairs out;
   std::array<int, 3> last{-1, -1, -1};
   while (out.pairs.size() < count) {

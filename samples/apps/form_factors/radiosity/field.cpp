@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWindow = 2;          // chosen: voxels to each side: steps of slopes down to 1:5 are seen whole
 constexpr int kLayers = 2;          // chosen: of voxels that light is carried on to: samples touch so many
-constexpr double kMinFacing = 0.1;  // chosen: of a face's axis and the surface's normal: below it is another surface
+constexpr double kMinFacing = 0.1;  // chosen: least cosine between a face's axis and the surface's normal
 
 Vec3 axis_of(std::uint8_t facing) {
   const double sign = facing % 2 == 0 ? -1 : 1;
@@ -53,7 +53,7 @@ class Writer {
   }
 
  private:
-  // Light of medium gives way to that of a surface beside it, whose samples are much more opaque.
+  // A surface's light replaces that of medium beside it, because its samples are much more opaque.
   static constexpr std::uint8_t kDark = 0, kMediumLight = 1, kSurface = 2;  // + layers
 
   std::size_t voxels() const { return at({0, 0, dims_[2]}); }
@@ -80,7 +80,7 @@ class Writer {
     state_[voxel] = state;
   }
 
-  // Outward; zero where nothing says.
+  // Outward normal; zero if unknown.
   Vec3 normal(const GridCell& cell) const {
     const std::size_t voxel = at(cell);
     if (!setup_.gradients.empty()) {
@@ -96,8 +96,7 @@ class Writer {
     return length(areas) > 0 ? normalise(areas) : Vec3{};
   }
 
-  // Light of the surrounding faces of one surface. Light that they emit has no direction, and is that of the voxel's
-  // own.
+  // Light of the surrounding faces of one surface. Emitted light has no direction, and is from the voxel's own faces.
   Power surface(const GridCell& cell) const {
     const Vec3 n = normal(cell);
     Power flux{}, own{};
@@ -124,12 +123,12 @@ class Writer {
     return flux;
   }
 
-  // Voxels without light, and those of medium, get the mean of the layer beside them.
+  // Voxels without light, and those of medium, have the mean of the layer beside them.
   void carry(std::uint8_t layer) {
     std::vector<std::pair<std::size_t, Power>> found;
     for_each_voxel({}, dims_, [&](const GridCell& cell) {
       const std::uint8_t state = state_[at(cell)];
-      // Medium is seen through its own light but for the one layer that touches the surface.
+      // Medium has its own light except in the layer that touches the surface.
       if (state >= kSurface || (state == kMediumLight && layer > kSurface)) return;
       Power light{};
       double weights = 0;
@@ -146,7 +145,7 @@ class Writer {
   }
 
   const RadiosityResult& result_;
-  const std::vector<Power> incident_;  // of it, without the edges of clusters
+  const std::vector<Power> incident_;  // smoothed
   const SceneSetup& setup_;
   const Dims dims_;
   std::vector<std::uint32_t> faces_;  // by solid voxel: the first of its faces, and

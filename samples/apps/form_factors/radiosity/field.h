@@ -1,4 +1,4 @@
-// A solution of radiosity as the light that falls on a volume's voxels, ready for pictures.
+// Converts a radiosity solution to the incident light of a volume's voxels, for pictures.
 #pragma once
 
 #include <vector>
@@ -9,20 +9,18 @@
 
 namespace gicube::samples {
 
-// A solution's incident light is the same all over each cluster that a link ends at, so that pictures show its edges.
-// Here light flows between neighbouring elements of one facing, as heat does, as far as the clusters are wide that it
-// came by: sigma is a third of their width, weighted by what each brought. What falls on all elements together stays as
-// it is.
+// A solution's incident light is constant on each cluster at the end of a link, so pictures would show the clusters'
+// edges. This function diffuses light between neighbouring elements of one facing, over the widths of the clusters that
+// received it: sigma is a third of their width, weighted by their light. The sum over all elements stays the same.
 std::vector<Power> smoothed(const RadiosityResult& result);
 
-// Three channels. Where there is
-//  - a solid's surface: the power that its faces get around there over the true area that they stand for, which is the
-//    sum of area x (normal . axis) by the surface's own normal (Gauss's theorem): a staircase of voxel faces is larger
-//    than the surface that it follows, and would be too dark. Of layers of voxels that a picture's samples touch, one
-//    to two deep;
-//  - medium: its own incident light;
-//  - light of its own: that too, as if it fell there, so that an emitter shows its colour times what it sends out.
-// Normals are the setup's gradients; where it has none, those of the faces around.
+// Returns three channels.
+//  - Solid surfaces have the power of the faces nearby over their true area, the sum of area x (normal . axis) with the
+//    surface's normal (Gauss's theorem). A staircase of voxel faces is larger than its surface, and would be too dark.
+//    One or two layers of voxels have this light: those that a picture's samples touch.
+//  - Medium has its own incident light.
+//  - Emitted light is added, so that an emitter shows its colour times its emission.
+// Normals are the setup's gradients or, without these, those of the faces nearby.
 LightField field_of(const RadiosityResult& result, const SceneSetup& setup);
 
 }  // namespace gicube::samples

@@ -15,7 +15,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kMaxPasses = 10;  // chosen: of refining and solving; light needs a pass for each bounce that matters
+constexpr int kMaxPasses = 10;  // chosen: passes of refining and solving; each important bounce of light needs one
 
 void check(const RadiositySettings& settings) {
   require(settings.error > 0, "settings.error", "a number above 0", settings.error);
@@ -49,7 +49,7 @@ double extent(const Cluster& cluster) {
   return square;
 }
 
-// Share of the emitted power that an error `of` an exchange area misplaces, of the channel that suffers most.
+// Greatest share over channels of the emitted power that an error `of` an exchange area misplaces.
 double misplaced(const RadiositySolver& solver, const Link& link, double of) {
   double most = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -62,10 +62,10 @@ double misplaced(const RadiositySolver& solver, const Link& link, double of) {
 constexpr double kNearRays = 64;  // chosen
 constexpr double kNoise = 0.25;   // chosen: part of the error that may come from too few rays: that of 16 of them
 
-// Which links there are: the hierarchy's, refined where they may misplace much power, or all pairs of leaves.
+// Links of the hierarchy, refined where they may misplace much power, or of all pairs of leaves.
 class LinkSet {
  public:
-  // Begins with links of all roots, or of all leaves' clusters, each with a first guess.
+  // Starts with links of all roots, or of all leaves' clusters, each with a first estimate.
   LinkSet(const Forest& forest, LinkSampler& sampler, const RadiositySettings& settings,
           RadiosityStatistics& statistics, const RadiosityProgress& progress)
       : clusters_(forest.clusters),
@@ -93,7 +93,7 @@ class LinkSet {
   }
 
   // Divides the links that may misplace more than `error` of the emitted power with the solver's radiosities, and
-  // measures those that are left: more exactly where nothing is left to be divided. False if there was nothing to do.
+  // measures the others, more exactly those that cannot be divided. False if no link changed.
   bool refine(const RadiositySolver& solver, double error) {
     std::vector<SampledLink> kept, fresh, next;
     const auto sort_out = [&](const std::vector<SampledLink>& links) {
@@ -162,22 +162,22 @@ class LinkSet {
     }
   }
 
-  // Rays that an estimate should have, 0 for none but its first guess.
+  // Number of rays for an estimate; 0 keeps its first estimate.
   std::uint32_t rays_for(const SampledLink& sampled, const RadiositySolver& solver, double error) const {
     const Link& link = sampled.link;
     if (link.rays == 0) return 0;  // exact
     if (divisible(link)) return static_cast<std::uint32_t>(settings_.rays);
     const double off = misplaced(solver, link, sampled.first_error) / (kNoise * error);
     double rays = off > 1 ? settings_.rays * off * off : 0;
-    // Something is in the way of two that touch, and few rays see too little of where they are nearest.
+    // Touching clusters with an obstacle: few rays sample too little of their nearest parts.
     if (sampler_.place_of(clusters_[link.a], clusters_[link.b]).near()) rays = std::max(rays, kNearRays);
     if (rays == 0) return 0;
     const double high = std::max(settings_.max_rays, settings_.rays);
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(2 * rays, double(settings_.rays), high)));
   }
 
-  // With fresh rays: if the guess that decided to keep a link were its measure too, those that found too little would
-  // be kept, those that found too much divided, and the sum would be too low.
+  // Uses new rays. If the estimate that decides to keep a link were also its measure, low ones would be kept and high
+  // ones divided, and the sum would be too low.
   bool measure(const RadiositySolver& solver, double error) {
     std::map<std::uint32_t, std::vector<SampledLink*>> wanted;
     for (SampledLink& sampled : links_) {
@@ -230,12 +230,12 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
   const Contents contents(medium);
   LinkSampler sampler(board, forest, contents, settings, statistics);
   LinkSet links(forest, sampler, settings, statistics, progress);
-  // Early passes need not be exact: each bounce of light shows where the next ones matter.
+  // Early passes need not be exact: each bounce of light shows the important next ones.
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     const bool refined = links.refine(solver, settings.error);
     if (!refined && pass > 0) break;
     result.links = links.links();
-    // Sums of early links may be so much too large that light would grow.
+    // Sums of early links may be so large that light would grow.
     solver.solve(result.links, settings, true, statistics.iterations);
     if (progress) progress("passes", static_cast<double>(pass + 1) / kMaxPasses);
   }

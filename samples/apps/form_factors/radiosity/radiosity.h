@@ -5,15 +5,15 @@
 //   result.leaves[i].cell, .facing      // which voxel, which of its faces
 //   result.outgoing[i]                  // its radiosity, red green blue
 //
-// Elements. A voxel is the box of half a voxel around its centre, cut off at the volume's ends. It is solid if its
-// opacity is at least RadiositySettings::solid_opacity, else open. Elements are
-//   - faces: where an open voxel meets a solid one, seen from the open one; Lambert's law, the solid's material;
-//   - medium: open voxels of some opacity; they absorb, and scatter alike in all directions;
-//   - the volume's ends, where an open voxel lies at one: black, they take what leaves the volume.
+// Elements. A voxel is the box of half a voxel around its centre, cut at the volume's ends. It is solid if its opacity
+// is at least RadiositySettings::solid_opacity, else open. Elements are
+//   - faces between an open voxel and a solid one: they have Lambert's law and the solid's material;
+//   - medium, the open voxels with opacity: they absorb, and scatter isotropically;
+//   - the volume's ends at open voxels: they are black, and absorb the light that leaves the volume.
 //
-// Units. Lengths, areas and volumes are physical, in smallest voxel edges. kappa is extinction a length. The weight w
-// of an element is its area, or 4 kappa V of medium. Radiosity B is power leaving a unit of weight: of faces a unit of
-// area; a medium element radiates 4 kappa V B. Incident H is power arriving at a unit of weight, so that
+// Units. Lengths, areas and volumes are physical, in smallest voxel edges. kappa is extinction per length. The weight w
+// of an element is its area, or 4 kappa V for medium. Radiosity B is the power that leaves a unit of weight; a medium
+// element radiates 4 kappa V B. Incident H is the power that arrives at a unit of weight, so that
 //
 //   B = E + albedo H,   w_i H_i = sum over j of X_ij B_j, sum over j of X_ij = w_i (closure), X_ij = X_ji (reciprocity)
 //
@@ -34,7 +34,7 @@
 
 namespace gicube::samples {
 
-using Power = std::array<double, 3>;  // red, green, blue; linear, any unit, and all powers of a solution in the same
+using Power = std::array<double, 3>;  // red, green, blue; linear, in any unit that all powers of a solution share
 
 inline double total(const Power& power) { return power[0] + power[1] + power[2]; }
 // to += factor * what
@@ -46,12 +46,11 @@ void add(std::array<double, N>& to, double factor, const std::array<double, N>& 
 using Edges = std::array<double, 3>;  // of a voxel, physical: in smallest voxel edges
 
 enum class Solver {
-  kGathering,  // all clusters take over all links at once (Jacobi)
-  kShooting,   // the clusters with the most power that they have not sent yet send it (Southwell)
+  kGathering,  // all clusters gather over all links at once (Jacobi)
+  kShooting,   // the clusters with the most unsent power send it (Southwell)
 };
 
-// Emission of a material, equal in all directions: of a solid from its surface, of a medium from its volume. Power per
-// unit of either.
+// Isotropic emission of a material, in power per unit: of a solid's surface or a medium's volume.
 struct Emission {
   Power surface{}, volume{};
 };
@@ -59,20 +58,20 @@ using Emissions = std::vector<Emission>;  // by tag; missing ones are dark
 
 struct RadiositySettings {
   double solid_opacity = 0.5;  // > 0..1, of one voxel length
-  double error = 1e-5;         // > 0: a link that may misplace more than this share of the emitted power is refined
-  int rays = 16;               // first guess of a link; 8..65536
+  double error = 1e-5;         // > 0: refines links that may misplace more than this share of the emitted power
+  int rays = 16;               // of a link's first estimate; 8..65536
   int max_rays = 1024;         // of a link between elements that can't be divided; rays..2^24
-  // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of
-  // two voxels closes within 0.6% at 0.25, 0.16% at 1/16.
+  // Step of the rays in voxels, 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a
+  // block of two voxels closes within 0.6% at 0.25, 0.16% at 1/16.
   double step = 0.125;
   std::uint32_t seed = 0;  // another seed is an independent experiment
   Solver solver = Solver::kGathering;
   PairRays made = PairRays::kByBoard;
   bool hierarchy = true;      // false: a link for each pair of leaves
-  double convergence = 1e-4;  // > 0: share of the emitted power that may be under way when the solver stops
+  double convergence = 1e-4;  // > 0: share of the emitted power that may be in transit when the solver stops
   int max_iterations = 1000;  // of a solve
-  bool balance = true;        // scales what is uncertain of the links until each element's sum closes
-  int leaf_voxels = 1;        // voxels an edge that are not divided further: 1, 2, 4, ...
+  bool balance = true;        // scales the uncertain part of the links until each element's sum closes
+  int leaf_voxels = 1;        // edge of the cubes that are not divided, voxels: 1, 2, 4, ...
 };
 
 constexpr std::uint8_t kMedium = 6;     // Leaf::facing: no face
@@ -82,24 +81,24 @@ constexpr std::uint8_t kOutside = 255;  // Leaf::tag of the volume's ends
 struct Leaf {
   Element element;            // voxels
   std::uint8_t facing = 0;    // the normal of a face, into the open voxel: 0..5 = -x +x -y +y -z +z; or kMedium
-  std::uint8_t tag = 0;       // material: of a face the solid's, of medium its own; kOutside
-  double share = 1;           // of a face: the area of the surface that it stands for, over its own
-  std::array<int, 3> cell{};  // the open voxel; a face's solid voxel is one back along its normal
+  std::uint8_t tag = 0;       // material of the solid or the medium; kOutside
+  double share = 1;           // of a face: area of its part of the true surface over its own
+  std::array<int, 3> cell{};  // the open voxel; a face's solid voxel is one step back along its normal
   double weight = 0;          // w: area, or 4 kappa V
   double kappa = 0;           // of medium: mean extinction
   Power albedo{};
-  Power emission{};  // E: radiosity of its own
+  Power emission{};  // E: emitted radiosity
 };
-// The solid voxel behind a face; for the volume's ends one outside of it; of medium its own.
+// The solid voxel behind a face, a voxel outside the volume behind its ends, or the medium's own.
 std::array<int, 3> voxel_behind(const Leaf& leaf);
 
 constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
-// A part of one of seven trees: the leaves of one facing within a cube of voxels.
+// A node of one of seven trees: the leaves of one facing within a cube of voxels.
 struct Cluster {
   std::uint32_t first = 0, last = 0;  // leaves [first, last)
   std::uint32_t child = kNone;        // the first one; kNone: not divided
-  std::uint32_t children = 0;         // they follow each other
+  std::uint32_t children = 0;         // number of adjacent children
   std::uint32_t parent = kNone;
   std::uint8_t facing = 0;
   bool full = false;                    // fills its box: it is one Element for the board
@@ -110,10 +109,10 @@ struct Cluster {
 
 struct Link {
   std::uint32_t a = 0, b = 0;  // clusters; a == b: within one
-  double exchange = 0;         // X, a unit of area
+  double exchange = 0;         // X, an area
   double standard_error = 0;   // of X, from the spread of its samples
-  double spread = 0;           // of X's samples: what a subdivision may find
-  std::uint32_t rays = 0;      // asked for
+  double spread = 0;           // of X's samples: a subdivision may find it
+  std::uint32_t rays = 0;      // requested
 };
 
 // Calls visit(to, from) for both directions of a link; once for one within a cluster.
@@ -124,22 +123,22 @@ void both_ways(const Link& link, const Visit& visit) {
 }
 
 struct Iteration {
-  std::uint32_t links = 0;  // in force
-  double residual = 0;      // power still under way after it, a share of the emitted power
+  std::uint32_t links = 0;  // current number
+  double residual = 0;      // power in transit after it, a share of the emitted power
 };
 
-// Where the emitted power went, a channel each. emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way
-// + closure, the last being what the links' sums miss (positive) or have too much; about 0 if they were balanced.
+// Balance of the emitted power by channels: emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way +
+// closure. closure is the power that the links' sums miss (positive) or exceed; about 0 if they are balanced.
 struct EnergyBalance {
   Power emitted{}, absorbed_by_faces{}, absorbed_by_medium{}, escaped{}, under_way{}, closure{};
-  Power measured_closure{};  // what `closure` would be with the links as they were measured, not balanced
+  Power measured_closure{};  // closure of the links before balancing
 };
 
 struct RadiosityStatistics {
   std::uint64_t faces = 0, medium = 0, ends = 0, clusters = 0, links = 0;
-  std::uint64_t all_pairs = 0;        // of leaves that can see each other by their sides alone: a full matrix's links
-  std::uint64_t pairs = 0, rays = 0;  // asked of the board
-  std::uint64_t refinements = 0;      // links that were divided
+  std::uint64_t all_pairs = 0;        // of leaves whose sides can see each other: a full matrix's links
+  std::uint64_t pairs = 0, rays = 0;  // traced by the board
+  std::uint64_t refinements = 0;      // divided links
   std::vector<Iteration> iterations;
   EnergyBalance energy;
   double closure_rms = 0;  // root mean square of (sum over j of X_ij) / w_i - 1 as measured, by weight
@@ -148,8 +147,8 @@ struct RadiosityStatistics {
   double host_seconds = 0;     // wall clock, of the whole solution
 };
 
-// `standard_error`: one sigma from the spread of the links' samples, in the units of `incident`, of its sum over
-// channels; of a leaf's own and its ancestors' links, which are taken as independent.
+// `standard_error`: one sigma of the sum of `incident` over channels, in its units, from the spread of the samples of a
+// leaf's own and its ancestors' links, which are treated as independent.
 struct RadiosityResult {
   std::vector<Leaf> leaves;
   std::vector<Power> incident;  // H by leaf
@@ -163,23 +162,22 @@ struct RadiosityResult {
 // The current step, and its completed share (0..1).
 using RadiosityProgress = std::function<void(std::string_view what, double share)>;
 
-// Loads a volume of its own onto the board (solids as opaque tags, the medium's extinction as density) and sets its
-// transfer functions: load yours again for pictures. `setup` must still hold its voxels.
-// Throws InputError that names the field (settings, an emission below 0, a volume too large for the board, a scene
-// without elements or emission), and what Board throws.
+// Loads its own volume onto the board (solids as opaque tags, the medium's extinction as density) and sets its transfer
+// functions; load yours again for pictures. `setup` must still have its voxels. Throws InputError with the field's name
+// (settings, an emission below 0, a volume too large for the board, a scene without elements or emission), and what
+// Board throws.
 RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                                 const RadiositySettings& settings, const RadiosityProgress& progress = {});
 
-// FILE: Matrix Market, coordinate real symmetric: X between clusters, one entry a link, in smallest voxel edges
-// squared; a form factor is X_ij / w_i. They are scaled by a factor of each cluster, which keeps them symmetric, until
-// the sums of all elements close (an element's row, and those of the clusters that it is a part of) within 1e-4, or as
-// far as they can; a comment in FILE says how far they are off. FILE.clusters.csv beside it says of each row, counted
-// from 1: facing, tag, box in voxels, area or volume, weight, first and last leaf, and the row of the cluster that it
-// is a part of. Throws FileError.
+// Writes FILE in Matrix Market format, coordinate real symmetric: X between clusters, one entry per link, in smallest
+// voxel edges squared; a form factor is X_ij / w_i. A factor per cluster scales them, so that they stay symmetric and
+// the sum of each element (its own row and its ancestors') closes within 1e-4, or as far as possible; a comment in FILE
+// has the remaining error. FILE.clusters.csv has for each row, from 1: facing, tag, box in voxels, area or volume,
+// weight, first and last leaf, and the row of the parent cluster. Throws FileError.
 void write_factors(const RadiosityResult& result, const std::filesystem::path& file);
 std::filesystem::path clusters_file(const std::filesystem::path& file);  // of the clusters' rows
 
-// A line of CSV for each leaf: its open voxel, facing, tag, weight, the light that falls on a unit of weight, and the
+// Writes a line of CSV for each leaf: its open voxel, facing, tag, weight, incident light per unit of weight, and the
 // standard error of its sum over channels. Throws FileError.
 void write_elements(const RadiosityResult& result, const std::filesystem::path& file);
 

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kSigma = 1.0 / 3;      // chosen: of a cluster's width
 constexpr double kMaxVariance = 64;     // chosen: voxels^2; bounds the number of steps
-constexpr double kTimeStep = 1.0 / 12;  // of six neighbours' flows at most half of an element's light goes
+constexpr double kTimeStep = 1.0 / 12;  // at most half of an element's light flows to its six neighbours
 
-// For each cluster, all channels together: mean radiosity of its leaves.
+// Mean radiosity of the leaves of each cluster, summed over channels.
 std::vector<double> radiosities(const RadiosityResult& result) {
   std::vector<double> weights(result.leaves.size() + 1), powers(result.leaves.size() + 1);
   for (std::size_t i = 0; i < result.leaves.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<double> radiosities(const RadiosityResult& result) {
   return out;
 }
 
-// For each leaf: the variance by which its light is to be spread, voxels^2.
+// Variance of the diffusion of each leaf's light, voxels^2.
 std::vector<double> variances(const RadiosityResult& result) {
   const std::vector<double> radiosity = radiosities(result);
   struct Brought {

@@ -7,7 +7,7 @@
 namespace gicube::samples {
 namespace {
 
-// The leaves that a cluster does not leave to its children.
+// Leaves of a cluster without children.
 auto own_leaves(const Cluster& cluster) {
   return std::views::iota(cluster.first, cluster.child == kNone ? cluster.last : cluster.first);
 }
@@ -41,7 +41,7 @@ Power RadiositySolver::outgoing(std::uint32_t cluster) const {
   return {out[0], out[1], out[2]};
 }
 
-// Light that clusters received goes down to their leaves; light that leaves emit goes up as means.
+// Pushes the received light of clusters down to their leaves, and pulls the means of the leaves' radiosity up.
 void RadiositySolver::push_pull() {
   const auto& clusters = forest_.clusters;
   std::vector<Flow> incident(clusters.size());
@@ -88,7 +88,7 @@ void RadiositySolver::index(std::span<const Link> links) {
 
 void RadiositySolver::reach(std::span<const Link> links) {
   const auto& clusters = forest_.clusters;
-  std::vector<double> taken(clusters.size());  // of what comes to a cluster by uncertain parts
+  std::vector<double> taken(clusters.size());  // of the uncertain parts that a cluster receives
   for (std::size_t i = clusters.size(); i-- > 0;) {
     const Cluster& cluster = clusters[i];
     for (const std::uint32_t leaf : own_leaves(cluster)) {
@@ -125,7 +125,7 @@ std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
 void RadiositySolver::balance(std::span<const Link> links) {
   constexpr int kMaxPasses = 50;
   constexpr double kClosed = 1e-5,
-                   kMaxFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
+                   kMaxFactor = 4;  // chosen: greater factors come from too few rays
   std::fill(factors_.begin(), factors_.end(), 1.0);
   reach(links);
   std::vector<Parts> sums = leaf_sums();
@@ -164,7 +164,7 @@ void RadiositySolver::gather(std::span<const Link> links) {
   push_pull();
 }
 
-// All clusters that have at least half as much to send as the one that has most.
+// Sends the unsent power of all clusters that have at least half of the greatest.
 void RadiositySolver::shoot(std::span<const Link> links) {
   std::vector<double> unsent(forest_.clusters.size());
   for (std::uint32_t i = 0; i < unsent.size(); ++i) {
@@ -184,7 +184,7 @@ void RadiositySolver::shoot(std::span<const Link> links) {
   push_pull();
 }
 
-// Power that the cluster has not sent yet along its own links.
+// Unsent power of the cluster's own links.
 RadiositySolver::Flow RadiositySolver::under_way(std::uint32_t cluster) const {
   Flow flow = cluster_out_[cluster];
   add(flow, -1, sent_[cluster]);

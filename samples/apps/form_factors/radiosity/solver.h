@@ -13,11 +13,9 @@ class RadiositySolver {
  public:
   explicit RadiositySolver(const Forest& forest);
 
-  // Goes on from what it has, with these links, until the share of the emitted power that is under way is at most
-  // `convergence`. Adds to `iterations`.
-  // With `balance` what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes,
-  // by a factor of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was
-  // measured.
+  // Continues from the last radiosities, with these links, until the share of the emitted power in transit is at most
+  // `convergence`. Adds to `iterations`. `balance` scales the uncertain_part() of the exchange areas by factors of the
+  // leaves at both ends, which keeps them reciprocal, until each leaf's sum closes. Certain parts stay as measured.
   void solve(std::span<const Link> links, const RadiositySettings& settings, bool balance,
              std::vector<Iteration>& iterations);
 
@@ -29,7 +27,7 @@ class RadiositySolver {
   void results(RadiosityResult& result) const;
 
  private:
-  // Three channels of the links' certain parts, and three of the uncertain ones.
+  // Three channels for the links' certain parts, and three for the uncertain ones.
   using Flow = std::array<double, 6>;
   struct Parts {
     double certain = 0, uncertain = 0;  // of an exchange area
@@ -53,16 +51,16 @@ class RadiositySolver {
   std::vector<double> factors_;   // of leaves, from balancing
   std::vector<double> raw_sums_;  // by leaf, of its exchange areas over its weight, before balancing
   std::vector<Flow> cluster_out_;
-  std::vector<Flow> sent_;            // the part of it that has gone over the cluster's own links
-  std::vector<Flow> received_;        // power that came over them
-  std::vector<Parts> reach_;          // sums of the cluster's own links, as the leaves at their other ends take it
-  std::vector<Parts> parts_;          // by link
+  std::vector<Flow> sent_;      // part of it sent over the cluster's own links
+  std::vector<Flow> received_;  // power received over them
+  std::vector<Parts> reach_;    // sums of the cluster's own links, with the factors of the leaves at their other ends
+  std::vector<Parts> parts_;    // by link
   std::vector<std::uint32_t> first_;  // of each cluster's own links in `own_`
   std::vector<std::uint32_t> own_;
 };
 
-// Share, 0..1, of a link's exchange area that is not certain between any two of its leaves: of leaves the noise of its
-// rays, of larger clusters what its rays differ by.
+// Share, 0..1, of a link's exchange area that is uncertain between two of its leaves: for leaves the noise of its rays,
+// for larger clusters the spread of its rays.
 double uncertain_part(const Link& link, const Forest& forest);
 
 }  // namespace gicube::samples
