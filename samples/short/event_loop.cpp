@@ -19,7 +19,7 @@
 #include <map>
 #include <thread>
 
-#include "ball.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 

@@ -18,6 +18,7 @@
 #include <numbers>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 using std::numbers::pi;
@@ -56,15 +57,10 @@ double factor_with_ball(int n) {
 }
 
 int main() {
-  std::vector<float> values;  // 0.5 at the ball's surface, more inside
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        const double depth = kRadius - length(Vec3{double(x), double(y), double(z)} - kBall);
-        values.push_back(static_cast<float>(std::clamp(0.5 + depth / 4, 0.0, 1.0)));
-      }
-    }
-  }
+  // 0.5 at the ball's surface, more inside.
+  const auto values = make_voxels({kSize, kSize, kSize}, [](Vec3 place) {
+    return std::clamp(0.5 + (kRadius - length(place - kBall)) / 4, 0.0, 1.0);
+  });
   auto board = gicube::Board::open("emu:");
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,

@@ -13,6 +13,7 @@
 #include <random>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 
@@ -54,12 +55,7 @@ double density(Vec3 place) {
 }
 
 int main() {
-  std::vector<float> values;
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) values.push_back(static_cast<float>(density({double(x), double(y), double(z)})));
-    }
-  }
+  const auto values = make_voxels({kSize, kSize, kSize}, density);
   auto board = gicube::Board::open("emu:");
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,

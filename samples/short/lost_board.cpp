@@ -23,7 +23,7 @@
 #include <system_error>
 #include <thread>
 
-#include "ball.h"
+#include "voxels.h"
 
 constexpr int kEdge = 48, kPictures = 4;
 

@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "voxels.h"
+
 using Values = std::vector<float>;
 
 double norm(const Values& values) {
@@ -55,17 +57,10 @@ int main() {
     const gicube::Vec3 out{std::cos(angle), std::sin(angle), 0}, along{-out.y, out.x, 0}, up{0, 0, 1};
     setup.views.push_back({80.0 * out + height * up, -40.0 * out + height * up, 1.5 * along, 1.5 * up});
   }
-  Values object;  // two balls in a box
-  for (int z = 0; z < kHeight; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        const auto ball = [&](double i, double j, double k, double radius) {
-          return std::hypot(x - i, y - j, z - k) < radius ? 1.0F : 0.0F;
-        };
-        object.push_back(ball(8, 14, 9, 5) + 0.5F * ball(15, 9, 22, 6));
-      }
-    }
-  }
+  const Values object = make_voxels(setup.dims, [](gicube::Vec3 place) {  // two balls in a box
+    const auto ball = [&](gicube::Vec3 centre, double radius) { return length(place - centre) < radius ? 1.0F : 0.0F; };
+    return ball({8, 14, 9}, 5) + 0.5F * ball({15, 9, 22}, 6);
+  });
   auto board = gicube::Board::open("emu:?set=asic.block_voxels=16");
   gicube::Projector projector(board, setup);
   const Values measured = projector.project(object);

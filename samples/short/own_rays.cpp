@@ -17,6 +17,7 @@
 #include <numbers>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 using std::numbers::pi;
@@ -51,17 +52,12 @@ double distance_to(const Ball& ball, Vec3 place, Vec3 direction) {
 
 int main() {
   const std::vector<Ball> scene = balls();
-  std::vector<float> values;  // 0.5 at the surfaces, more inside of the balls and outside of the room
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        const Vec3 place{double(x), double(y), double(z)};
-        double depth = length(place - kMiddle) - kRoom;
-        for (const Ball& ball : scene) depth = std::max(depth, ball.radius - length(place - ball.centre));
-        values.push_back(static_cast<float>(std::clamp(0.5 + depth / 4, 0.0, 1.0)));
-      }
-    }
-  }
+  // 0.5 at the surfaces, more inside the balls and outside the room.
+  const auto values = make_voxels({kSize, kSize, kSize}, [&](Vec3 place) {
+    double depth = length(place - kMiddle) - kRoom;
+    for (const Ball& ball : scene) depth = std::max(depth, ball.radius - length(place - ball.centre));
+    return std::clamp(0.5 + depth / 4, 0.0, 1.0);
+  });
   auto board = gicube::Board::open("emu:");
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,

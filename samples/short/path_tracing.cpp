@@ -19,6 +19,7 @@
 #include <random>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 using std::numbers::pi;
@@ -121,12 +122,7 @@ class Tracer {
 };
 
 int main() {
-  std::vector<float> values;
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) values.push_back(float(extinction({double(x), double(y), double(z)})));
-    }
-  }
+  const auto values = make_voxels(kDims, extinction);
   auto board = gicube::Board::open("emu:?set=asic.datapath=wide");
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,

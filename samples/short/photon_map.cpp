@@ -19,6 +19,7 @@
 #include <random>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 using std::numbers::pi;
@@ -67,16 +68,11 @@ std::vector<std::optional<Vec3>> ends_of(gicube::Board& board, std::vector<gicub
 }
 
 int main() {
-  std::vector<float> values;  // 0.5 at the surfaces
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        const double radius = from_axis({double(x), double(y), double(z)});
-        const double ring = std::min({radius - kInner, kOuter - radius, kTop - y});
-        values.push_back(static_cast<float>(std::clamp(0.5 + std::max(kFloor - y, ring) / 4, 0.0, 1.0)));
-      }
-    }
-  }
+  const auto values = make_voxels({kSize, kSize, kSize}, [](Vec3 place) {  // 0.5 at the surfaces
+    const double radius = from_axis(place);
+    const double ring = std::min({radius - kInner, kOuter - radius, kTop - place.y});
+    return std::clamp(0.5 + std::max(kFloor - place.y, ring) / 4, 0.0, 1.0);
+  });
   auto board = gicube::Board::open("emu:");
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,

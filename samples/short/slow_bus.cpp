@@ -15,7 +15,7 @@
 
 #include <cstdio>
 
-#include "ball.h"
+#include "voxels.h"
 
 namespace test = gicube::test;
 

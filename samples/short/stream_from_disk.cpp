@@ -16,7 +16,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "ball.h"
+#include "voxels.h"
 
 constexpr int kEdge = 160;
 

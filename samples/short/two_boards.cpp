@@ -12,7 +12,7 @@
 
 #include <cstdio>
 
-#include "ball.h"
+#include "voxels.h"
 
 constexpr int kEdge = 64;
 

@@ -15,6 +15,7 @@
 #include <cstdio>
 
 #include "picture.h"
+#include "voxels.h"
 
 using gicube::Vec3;
 
@@ -33,17 +34,11 @@ double chord(Vec3 place, Vec3 direction, Vec3 centre, double radius) {
 int main() {
   // 0.25 at the surface of the thin ball, 0.75 at those of the dense ones; values rise over some voxels inwards, so
   // that the transfer function's steps find the surfaces between voxels.
-  std::vector<float> values;
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        const Vec3 place{double(x), double(y), double(z)};
-        double value = std::clamp(0.25 + (kOuter - length(place - kMiddle)) / 4, 0.0, 0.5);
-        for (const Vec3& centre : kDense) value = std::max(value, 0.75 + (kInner - length(place - centre)) / 4);
-        values.push_back(static_cast<float>(value));
-      }
-    }
-  }
+  const auto values = make_voxels({kSize, kSize, kSize}, [](Vec3 place) {
+    double value = std::clamp(0.25 + (kOuter - length(place - kMiddle)) / 4, 0.0, 0.5);
+    for (const Vec3& centre : kDense) value = std::max(value, 0.75 + (kInner - length(place - centre)) / 4);
+    return value;
+  });
   auto board = gicube::Board::open("emu:");  // a private emulated board
   board.load_volume({.samples = std::as_bytes(std::span(values)),
                      .type = gicube::SampleType::kFloat32,
