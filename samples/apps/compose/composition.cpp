@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxNesting = 20;  // chosen: of braces; bounds the parser's stack
 
-// Turns the parsed message into a composition; a fault leaves that part of it at its default.
+// Converts the parsed message to a composition; an error leaves that part of it at its default.
 struct Translator {
   Faults& faults;
   NamedFiles files;
@@ -85,7 +85,7 @@ struct Translator {
       scene.transfer_function =
           preset ? find_preset(name) : read_transfer_function(files.file("transfer_function", name));
     }
-    // Light is the composition's.
+    // The composition has the light.
     scene.lighting.on = false;
     return scene;
   }
@@ -100,7 +100,7 @@ struct Translator {
   }
 
   PlacedShell shell(const std::string& field, const v1::Shell& source) {
-    constexpr int kMaxRepeat = 1000;  // chosen: each copy that a ray meets is a segment
+    constexpr int kMaxRepeat = 1000;  // chosen: a ray has a segment in each copy
     PlacedShell out;
     out.name = source.name().empty() ? field : source.name();
     faults.gather_part(field, [&] { out.scene = scene(source); });

@@ -1,4 +1,4 @@
-// Several volumes and surfaces in one space, as a user wrote them down (gicube/v1/composition.proto).
+// Several volumes and surfaces in one space, described by the user (gicube/v1/composition.proto).
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace gicube::samples {
 struct PlacedVolume {
   std::string name;  // for messages and statistics
   Scene scene;
-  Affine to_space;  // from the volume's own space: the units of a world, else the space of scan_space()
+  Affine to_space;  // from the volume's own space: a world's units, or scan_space()
 };
 
 struct PlacedSurface {
@@ -26,7 +26,7 @@ struct PlacedSurface {
   double opacity = 1;  // of one crossing
 };
 
-// A mesh that is covered by a thick layer of a volume (compose/shell.h).
+// A mesh covered by a thick layer of a volume (compose/shell.h).
 struct PlacedShell {
   std::string name;
   Scene scene;
@@ -38,16 +38,16 @@ struct Composition {
   std::vector<PlacedVolume> volumes;
   std::vector<PlacedShell> shells;
   std::vector<PlacedSurface> surfaces;
-  CameraSettings camera;      // what is not set is chosen to show everything
+  CameraSettings camera;      // unset fields are chosen to show everything
   Phong phong;                // of volumes and surfaces
   std::optional<Vec3> light;  // towards it; unset: above the viewer's left shoulder
-  View view;  // image size, samples, step (voxels of each volume), opacity_threshold; the camera is left to set_up()
+  View view;  // image size, samples, step (voxels of each volume), opacity_threshold; set_up() sets the camera
   double overlap_step = 1;  // voxels
   std::optional<Colour> background;
 };
 
-// Strict, as read_scene(): throws InputError with all faults, each with its line or field. Reads the scenes, transfer
-// functions and meshes that it names, but no volumes; `allow_outside` as parse_scene().
+// As strict as read_scene(): throws InputError with all errors, each with its line or field. Reads the named scenes,
+// transfer functions and meshes, but no volumes. `allow_outside`: as for parse_scene().
 Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder,
                               bool allow_outside = false);
 Composition read_composition(const std::filesystem::path& path, bool allow_outside = false);

@@ -24,7 +24,7 @@ Vec3 clamped(Vec3 p, const Dims& dims) {
           std::clamp(p.z, 0.0, dims[2] - 1.0)};
 }
 
-// From the volume's voxels to the space in which it is placed.
+// Maps the volume's voxels to the space that it is placed in.
 Affine own_space(const SceneSetup& setup, bool world) {
   if (!world) return scan_space(setup.volume);
   const double voxel = setup.grid.voxel;
@@ -38,7 +38,7 @@ void place(const PlacedVolume& placed, StageMedium& medium) {
   medium.to_voxels = inverse(map);
 }
 
-// The light is the mesh's own: the volume's axes turn from place to place.
+// The mesh's normals give the light, because the volume's axes turn from place to place.
 void place(const PlacedShell& placed, StageMedium& medium) {
   medium.setup.view.shade = false;
   medium.shell = std::make_shared<const Shell>(placed.mesh, placed.settings, medium.setup.volume.dims);
@@ -63,7 +63,7 @@ void include(SceneBox& box, Vec3 p) {
   box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
 }
 
-// The box that the camera should see.
+// The box for the default camera.
 SceneBox box_of(const Stage& stage) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   SceneBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
@@ -85,7 +85,7 @@ SceneBox box_of(const Stage& stage) {
   return box;
 }
 
-// Both sides alike, without highlights.
+// Shades both sides equally, without highlights.
 Premultiplied shaded(const Stage& stage, const Crossing& crossing) {
   const PlacedSurface& surface = stage.surfaces[crossing.mesh];
   const double facing = std::abs(dot(stage.meshes->normal(crossing), normalise(stage.light)));
@@ -95,7 +95,7 @@ Premultiplied shaded(const Stage& stage, const Crossing& crossing) {
   return look;
 }
 
-// Calls each(x, y) for the points of the image through which rays go, pixel by pixel.
+// Calls each(x, y) for the image points of all rays, by pixels.
 template <typename Each>
 void each_sample(const View& view, const Each& each) {
   const int n = view.samples_per_axis;
@@ -111,7 +111,7 @@ struct Result {
   float opacity = 0;
 };
 
-// Sends rays in batches and keeps what comes back, in their order.
+// Sends rays in batches and keeps their results in order.
 class Tracer {
  public:
   Tracer(Board& board, const View& view, const StageMedium& medium)
@@ -182,7 +182,7 @@ std::vector<Result> trace(const Stage& stage, std::size_t index, Board& board, M
   return results;
 }
 
-// Prevents running out of memory half-way.
+// Checks the memory before tracing.
 void check_segments(const Stage& stage) {
   std::uint64_t segments = 0;
   RayPlan plan;

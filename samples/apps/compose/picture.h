@@ -1,5 +1,5 @@
-// Pictures of several volumes and surfaces: the host makes a segment of each viewing ray for each piece between
-// surfaces, boards trace the segments, and the host puts their colours over one another.
+// Pictures of several volumes and surfaces: the host divides viewing rays into segments between surfaces, boards trace
+// the segments, and the host composites their colours.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@
 
 namespace gicube::samples {
 
-// A volume with its voxels, and where it is: in a box, or all over a shell.
+// A volume with its voxels and its place: a box, or a shell.
 struct StageMedium {
   std::string name;
   SceneSetup setup;
-  Affine to_voxels;  // from the common space, unless it is a shell's
+  Affine to_voxels;  // from the common space; not for shells
   std::shared_ptr<const Shell> shell{};
 };
 
@@ -35,22 +35,22 @@ struct Stage {
   double overlap_step = 1;  // voxels
 };
 
-// Throws InputError and FileError: of a volume, by its name.
+// Throws InputError and FileError with the volume's name.
 Stage set_up(const Composition& composition, int threads = 0);
 
 struct EyeRay {
   Vec3 origin, direction;  // unit length
 };
-// Through a point of the image, pixels from its top left corner. As the driver's own viewing rays, in a space whose
-// edges are 1.
+// Ray through a point of the image, pixels from its top left corner. Like the driver's own viewing rays, in a space
+// whose edges are 1.
 EyeRay eye_ray(const View& view, double x, double y);
 
 // Finds the pieces along a viewing ray.
 void plan_ray(const Stage& stage, const EyeRay& ray, RayPlan& plan);
 
-// The cost of a volume.
+// Cost of a volume.
 struct MediumCost {
-  std::size_t board = 0;            // which board traced it
+  std::size_t board = 0;            // index of its board
   std::uint64_t rays = 0;           // viewing rays that meet it
   std::uint64_t segments = 0;       // host rays
   Picoseconds load = 0, trace = 0;  // simulated, of that board: the volume and its tables; its segments there and back
@@ -63,9 +63,9 @@ struct Picture {
   Image image() const;  // rounded to the framebuffer's bits
 };
 
-// Each volume is loaded by one of the boards in turn, traced, and makes room for the next. Their simulated hosts make
-// rays and put colours together in no time. Shading, step and opacity threshold are those of the stage. `told`: volumes
-// traced. Throws what Board throws, and InputError where more than kMaxSegments would be kept.
+// The boards load and trace the volumes in turn; each volume replaces the last one on its board. Simulated hosts need
+// no time to make rays and to composite. Shading, step and opacity threshold are the stage's. `told`: traced volumes.
+// Throws what Board throws, and InputError for more than kMaxSegments.
 Picture compose(const Stage& stage, std::vector<Board>& boards, std::vector<MediumCost>& costs,
                 const Progress& told = {});
 

@@ -7,7 +7,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kNothing = 1e-9;  // chosen: of a distance; shorter pieces come from rounding
+constexpr double kNothing = 1e-9;  // chosen: part of a distance; rounding causes shorter pieces
 
 }  // namespace
 
@@ -57,7 +57,7 @@ Premultiplied mixed(std::span<const Premultiplied> media) {
   Premultiplied sum;
   double through = 1, depths = 0;
   for (const Premultiplied& each : media) {
-    // Towards opacity 0 depth and opacity are the same.
+    // For small opacities, depth and opacity are equal.
     const double depth = opaque ? (each.opacity >= 1 ? 1 : 0) : -std::log1p(-each.opacity);
     const double share = each.opacity > 0 ? depth / each.opacity : 0;
     through *= 1 - each.opacity;

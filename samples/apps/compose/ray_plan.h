@@ -1,4 +1,4 @@
-// The pieces of volumes between surfaces along a viewing ray, in order, and their compositing.
+// Ordered pieces of volumes between surfaces along a viewing ray, and their compositing.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ struct Premultiplied {
   friend bool operator==(const Premultiplied&, const Premultiplied&) = default;
 };
 
-// A straight part of a ray in a volume: at a distance from the eye, near..far, it is at origin + distance * direction,
-// in voxels.
+// A straight part of a ray in a volume: at a distance near..far from the eye, its place is origin + distance *
+// direction, in voxels.
 struct Span {
   std::size_t volume = 0;
   double near = 0, far = 0;
   Vec3 origin, direction;
-  double shade = 1;  // of its light, 0..1
+  double shade = 1;  // factor of its light, 0..1
 
   Vec3 at(double distance) const { return origin + distance * direction; }
 };
@@ -34,7 +34,7 @@ struct SurfacePoint {
   Premultiplied look;
 };
 
-// To be traced by the volume's board, in voxels.
+// Segment for the volume's board, in voxels.
 struct PlannedSegment {
   std::size_t volume = 0;
   Vec3 from, to;
@@ -52,16 +52,15 @@ struct RayPlan {
   std::vector<Layer> layers;             // front to back
 };
 
-// Cuts the spans at each other's ends and at the surfaces (by distance). Where several volumes overlap, the ray is cut
-// into pieces of at most `overlap_step` voxels, by the finest. What is behind an opaque surface is left out.
+// Divides the spans at each other's ends and at the surfaces (sorted by distance). Divides overlaps of volumes into
+// pieces of at most `overlap_step` voxels of the finest one. Omits pieces behind an opaque surface.
 void plan_ray(std::span<const Span> spans, std::span<const SurfacePoint> surfaces, double overlap_step, RayPlan& plan);
 
-// Media that fill the same piece, each uniform in it: the transmittance is the product of theirs, and each has the
-// share in the light that it has in the optical depth. Exact for uniform media. Opaque ones hide all others, and share
-// equally.
+// Mixes media in the same piece: the transmittance is the product of theirs, and the share of each in the light is its
+// share of the optical depth. Exact for uniform media. Opaque media hide all others, and have equal shares.
 Premultiplied mixed(std::span<const Premultiplied> media);
 
-// `behind` seen through `front`.
+// Composites `front` over `behind`.
 Premultiplied over(const Premultiplied& front, const Premultiplied& behind);
 
 }  // namespace gicube::samples

@@ -10,7 +10,7 @@
 namespace gicube::samples {
 namespace {
 
-// Normals of corners, weighted by their triangles' angles there, so that they do not depend on how polygons are cut.
+// Normals of corners, weighted by the triangles' angles, so that they do not depend on the triangulation.
 std::vector<Vec3> corner_normals(const Mesh& mesh) {
   std::vector<Vec3> sums(mesh.points.size());
   for (const auto& triangle : mesh.triangles) {
@@ -25,7 +25,7 @@ std::vector<Vec3> corner_normals(const Mesh& mesh) {
   return sums;
 }
 
-// chosen: of a triangle. A ray may have a segment for each copy.
+// chosen: per triangle. A ray may have a segment for each copy.
 constexpr double kMaxCopies = 1000;
 
 void check_copies(const Mesh& mesh, const ShellSettings& settings) {
@@ -40,7 +40,7 @@ void check_copies(const Mesh& mesh, const ShellSettings& settings) {
   }
 }
 
-// A prism's corner: of the triangle's corner `which`, on the mesh or outside.
+// A prism's corner at the triangle's corner `which`, on the mesh or outside.
 struct PrismCorner {
   std::size_t which;
   bool outside;
@@ -58,7 +58,7 @@ Shell::Shell(const Mesh& mesh, const ShellSettings& settings, const Dims& dims)
   Mesh faces;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& triangle = mesh.triangles[t];
-    // Cut by the corners' order in the mesh, so that triangles with a common edge cut the side between them alike.
+    // The corners' order in the mesh determines the division, so that neighbours divide their common side equally.
     std::array<std::size_t, 3> order{0, 1, 2};
     std::ranges::sort(order, {}, [&](std::size_t i) { return triangle[i]; });
     const auto& [i, j, k] = order;
@@ -121,7 +121,7 @@ void Shell::add_spans(Vec3 from, Vec3 direction, std::size_t volume, Vec3 toward
     }
     if (far > near) parts.push_back({near, far, &tetrahedra_[which]});
   }
-  // A ray in a face of two tetrahedra is in both, as where the shell overlaps itself: the one that it enters first
+  // A ray in the common face of two tetrahedra, or where the shell overlaps, is in both: the one that it enters first
   // counts.
   std::ranges::stable_sort(parts, {}, &Part::near);
   double done = 0;
@@ -137,7 +137,7 @@ void Shell::add_spans(Vec3 from, Vec3 direction, std::size_t volume, Vec3 toward
     }
     const double facing = length(normal) > 0 ? std::max(dot(normalise(normal), towards_light), 0.0) : 0;
     const double shade = std::min(phong.ambient + phong.diffuse * facing, 1.0);
-    // Cut where a copy of the volume ends.
+    // Divides at the ends of copies of the volume.
     for (double begin = near; begin < far;) {
       const double middle = std::nextafter(begin, far) + 1e-9 * (far - near);
       const double u = std::floor(origin.x + middle * along.x), v = std::floor(origin.y + middle * along.y);

@@ -1,4 +1,4 @@
-// gicube-compose: several volumes and surfaces in one picture, by GI-Cube boards.
+// gicube-compose: renders several volumes and surfaces in one picture with GI-Cube boards.
 #include <iostream>
 
 #include "compose/program/options.h"

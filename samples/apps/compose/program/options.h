@@ -1,4 +1,4 @@
-// gicube-compose: what it is asked for, and its work.
+// gicube-compose: its options and its work.
 #pragma once
 
 #include <filesystem>
@@ -17,21 +17,21 @@ struct ComposeOptions {
   std::filesystem::path composition;
   bool allow_outside = false;
   std::filesystem::path picture;           // PNG or EXR; empty: none
-  std::optional<std::array<int, 2>> size;  // in place of the composition's
+  std::optional<std::array<int, 2>> size;  // replaces the composition's
   std::optional<int> samples_per_axis;
   std::optional<double> step, overlap_step;
   int boards = 1;
   BoardOptions board;
 };
 
-// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+// Empty after printing help or the version to `out`. Throws UsageError with one line.
 std::optional<ComposeOptions> parse_compose_options(int argc, const char* const* argv, std::ostream& out);
 
 // Throws UsageError, InputError, FileError, and what Board throws.
 void run(const ComposeOptions& options, ProgressLine& progress);
 
-// Simulated time of one picture: boards work at the same time, each at its volumes one after the other. `again`: of a
-// further picture, for which a board with a single volume need not load it.
+// Simulated time of one picture. Boards work in parallel, each on its volumes in sequence. `again`: of a further
+// picture; a board with a single volume need not load it again.
 Picoseconds time_of(const std::vector<MediumCost>& costs, bool again);
 
 }  // namespace gicube::samples

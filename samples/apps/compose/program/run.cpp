@@ -40,7 +40,7 @@ void print(const Stage& stage, const std::vector<MediumCost>& costs) {
                stage.media[i].name, costs[i].rays, costs[i].segments, to_ms(costs[i].load), to_ms(costs[i].trace),
                costs[i].board);
   }
-  fmt::print("picture: {:.3f} ms simulated, {:.3f} ms a further one\n", to_ms(time_of(costs, false)),
+  fmt::print("picture: {:.3f} ms simulated, {:.3f} ms for a further one\n", to_ms(time_of(costs, false)),
              to_ms(time_of(costs, true)));
 }
 
