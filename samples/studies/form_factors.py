@@ -1,4 +1,4 @@
-"""How exact form factors are, and what they cost: closed forms, pairs of random voxels, links of a hierarchy."""
+"""Errors and costs of form factors: closed forms, pairs of random voxels, links of a hierarchy."""
 import math
 import pathlib
 import tempfile
@@ -12,11 +12,11 @@ from studies.table import to_markdown
 
 EDGE = 40  # voxels of the volume of the closed forms
 SIDE = 20  # voxels, of their squares
-ESTIMATES = 16  # chosen: independent ones, whose errors are averaged
+ESTIMATES = 16  # chosen: independent estimates with averaged errors
 LEAST_RAYS, MOST_RAYS = 8, 65536  # of an estimate
 RANDOM_PAIRS = 500
 RAYS_IN_ALL = 32768  # chosen: of a point of the trade
-REFERENCE_RAYS = 4096  # a pair, that the trade's errors are measured from
+REFERENCE_RAYS = 4096  # per pair, for the reference of the trade's errors
 ROOM = "samples/scenes/radiosity/glowing_room.scene --volume-size 12"
 THRESHOLDS = (1e-2, 1e-3, 1e-4, 1e-5)
 
@@ -30,8 +30,8 @@ def integral(f):
 
 
 def over_square(f):
-    """Integral of f(x, y, ...) weighted by (1 - x) (1 - y): how the difference of two points of unit squares is
-    spread."""
+    """Integral of f(x, y, ...) weighted by (1 - x) (1 - y), the distribution of the difference of two points of unit
+    squares."""
     return 4 * integral(lambda x: ((1 - x) * integral(lambda y: (1 - y[:, None]) * f(x, y[:, None])).T).T)
 
 
@@ -45,8 +45,8 @@ def parallel_rectangles(a, b, c):
 
 
 def parallel_squares(kappa):
-    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear,
-    or else by quadrature to 1e-9."""
+    """F of two unit squares face to face, one side apart, in a medium of `kappa` per side. A clear medium has the
+    closed form, others quadrature to 1e-9."""
     if kappa == 0:
         return parallel_rectangles(1, 1, 1)
     return over_square(lambda x, y: np.exp(-kappa * np.sqrt(x * x + y * y + 1)) / (math.pi * (x * x + y * y + 1) ** 2))
@@ -70,12 +70,12 @@ def mean_inverse_square(distance):
 
 
 class Form(NamedTuple):
-    """A pair of elements, whose factor is known."""
+    """A pair of elements with a known factor."""
     kind: str
     elements: tuple  # two, each origin, u, v, w
     unit: float  # F of a mean of G of 1
     exact: Callable
-    kappa: float = 0  # of the medium, a side
+    kappa: float = 0  # of the medium, per side
 
 
 FLOOR = ((5, 5, 5), (SIDE, 0, 0), (0, SIDE, 0), (0, 0, 0))
@@ -91,7 +91,7 @@ FORMS = {
 
 
 def error_of(name, rays):
-    """Root mean square of F / exact - 1 over independent estimates by so many rays each."""
+    """Root mean square of F / exact - 1 over independent estimates with so many rays each."""
     form = FORMS[name]
     with gicube.open("emu:") as board:
         board.load_volume(np.full(3 * (EDGE,), 100, "u1"))
@@ -102,7 +102,7 @@ def error_of(name, rays):
 
 
 def slope_of(rays, errors):
-    """Slope of a straight line through log(error) over log(rays)."""
+    """Slope of log(error) over log(rays), by a straight line."""
     return np.polyfit(np.log(rays), np.log(errors), 1)[0]
 
 
@@ -143,7 +143,7 @@ def look(words):
 
 
 def reference():
-    """Transmittances of the first pairs, by far more rays of another seed."""
+    """Transmittances of the first pairs, with far more rays and another seed."""
     _, pairs = look(f"--fidelity functional --pairs {RANDOM_PAIRS} --rays 1")
     low, high = pairs[:, :12].reshape(-1, 2, 3).swapaxes(0, 1)
     setup = gicube.parse_scene('volume { builtin: "buckyball" size: 128 }').set_up()

@@ -1,4 +1,4 @@
-"""Media that only absorb: Beer and Lambert's law at every step, and Burns and Christon's cube."""
+"""Absorbing media: Beer and Lambert's law at every step, and Burns and Christon's cube."""
 import math
 
 import gicube
@@ -21,7 +21,7 @@ def beer_lambert(bench, depth, datapath="wide", steps=STEPS):
 
 
 def stored(bench, depth, datapath="wide", steps=STEPS, albedo="low", rays=1024):
-    """The energy that a beam along an axis leaves in a layer of 31 voxels."""
+    """Energy that a beam along an axis deposits in a layer of 31 voxels."""
     out = []
     with bench.board(np.ones((32, 32, 32)), even(depth / 31), datapath=datapath) as board:
         place = np.column_stack([31 * lattice(rays, 2), np.zeros(rays)])
@@ -39,7 +39,7 @@ TRILINEAR = dict(zip((.5, .55, .6, .65, .7, .75, .8, .85, .9, .95, 1),
 
 
 def trilinear_cube(bench, directions=8192, step=1 / 16, datapath="wide", edge=8):
-    """div q on the middle line: kappa (4 - G), G from the transmittances of all ways to the cold walls."""
+    """div q on the middle line: kappa (4 - G), with G from the transmittances of all directions to the cold walls."""
     axis = 1 - abs(np.linspace(-1, 1, edge + 1))
     values = axis[:, None, None] * axis[:, None] * axis
     with bench.board(values, linear(0.1 / edge, 1.0 / edge), datapath=datapath) as board:

@@ -8,25 +8,24 @@ from typing import Callable, NamedTuple
 import gicube
 import numpy as np
 
-EXACT, ABSORBER = 0.01, 0.002  # chosen: shares of the truth by which a value without noise may be off
+EXACT, ABSORBER = 0.01, 0.002  # chosen: largest error of a value without noise, as a share of the truth
 GENERATOR = (1, 182667, 469891, 498753, 110745, 446247)
-MOST_ERRORS = 3  # standard errors by which a stochastic value may be off
+MOST_ERRORS = 3  # largest error of a stochastic value, in standard errors
 
 
 @dataclass
 class Value:
-    """One number. A value with an error bar is judged by standard errors, one without by its limit, a share of the
-    truth."""
+    """One number. Standard errors judge a value with an error bar; the limit, a share of the truth, judges others."""
     quantity: str
     truth: float
     found: float
     error: float = 0  # standard error of `found`
-    truth_error: float = 0  # standard error of `truth`; half of its last digit where that counts
+    truth_error: float = 0  # standard error of `truth`; half of its last digit if that matters
     limit: float = 0  # 0: stochastic
 
     @property
     def off(self):
-        """In standard errors, or as a share of the truth."""
+        """The error in standard errors, or as a share of the truth."""
         difference = self.found - self.truth
         if self.limit:
             return difference / self.truth if self.truth else difference
@@ -43,9 +42,9 @@ class Case(NamedTuple):
     name: str  # DOMAIN/CASE/METHOD
     source: str
     measure: Callable
-    settings: dict = {}  # of the table
-    small: dict = {}  # what the small version changes of them; None: it leaves the case out
-    sweep: tuple = ()  # changes, each a point of the domain's chart
+    settings: dict = {}  # for the table
+    small: dict = {}  # changes for the small version; None: it omits the case
+    sweep: tuple = ()  # changes for the points of the domain's chart
 
     @property
     def domain(self):
@@ -54,16 +53,16 @@ class Case(NamedTuple):
 
 @dataclass
 class Bench:
-    """Opens boards for a case, and adds up what they cost."""
+    """Opens boards for a case, and sums their costs."""
     uri: str = "emu:"
     fidelity: str = "cycle"
     ms: float = 0  # simulated, without loading the volume
-    seconds: float = field(default_factory=time.monotonic)  # when it began
+    seconds: float = field(default_factory=time.monotonic)  # start
 
     @contextlib.contextmanager
     def board(self, volume, look, tags=None, looks=(), datapath="wide", edge=32, spacing=(1, 1, 1), **options):
-        """A board with a volume [z, y, x] of 0..1 and looks by tag. `edge`: the card's, voxels; a board that is served
-        has its own."""
+        """A board with a volume [z, y, x] of 0..1 and looks by tag. `edge`: the card's, in voxels; a served board has
+        its own."""
         uri = self.uri
         if uri.startswith("emu:"):
             settings = {"fidelity": self.fidelity, "set=asic.datapath": datapath, "set=asic.block_voxels": "8",
@@ -84,19 +83,19 @@ class Bench:
 
 
 def even(extinction):
-    """The look of a medium of this extinction a voxel, whatever its values."""
+    """The look of a medium of this extinction per voxel, for all values."""
     return gicube.TransferFunction([(0, (1, 1, 1))], [(0, -math.expm1(-extinction))])
 
 
 def linear(low, high, points=257):
-    """The look whose extinction rises evenly from `low` at 0 to `high` at 1; the chords of so many points are off by
-    1e-6 of `high`."""
+    """The look with an extinction that rises linearly from `low` at 0 to `high` at 1. Its points interpolate this
+    within 1e-6 of `high`."""
     at = np.linspace(0, 1, points)
     return gicube.TransferFunction([(0, (1, 1, 1))], [(x, -math.expm1(-low - (high - low) * x)) for x in at.tolist()])
 
 
 def scatterer(board, albedo, g=0.0, tag=0):
-    """Makes a tag a medium that scatters by Henyey and Greenstein's phase function."""
+    """Makes a tag a medium with Henyey and Greenstein's phase function."""
     bsdf = {"bsdf": gicube.Bsdf.ISOTROPIC} if g == 0 else {"bsdf": gicube.Bsdf.TRAP,
                                                            "routine": gicube.HENYEY_GREENSTEIN_ROUTINE,
                                                              "parameters": [g]}
@@ -104,8 +103,7 @@ def scatterer(board, albedo, g=0.0, tag=0):
 
 
 def transmittances(board, start, end, step, pieces=1):
-    """Transmittances between points, in voxels. One of 1e-5 is lost in the last bits of an opacity; those of its pieces
-    are not."""
+    """Transmittances between points, in voxels. An opacity is too coarse for 1e-5; the product of pieces is not."""
     cuts = [start + (end - start) * k / pieces for k in range(pieces)] + [end]
     rays = gicube.rays_between(np.concatenate(cuts[:-1]), np.concatenate(cuts[1:]))
     passed = 1 - board.receive(board.submit(rays, type=gicube.RayType.OPACITY, step=step)).rays["opacity"]
@@ -119,12 +117,12 @@ def lattice(count, dimensions, shift=0.0):
 
 
 def folded(count, dimensions, shift):
-    """Points, folded, so that the integrand is even at both ends (Hickernell 2002)."""
+    """Folded points, so that the integrand is periodic (Hickernell 2002)."""
     return 1 - abs(2 * lattice(count, dimensions, shift) - 1)
 
 
 def sphere(uv):
-    """Unit vectors, even over the sphere, of points of the unit square."""
+    """Unit vectors, uniform over the sphere, from points of the unit square."""
     z, turn = 1 - 2 * uv[:, 0], 2 * np.pi * uv[:, 1]
     ring = np.sqrt(np.maximum(0, 1 - z * z))
     return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], 1)

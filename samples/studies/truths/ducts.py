@@ -1,4 +1,4 @@
-"""Kobayashi's void ducts: the fluence of an even source in a cube, behind voids and a shield.
+"""Kobayashi's void ducts: the fluence of a uniform source in a cube, behind voids and a shield.
 
 The planes x = 0, y = 0 and z = 0 reflect, so the model has all eight octants. Boxes are those of one octant, in cm."""
 import functools
@@ -12,14 +12,14 @@ from studies.truths.case import ABSORBER, Case, Value, even, folded, lattice, me
 from studies.truths.solvers import optical_depths
 
 SOURCE = "Kobayashi, Sugimura and Nagaya, Prog. Nucl. Energy 39 (2001) 119"
-SHIELD, VOID = 0.1, 1e-4  # extinction a cm
+SHIELD, VOID = 0.1, 1e-4  # extinction per cm
 EDGE = 10.0  # of the source cube, cm; all planes are multiples of it
-SOURCE_POWER = 1.0  # a cm^3
+SOURCE_POWER = 1.0  # per cm^3
 ALBEDO = 0.5
 LEAST = 1e-3  # chosen
-FAINT = 0.1  # chosen: of a path's weight at its beginning; below it, it plays Russian roulette
+FAINT = 0.1  # chosen: part of a path's first weight; below it, Russian roulette
 LEAST_OPACITY = 2.0**-24  # the board's opacities
-STRATA = 64  # chosen: commands of a batch, each with an opacity of its own
+STRATA = 64  # chosen: commands of a batch, each with its own opacity
 SIZE = {1: (100, 100, 100), 2: (60, 100, 60), 3: (60, 100, 60)}
 DUCTS = {1: [((0, 0, 0), (50, 50, 50))],
          2: [((0, 0, 0), (10, 100, 10))],
@@ -36,7 +36,7 @@ def octants(low, high):
 
 @functools.cache
 def boxes(problem):
-    """(low, high, extinction), the later ones count."""
+    """(low, high, extinction); later ones replace earlier ones."""
     size = SIZE[problem]
     out = [((*(-each for each in size),), size, SHIELD)]
     out += [(*box, VOID) for duct in DUCTS[problem] for box in octants(*duct)]
@@ -49,7 +49,7 @@ def places_of(problem):
 
 
 def chord(place, direction):
-    """How far it is from places to where a half line enters the source cube, and leaves it; both 0 if it misses."""
+    """Distances from places to where a half line enters and leaves the source cube; both 0 if it misses."""
     with np.errstate(divide="ignore", invalid="ignore"):
         near, far = ((side * EDGE * np.where(direction < 0, -1, 1) - place) / direction for side in (-1, 1))
     enters = np.maximum(np.nan_to_num(near, nan=-np.inf).max(axis=1), 0)
@@ -59,9 +59,9 @@ def chord(place, direction):
 
 
 def unscattered(places, points, through, reach=EDGE):
-    """Fluence at places (n, 3) of light that comes straight, one estimate each by a point (n, 3) of the unit cube.
-    `through`: of ways between points, their transmittances. Up to `reach` from the middle by a random direction, whose
-    estimates have a bound; beyond it by a random point of the source."""
+    """Fluence of unscattered light at places (n, 3), one estimate each from a point (n, 3) of the unit cube. `through`
+    returns transmittances between points. Places up to `reach` from the middle use a random direction, which bounds
+    the estimates; others use a random point of the source."""
     near = (abs(places) < reach).all(axis=1)
     direction = sphere(points[:, 1:])
     enters, leaves = chord(np.where(near[:, None], places, 0), direction)
@@ -75,12 +75,12 @@ def unscattered(places, points, through, reach=EDGE):
 
 
 class Model:
-    """The volume of a problem: tags of voxels, and where the centimetres are. Materials change at planes half way
-    between voxels."""
+    """The volume of a problem: tags of voxels, and the scale of centimetres. Materials change half way between
+    voxels."""
 
     def __init__(self, problem, voxel=EDGE):
         self.size, self.voxel = np.array(SIZE[problem], float), voxel
-        counts = (2 * self.size / voxel).round().astype(int) + 2  # a layer more: rays begin between voxels
+        counts = (2 * self.size / voxel).round().astype(int) + 2  # one layer more: rays begin between voxels
         centres = np.stack(np.meshgrid(*((np.arange(n) - (n - 1) / 2) * voxel for n in counts), indexing="ij"), -1)
         self.tags = np.zeros(counts, "u1")
         for low, high, extinction in boxes(problem):
@@ -92,13 +92,13 @@ class Model:
         return places / self.voxel + self.middle
 
     def board(self, bench, **of_board):
-        # The layer beyond the faces is a shield too, and what leaves never comes back: rays end at the faces.
+        # The layer beyond the faces is also a shield, and light that leaves does not return: rays end at the faces.
         return bench.board(np.ones(self.tags.shape), even(SHIELD * self.voxel), self.tags, [even(VOID * self.voxel)],
                            edge=32 if max(self.tags.shape) <= 32 else 128, **of_board)
 
 
 def absorber(bench, problem, points=8192, runs=4, step=1 / 64, datapath="wide", pieces=1, chosen=slice(None)):
-    """Exact, since the lattices' own error is below 0.05%."""
+    """Exact, because the error of the lattices is below 0.05%."""
     rows, places = places_of(problem)
     rows, places = rows[chosen], places[chosen]
     random = np.random.default_rng(1)
@@ -117,14 +117,15 @@ def absorber(bench, problem, points=8192, runs=4, step=1 / 64, datapath="wide", 
 
 
 def flights(board, voxel, direction, random, step):
-    """Flights of light by the board, with free paths by first hits: their ends, and whether these are within the volume.
-    `voxel`: their beginnings (n, 3). A flight ends where its opacity reaches a random number, uniform in 0..1: one from
-    each of as many strata as there are commands, dealt to the flights at random."""
+    """Traces free paths from `voxel` (n, 3) by first hits. Returns their ends, and whether these are in the volume. A
+    path ends where its opacity reaches a random number, uniform in 0..1. The numbers are stratified by commands, and
+    assigned to the paths at random."""
     order = random.permutation(len(voxel))
     parts = [each for each in np.array_split(order, min(STRATA, len(order))) if len(each)]
-    # Samples then lie in the middles of their steps.
+    # Samples are then in the middles of their steps.
     rays = gicube.rays(voxel + step / 2 * direction, direction)
-    opacities = np.clip((np.arange(len(parts)) + random.random(len(parts))) / len(parts), LEAST_OPACITY, 1 - LEAST_OPACITY)
+    opacities = (np.arange(len(parts)) + random.random(len(parts))) / len(parts)
+    opacities = np.clip(opacities, LEAST_OPACITY, 1 - LEAST_OPACITY)
     tickets = [board.submit(rays[part], type=gicube.RayType.FIRST_HIT, step=step, opacity=float(opacity))
                for part, opacity in zip(parts, opacities)]
     ends, hit = np.empty_like(voxel), np.empty(len(voxel), bool)
@@ -136,8 +137,8 @@ def flights(board, voxel, direction, random, step):
 
 
 def scattering(bench, problem, paths=512, runs=16, points=2048, step=1 / 8, least=LEAST, chosen=slice(None)):
-    """Half of the extinction scatters every way: paths from the detectors, whose collisions look for the source's
-    straight light. Where the fluence is less than `least`, so few paths find any."""
+    """Half of the extinction scatters isotropically. Paths start at the detectors; their collisions collect the
+    source's unscattered light. Omits detectors with a fluence below `least`, which too few paths reach."""
     rows, places = places_of(problem)
     seen = [float(row["scattering"]) >= least for row in rows]
     rows, places = [row for row, is_seen in zip(rows, seen) if is_seen][chosen], places[seen][chosen]
@@ -168,7 +169,7 @@ def scattering(bench, problem, paths=512, runs=16, points=2048, step=1 / 8, leas
 
 
 def stored(bench, rays=8192, runs=32, step=0.5, voxel=EDGE / 3):
-    """The light that the source's rays leave in the detectors' voxels, over what these absorb of a unit of fluence."""
+    """Light that the source's rays deposit in the detectors' voxels, over their absorption of a unit of fluence."""
     rows, places = places_of(1)
     model, found = Model(1, voxel), []
     inside = np.minimum(abs(places), 100).max(axis=1)
@@ -185,7 +186,7 @@ def stored(bench, rays=8192, runs=32, step=0.5, voxel=EDGE / 3):
                                        sampling=gicube.Sampling(seed=run)))
             found.append(board.read_irradiance()[z, y, x] / (kappa * voxel**3))
     mean, error = mean_of(found)
-    # Deposits are shared among the eight voxels around, so a voxel has the mean of the fluence under its tent.
+    # A deposit is divided among eight voxels, so a voxel has the mean of the fluence under its tent.
     points = lattice(16384, 6)
     even_part = 2 * points[:, 3:] - 1
     tent = voxel * np.sign(even_part) * (1 - np.sqrt(1 - abs(even_part)))

@@ -8,7 +8,7 @@ from studies.form_factors import parallel_rectangles, parallel_squares, perpendi
 from studies.truths.case import Case, Value, even
 
 HOWELL = "Howell, A Catalog of Radiation Heat Transfer Configuration Factors, "
-EDGE, SIDE, LOW = 40, 20.0, 9.5  # voxels of the volume; of a unit; where it begins
+EDGE, SIDE, LOW = 40, 20.0, 9.5  # voxels of the volume, of a unit, and before it
 BLOCKER_THICKNESS = 1 / 32  # voxels
 
 
@@ -36,11 +36,11 @@ def discs(r1, r2, apart):
 
 
 def blocked(side, kappa, cells=500):
-    """Unit squares one apart, an opaque square half way: over pairs of points whose line misses it, by quadrature. The
-    line's middle is the mean of its ends, so on each axis the weights of distances part into those of middles within
-    and beyond."""
+    """Unit squares one apart with an opaque square half way, by quadrature over pairs of points with a free line. The
+    line's middle is the mean of its ends, so on each axis the weights of distances divide into those of middles inside
+    and outside."""
     d = (np.arange(-cells, cells) + 0.5) / cells  # of the ends, on an axis
-    free = np.clip(1 - abs(d), 0, None)  # how many middles there are: their span is centred
+    free = np.clip(1 - abs(d), 0, None)  # number of middles: their span is centred
     inner = np.minimum(free, side)  # of them within the blocker
     both = np.outer(free, free) - np.outer(inner, inner)
     squared = 1 + d[:, None] ** 2 + d**2
@@ -69,19 +69,19 @@ def area(element):
 
 
 def factors(board, pairs, rays, seeds, **request):
-    """F of each pair and its error bar, and the clear one's, of so many estimates each: [estimate, pair]."""
+    """F of each pair with its error bar, and the unobstructed F, by seeds: [estimate, pair]."""
     elements = gicube.elements(*map(list, zip(*(element for pair in pairs for element in pair[:2]))))
     areas = np.array([area(b) for _, b, *_ in pairs])
     out = []
     for seed in range(seeds):
-        found = board.pair_factors(elements, gicube.pairs(np.arange(0, len(elements), 2), np.arange(1, len(elements), 2)),
-                                   rays=rays, seed=seed, **request)
+        of_elements = gicube.pairs(np.arange(0, len(elements), 2), np.arange(1, len(elements), 2))
+        found = board.pair_factors(elements, of_elements, rays=rays, seed=seed, **request)
         out.append([found[name] * areas for name in ("transported", "standard_error", "geometric")])
     return np.array(out).swapaxes(0, 1)
 
 
 def clear(bench, counts=(16, 256, 4096), made="by_board"):
-    """By so many rays a pair."""
+    """Unobstructed pairs, with so many rays per pair."""
     out = []
     with bench.board(np.ones(3 * (EDGE,)), even(0), edge=64) as board:
         for rays in counts:
@@ -92,8 +92,8 @@ def clear(bench, counts=(16, 256, 4096), made="by_board"):
 
 
 def with_blocker(bench, side, kappa, rays=4096, seeds=8, step=1 / 32):
-    """Half way, an opaque sheet of 1/32 voxel: tagged columns whose densities rise through the one at which their look
-    is opaque."""
+    """An opaque sheet of 1/32 voxel half way: tagged columns whose densities rise through the opaque one of their
+    look."""
     voxels = np.arange(EDGE)
     z = np.tile((voxels / (EDGE - 1))[:, None, None], (1, EDGE, EDGE))
     middle, half = at(.5, .5, .5), side * SIDE / 2
@@ -116,7 +116,7 @@ def in_medium(bench, kappa, rays=1024, seeds=8):
 
 
 def between_squares(board, name, truth, rays, seeds, **request):
-    """An estimate for each seed, none of which may exceed the unobstructed one."""
+    """One estimate per seed; none may exceed the unobstructed one."""
     found, error, geometric = factors(board, [(FLOOR, CEILING)], rays, seeds, **request)
     out = [Value(f"{name}, seed {seed}", truth, a, b) for seed, (a, b) in enumerate(zip(found[:, 0], error[:, 0]))]
     return [*out, Value(f"{name}: most over the unobstructed one", 0, max(0, (found / geometric).max() - 1),

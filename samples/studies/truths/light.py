@@ -29,8 +29,8 @@ material {{ name: "white" solid {{ }} scattering: {albedo} bsdf: "diffuse" }}
 
 
 def shown(bench, scene, method, runs, passes, scatterings=32):
-    """Mean radiance of the whole picture of independent runs, and its error bar; a unit is that of power on a square of
-    a voxel's edge."""
+    """Mean radiance of the picture over independent runs, and its error bar. The unit is power per square of a voxel's
+    edge."""
     means = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -47,7 +47,7 @@ def shown(bench, scene, method, runs, passes, scatterings=32):
 
 
 def half_space(bench, method, albedo, view, sun, scatterings, passes, runs=8):
-    """The radiance of a half space in the sun, both from the surface's normal by these cosines."""
+    """Radiance of a half space in the sun, with the cosines of both directions to the surface's normal."""
     eye = (0, 30 * math.sqrt(1 - view * view), 1 + 30 * view)
     scene = FOG.format(albedo=albedo, x=math.sqrt(1 - sun * sun), z=sun) + CAMERA.format(eye, (0, 0, 1), 0.2)
     mean, error = shown(bench, scene, method, runs, passes, scatterings)
@@ -58,7 +58,7 @@ def half_space(bench, method, albedo, view, sun, scatterings, passes, runs=8):
 
 
 def furnace(bench, method, albedo, runs=8, passes=2):
-    """A convex body in radiance 1 from everywhere shows its albedo. Six large lamps are everywhere."""
+    """A convex body in radiance 1 from all directions shows its albedo. Six large lamps make that radiance."""
     far = 60
     lamps = ""
     for axis in range(3):
@@ -82,7 +82,7 @@ def cases():
     for method in METHODS:
         maps = method == "photon map"
         for albedo, view, sun in ((.5, 1, 1), (.9, .8, .6), (.95, .5, .9)):
-            thick = albedo > .9  # light that was scattered more than 32 times counts here
+            thick = albedo > .9  # light with more than 32 scatterings matters here
             settings = {"scatterings": 256 if thick and not maps else 32, "passes": 1 if thick and maps else 4}
             out.append(Case(f"light/half space {albedo:g} {view:g} {sun:g}/{method}",
                             "Chandrasekhar's H (Radiative Transfer, 1960)", half_space,

@@ -32,7 +32,7 @@ def off_of(row):
 
 
 def counts(rows):
-    """How many of them hold: the stochastic ones, and those with a limit."""
+    """Numbers of values that hold: stochastic ones, and those with a limit."""
     out = []
     for exact in (False, True):
         mine = [row for row in rows if (float(row["limit"]) > 0) == exact]
@@ -69,7 +69,7 @@ def charts():
 
 
 def failing(rows):
-    """One line for each case that has values that do not hold."""
+    """A line for each case with values that do not hold."""
     lines = []
     for (_, case, method), each in cases_of([row for row in rows if row["holds"] == "0"]).items():
         worst = max(each, key=lambda row: abs(float(row["off"])))

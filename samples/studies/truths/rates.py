@@ -1,24 +1,24 @@
-"""Peak rates of the card's parts by their data sheets: what the board moves in the time in which a part is busy."""
+"""Peak rates of the card's parts by their data sheets, against the board's data per busy time of a part."""
 import gicube
 import numpy as np
 
 from studies.truths.case import EXACT, Case, Value, even
 
 PEAKS = {"pci33": 4 * 100 / 3, "agp1x": 4 * 200 / 3, "agp2x": 8 * 200 / 3,
-         "agp4x": 16 * 200 / 3}  # 10^6 bytes a second, towards the board
+         "agp4x": 16 * 200 / 3}  # 10^6 bytes per second, towards the board
 SPECIFICATIONS = {"pci33": "PCI 2.2: 32 bit, 33 1/3 MHz",
                   **{f"agp{n}x": f"AGP 2.0, {n}x: 32 bit, 66 2/3 MHz" for n in (1, 2, 4)}}
-SDRAM, RDRAM = 800.0, 1600.0  # 10^6 bytes a second
+SDRAM, RDRAM = 800.0, 1600.0  # 10^6 bytes per second
 PACKET, LINE = 16, 32  # bytes
 
 
 def bound(name, found, peak):
-    """A peak is never passed; how near the board comes is in the name."""
+    """No value exceeds the peak; the name has the reached share."""
     return Value(f"{name}: {found:.4g} of {peak:.4g}; over it", 0, max(0.0, found / peak - 1), limit=1e-6)
 
 
 def host_bus(bench, bus):
-    """A volume's way down and a picture's way up."""
+    """Transfer of a volume to the board, and of a picture to the host."""
     with bench.board(np.random.default_rng(1).random((64, 64, 64)), even(0.1), edge=64, bus=bus) as board:
         board.write_volume(np.zeros((64, 64, 64), "f4") + 0.5)
         before = board.counters
@@ -33,7 +33,7 @@ def host_bus(bench, bus):
 
 
 def memories(bench):
-    """Rates of a picture whose voxels come from RDRAM."""
+    """Rates of a picture with voxels from RDRAM."""
     bench.fidelity = "cycle"
     with bench.board(np.random.default_rng(1).random((64, 64, 64)), even(0.02), edge=64) as board:
         before = board.counters
@@ -48,7 +48,7 @@ def memories(bench):
 
 
 def dsp(bench, rays=65536):
-    """Host rays that end at once cost the DSP whole cycles."""
+    """The DSP needs whole cycles for host rays that end at once."""
     with bench.board(np.ones((2, 2, 2)), even(0), bus="agp4x") as board:
         before = board.counters
         made = gicube.rays(np.tile([0.5, 0.5, 0.5], (rays, 1)), (0, 0, 1), length=0.1)

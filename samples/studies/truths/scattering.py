@@ -1,4 +1,4 @@
-"""Slabs, half spaces, cubes, furnaces and beams in scattering media, by the light that the board stores."""
+"""Slabs, half spaces, cubes, furnaces and beams in scattering media, by the board's deposits."""
 import math
 
 import gicube
@@ -7,11 +7,11 @@ import numpy as np
 from studies.truths.case import Case, Value, even, lambert, mean_of, scatterer, sphere
 from studies.truths.solvers import half_space_albedo, photons_in_box, slab
 
-UNIT = 2.0**-20  # of a ray's energy; more than a voxel's word of 32 bits is clipped, and reported
+UNIT = 2.0**-20  # part of a ray's energy; words of 32 bits clip larger values, and the board reports it
 
 
 def spread(board, place, direction, seed, albedo, step=0.5):
-    """The board's ledger of rays of energy 1, in voxels."""
+    """The board's report on rays of energy 1, in voxels."""
     made = gicube.rays(place, direction, energy=1.0)
     board.clear_irradiance(UNIT)
     sampling = gicube.Sampling(seed=seed)
@@ -20,7 +20,7 @@ def spread(board, place, direction, seed, albedo, step=0.5):
 
 
 def shares(report):
-    """By the six faces, and what was absorbed; of the light that was sent."""
+    """Shares of the light that leave by the six faces, and that are absorbed."""
     return [*(part / report.emitted for part in report.escaped_by_face),
             (report.deposited + report.clipped) / report.emitted]
 
@@ -41,7 +41,7 @@ def square_beam(random, count, cosine):
 
 
 def layer(bench, depth, albedo, g, rays=2048, runs=32, kind="low", step=0.5):
-    """A beam falls squarely on the middle of a layer two voxels thick and, to either side, 32 wide."""
+    """A perpendicular beam on the middle of a layer two voxels thick, with 32 voxels on each side."""
     with bench.board(np.ones((3, 65, 65)), even(depth / 2), edge=128) as board:
         scatterer(board, albedo, g)
         mean, error = over_runs(board, runs, lambda random: square_beam(random, rays, 1), kind, step)
@@ -53,7 +53,7 @@ def layer(bench, depth, albedo, g, rays=2048, runs=32, kind="low", step=0.5):
 
 
 def half_space(bench, albedo, cosine, rays=1024, runs=32, kind="low"):
-    """A block 64 free paths deep stands for it."""
+    """A half space, as a block 64 free paths deep."""
     with bench.board(np.ones((65, 65, 65)), even(1.0), edge=128) as board:
         scatterer(board, albedo)
         mean, error = over_runs(board, runs, lambda random: square_beam(random, rays, cosine), kind)
@@ -86,8 +86,8 @@ def cube(bench, depth, albedo, rays=4096, runs=32, kind="low"):
 
 
 def furnace(bench, albedo, rays=8192, runs=32, kind="low"):
-    """A box of two media in radiance 1: where nothing emits but what absorbs, each place takes up as much as it sends
-    out, and each face lets out as much as comes in. Of albedo 1 only the faces tell."""
+    """A box of two media in radiance 1. Each place absorbs as much as it emits, and as much leaves each face as enters
+    it. With albedo 1, only the faces give values."""
     size, kappa = np.array((12, 8, 16)), (0.25, 0.05)
     tags = np.zeros(size[::-1] + 1, "u1")
     tags[:, :, 4:] = 1
@@ -117,7 +117,7 @@ def furnace(bench, albedo, rays=8192, runs=32, kind="low"):
             scatterer(board, each, tag=tag)
 
         def parts(report):
-            near = board.read_irradiance()[:, :, :3].sum() / report.emitted  # wholly in the first medium
+            near = board.read_irradiance()[:, :, :3].sum() / report.emitted  # entirely in the first medium
             return *shares(report), near
 
         mean, error = over_runs(board, runs, start, kind, count=parts)
@@ -132,8 +132,8 @@ def furnace(bench, albedo, rays=8192, runs=32, kind="low"):
 
 
 def beam(bench, albedo, g, rays, runs=10, kind="low", step=0.5):
-    """A pencil of light in an endless medium: the moments of where it is absorbed. Free paths of mean 1 and cosines of
-    mean g make <z> = 1 / (1 - a g) and <r^2> = 2 / ((1 - a) (1 - a g))."""
+    """Moments of the places at which an infinite medium absorbs a pencil beam. Free paths of mean 1 and cosines of mean
+    g give <z> = 1 / (1 - a g) and <r^2> = 2 / ((1 - a) (1 - a g))."""
     edge, kappa = 64, 1.0
     place = np.array([edge / 2, edge / 2, edge / 2 - 2])
     axis = np.arange(edge + 1.0)
@@ -141,7 +141,7 @@ def beam(bench, albedo, g, rays, runs=10, kind="low", step=0.5):
         scatterer(board, albedo, g)
         found = []
         for run in range(runs):
-            # Deposits are shared by the eight voxels around, which adds a sixth of a voxel's square on each axis.
+            # A deposit is divided among eight voxels, which adds a sixth of a voxel's square on each axis.
             middle = place + np.random.default_rng(run).random((rays, 3))
             spread(board, middle, down(1, rays), run, kind, step)
             kept = board.read_irradiance().astype(float)
@@ -150,7 +150,7 @@ def beam(bench, albedo, g, rays, runs=10, kind="low", step=0.5):
             squares = [(kept.sum(axis=tuple({0, 1, 2} - {2 - i})) * axis**2).sum() / total for i in range(3)]
             start, square = middle.mean(axis=0), (middle**2).mean(axis=0)
             along = means[2] - start[2]
-            # Starts are independent of what follows, so squares of sums split.
+            # Starts are independent of the paths, so squares of sums separate.
             across = sum(squares[i] - square[i] - 2 * start[i] * (means[i] - start[i]) for i in range(3)) - 0.5
             found.append([along, across])
     mean, error = mean_of(found)
@@ -159,7 +159,7 @@ def beam(bench, albedo, g, rays, runs=10, kind="low", step=0.5):
             Value(f"{name}: mean square distance", 2 / ((1 - albedo) * (1 - albedo * g)), mean[1], error[1])]
 
 
-MCX = (1.005, 1 / 1.005, 0.01)  # extinction a mm, albedo, g
+MCX = (1.005, 1 / 1.005, 0.01)  # extinction per mm, albedo, g
 
 
 def cube60(bench, rays=512, runs=16, photons=50000):

@@ -1,5 +1,5 @@
-"""The small version of the truths: prints a line for each value, and says how many hold. Exit code 1: fewer than 95% of
-the stochastic ones, or one without noise that does not."""
+"""The small version of the truths: prints a line for each value and the number of values that hold. Exit code 1: fewer
+than 95% of the stochastic values hold, or a value without noise does not."""
 import argparse
 import os
 import sys
@@ -9,14 +9,14 @@ from studies.points import BIN
 
 
 def chosen(words):
-    """Cases of the small version; with words, all whose names have one of them."""
+    """Cases of the small version; with words, all cases with one of them in their names."""
     cases = truths.all_cases()
     return [case for case in cases if any(word in case.name for word in words)] if words else [case for case in cases
         if case.small is not None]
 
 
 def verdict(values):
-    """Shares of the stochastic values and of the others that hold; 1 of none."""
+    """Shares of stochastic and of other values that hold; 1 without values."""
     parts = [[holds for *_, limit, _, holds in values if (limit > 0) == exact] for exact in (False, True)]
     return [sum(part) / len(part) if part else 1.0 for part in parts]
 
@@ -24,8 +24,8 @@ def verdict(values):
 def main():
     parser = argparse.ArgumentParser(prog="script/truths --small", description=__doc__)
     parser.add_argument("words", nargs="*", metavar="CASE",
-                        help="all cases whose names have one of these words, as the page has them")
-    parser.add_argument("--board", default="emu:", metavar="URI", help="a board that serves (%(default)s)")
+                        help="run all cases with one of these words in their names, with the page's settings")
+    parser.add_argument("--board", default="emu:", metavar="URI", help="URI of the board (%(default)s)")
     given = parser.parse_args()
     truths.uri = given.board
     os.environ.setdefault("GICUBE_BOARD", str(BIN / "gicube-board"))

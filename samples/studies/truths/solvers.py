@@ -1,4 +1,4 @@
-"""Truths that are computed, in double precision and by methods that share nothing with the board's."""
+"""Computed truths, in double precision and by methods independent of the board's."""
 import functools
 import math
 
@@ -6,16 +6,16 @@ import numpy as np
 
 
 def gauss(count, low=0.0, high=1.0):
-    """Nodes and weights of Gauss and Legendre."""
+    """Gauss-Legendre nodes and weights."""
     at, weights = np.polynomial.legendre.leggauss(count)
     return low + (high - low) * (at + 1) / 2, weights * (high - low) / 2
 
 
 @functools.cache
 def h_function(albedo, nodes=200):
-    """Chandrasekhar's H of isotropic scattering at Gauss points of 0..1: the points, their weights, H (Radiative
+    """Chandrasekhar's H for isotropic scattering at Gauss points of 0..1: the points, their weights, H (Radiative
     Transfer, 1960, V)."""
-    # Most of the change is at small cosines, so the nodes are those of a square root.
+    # H changes most at small cosines, so the nodes are those of a square root.
     root, weights = gauss(nodes)
     mu, weights = root**2, 2 * root * weights
     h = np.ones(nodes)
@@ -23,7 +23,7 @@ def h_function(albedo, nodes=200):
         new = 1 / (math.sqrt(1 - albedo) + albedo / 2 * (mu / (mu[:, None] + mu)) @ (weights * h))
         if abs(new / h - 1).max() < 1e-14:
             break
-        h = np.sqrt(h * new)  # which converges without absorption too
+        h = np.sqrt(h * new)  # converges also without absorption
     return mu, weights, h
 
 
@@ -33,23 +33,23 @@ def h_at(albedo, cosine):
 
 
 def half_space_albedo(albedo, cosine):
-    """The share of light from this direction that a half space sends back."""
+    """Share of light from this direction that a half space reflects."""
     return 1 - math.sqrt(1 - albedo) * h_at(albedo, cosine)
 
 
 @functools.cache
 def slab(depth, albedo, g, streams=64, cosine=1.0):
-    """Shares of collimated light that a slab of Henyey and Greenstein's phase function reflects and passes, by discrete
-    ordinates (double Gauss) and doubling (van de Hulst 1980)."""
+    """Reflectance and transmittance of a slab with Henyey and Greenstein's phase function for collimated light, by
+    discrete ordinates (double Gauss) and doubling (van de Hulst 1980)."""
     mu, weights = gauss(streams // 2)
-    mu, weights = np.append(mu, cosine), np.append(weights, 0)  # the beam is a direction of its own
+    mu, weights = np.append(mu, cosine), np.append(weights, 0)  # the beam is another direction
     orders = np.arange(streams)
     legendre = np.array([np.polynomial.legendre.Legendre.basis(order)(mu) for order in orders])
     ahead = np.einsum("l,li,lj->ij", (2 * orders + 1.0) * g**orders, legendre, legendre)
     back = np.einsum("l,li,lj->ij", (2 * orders + 1.0) * (-g) ** orders, legendre, legendre)
     halvings = 24
     thin = depth / 2**halvings
-    # In these, intensities are times their weights, so that the beam is one of them.
+    # These intensities include their weights, so that the beam is one of them.
     gain = thin * albedo / 2 * (weights / mu)[:, None]
     reflect = gain * back
     loss = thin / mu
@@ -62,8 +62,8 @@ def slab(depth, albedo, g, streams=64, cosine=1.0):
 
 
 def optical_depths(boxes, start, end):
-    """Optical depths between points (n, 3) through boxes (low, high, extinction), of which the last one that holds a
-    place counts. In pieces between the boxes' planes, so without steps."""
+    """Optical depths between points (n, 3) through boxes (low, high, extinction); the last box around a place counts.
+    Exact, as sums over the pieces between the boxes' planes."""
     way = end - start
     length = np.sqrt((way * way).sum(axis=1))
     planes = [(axis, value) for low, high, _ in boxes for axis in range(3) for value in (low[axis], high[axis])]
@@ -79,14 +79,14 @@ def optical_depths(boxes, start, end):
 
 
 def henyey_greenstein(g, uniform):
-    """Cosines of the scattering angle."""
+    """Random cosines of the scattering angle."""
     if g == 0:
         return 2 * uniform - 1
     return (1 + g * g - ((1 - g * g) / (1 - g + 2 * g * uniform)) ** 2) / (2 * g)
 
 
 def turned(direction, cosine, turn):
-    """Directions at an angle to others, unit vectors (n, 3)."""
+    """Unit vectors (n, 3) at an angle to others."""
     ring = np.sqrt(np.maximum(0, 1 - cosine * cosine))
     x, y, z = direction.T
     sign = np.where(z >= 0, 1.0, -1.0)  # Duff and others (2017)
@@ -98,7 +98,7 @@ def turned(direction, cosine, turn):
 
 
 def reflectance(cosine, inside, outside=1.0):
-    """Fresnel's, of unpolarised light."""
+    """Fresnel's reflectance of unpolarised light."""
     sine = inside / outside * np.sqrt(np.maximum(0, 1 - cosine * cosine))
     through = np.sqrt(np.maximum(0, 1 - sine * sine))
     across = (inside * cosine - outside * through) / (inside * cosine + outside * through)
@@ -107,8 +107,8 @@ def reflectance(cosine, inside, outside=1.0):
 
 
 def photons_in_box(size, extinction, albedo, g, place, direction, seed, index=1.0):
-    """Plain Monte Carlo of photons from places (n, 3) in a box: those that are left at the end, absorbed by weight;
-    returns their absorbed share each, and the shares that left by the six faces."""
+    """Plain Monte Carlo of photons from places (n, 3) in a box, with absorption by weight. Returns the absorbed share
+    of each, and the shares that leave by the six faces."""
     random = np.random.default_rng(seed)
     place, direction = np.array(place, float), np.array(direction, float)
     size = np.asarray(size, float)

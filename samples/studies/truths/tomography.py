@@ -1,4 +1,4 @@
-"""Line integrals of Shepp and Logan's head, whose ellipsoids have closed forms."""
+"""Line integrals of Shepp and Logan's head, with closed forms for its ellipsoids."""
 import math
 
 import gicube
@@ -18,7 +18,7 @@ HEAD = np.array([  # value, half axes, centre, degrees about z
 
 
 def to_sphere(row, points, is_way=False):
-    """x, y and z in the ellipsoid's own axes, where it is the unit sphere; arrays that go together."""
+    """x, y and z in coordinates in which the ellipsoid is the unit sphere; arrays of one shape."""
     c, s = math.cos(math.radians(row[7])), math.sin(math.radians(row[7]))
     x, y, z = points if is_way else (part - middle for part, middle in zip(points, row[4:7]))
     return (c * x + s * y) / row[1], (c * y - s * x) / row[2], z / row[3]
@@ -29,7 +29,7 @@ def dot(p, q):
 
 
 def integrals(start, way):
-    """Along whole lines; `way`: unit vectors."""
+    """Line integrals along infinite lines; `way`: unit vectors."""
     total = 0
     for row in HEAD:
         p, d = to_sphere(row, start.T), to_sphere(row, way.T, True)
@@ -39,7 +39,7 @@ def integrals(start, way):
 
 
 def voxels(size, parts):
-    """Means over voxels of edge 2 / (size - 1) that span -1..1, of so many points along each edge."""
+    """Means over voxels of edge 2 / (size - 1) that cover -1..1, with so many points along each edge."""
     inner = ((np.arange(parts) + 0.5) / parts - 0.5) * 2 / (size - 1)
     axis = (np.linspace(-1, 1, size)[:, None] + inner).ravel()
     out = np.zeros((size, size, size))
@@ -54,7 +54,7 @@ def voxels(size, parts):
 
 
 def projections(bench, size=97, angles=12, step=0.5, datapath="wide", parts=3):
-    """Parallel rays a voxel apart round the z axis, through the head's middle."""
+    """Parallel rays through the head's middle, a voxel apart, in views about the z axis."""
     edge = (size - 1) / 2  # voxels of a unit
     turns = np.arange(angles) * np.pi / angles
     across, height = np.meshgrid(np.linspace(-.95, .95, size - 4), np.linspace(-.85, .85, 9))
