@@ -1,4 +1,4 @@
-"""The gain by several boards in one host: the same picture on more boards, and pictures that grow with them."""
+"""Speed-up of several boards in one host: the same picture on more boards, and pictures that grow with them."""
 import math
 import pathlib
 import tempfile
@@ -11,8 +11,8 @@ EDGE = {"strong": lambda boards: 512, "weak": lambda boards: round(256 * math.sq
 
 
 def measured(kind, buses, boards, fidelity="cycle", voxels=128, edge=None):
-    """Times of a picture after the first, which finds the tables on the boards: its simulated milliseconds, and the
-    mean over the boards of where they went."""
+    """Times of a picture after the first, which loads the tables: its simulated milliseconds, and their parts as means
+    over the boards."""
     edge = edge or EDGE[kind](boards)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -33,7 +33,7 @@ def rows(found):
     one = {}
     for name, each in found:
         _, kind, buses, boards = name.split("/")
-        one.setdefault(buses, each["frame_ms"])  # one board's comes first
+        one.setdefault(buses, each["frame_ms"])  # the first is one board's
         share = one[buses] / each["frame_ms"] / (int(boards) if kind == "strong" else 1)
         yield name, [buses, boards, each["edge"],
                      *(f"{each[part]:.4f}" for part in ("frame_ms", "work_ms", "bus_ms", "bus_wait_ms", "skew_ms")),

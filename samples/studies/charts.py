@@ -1,5 +1,5 @@
-"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take some hours,
-the cone beam's most. One that was interrupted goes on where it was: its runs are in build/charts.
+"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All charts take hours, the cone
+beam's most. build/charts keeps finished runs, so the same command continues an interrupted one.
 
 Names: """
 import argparse
@@ -32,13 +32,13 @@ def run(program, *arguments):
 
 
 def tables_of(name):
-    """Those that are made of points."""
+    """Measures charts of points."""
     build("gicube_python", *POINTS[name])
     return importlib.import_module(f"studies.{name}").tables()
 
 
 def sources_of(name):
-    """The modules of a study: its module, or the modules of its folder."""
+    """The module of a study, or the modules of its folder."""
     folder = ROOT / "samples/studies" / name
     return sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
 
@@ -49,13 +49,13 @@ def by_points(name, jobs):
                 for program in ("gicube-board", *POINTS[name])] + sources_of(name)
     measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
-        # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
+        # The double-precision reference belongs to the tests, so a bench measures the trade with it.
         build("gicube_bench")
         trade = CHARTS / "cone_beam_trade.csv"
         run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={trade}",
             "--benchmark_out_format=csv")
         written = trade.read_text()
-        # without what Google Benchmark says of the machine
+        # without Google Benchmark's text about the machine
         trade.write_text(written[written.index("name,iterations"):])
     elif name == "form_factors":
         pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error",
@@ -75,7 +75,7 @@ def print_point(name):
 
 
 def swept(folder, name, *arguments):
-    """One sweep of gicube-render; its table is among the charts then."""
+    """Runs a sweep of gicube-render into the charts' folder."""
     run(BIN / "gicube-sweep", *arguments, "--name", name, "-o", RUNS / folder)
     shutil.copy(RUNS / folder / f"{name}.csv", CHARTS)
 
@@ -99,7 +99,7 @@ def rendering(jobs):
 
 
 def levels_of_pairs(_):
-    """The host's seconds are the cost: one run at a time, and anew once all are done."""
+    """The cost is the host's seconds: one run at a time, and new runs after the last are done."""
     build("gicube-render", "gicube-cone-beam")
     levels.measure(ROOT / "samples/studies/level_pairs.txt", RUNS / "levels", BIN, CHARTS / "levels.csv")
     shutil.rmtree(RUNS / "levels")
@@ -108,7 +108,7 @@ def levels_of_pairs(_):
 POINTS = {"lighting": [], "light": ["gicube-render", "gicube-light", "gicube-light-reference"],
           "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"],
           "volume_texture": ["gicube-compose"],
-          "boards": ["gicube-render"], "truths": ["gicube-light"]}  # programs that they take
+          "boards": ["gicube-render"], "truths": ["gicube-light"]}  # programs of the points
 MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS},
             "levels": levels_of_pairs}
 
@@ -118,10 +118,9 @@ def main():
     parser = argparse.ArgumentParser(prog="script/charts", description=__doc__ + ", ".join(MEASURED) + ".")
     parser.add_argument("names", nargs="*", metavar="NAME", help="charts to measure (all)")
     parser.add_argument("--jobs", type=int, default=0,
-                        help="runs at once where seconds are not measured; 0: one a core (%(default)s)")
-    parser.add_argument("--point", help="measure one point again, by the name in the tables: its row is printed")
-    parser.add_argument("--draw", action="store_true",
-                        help="draw them from the tables that there are, without measuring")
+                        help="number of parallel runs if seconds are not measured; 0: one per core (%(default)s)")
+    parser.add_argument("--point", help="measure the point of this name in the tables again, and print its row")
+    parser.add_argument("--draw", action="store_true", help="draw charts from existing tables, without measuring")
     given = parser.parse_args()
     for name in given.names:
         if name not in MEASURED:

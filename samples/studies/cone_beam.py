@@ -1,5 +1,5 @@
-"""Where cone-beam tomography by the board fails, and what it costs: phantoms projected, reconstructed and compared by
-gicube-cone-beam. Lengths are millimetres."""
+"""Errors and costs of cone-beam tomography on the board: gicube-cone-beam projects, reconstructs and compares phantoms.
+Lengths are millimetres."""
 import csv
 import functools
 import math
@@ -17,19 +17,19 @@ RADIANS = math.pi / 180
 PLAIN = {"method": "fdk", "rays": 1, "sharpen": 0.1, "no-normalise": ""}
 NORMALISED = {"method": "fdk", "rays": 1, "sharpen": 0.1}
 SART = {"method": "sart", "iterations": 4, "relaxation": 0.3}
-HEAD = "builtin:shepp-logan-high-contrast --radius 42 --value 0.05"  # the skull takes away 0.05 a millimetre
+HEAD = "builtin:shepp-logan-high-contrast --radius 42 --value 0.05"  # the skull absorbs 0.05 per millimetre
 DISCS = "builtin:discs --radius 36 --value 0.05"
 COLUMNS = "x,rmse,bias,relative_l2,psnr,ssim,bus_ms,rays,deposits,clipped,residual,iterations,diverged".split(",")
 
 
 @dataclass(frozen=True)
 class Scan:
-    """A whole turn around a volume; by default of 90 mm, source 400 from the axis, 800 from a detector of 200 mm."""
+    """A whole turn around a volume. Defaults: 90 mm, source 400 from the axis, 800 from a detector of 200 mm."""
     voxels: int
     detector: tuple  # columns, rows
     views: int
-    edge: float = 0  # of a voxel; 0: of 90 mm
-    pitch: float = 0  # of a pixel; 0: of 200 mm
+    edge: float = 0  # of a voxel; 0: the volume has 90 mm
+    pitch: float = 0  # of a pixel; 0: the detector has 200 mm
     first: float = 0.1  # radians
     to_axis: float = 400
     to_detector: float = 800
@@ -42,7 +42,7 @@ class Scan:
         return [self.first + 2 * math.pi * i / self.views for i in range(self.views)]
 
     def text(self):
-        """A scan file in degrees that become the same radians, or nearly."""
+        """A scan file in degrees that convert to nearly the same radians."""
         def degrees(angle):
             near = angle / RADIANS
             return min((near, *(math.nextafter(near, to) for to in (0, 999))),
@@ -60,16 +60,16 @@ def chart_scan(voxels, pixels, views):
 
 @dataclass
 class Case:
-    """One reconstruction: what is scanned, how, by which method on which board."""
+    """One reconstruction: its object, scan, method and board."""
     phantom: str
     scan: Scan
     method: dict
-    field: tuple = (40, 20)  # compared: within this of the axis, and of the middle plane
-    photons: float = 0  # a pixel; 0: no noise
+    field: tuple = (40, 20)  # of the comparison: distances from the axis and the middle plane
+    photons: float = 0  # per pixel; 0: no noise
     settings: str = ""  # of the board
 
     def reconstruct(self, fidelity="functional", more=lambda folder: {}):
-        """Statistics of the reconstruction, and what `more` finds in the folder of scan.textproto and volume.nrrd."""
+        """Statistics of the reconstruction, and results of `more` for the folder of scan.textproto and volume.nrrd."""
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             (folder / "scan.textproto").write_text(self.scan.text())
@@ -86,7 +86,7 @@ class Case:
                         folder)
 
     def compare(self, folder):
-        """How far the volume is from the phantom; leaves profiles.csv."""
+        """Compares the volume with the phantom; writes profiles.csv."""
         radius, height = self.field
         run(folder, "gicube-cone-beam",
             f"compare @volume.nrrd {self.phantom} --field-radius {radius!r} --field-height {height!r} "
@@ -94,7 +94,7 @@ class Case:
         return statistics(folder / "error.json")
 
     def measured(self, _):
-        """At the functional level, which has the values and the bus's time."""
+        """On a functional board, which has the values and the bus's time."""
         return self.reconstruct(more=self.compare)
 
 
@@ -120,8 +120,7 @@ def case_table(name, *series):
 
 
 def cone(degrees, phantom=DISCS, method=PLAIN):
-    """The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of
-    it."""
+    """The source comes nearer to the same object. The detector sees all of it; its pixels at the axis stay the same."""
     to_axis = 40 / math.tan(degrees / 2 * RADIANS)
     return Case(phantom, Scan(64, (96, 112), 120, pitch=2.5, to_axis=to_axis, to_detector=2 * to_axis), method,
                 (34, 40))
@@ -135,7 +134,7 @@ def cone_angles():
 
 
 def truncation():
-    """A detector that sees a part of the head's width at the axis; compared is what half of it sees."""
+    """A detector that sees a part of the head's width at the axis; compares the field of half of it."""
     width = 2 * 42 * 0.92
 
     def of(method):
@@ -169,7 +168,7 @@ def accumulator():
 
 
 def times():
-    """Times of the whole board at the cycle level, which takes minutes of the host."""
+    """Times of the whole board at the cycle level, which needs minutes of the host."""
     cases = {"fdk/60": Case(HEAD, chart_scan(64, 96, 60), PLAIN),
              "read_every/20": Case(HEAD, chart_scan(64, 96, 120),
                                    PLAIN | {"accumulator": "irradiance", "read-every": 20})}
@@ -209,7 +208,7 @@ def relaxation():
 
 
 def spaced(spacing, views):
-    """Pixels of this many voxels at the axis."""
+    """A scan with pixels of this many voxels at the axis."""
     pitch = 2 * spacing * (90 / 64)
     return Scan(64, 2 * (int(200 / pitch),), views, pitch=pitch, first=0.1 if views > 1 else 0)
 
@@ -224,8 +223,7 @@ def ray_spacing():
 
 
 def splat(board, scan, fine, slope):
-    """Deposits [z, y, x] of rays whose values make a density of one at the axis that rises by `slope` of it along
-    the detector."""
+    """Deposits [z, y, x] of rays with density 1 at the axis; `slope` is its relative rise along the detector."""
     near, edge, step = scan.to_axis / scan.to_detector, scan.edge, 0.5
     u, v = ((((np.arange(count * fine) + 0.5) / fine - 0.5) - (count - 1) / 2) * scan.pitch for count in scan.detector)
     u, v = u[None, :], v[:, None]
@@ -235,7 +233,7 @@ def splat(board, scan, fine, slope):
     nearest = (scan.to_axis - math.hypot(corner, corner)) / scan.to_detector
     # of a voxel near the source
     most = edge * max(1, edge * edge / (scan.pitch * scan.pitch * nearest * nearest / (fine * fine)))
-    # The unit of gicube-cone-beam: half of the largest sum, and a step's largest sum is 2^15 - 1 units.
+    # The unit of gicube-cone-beam: half of the largest sum; a step adds at most 2^15 - 1 units.
     board.clear_sums(densities.max() * max(edge * step / (2 ** 15 - 1), most * scan.views / (8 * 2 ** 30)))
     for angle in scan.angles():
         out, along = np.array((math.cos(angle), math.sin(angle), 0)), np.array((-math.sin(angle), math.cos(angle), 0))
@@ -248,9 +246,9 @@ def splat(board, scan, fine, slope):
 
 
 def ripple(spacing, views, fine, normalised):
-    """Root mean square of what was left over what should have been, less 1, in the middle of the volume, where every
-    ray and its neighbours pass; and the hat's share of the rays' wave. `normalised`: left is the quotient of rays that
-    rise and of rays that don't."""
+    """Root mean square of deposits over their ideal, minus 1, in the middle of the volume, where all rays and their
+    neighbours pass; and the hat's share of the rays' wave. `normalised`: the deposits are the quotient of rays with a
+    slope and rays without one."""
     scan, slope = spaced(spacing, views), 0.004 if normalised else 0  # chosen: from 0.6 to 1.4 over the detector
     with gicube.open("emu:") as board:
         board.load_volume(gicube.Volume(np.zeros(3 * (64,), "u1"), spacing=3 * (scan.edge,)))
@@ -263,7 +261,7 @@ def ripple(spacing, views, fine, normalised):
         near = scan.to_axis / depth
         wanted += near * near * (1 + slope * (scan.to_detector / depth * (y * math.cos(angle) - x * math.sin(angle))))
         plain += near * near
-    with np.errstate(divide="ignore", invalid="ignore"):  # where no ray comes near nothing can be said
+    with np.errstate(divide="ignore", invalid="ignore"):  # places without rays have no value
         part = np.where(ones == 0, 0, sums / ones / (wanted / plain)) if normalised else sums / wanted
     return [math.sqrt(((part - 1) ** 2).sum() / part.size), (math.sin(math.pi / spacing) / (math.pi / spacing)) ** 2]
 
@@ -282,7 +280,7 @@ def moire():
 
 
 def profile_table(name, columns, points, title, formats):
-    """Several rows a point: a list of numbers each."""
+    """Several rows per point, lists of numbers."""
     def rows(found):
         for point, lines in found:
             for line in lines:
@@ -308,7 +306,7 @@ def axial_profiles():
 
 
 def profiles():
-    """The scans that the method is judged by, along x through the middle, without and with normalising."""
+    """Profiles of the method's reference scans along x through the middle, without and with normalising."""
     sizes, phantoms = {128: 180, 256: 360}, {"sphere": "builtin:sphere --radius 70 --value 1",
                                              "head": "builtin:shepp-logan --radius 85 --value 1"}
 

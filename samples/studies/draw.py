@@ -1,13 +1,12 @@
-"""Charts as small SVG files that a stranger reads in one look. The same data make the same bytes.
+"""Charts as small, simple SVG files. The same data give the same bytes.
 
     from studies import draw
     draw.chart("growth.svg", "Time grows with the square of the edge", "edge, pixels", "host seconds",
                [draw.Series("cycle", [64, 128, 256], [0.2, 0.8, 3.1])], log_x=True, log_y=True)
 
-The title is the one sentence that the chart shows; units stand in the labels of the axes. A chart has at most seven
-series, in colours that people with any colour vision can tell (Okabe and Ito, 2008), each with a mark of its own.
-Labels stand at the ends of the lines; what is no line (look "points", "steps" of many points) is named in a box. Charts
-side by side are panels:
+The title is one sentence about the chart's result; the labels of the axes have the units. A chart has at most seven
+series with different marks, in colours for any colour vision (Okabe and Ito, 2008). Labels are at the ends of lines; a
+box names other series (look "points", "steps" of many points). Adjacent charts are panels:
 
     draw.panels("both.svg", "Title", [draw.Panel("x", "y", series), draw.Panel("x", "z", others)])
 """
@@ -41,15 +40,15 @@ STYLE = {"svg.fonttype": "none", "svg.hashsalt": "gicube", "font.family": "DejaV
 
 @dataclass
 class Series:
-    label: str  # the same as another's is written once; empty: none, it belongs to the series of its colour
+    label: str  # equal labels are written once; empty: the series of its colour has the label
     x: object  # numbers; bars: texts
-    y: object  # numbers; not-a-number where there is none
+    y: object  # numbers; not-a-number for gaps
     look: str = "both"  # of a line and points; or line, points
-    colour: Optional[int] = None  # of COLOURS; -1 is gray, for what others are compared with; None: the next
+    colour: Optional[int] = None  # of COLOURS; -1 is gray, for references; None: the next
     dashed: bool = False
     hollow: bool = False
     mark: Optional[int] = None  # of MARKS; None: as the colour
-    boxed: bool = False  # named in the box, though it is a line
+    boxed: bool = False  # a line with its name in the box
 
 
 @dataclass
@@ -63,8 +62,8 @@ class Panel:
     x_range: tuple = (None, None)
     y_range: tuple = (None, None)
     bars: bool = False  # a group of bars for each x
-    box_outside: bool = False  # the box of names: beside the panel, where it covers nothing
-    lines_y: tuple = ()  # (value, label): horizontal lines to compare with
+    box_outside: bool = False  # the box of names is beside the panel
+    lines_y: tuple = ()  # (value, label): horizontal reference lines
 
 
 def chart(path, title, x_label, y_label, series, *, size=(8.4, 5.0), **of_panel):
@@ -87,7 +86,7 @@ def panels(path, title, parts, *, size=None, columns=2):
                 axes.remove()
             else:
                 _fill(axes, part)
-        figure.canvas.draw()  # places what the labels stand at
+        figure.canvas.draw()  # computes the labels' places
         for part, axes in zip(parts, grid.flat):
             _label(axes, part)
         drawn = io.StringIO()
@@ -126,8 +125,8 @@ def _fill(axes, part):
 
 
 def _plain_numbers(axis, measured=()):
-    """Ticks of a logarithmic axis: the measured values, if they are few values apart; or 0.01, 0.1, 1 and, where it
-    spans few decades, 2 and 5."""
+    """Ticks of a logarithmic axis: a few measured values with enough distance, or else 0.01, 0.1, 1, and for few
+    decades 2 and 5."""
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low) if low > 0 else 9
     axis.set_major_formatter(ticker.FuncFormatter(lambda value,
@@ -172,7 +171,7 @@ def _in_box(each):
 
 
 def _label(axes, part):
-    """Labels at the lines' ends, moved up and down until none covers another; the others in a box."""
+    """Labels at the lines' ends, moved vertically until they do not overlap; the others in a box."""
     named = dict(reversed(list(zip(*reversed(axes.get_legend_handles_labels())))))
     if named:
         place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)} if part.box_outside else {"loc": "best"}
@@ -236,8 +235,8 @@ def _write(axes, each, point, place, coordinates, moved):
 
 
 def _shortened(text):
-    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point. Clip paths get
-    numbers: matplotlib names them by a hash of their corners, whose last bits differ from machine to machine."""
+    """Removes comments, the document type, and digits beyond a hundredth of a point. Clip paths get numbers, because
+    matplotlib names them by a hash of their corners, whose last bits differ between machines."""
     text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"(\d\.\d\d)\d{3,}", r"\1", text).replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
     for number, name in enumerate(dict.fromkeys(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text))):

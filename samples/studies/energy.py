@@ -1,11 +1,10 @@
-"""Heat of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, the joules of each cause
-of lost cycles, and a card that gicube-explore found (energy_card.toml).
+"""Energy of the paper's card on eight scenes, in pictures and in light, with RDRAM and with DDR, the joules of each
+cause of lost cycles, and a card that gicube-explore found (energy_card.toml).
 
-    PYTHONPATH=samples python3 -m studies.energy build/release/bin out    # out/energy.csv; a run that is in out/ is not
-    made again
+    PYTHONPATH=samples python3 -m studies.energy build/release/bin out    # writes out/energy.csv; keeps runs in out/
 
-Resting joules are those of a run whose events cost nothing: prices change no simulated time. A lost cycle costs its
-share of them."""
+Resting joules are from a run with events at no cost; prices do not change simulated time. A lost cycle costs its share
+of them."""
 import functools
 import os
 import pathlib
@@ -22,13 +21,13 @@ SCENES = ["builtin:buckyball", *(f"samples/scenes/{name}.scene" for name in (
 SMALL = ["--volume-size", "32", "--size", "64x64", "--set", "fidelity=cycle", "--threads", "1"]
 MEMORY = ("memory", "memory_interface")
 AGP = ["bus.model=agp2x"]
-# chosen: of the front, no more on-chip memory and at most twice the paper's transistors, least time times energy
+# chosen from the front: least time times energy, with no more on-chip memory and at most twice the transistors
 CARD = [*AGP, "asic.block_voxels=16", "asic.queue_rays=64", "rdram.processors_per_rdram=2"]
 KINDS = {"rdram": [], "rdram at rest": None, "ddr": ["memory=ddr"], "agp": AGP, "card": CARD}
 
 
 def free_events(board):
-    """Settings under which no event costs anything."""
+    """Settings with events at no cost."""
     explained = subprocess.run([board, "--explain-config"], stdout=subprocess.PIPE, text=True, check=True).stdout
     return [f"{name}=0" for name in re.findall(r"^(energy\.\w+_(?:fj|aj)) ", explained,
                                                re.MULTILINE)] + ["energy.rdram_attention_uw=187500"]
@@ -47,7 +46,7 @@ def windows_of(statistics):
 
 
 def causes_of(counters):
-    """The share of each cause in the pipelines' cycles, those that take a sample or skip a block left out."""
+    """Share of each cause in the pipelines' cycles without a sample or a skipped block."""
     cycles = {name.removeprefix("processor.cycles."): value for name, value in counters.items()
               if name.startswith("processor.cycles.")}
     whole = sum(cycles.values())

@@ -17,12 +17,12 @@ from studies.runs import (  # noqa: E402
 from studies.search import check_count, search, size_of  # noqa: E402
 from studies.sensitivity import board_arguments  # noqa: E402
 from studies.space import KNOWN, mean, read_space  # noqa: E402
-from studies.sweep import Parser, arguments_of, carry_out_program, jobs_of, json_file, program, shard_of  # noqa: E402
+from studies.sweep import Parser, arguments_of, carry_out_program, json_file, program  # noqa: E402
 from studies.table import cell, csv_text, on_front, write_whole  # noqa: E402
 
 PROGRAM = "gicube-explore"
 ABOUT = """\
-Searches configurations of the board for the Pareto front of frame time, energy, transistors and memory bits.
+Search configurations of the board for the Pareto front of frame time, energy, transistors and memory bits.
 Usage: gicube-explore [OPTIONS] SPACE
 
 Positionals:
@@ -31,8 +31,8 @@ Positionals:
 Options:
 """
 NOTES = """
-A search that was killed goes on where it was when the same command is given again: runs that are done are kept in
-FOLDER/runs, as gicube-sweep's are, and not done again. Every run has --threads 1, unless SPACE fixes threads.
+The same command continues an interrupted search: FOLDER/runs keeps finished runs, like gicube-sweep's. Every run has
+--threads 1, unless SPACE fixes threads.
 Exit codes: 0 done, 1 failed, 2 wrong usage.
 
   gicube-explore space.toml --points 60 --chart -o out
@@ -44,21 +44,13 @@ def options_of(arguments):
     parser.add_argument("space")
     parser.common_options()
     parser.option("--points", metavar="INT=60", type=whole_number,
-                  help="configurations that are measured, at most those of the space")
-    parser.option("--seed", metavar="UINT=1", default="1", type=whole_number, help="of the search's random choices")
-    parser.option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
-                  help="NAME.csv, NAME.json and runs/ go there")
-    parser.option("--name", metavar="TEXT=explore", default="explore", help="of the files")
-    parser.option("--title", metavar="TEXT", help="of the chart")
-    parser.option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of,
-                  help="runs at once; 0 = one per core")
-    parser.option("--shard", metavar="I/N", type=shard_of,
-                  help="do only each Nth of the runs that the search needs next, from the Ith on, and write no table "
-                       "and no chart: start "
-                  "the shards again until they say that the search is at its end, then the same command without "
-                  "--shard")
-    parser.option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
-    parser.option("--quiet", action="store_true", help="only errors")
+                  help="number of configurations to measure, at most those of the space")
+    parser.option("--seed", metavar="UINT=1", default="1", type=whole_number,
+                  help="seed of the search's random choices")
+    parser.output_options("explore", chart="draw NAME.svg (needs matplotlib)",
+                          shard="do only every Nth of the next runs of the search, from the Ith on, and write no table "
+                                "and no chart; start the shards again until the search ends, then run the same command "
+                                "without --shard")
     return parser.parse_args(arguments)
 
 
@@ -69,8 +61,7 @@ def whole_number(text):
 
 
 def figure_of(name, statistics, known):
-    """Energy is that of the picture, and power its mean over the picture's simulated time; not-a-number where the run
-    has none."""
+    """Energy of the picture, and its mean power over the picture's simulated time; not-a-number without energy."""
     if name in KNOWN:
         return known[name]
     if name in ("energy", "power"):
@@ -80,7 +71,7 @@ def figure_of(name, statistics, known):
 
 
 class Explorer:
-    """Measures points of a space: their settings, runs, figures, and which constraints they break."""
+    """Measures points of a space: their settings, runs, figures, and violated constraints."""
 
     def __init__(self, space, options, folder):
         self.space, self.options, self.folder = space, options, folder
@@ -88,7 +79,7 @@ class Explorer:
         self.objectives = space.objectives
 
     def describe(self, settings):
-        """A point whose runs are not made yet. One that the board refuses has a reason instead of costs."""
+        """A point before its runs. If the board refuses it, it has a reason instead of costs."""
         runs = [Run(arguments_of({"input": scene} | settings | dict(self.space.fixed))) for scene in self.space.scenes]
         point = SimpleNamespace(settings=settings, runs=runs, known=None, reason="", broken=[])
         try:
@@ -103,7 +94,7 @@ class Explorer:
         return point
 
     def carry_out(self, points):
-        """Makes the runs that are left, or this shard's part. Returns whether all of them are there."""
+        """Does the remaining runs, or this shard's part. Returns whether all of them are done."""
         runs = list({run.key(): run for point in points for run in point.runs}.values())
         own = runs[self.options.shard[0] - 1::self.options.shard[1]] if self.options.shard else runs
         carry_out_all(self.folder, own, program("gicube-render"), self.options.jobs,
@@ -111,8 +102,7 @@ class Explorer:
         return all(map(self.folder.has, runs))
 
     def finish(self, point):
-        """Figures of a point whose runs are made: objectives as means over the scenes, constraints in the scene that is
-        worst."""
+        """Figures of a point after its runs: objectives as means over the scenes, constraints in the worst scene."""
         read = [self.folder.read(run) for run in point.runs]
         point.figures = {name: mean([figure_of(name, each, point.known) for each in read]) for name in self.objectives}
         point.violations = []
@@ -127,7 +117,7 @@ class Explorer:
             raise absent(missing[0], missing[0])
 
     def measure_paper(self):
-        """The paper's card: no field is set. False as carry_out()."""
+        """The paper's card, without changed fields. Returns False like carry_out()."""
         self.paper = self.describe({})
         if self.paper.known is None:
             raise RunFailed(self.paper.reason)
@@ -158,8 +148,7 @@ def absent(name, what):
 
 
 def command_of(point, space, folder):
-    """The run, if there is one scene; else a sweep over the scenes, which uses the runs of the search again in the same
-    folder."""
+    """The run for one scene; for several, a sweep over the scenes, which reuses the runs in the same folder."""
     if len(point.runs) == 1:
         return point.runs[0].command()
     settings = [word for name, value in (point.settings | dict(space.fixed)).items()
@@ -168,7 +157,7 @@ def command_of(point, space, folder):
 
 
 def rows_of(explorer):
-    """The paper's card first, then the points by their first figure. Those that break a constraint are not on the
+    """The paper's card first, then the points by their first figure. Points that violate a constraint are not on the
     front."""
     rows = [explorer.paper, *sorted(explorer.points, key=lambda point: list(point.figures.values()))]
     for row, on in zip(rows, on_front([tuple([math.nan] if row.broken else row.figures.values()) for row in rows])):
@@ -217,7 +206,7 @@ def draw_chart(explorer, rows):
 
 
 def unit_of(name):
-    """In the chart; Mb are 2^20 bits, as in the paper."""
+    """Units in the chart; Mb are 2^20 bits, as in the paper."""
     return {"transistors": 1e6, "memory_bits": 2 ** 20}.get(name, 1)
 
 
@@ -241,7 +230,7 @@ def print_front(explorer, rows):
 
 
 def warn_of_free_fields(explorer):
-    """A search drives a field that changes no cost to its fastest value, which says nothing about a good card."""
+    """A field without a cost would reach its fastest value, which says nothing about a good card."""
     if "energy" in explorer.objectives or not set(explorer.objectives) & set(KNOWN):
         return
     for name, values in explorer.space.parameters:

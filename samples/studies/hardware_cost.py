@@ -7,13 +7,12 @@ from studies.runs import RunFailed
 
 
 class Refused(RunFailed):
-    """The board refuses the configuration, in its own words."""
+    """The board refuses the configuration; the message is its own."""
 
 
 def hardware_cost(board, words=()):
     """`items`: [name, formula, bits, text] of each memory and their totals; `parts`: [name, M transistors as a text];
-    sums over all parts:
-    transistors, memory_bits, pins. Raises Refused."""
+    transistors, memory_bits and pins: sums over all parts. Raises Refused."""
     done = subprocess.run([board, *words, "--hardware-cost"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True)
     if done.returncode != 0:

@@ -1,7 +1,6 @@
-"""How much simulated time the functional level leaves out, and what both levels cost the host, on the scenes and
-configurations of samples/studies/level_pairs.txt: pictures with their light, and cone-beam scans. Seconds are those of
-the processor, of the program and its board with one thread, of one run a level. What the folder of runs has is not run
-again."""
+"""Simulated time that the functional level omits, and the host's cost of both levels, for the scenes and configurations
+of samples/studies/level_pairs.txt: pictures with their light, and cone-beam scans. Seconds are processor time of the
+program and its board with one thread, in one run per level. Runs in the folder are reused."""
 import json
 import pathlib
 import re
@@ -18,8 +17,8 @@ COLUMNS = ["pair", "functional_time_error", *(f"{level}_s" for level in LEVELS),
 
 
 def pairs_of(file):
-    """Name, program, arguments that make its input, and those that are measured. A word that begins with @ is in the
-    folder of scans; pairs whose scans are absent are left out, and said."""
+    """Name, program, arguments to make its input, and measured arguments. Words with @ are in the folder of scans;
+    reports and omits pairs without their scans."""
     for line in pathlib.Path(file).read_text().splitlines():
         if not line or line.startswith("#"):
             continue
@@ -39,7 +38,7 @@ def board_ms(stats):
 
 
 def processor_seconds():
-    """Times of all programs that were run, with their boards."""
+    """Times of all finished programs, with their boards."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -68,7 +67,7 @@ def measured(folder, programs, name, program, before, command):
 
 
 def measure(pairs, folder, programs, out):
-    """Writes the table, after each pair what there is of it."""
+    """Writes the table, and after each pair the finished part of it."""
     rows = [COLUMNS]
     for name, program, before, command in pairs_of(pairs):
         found = measured(pathlib.Path(folder), programs, name, program, before, command)

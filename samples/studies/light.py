@@ -1,5 +1,5 @@
-"""How near the board's light comes to the truth: pictures by each method, the time of the board that they take, and
-their distance from paths in double precision (gicube-light-reference)."""
+"""Error of the board's light: pictures by each method, their time on the board, and their difference from paths in
+double precision (gicube-light-reference)."""
 import itertools
 import json
 import pathlib
@@ -14,20 +14,20 @@ from studies.table import on_front, to_markdown
 
 SCENES = {name: ROOT / f"samples/scenes/{name}.scene" for name in ("fog_box", "golden_ring", "mirror_head")}
 SIZE = "96x96"
-VOXELS = {"fog_box": 32}  # along the longest edge; nearly every voxel of it takes light
+VOXELS = {"fog_box": 32}  # along the longest edge; nearly all its voxels receive light
 MANY_VOXELS = 64
 TILE = 4  # pixels along an edge
-PATHS = {"fog_box": 100, "golden_ring": 200, "mirror_head": 100}  # a pixel of the truth
-LAMP = 0.3  # world units: radius of the ball that stands for a point light, which no path from the eye comes upon
+PATHS = {"fog_box": 100, "golden_ring": 200, "mirror_head": 100}  # per pixel of the truth
+LAMP = 0.3  # world units: radius of the ball that replaces a point light, which no path from the eye can hit
 
-# Pictures of gicube-render by method: what is set of the illumination, and of the board. k: rays_per_face_voxel.
+# Pictures of gicube-render by method: settings of the illumination and of the board. k: rays_per_face_voxel.
 LIGHTING = {
     **{f"low-k{k}": ({"rays_per_face_voxel": k}, "") for k in (1, 4, 16)},
     "low-k16-step2": ({"step": 2}, ""),
     "high-k16": ({"albedo": '"high"'}, ""),
     "low-k16-paper": ({}, "asic.datapath=paper"),
     "low-k16-words3": ({}, "asic.irradiance_words=3"),  # all colours in one pass
-    "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces within a voxel
+    "low-k16-opaque": ({"opacity": 1}, ""),  # surfaces one voxel thick
 }
 # Pictures by rays of the host: the method of gicube-light, and its options.
 HOST_RAYS = {
@@ -38,7 +38,7 @@ HOST_RAYS = {
 
 
 def braces(text, start):
-    """The end of the message that opens at or after `start`."""
+    """End of the first message at or after `start`."""
     depth = 0
     for at in range(text.index("{", start), len(text)):
         depth += {"{": 1, "}": -1}.get(text[at], 0)
@@ -48,9 +48,9 @@ def braces(text, start):
 
 
 def judged(file, opacity=None, **of_illumination):
-    """The text of a scene file as all methods see the same light in it: materials show what they scatter, mirrors and
-    glass nothing of their own; no ambient light, no background; balls for point lights. Fields of the illumination are
-    set, and `opacity`, that of all surfaces."""
+    """Text of a scene file with the same light for all methods: materials show their scattering, mirrors and glass no
+    colour of their own; no ambient light, no background; balls for point lights. Sets fields of the illumination, and
+    `opacity` for all surfaces."""
     text = file.read_text()
     if opacity:
         text = re.sub(r"\bopacity: 0\.\d+", f"opacity: {opacity}", text)
@@ -83,7 +83,7 @@ def judged(file, opacity=None, **of_illumination):
 
 
 def radiances(file, shape):
-    """Means and standard errors [row, column, channel] from the pixels that the programs of paths write."""
+    """Means and standard errors [row, column, channel] from the pixel files of the path programs."""
     columns = np.genfromtxt(file, delimiter=",", skip_header=1)
     return columns[:, 2:5].reshape(shape), columns[:, 5:8].reshape(shape)
 
@@ -95,8 +95,8 @@ def tiles(picture, edge=TILE):
 
 
 def error(shown, truth, noise):
-    """Error of tiles: root mean square difference over root mean square truth, without what the truth's own standard
-    errors add to it; both are white at 1. And the same after the brightness that fits best."""
+    """Error of tiles: root mean square difference over root mean square truth, without the part of the truth's standard
+    errors; white is 1 in both. And the same after a fit of the brightness."""
     own = tiles(noise ** 2 * (truth < 1)).sum() / TILE ** 2
     shown, truth = tiles(np.minimum(shown, 1)), tiles(np.minimum(truth, 1))
     def off(factor):
@@ -105,8 +105,7 @@ def error(shown, truth, noise):
 
 
 def reference(scene, file, size=SIZE, voxels=None, paths=None):
-    """The shown truth, its standard errors (as nested lists), and the factor from radiances to what is
-    shown."""
+    """The displayed truth, its standard errors (as nested lists), and the factor from radiances to display."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "x.scene").write_text(judged(file))
@@ -122,7 +121,7 @@ def reference(scene, file, size=SIZE, voxels=None, paths=None):
 
 
 def measured(kept, scene, method, file, size=SIZE, voxels=None, paths=None, fidelity="cycle"):
-    """Milliseconds of the board for light and picture, of them for light; the picture's errors."""
+    """Milliseconds of the board for light and picture, and for light only; the picture's errors."""
     truth = kept.of(f"truth/{scene}", lambda: reference(scene, file, size, voxels, paths))
     shown, noise = (np.array(truth[name]) for name in ("shown", "noise"))
     fields, board = LIGHTING.get(method, ({}, ""))
@@ -156,8 +155,7 @@ camera {{ eye {{ y: -4 z: 2.7 }} look_at {{ z: -0.3 }} fov_degrees: 10 }}
 
 
 def law(material, degrees):
-    """The board's brightness of a floor of this opacity, or of fog, under a lamp at this height over it, and the truth;
-    of whole pictures."""
+    """Mean brightness of a floor of this opacity, or of fog, under a lamp at this height: the board's and the truth."""
     height, is_fog = np.radians(degrees), material == "fog"
     colour = "colour { red: 0.5 green: 0.5 blue: 0.5 }"
     look = (f'fog {{ extinction: 0.3 {colour} }} bsdf: "isotropic"' if is_fog
@@ -183,7 +181,7 @@ def law_rows(found):
 
 
 def of_scenes(found):
-    """Scene, method, measured, whether it is on the scene's front of time and error."""
+    """Scene, method, measurement, and whether it is on the scene's front of time and error."""
     scenes = {}
     for name, each in found:
         scenes.setdefault(name.split("/")[1], []).append((name, each))
@@ -211,8 +209,7 @@ def tables():
 
 
 def summary(rows):
-    """The table of docs/studies/light.md: error in percent at milliseconds of the board, bold where nothing that is
-    cheaper is better."""
+    """The table of docs/studies/light.md: error in per cent at milliseconds of the board, bold on the front."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     cells = {(row["method"], row["scene"]): "{1}{0:.3g}{1} at {2:.0f}".format(100 * float(row["error"]),
         "**" * int(row["front"]), float(row["board_ms"]))

@@ -1,5 +1,5 @@
-"""The cost of a pass of lighting rays, and how far its irradiance is from the closed form of a point source in
-an absorber."""
+"""Cost of a pass of lighting rays, and error of its irradiance against the closed form of a point source in an
+absorber."""
 import functools
 import itertools
 
@@ -10,7 +10,7 @@ from studies.points import Table
 from studies.table import on_front
 
 SIZE = 25
-EXTINCTION = 0.15  # a voxel
+EXTINCTION = 0.15  # per voxel
 LAMP = np.array((12.25, 11.5, 12))
 GAUSS = np.polynomial.legendre.leggauss(6)
 CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))  # x, y, z
@@ -19,9 +19,9 @@ DEEPEST = 16
 
 @functools.cache
 def closed_form():
-    """[z, y, x]: the share of a light's energy that falls to a voxel if each bit of it is spread trilinearly where it
-    is absorbed, kappa e^(-kappa r) / (4 pi r^2) of it a volume. To 1e-6: boxes are cut in eight until they are smaller
-    than their distance from the lamp."""
+    """[z, y, x]: share of a light's energy per voxel, if it is distributed trilinearly where it is absorbed, with
+    density kappa e^(-kappa r) / (4 pi r^2). Error below 1e-6: boxes are divided in eight until they are smaller than
+    their distance from the lamp."""
     out = np.zeros((SIZE, SIZE, SIZE))
     cells = low = np.stack(np.meshgrid(*3 * (np.arange(SIZE - 1.0),), indexing="ij"), axis=-1).reshape(-1, 3)
     at, weights = (np.stack(np.meshgrid(*3 * (each,), indexing="ij"), axis=-1).reshape(-1, 3) for each in GAUSS)
@@ -42,8 +42,8 @@ def closed_form():
 
 
 def measured(albedo, rules, datapath, step, rays, fidelity="cycle"):
-    """Milliseconds of the pass; the root mean square difference of each voxel's share of the light, relative to the
-    root mean square share, over the voxels more than two from the lamp; the share that full words lost."""
+    """Milliseconds of the pass; root mean square error of the voxels' shares of the light, relative to the root mean
+    square share, for voxels more than two from the lamp; share of the light that full words lost."""
     settings = gicube.Illumination(albedo=albedo, rules={"printed": "as_printed"}.get(rules, rules),
                                    rays_per_face_voxel=rays, step=step)
     uri = f"emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32&set=asic.datapath={datapath}&fidelity={fidelity}"
@@ -56,7 +56,7 @@ def measured(albedo, rules, datapath, step, rays, fidelity="cycle"):
         irradiance = board.read_irradiance().astype(float)
     exact = closed_form()
     far = np.linalg.norm(np.indices(exact.shape)[::-1].T - LAMP, axis=-1).T > 2
-    # With the printed rules a light emits four times its power; its share of that is compared.
+    # With the printed rules a light emits four times its power; this compares shares of that.
     off = irradiance / (4 if rules == "printed" else 1) - exact
     return [ms, np.sqrt((off[far] ** 2).sum() / (exact[far] ** 2).sum()), report.clipped / report.emitted]
 

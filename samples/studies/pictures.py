@@ -1,4 +1,4 @@
-"""Pictures as numbers, and how far one is from another."""
+"""Pictures as arrays, and their differences."""
 import ctypes
 
 import numpy as np
@@ -6,7 +6,7 @@ import numpy as np
 from studies.table import FileError
 
 CHANNELS = 4
-_powf = ctypes.CDLL("libm.so.6").powf  # numpy's own powers of floats differ between processors
+_powf = ctypes.CDLL("libm.so.6").powf  # numpy's powers of floats differ between processors
 _powf.argtypes, _powf.restype = [ctypes.c_float] * 2, ctypes.c_float
 _power = np.frompyfunc(_powf, 2, 1)
 
@@ -15,7 +15,7 @@ def read_picture(file):
     """Pixels of an EXR of gicube-render (linear light): display-referred red, green, blue, premultiplied, and alpha,
     0..1, as float32 [row, column, 4] from the top; the sRGB curve (IEC 61966-2-1) is applied again. Raises
     FileError."""
-    import OpenImageIO as oiio  # takes a moment, and errors by figures do without
+    import OpenImageIO as oiio  # slow, and not needed for errors by figures
 
     opened = oiio.ImageInput.open(str(file))
     if opened is None:
@@ -38,14 +38,14 @@ def read_picture(file):
 
 
 def _between(count, of):
-    """Two pixels of a row or column and how much of the second: where each of `count` pixels lies among `of`."""
+    """Position of each of `count` pixels among `of`: two pixels, and the share of the second."""
     at = np.clip((np.arange(count) + 0.5) * of / count - 0.5, 0, of - 1.0)
     first = at.astype(int)
     return first, np.minimum(first + 1, of - 1), (at - first).astype(np.float32)
 
 
 def resized(picture, width, height):
-    """Resizes bilinearly between its pixels' centres."""
+    """Resizes with bilinear interpolation between pixel centres."""
     first, second, share = _between(width, picture.shape[1])
     share = share[None, :, None]
     rows = picture[:, first] * (1 - share) + picture[:, second] * share
@@ -55,8 +55,8 @@ def resized(picture, width, height):
 
 
 def rmse(picture, reference):
-    """Root of the mean square over all four channels of all pixels, peak 1; a picture of another size is resized to
-    that of the reference first."""
+    """Root mean square difference over all four channels of all pixels, peak 1. A picture of another size is first
+    resized to the reference's."""
     height, width = reference.shape[:2]
     if picture.shape != reference.shape:
         picture = resized(picture, width, height)

@@ -1,4 +1,4 @@
-"""The charts of docs/studies/charts, each drawn from its CSV file."""
+"""Draws the charts of docs/studies/charts from their CSV files."""
 import functools
 import math
 import pathlib
@@ -9,7 +9,7 @@ import numpy as np
 from studies.draw import Panel, Series, chart, panels
 from studies.table import rows_of
 
-LEAST = 1e-4  # where what has no error stands on a logarithmic axis
+LEAST = 1e-4  # place of points without error on a logarithmic axis
 L2 = "relative L2 error in the field of view"
 WORDS = {name: [" ".join(item.split()) for item in re.split(r"^- ", items, flags=re.M)[1:]] for name, items in
          re.findall(r"^## (.+)\n((?:(?:- |  ).+\n?)+)", pathlib.Path(__file__).with_name("charts.md").read_text(),
@@ -17,18 +17,18 @@ WORDS = {name: [" ".join(item.split()) for item in re.split(r"^- ", items, flags
 
 
 def column(rows, name):
-    """Numbers; not-a-number where there is none, and the width of a size WxH."""
+    """Numbers; not-a-number for none, and the width of a size WxH."""
     return [float(row[name].split("x")[0]) if row[name] else math.nan for row in rows]
 
 
 def where(rows, **fields):
-    """Rows whose columns, with _ for what a Python name has not, have these values."""
+    """Rows with these values in columns; in names, _ replaces characters that Python does not allow."""
     names = {name.replace(".", "_").replace("-", "_").replace(" ", "_"): name for name in rows[0]}
     return [row for row in rows if all(row[names[field]] == value for field, value in fields.items())]
 
 
 def grouped(rows, name):
-    """Rows by what they have in a column, in the order in which that comes first."""
+    """Rows by their value in a column, in the order of its first appearance."""
     groups = {}
     for row in rows:
         groups.setdefault(row[name], []).append(row)
@@ -95,7 +95,7 @@ def light(folder):
 
 
 def levels(folder):
-    """The share of the simulated time that each level leaves out, by the host's seconds."""
+    """Share of the simulated time that each level omits, by the host's seconds."""
     pairs = [row | {"kind": kind_of(row["command"])} for row in rows_of(folder / "levels.csv")]
     lines = [Series(f"functional, {kind}", column(rows, "functional_s"),
                     [max(abs(each), LEAST) for each in column(rows, "functional_time_error")],
@@ -237,7 +237,7 @@ def cone_beam_host(folder):
              of("steps of 2 voxels", "half_steps:4", look="points"),
              of("steps of ½ voxel", "half_steps:1/", look="points"), of("2 × 2 rays a pixel", "rays:2", look="points"),
              of("double precision", "trade_reference", look="points", hollow=True)]
-    # Published by nobody: what its user measured.
+    # Not published: its user measured it.
     lines.append(Series("plastimatch, as its user measured it", [23], [0.17], look="points", colour=6, hollow=True))
     draw(folder, "cone_beam_trade", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
 

@@ -1,5 +1,5 @@
-"""Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table
-that was interrupted goes on where it was; and any row can be made again by its point's name."""
+"""Tables of points, measured in parallel. Files keep the results, so that an interrupted table continues; the name of a
+point makes its row again."""
 import functools
 import hashlib
 import json
@@ -18,14 +18,14 @@ BIN = ROOT / "build/release/bin"
 class Table(NamedTuple):
     name: str  # of its file, NAME.csv
     columns: list  # without the command that makes a row again
-    points: dict  # by name: what measures one, takes a Kept, and returns what rows are made of
-    rows: Callable  # of a list of (name, what was measured): a list of (name, cells)
-    again: bool = True  # whether rows have that command, as the last column
+    points: dict  # by name: a function of a Kept that returns the measurement
+    rows: Callable  # converts a list of (name, measurement) to a list of (name, cells)
+    again: bool = True  # whether the last column has that command
 
 
 class Kept:
-    """Results on file, in JSON: each is made once. Who asks for one that is being made waits. What others than these
-    `programs` made counts no more."""
+    """Results in JSON files, each made once. A second request for a result waits for the first. Results of other
+    `programs` than these are ignored."""
 
     def __init__(self, folder, programs=()):
         self._folder = pathlib.Path(folder) / short_hash(b"".join(pathlib.Path(each).read_bytes() for each in programs))
@@ -54,7 +54,7 @@ def short_hash(data):
 
 
 def run(folder, program, words):
-    """A program of the build; blanks part the words, and files are FOLDER's where they begin with @."""
+    """Runs a program of the build; blanks separate the words, and @ names files in FOLDER."""
     run_to_end(BIN / program, words.replace("@", f"{folder}/").split(), folder / "log")
 
 
@@ -63,7 +63,7 @@ def statistics(file):
 
 
 def measure(tables, kept, folder, jobs=0):
-    """Writes the tables into a folder, `jobs` points at once (0: one a core). Raises what the points raise."""
+    """Writes the tables into a folder, with `jobs` parallel points (0: one per core). Raises what the points raise."""
     points = {name: make for table in tables for name, make in table.points.items()}
     left = {name: make for name, make in points.items() if not kept.has(name)}
     if len(left) < len(points):

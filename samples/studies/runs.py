@@ -1,4 +1,4 @@
-"""Runs of gicube-render: their commands, the files that they leave, and what those say."""
+"""Runs of gicube-render: their commands, output files, and results."""
 import concurrent.futures
 import functools
 import hashlib
@@ -17,11 +17,11 @@ from studies.table import FileError
 
 
 class RunFailed(Exception):
-    """A program did not end with exit code 0."""
+    """A program ended with an exit code other than 0."""
 
 
 class InputError(Exception):
-    """A user's value or a found one is not as expected."""
+    """A value of the user or of a file is not as expected."""
 
     def __init__(self, what, expected, got):
         super().__init__(f"{what}: expected {expected}, got {got}")
@@ -38,8 +38,8 @@ def is_field(name):
 
 
 def run_to_end(program, arguments, log):
-    """Runs the command; its output goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it
-    ended, and its last line."""
+    """Runs the command with its output in the file `log`. Raises RunFailed, with its exit code and its last line,
+    unless that is 0."""
     try:
         with open(log, "wb") as stream:
             code = subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, stdout=stream,
@@ -60,8 +60,7 @@ class Run:
         self.arguments = list(arguments)
 
     def key(self):
-        """Names the run in its folder: the same for equal arguments and files, input and checkpoint, that have not
-        changed."""
+        """Name of the run in its folder: the same for equal arguments and unchanged input and checkpoint files."""
         names = self.arguments[:1] + [after for option,
                                       after in zip(self.arguments, self.arguments[1:]) if option == "--restore"]
         files = [os.stat(name) for name in names if os.path.isfile(name)]
@@ -69,12 +68,12 @@ class Run:
         return hashlib.sha256(repr((self.arguments, state)).encode(errors="surrogateescape")).hexdigest()[:16]
 
     def command(self):
-        """For a shell, with a picture and statistics of its own."""
+        """Command for a shell, with its own picture and statistics."""
         return " ".join(["gicube-render", *map(quoted, self.arguments)]) + " -o picture.exr --stats run.json"
 
 
 class RunFolder:
-    """Where runs are kept: KEY.json, which is there once the run is done, KEY.exr and KEY.log. Raises FileError."""
+    """Folder of runs: KEY.json, which exists when the run is done, KEY.exr and KEY.log. Raises FileError."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -91,7 +90,7 @@ class RunFolder:
         return (self.folder / f"{run.key()}.json").exists()
 
     def carry_out(self, run, program):
-        """A run that is killed leaves nothing that has() could take for a result. Raises RunFailed with the command."""
+        """A killed run leaves no result for has(). Raises RunFailed with the command."""
         key = run.key()
         parts = {self.folder / f"{key}.part.{kind}": self.folder / f"{key}.{kind}" for kind in ("exr", "json")}
         picture, statistics = map(str, parts)
@@ -102,7 +101,7 @@ class RunFolder:
             for part in parts:
                 part.unlink(missing_ok=True)
             raise RunFailed(f"{run.command()}\n  {failure}") from failure
-        for part, whole in parts.items():  # the statistics last: they say that the run is done
+        for part, whole in parts.items():  # the statistics last: they mark the run as done
             part.replace(whole)
 
     def read(self, run):
@@ -118,8 +117,8 @@ class RunFolder:
 
 
 def all_at_once(tasks, jobs):
-    """Calls each of them, `jobs` at once (0: one a core), and yields what they return, as it comes. After a failure,
-    and on Ctrl-C, none starts; it is raised when those under way have ended."""
+    """Calls the functions, `jobs` in parallel (0: one per core), and yields their results in order of completion. After
+    a failure or Ctrl-C, no more start; it is raised when the running ones have ended."""
     failed = threading.Event()
 
     def begin(task):
@@ -139,7 +138,7 @@ def all_at_once(tasks, jobs):
 
 
 def carry_out_all(folder, runs, program, jobs, meter):
-    """The runs that have no result yet, as all_at_once() does. `meter`: as progress()."""
+    """Does the runs without a result, like all_at_once(). `meter`: see progress()."""
     left = [run for run in runs if not folder.has(run)]
     with meter(len(left)) as bar:
         for _ in all_at_once([functools.partial(folder.carry_out, run, program) for run in left], jobs):
@@ -147,15 +146,14 @@ def carry_out_all(folder, runs, program, jobs, meter):
 
 
 def progress(name, total, quiet=False):
-    """A bar on standard error, whose update() is called after each run; where that is no terminal, it is drawn ten
-    times."""
+    """A progress bar on standard error; call its update() after each run. Without a terminal it is drawn ten times."""
     seldom = {} if sys.stderr.isatty() else {"miniters": total / 10, "mininterval": 0}
     return tqdm(desc=name, total=total, unit=" runs", disable=quiet, dynamic_ncols=True, **seldom)
 
 
 def figure_or_nan(statistics, name):
     """A number of a run's statistics: a name of their first level, or a JSON pointer ("/counters/bus.up.bytes/value").
-    Not-a-number if there is none: what a fidelity level does not model."""
+    Not-a-number if the fidelity level does not model it."""
     value = statistics
     for part in name[1:].split("/") if name.startswith("/") else [name]:
         part = part.replace("~1", "/").replace("~0", "~") if name.startswith("/") else part

@@ -1,4 +1,4 @@
-"""The search of gicube-explore: which configurations it measures, in rounds."""
+"""The search of gicube-explore, which proposes configurations in rounds."""
 import itertools
 import math
 import random
@@ -7,8 +7,8 @@ import warnings
 from studies.runs import InputError, RunFailed
 from studies.table import on_front
 
-ROUND = 10  # chosen: points whose runs can be made at once; more of them learn less from each other
-START = 20  # chosen: by the measurement of docs/guide/explore.md, as those below
+ROUND = 10  # chosen: parallel points; more points learn less from each other
+START = 20  # chosen, like those below, by the measurement of docs/guide/explore.md
 CANDIDATES = 8
 NEIGHBOURS = 5  # of a round, beside points of the front; the sampler proposes the others
 GOOD = 18  # the share of points that count as good is 0.3, up to this many: their hypervolumes take the sampler's time
@@ -29,10 +29,10 @@ def size_of(parameters):
 
 
 def search(parameters, count, seed, measure):
-    """Proposes configurations, at most `count` that are accepted, all of them different. measure(round) gets a list of
-    dictionaries, and returns for each of them (figures to minimise, violations of the constraints, 0 for one that
-    holds), or None for one that was refused; it returns None in place of the list to end the search. The same seed and
-    the same figures make the same search. Returns whether it came to its end."""
+    """Proposes different configurations until `count` are accepted. measure(round) takes a list of dictionaries, and
+    returns for each (figures to minimise, violations of the constraints, 0 for one that holds), or None for a refused
+    one; it returns None for the list to end the search. Equal seeds and figures give equal searches. Returns whether
+    the search is complete."""
     optuna = import_optuna()
     space = {name: optuna.distributions.IntDistribution(0, len(values) - 1) for name, values in parameters}
     sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=START, multivariate=True,
@@ -51,7 +51,7 @@ def search(parameters, count, seed, measure):
                 place = tuple((corners.pop(0) if corners else {name: chance.randrange(len(values)) for name,
                     values in parameters}).values())
                 trial = None
-            # the sampler repeats itself; or it has nothing to choose
+            # the sampler repeats a point, or has no choice
             elif known > ROUND or count == size_of(parameters):
                 place, trial = unseen(parameters, found.keys() | asked.keys(), chance), None
             else:
@@ -87,11 +87,9 @@ def search(parameters, count, seed, measure):
 
 
 def neighbours(parameters, found, chance):
-    """Configurations that were not proposed, one step of one field beside the front of those that were measured, in an
-    order by chance: the
-    sooner the more of the hypervolume the front would lose without the points that they are beside. A front of those
-    that break least
-    stands in where all break a constraint."""
+    """New configurations, one step of one field beside the front of the measured ones, in a random order. Those beside
+    points with much of the front's hypervolume tend to come first. If all points violate a constraint, the front has
+    those with the least violations."""
     measured = {place: result for place, result in found.items() if result is not None}
     least = min((sum(violations) for _, violations in measured.values()), default=0)
     valid = {place: told(result)[0] for place, result in measured.items() if sum(result[1]) <= least}
@@ -100,7 +98,7 @@ def neighbours(parameters, found, chance):
     ranges = [(min(each), max(each)) for each in zip(*valid.values())]
     scaled = {place: [(value - low) / ((high - low) or 1) for value, (low, high) in zip(values, ranges)] for place,
               values in front.items()}
-    worst = [1.01] * len(ranges)  # the ends of the front count too
+    worst = [1.01] * len(ranges)  # the ends of the front also count
     whole = hypervolume(list(scaled.values()), worst)
     weights = {}
     for place in front:
@@ -119,7 +117,7 @@ def told(result):
 
 
 def tell(optuna, study, trial, result):
-    """One that was refused, or that was proposed before, teaches nothing."""
+    """Refused and repeated configurations give no information."""
     if result is None:
         study.tell(trial, state=optuna.trial.TrialState.FAIL)
         return
@@ -129,7 +127,7 @@ def tell(optuna, study, trial, result):
 
 
 def unseen(parameters, seen, chance):
-    """A configuration that was not proposed: tried by chance, then in order."""
+    """A new configuration: random, or else the next in order."""
     for _ in range(100):
         place = tuple(chance.randrange(len(values)) for _, values in parameters)
         if place not in seen:
@@ -139,8 +137,8 @@ def unseen(parameters, seen, chance):
 
 
 def hypervolume(points, worst):
-    """The volume that points (of which less is better) dominate below the point `worst`, exactly, by slices along the
-    last figure."""
+    """Exact hypervolume that points (less is better) dominate below the point `worst`, by slices along the last
+    figure."""
     inside = sorted((point for point in points if all(a < b for a, b in zip(point, worst))),
                     key=lambda point: point[-1])
     if not inside:

@@ -1,5 +1,4 @@
-"""gicube-sweep --sensitivity: how a run's cost changes with each number of the board's configuration that was
-chosen."""
+"""gicube-sweep --sensitivity: changes of a run's cost with each chosen number of the board's configuration."""
 import math
 import re
 import subprocess
@@ -7,12 +6,12 @@ from types import SimpleNamespace
 
 from studies.runs import InputError, Run, figure, is_field
 
-MEMORIES = ("rdram", "ddr")  # only the one in use is read
-SMALL = 100  # a step is this part of the number, or 1: single clocks of a fast clock would drown in roundings
+MEMORIES = ("rdram", "ddr")  # only the used one is read
+SMALL = 100  # a step is this part of the number, or 1: rounding would hide single clocks of a fast clock
 
 
 def stepped(value, legal):
-    """The nearest values above and below that a schema's range allows; none of a switch."""
+    """Nearest values above and below within a schema's range; none for a switch."""
     numbers = [int(number) for number in re.findall(r"\d+", legal)]
     if ".." in legal:
         low, high = numbers[0], numbers[1] if re.search(r"\.\.\d", legal) else math.inf
@@ -23,9 +22,8 @@ def stepped(value, legal):
 
 
 def chosen_numbers(explained, with_energy=False):
-    """Name, value and range of each number that is marked `chosen` in what gicube-board --explain-config says, and that
-    the level models. `with_energy`: also all prices of energy, since none of them is certain; without, none of them is
-    read."""
+    """Name, value and range of each number that gicube-board --explain-config marks as `chosen` and that the level
+    models. `with_energy`: also all prices of energy, because none of them is certain; else none of them."""
     rows = [re.split(r"\s{2,}", line.strip()) for line in explained.splitlines()]
     memory = next((row[1] for row in rows if row[0] == "memory"), "")
     found = []
@@ -61,8 +59,7 @@ def explain(board, words):
 
 
 def steps_of(board, settings, with_energy=False):
-    """A row for each number: its name, its value, and the values below and above it to which it is set: those that the
-    board takes."""
+    """A row for each number: its name, its value, and the values below and above it that the board accepts."""
     words = board_arguments(settings)
     rows = []
     for name, value, legal in chosen_numbers(explain(board, words) or "", with_energy):
@@ -74,9 +71,9 @@ def steps_of(board, settings, with_energy=False):
 
 
 def finish(row, cost, costs):
-    """The row with the changes of the cost at its steps, the slope over them in per cent of cost for a per cent of the
-    number (not-a-number if one of them is 0), and whether both steps change it in the same direction: that is scatter,
-    and no slope."""
+    """The row with the changes of the cost at its steps, their slope in per cent of cost per cent of the number
+    (not-a-number if one of them is 0), and whether both steps change it in the same direction, which is scatter and not
+    a slope."""
     row.cost, row.changes = cost, [each - cost for each in costs]
     points = sorted([(row.value, 0.0), *zip(row.to, row.changes)])
     (low, first), (high, last) = points[0], points[-1]
@@ -86,8 +83,8 @@ def finish(row, cost, costs):
 
 
 def sensitivity(arguments, settings, cost, board, carry_out, read):
-    """Rows as finish() makes them, the largest change first, then the slope's. `carry_out` has runs carried out, `read`
-    gives a run's statistics. Raises what they raise, and InputError."""
+    """Rows of finish(), sorted by the largest change, then by the slope. `carry_out` does runs, `read` returns a run's
+    statistics. Raises what they raise, and InputError."""
     board_arguments(settings)
     base = Run(arguments)
     carry_out([base])
@@ -104,7 +101,7 @@ def sensitivity(arguments, settings, cost, board, carry_out, read):
 
 
 def table(rows, cost):
-    """Lines for people."""
+    """Lines for the user."""
     lines = [f"{cost} {rows[0].cost:.6g}" if rows else f"{cost}: no chosen number is read",
              f"{'chosen number':28} {'value':>8} {'steps to':>15} {'change':>23} {'% for 1%':>9}"]
     for row in rows:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from studies.runs import InputError, is_field
 from studies.table import FileError
 
-KNOWN = ("transistors", "memory_bits", "pins")  # figures of a configuration that need no run
+KNOWN = ("transistors", "memory_bits", "pins")  # figures of a configuration without a run
 UNITS = {"frame_ms": "ms", "energy": "J", "power": "W"}
 OBJECTIVES = ("frame_ms", "energy", "transistors", "memory_bits")
 COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
@@ -82,18 +82,18 @@ class Constraint:
         expect(found[4] in ("", unit), self.text, f"the unit {unit}" if unit else "no unit", found[4])
 
     def worst(self, values):
-        """The scene's figure that is nearest to breaking it, or breaks it most."""
+        """The worst figure of the scenes for this constraint."""
         return (max if "<" in self.sign else min)(values)
 
     def holds(self, value):
         return COMPARISONS[self.sign](value, self.limit)
 
     def violation(self, value):
-        """0 where it holds; else more than 0, relative to the limit."""
+        """0 if it holds; else the excess relative to the limit."""
         return 0.0 if self.holds(value) else abs(value - self.limit) / (abs(self.limit) or 1) + 1e-9
 
 
 def mean(values):
-    """Geometric, so that each scene counts the same, however long it takes."""
+    """Geometric mean, so that long and short scenes have equal weight."""
     return math.exp(sum(map(math.log,
                             values)) / len(values)) if min(values) > 0 else 0.0 if min(values) == 0 else math.nan

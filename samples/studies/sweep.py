@@ -26,17 +26,17 @@ from studies.table import FileError, cell, csv_text, on_front, write_whole  # no
 
 PROGRAM = "gicube-sweep"
 ABOUT = """\
-Runs gicube-render over a grid of parameters, and charts cost against error.
+Run gicube-render over a grid of parameters, and chart cost against error.
 Usage: gicube-sweep [OPTIONS] INPUT...
 
 Positionals:
-  INPUT TEXT ... REQUIRED     scenes or volumes, as gicube-render takes them
+  INPUT TEXT ... REQUIRED     scenes or volumes for gicube-render
 
 Options:
 """
 NOTES = """
-A sweep that was killed goes on where it was when the same command is given again: runs that are done are kept in
-FOLDER/runs and not done again. Every run has --threads 1, unless --fix threads=N.
+The same command continues an interrupted sweep: FOLDER/runs keeps finished runs. Every run has --threads 1, unless
+--fix threads=N.
 Exit codes: 0 done, 1 failed, 2 wrong usage.
 
   gicube-sweep builtin:buckyball --vary step=0.25,0.5,1,2 --vary jitter=off,on \\
@@ -47,7 +47,7 @@ HARDLY = 0.02  # chosen: nothing that a picture of speed would show
 
 
 class Parser(argparse.ArgumentParser):
-    """With the help of the SDK's other programs, which driver/cmake/program_pages.py reads, and errors of one line."""
+    """Formats help like the SDK's other programs, for driver/cmake/program_pages.py; errors have one line."""
 
     def __init__(self, program, about, notes):
         super().__init__(program, add_help=False, allow_abbrev=False)
@@ -68,6 +68,17 @@ class Parser(argparse.ArgumentParser):
                     help="Print this help message and exit")
         self.option("--version", action=Said, nargs=0, const=lambda _: f"{self.prog} {version()}\n",
                     help="Display program version information and exit")
+
+    def output_options(self, name, chart, shard):
+        self.option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
+                    help="write NAME.csv, NAME.json and runs/ here")
+        self.option("--name", metavar=f"TEXT={name}", default=name, help="name of the files")
+        self.option("--title", metavar="TEXT", help="title of the chart")
+        self.option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of,
+                    help="number of parallel runs; 0 = one per core")
+        self.option("--shard", metavar="I/N", type=shard_of, help=shard)
+        self.option("--chart", action="store_true", help=chart)
+        self.option("--quiet", action="store_true", help="print only errors")
 
     def error(self, message):
         words = message.removeprefix("unrecognized arguments: ").split()
@@ -103,39 +114,29 @@ def parser_of_options():
         option(name, metavar=f"{metavar} ...", action="append", default=[], dest=dest, type=kind, help=text)
     parser.common_options()
     repeatable("--vary", "NAME=V,V...", "parameters", parse_parameter,
-               "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or "
-               "a field of the board's "
-               "configuration; repeatable: all combinations are run")
-    repeatable("--fix", "NAME=VALUE", "fixed", parse_setting, "the same for every run")
+               "a parameter and its values: an option of gicube-render without dashes (flags: on, off), or a field of "
+               "the board's configuration; repeatable: runs all combinations")
+    repeatable("--fix", "NAME=VALUE", "fixed", parse_setting, "a parameter with the same value in every run")
     option("--reference", metavar="NAME=VALUE ... Excludes: --reference-picture", action="append", default=[],
            type=parse_setting,
-           help="a run's reference is the same run with this in place; repeatable. Without it and --reference-picture, "
-                "cost alone is measured")
+           help="compare each run with the same run with this value; repeatable. Without it and --reference-picture, "
+                "only costs are measured")
     option("--reference-picture", metavar="TEXT:FILE Excludes: --reference", type=file_of,
-           help="an EXR that all runs are compared with")
+           help="compare all runs with this EXR")
     option("--cost", metavar="TEXT=frame_ms", default="frame_ms",
-           help="a number of gicube-render's --stats: a name, or a JSON pointer")
+           help="the cost, a number of gicube-render's --stats: a name, or a JSON pointer")
     option("--error", metavar="TEXT=picture", default="picture",
-           help="picture: root mean square difference; or a number as for --cost: relative difference")
-    repeatable("--also", "FIGURE", "also", str, "further numbers as for --cost, as columns")
-    repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
+           help="the error: picture (root mean square difference), or a number as for --cost (relative difference)")
+    repeatable("--also", "FIGURE", "also", str, "further columns: numbers as for --cost")
+    repeatable("--also-error", "FIGURE", "also_errors", str, "further columns: relative differences of numbers")
     option("--sensitivity", action="store_true",
-           help="in place of --vary: change each number of the board's configuration that was chosen (gicube-board "
-                "--explain-config) by a "
-           "hundredth or the smallest legal step down and up, one at a time, and sort them by what that does to the "
-           "cost")
-    option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
-           help="NAME.csv, NAME.json and runs/ go there")
-    option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
-    option("--title", metavar="TEXT", help="of the chart")
-    option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of,
-           help="runs at once; 0 = one per core")
-    option("--shard", metavar="I/N", type=shard_of,
-           help="do only each Nth of the runs that this sweep needs, from the Ith on (1/N to N/N), and write no table "
-                "and no chart: the same "
-           "command without --shard writes them, once all shards are in FOLDER/runs")
-    option("--chart", action="store_true", help="draw NAME.svg, and cost by each parameter (needs matplotlib)")
-    option("--quiet", action="store_true", help="only errors")
+           help="instead of --vary, change each chosen number of the board's configuration (gicube-board "
+                "--explain-config) by 1% or the smallest legal step down and up, one at a time, and sort them by the "
+                "change of the cost")
+    parser.output_options("sweep", chart="draw NAME.svg, and cost by each parameter (needs matplotlib)",
+                          shard="do only every Nth run of this sweep, from the Ith on (1/N to N/N), and write no table "
+                                "and no chart; the same command without --shard writes them when all shards are in "
+                                "FOLDER/runs")
     return parser
 
 
@@ -160,7 +161,7 @@ def shard_of(text):
 
 
 def parse_setting(text):
-    """NAME=VALUE, the value as it stands."""
+    """NAME=VALUE, with the value as text."""
     name, _, value = text.partition("=")
     if not name or not value or name.startswith("-"):
         raise argparse.ArgumentTypeError(f'expected NAME=VALUE, the name without dashes, got "{text}"')
@@ -168,7 +169,7 @@ def parse_setting(text):
 
 
 def parse_parameter(text):
-    """NAME=V,V...; values that have commas of their own stand between semicolons: "eye=0,-300,0;0,-400,0"."""
+    """NAME=V,V...; semicolons separate values with commas: "eye=0,-300,0;0,-400,0"."""
     name, value = parse_setting(text)
     values = value.split(";" if ";" in value else ",")
     for i, each in enumerate(values):
@@ -238,17 +239,17 @@ def relative(value, reference):
 
 
 def run_sweep(options, folder, render):
-    """Runs what the folder does not have yet; of a shard that is all, and nothing is returned. Else returns a row a
-    point: its settings, cost, error (not-a-number if it is a reference, or nothing is compared), further figures,
-    whether it is a reference, whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a
-    figure that a run does not have)."""
+    """Does the runs that the folder does not have. A shard returns nothing. Else returns a row per point: its settings,
+    cost, error (not-a-number for a reference, or without a comparison), further figures, whether it is a reference,
+    whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not
+    have)."""
     one = options.reference_picture
     pairs = [(point, Run(arguments_of(point | dict(options.fixed))),
               Run(arguments_of(point | dict(options.fixed) | dict(options.reference))))
              for point in grid(options.parameters)]
     needed = [run for _, run, _ in pairs] + ([] if one else [reference for *_, reference in pairs])
-    runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, where it first comes
-    if options.shard:  # of all runs, not of those that are left: shards that run at the same time share none
+    runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, at its first place
+    if options.shard:  # of all runs, not only of the remaining ones, so that parallel shards have different runs
         first, step = options.shard
         runs = runs[first - 1::step]
     carry_out_all(folder, runs, render, options.jobs,
@@ -301,7 +302,7 @@ def carry_out_sensitivity(options, folder, command):
 
 
 def mark_front(rows):
-    """A reference has no error; without references the cheapest are the front."""
+    """A reference has no error; without references the cheapest runs are the front."""
     for row, on in zip(rows, on_front([(row.cost, 0 if math.isnan(row.error) else row.error) for row in rows])):
         row.on_front = on
 
@@ -321,7 +322,7 @@ def table_text(options, rows):
 
 
 def json_text(options, rows, command):
-    """All points, and the front by itself."""
+    """All points, and the front."""
     names = [options.cost, f"error {options.error}", *also_names(options)]
     points = [{"settings": row.point,
                **{name: None if math.isnan(value) else value for name,
@@ -337,7 +338,7 @@ def json_file(whole, command, program_name=PROGRAM):
 
 
 def cost_change(rows, name):
-    """The largest relative difference of the cost between rows that have all settings but this in common."""
+    """Largest relative difference of the cost between rows that differ only in this setting."""
     ranges = {}
     for row in rows:
         others = tuple(item for item in row.point.items() if item[0] != name)
@@ -347,7 +348,7 @@ def cost_change(rows, name):
 
 
 def warn_of_constant_cost(options, rows):
-    """A functional board counts no time of the ASIC: most parameters of the sampling hardly change its frame times."""
+    """A functional board does not count the ASIC's time: most sampling parameters hardly change its frame times."""
     if options.cost != "frame_ms" or any(row.fidelity != "functional" for row in rows):
         return
     for name, values in options.parameters:
@@ -382,7 +383,7 @@ def print_front(options, rows):
 
 
 def program(name):
-    """A program of the SDK: beside the one that runs, also where a link leads to it; or on the PATH."""
+    """Path of a program of the SDK: beside this one, also through a link, or on the PATH."""
     place = pathlib.Path(getattr(sys.modules["__main__"], "__file__", __file__)).absolute()
     while not (place.parent / name).exists() and place.is_symlink():
         place = place.parent / place.readlink()
@@ -417,7 +418,7 @@ def sweep(arguments):
 
 
 def carry_out_program(name, work):
-    """work(arguments of the command line); errors become one line. Returns the exit code."""
+    """Calls work(arguments of the command line), and prints errors as one line. Returns the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         work(sys.argv[1:])
@@ -426,7 +427,7 @@ def carry_out_program(name, work):
         text = f"standard output: {os.strerror(error.errno)}" if isinstance(error,
             OSError) and not error.filename else error
         print(f"{name}: {text}", file=sys.stderr)
-        sys.stdout = None  # what is left in its buffer has no place
+        sys.stdout = None  # its buffer cannot be written
         return 1
     return 0
 

@@ -1,11 +1,11 @@
 """The charts of gicube-sweep."""
 from studies.runs import RunFailed
 
-MOST_LINES = 6  # of a panel, which has seven colours
+MOST_LINES = 6  # per panel, which has seven colours
 
 
 def numbers_of(values):
-    """The values as numbers; None: they are none."""
+    """The values as numbers; None if they are not numbers."""
     try:
         return [float(value) for value in values]
     except ValueError:
@@ -13,7 +13,7 @@ def numbers_of(values):
 
 
 def lines_of(draw, rows, name, values, others):
-    """Cost over one parameter: a line for each combination of the others, or points where these are too many."""
+    """Cost over one parameter: a line for each combination of the others, or points if these are too many."""
     places = numbers_of(values) or range(1, len(values) + 1)
     place = dict(zip(values, places))
     lines = {}
@@ -26,7 +26,7 @@ def lines_of(draw, rows, name, values, others):
 
 
 def panels_of(draw, options, rows):
-    """A panel for each parameter that was varied; one of the runs if none was."""
+    """A panel for each varied parameter; without these, one panel of the runs."""
     varied = [(name, values) for name, values in options.parameters if len(values) > 1]
     made = []
     for name, values in varied:
@@ -41,8 +41,8 @@ def panels_of(draw, options, rows):
 
 
 def draw_chart(options, rows, path):
-    """NAME.svg: all points of cost and error, and the Pareto front as a line. Cost by each parameter is NAME-cost.svg
-    beside it, or NAME.svg itself where nothing was compared. Raises FileError."""
+    """Writes NAME.svg: all points of cost and error, and the Pareto front as a line. NAME-cost.svg has the cost by each
+    parameter; without a comparison, NAME.svg has it. Raises FileError."""
     try:
         from studies import draw
     except ImportError as error:
@@ -52,7 +52,7 @@ def draw_chart(options, rows, path):
         draw.panels(path, title, panels_of(draw, options, rows))
         return
     least = min((row.error for row in rows if row.error > 0), default=0)
-    exact = least / 2  # where rows without error are on an axis that has no 0
+    exact = least / 2  # place of rows without error on a logarithmic axis
 
     def points(label, drawn, **look):
         drawn = sorted(drawn, key=lambda row: row.cost)

@@ -1,4 +1,4 @@
-"""Tables of the studies: CSV files, and which of their rows are on a Pareto front."""
+"""Tables of the studies: CSV files, and the Pareto fronts of their rows."""
 import contextlib
 import csv
 import errno
@@ -15,8 +15,8 @@ class FileError(Exception):
 
 
 def write_whole(path, text):
-    """Who reads the file sees the old contents or all of the new. As by gicube/whole_file.h, links are followed, a
-    file's mode stays, and a read-only file is refused. Raises FileError."""
+    """Replaces the file atomically. Like gicube/whole_file.h, it follows links, keeps the file's mode, and refuses a
+    read-only file. Raises FileError."""
     place = pathlib.Path(os.path.realpath(path))
     part = place.with_name(f"{place.name}.{os.getpid()}.part")
     try:
@@ -33,7 +33,7 @@ def write_whole(path, text):
 
 
 def csv_text(rows):
-    """Cells in quotes where they need it; lines end with a line feed."""
+    """Quotes cells if necessary; lines end with a line feed."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()
@@ -50,21 +50,21 @@ def cell(value):
 
 
 def rows_of(file):
-    """Rows of a table by the names of its columns; blocks of a table may be parted by empty lines."""
+    """Rows of a table by the names of its columns; empty lines may separate blocks."""
     with open(file, newline="") as stream:
         return list(csv.DictReader(line for line in stream if line.strip()))
 
 
 def on_front(points):
-    """Points are tuples of figures of which less is better. Returns a truth value a point: whether no other is at least
-    as good in all of them and better in one. A point with not-a-number is not on the front."""
+    """Points are tuples of figures; less is better. Returns for each point whether no other is at least as good in all
+    figures and better in one. A point with not-a-number is not on the front."""
     return [not any(map(math.isnan, point)) and not any(all(map(operator.le, other, point)) and other != point
                                                         for other in points)
             for point in points]
 
 
 def pareto(out, tables, *, error, costs, series=("series",), per=None):
-    """Puts the points of several tables together, with their fronts. Columns of `out`: series (these columns, joined by
+    """Merges the points of several tables, with their fronts. Columns of `out`: series (these columns, joined by
     blanks), error, each cost (divided by the column `per`), front of each cost (1 or 0), command."""
     points = []
     for row in (row for table in tables for row in rows_of(table)):

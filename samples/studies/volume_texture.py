@@ -1,4 +1,4 @@
-"""How many pictures a second a volumetric texture has on each bus, since all its rays are the host's [P §3.6]."""
+"""Pictures per second of a volumetric texture on each bus; the host makes all its rays [P §3.6]."""
 import pathlib
 import tempfile
 
@@ -9,8 +9,8 @@ BUSES = ("pci33", "agp1x", "agp2x", "agp4x")
 
 
 def measured(bus, samples, size="128x128", fidelity="cycle"):
-    """Figures of a picture after the first: pixels that the texture covers, host rays of all of them, milliseconds, and
-    those in which the bus was busy."""
+    """Figures of a picture after the first: pixels with the texture, their host rays, milliseconds, and the bus's busy
+    milliseconds."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run(folder, "gicube-compose",

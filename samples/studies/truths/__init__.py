@@ -1,5 +1,4 @@
-"""Published values and closed forms against a board: each a case of a domain, which measures numbers and says what they
-cost.
+"""Published values and closed forms against a board. Each is a case of a domain, with measured numbers and their cost.
 
 `tables()`: the table of values, and the settings of each domain's chart, for studies.points."""
 import importlib
@@ -22,7 +21,7 @@ def all_cases():
 
 
 def measured(case, changes, fidelity="functional"):
-    """Its values, and the cost of all of them together."""
+    """Values of the case, and their total cost."""
     bench = Bench(uri, fidelity)
     values = case.measure(bench, **{**case.settings, **changes})
     ms, seconds = bench.cost()
@@ -47,8 +46,8 @@ def value_rows(found):
 
 
 def relative_error(each):
-    """Root mean square of the values' shares of the truth by which they are off; of those whose truth is 0 themselves.
-    Of few values one may be right by luck: its error bar counts then."""
+    """Root mean square of the values' relative errors; absolute for a truth of 0. A few values may be right by chance,
+    so for these the error bar counts."""
     few = len(each["values"]) < FEW
     off = [max(abs(value - truth), few * error) / (truth or 1) for _, truth, _, value, error, *_ in each["values"]]
     return math.sqrt(sum(part * part for part in off) / len(off))
@@ -74,8 +73,7 @@ def front_rows(found):
 
 
 def tables():
-    """The charts are measured at the cycle level, the table at the functional one: the values have the same
-    bits."""
+    """Charts use the cycle level, the table the functional one; the values are bit-identical."""
     return [Table("truths", COLUMNS, {point_name(case): lambda _, case=case: measured(case, {})
                                       for case in all_cases()}, value_rows),
             Table("truths_fronts", FRONT_COLUMNS, {name: lambda _, case=case,
