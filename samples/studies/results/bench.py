@@ -1,7 +1,7 @@
 """Runs at the design point, and their measurements, for all sections of the page.
 
-The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty
-measurement; measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
+The page needs several passes. Bench.get() of a new run records it and returns an empty measurement; measure() does the
+recorded runs; the next pass reads their measurements, and may request further runs."""
 import collections
 from dataclasses import dataclass, replace
 
@@ -11,13 +11,13 @@ from page import number, percent
 from scenes import BRAIN, DESIGN_EDGE, SCANS, load_scan
 from studies.runs import progress
 
-# Scenes and what they are there for.
+# Scenes and their purposes.
 SCENES = {
     "buckyball": "C60 above a floor: opaque surfaces, much empty space",
     "head": "nested rough ellipsoids: translucent skin, skull and brain, empty corners",
     "cloud": "noise that never gets opaque; no block is empty",
     "rock": "noise that is opaque everywhere within a part of its edge; no block is empty"}
-LIT_SCENES = {  # in the last all voxels take light
+LIT_SCENES = {  # in the last one all voxels receive light
     "golden-ring": "caustics: a polished ring on a floor under a point light",
     "mirror-buckyball": "C60 over a mirror before a wall, with its shadow",
     "mirror-head": "a head between two mirrors, a window and a lamp",
@@ -29,8 +29,7 @@ PROCESSORS = "asic.processors"
 QUEUE = "asic.queue_rays"
 SHARED_MEMORY = {"rdram.processors_per_rdram": 2}
 SKEWED = {PARTITION: "skewed_block"}
-# No limits in front of the processors: a DSP whose work takes no time, runs of 64 rays, and links that take a ray per
-# cycle.
+# No limits in front of the processors: a DSP without work time, runs of 64 rays, and links with a ray per cycle.
 IDEAL_DSP = {"ideal.dsp": 1}
 RUNS_OF_RAYS = {"dsp.run_rays": 64}
 WIDE_LINKS = {"link.bits": 256}
@@ -41,10 +40,10 @@ EVEN = SKEWED | {"asic.skew_y": 2, "asic.skew_z": 7}
 
 @dataclass(frozen=True)
 class Run:
-    """The measured quantity, and the board's settings."""
+    """Measured quantity and settings of the board."""
     scene: str
     dims: tuple  # voxels of the volume
-    edge: int  # voxels: what the scene's lengths refer to
+    edge: int  # unit of the scene's lengths, voxels
     width: int
     height: int
     # or light: an illumination pass; host_rays: the view's, made by the host; fill_block: through one block
@@ -53,10 +52,10 @@ class Run:
     step: float = 0.5  # voxels
     leap: bool = True
     jitter: bool = False
-    paper: bool = False  # on a board of the preset of the paper's operating point
-    faint: bool = False  # no ray ever gets opaque: without early termination
+    paper: bool = False  # with the preset of the paper's operating point
+    faint: bool = False  # no ray becomes opaque: without early termination
     orthographic: bool = False
-    light_rays: int = 0  # a face voxel, k, of the illumination pass before it (or that it is); 0 = none
+    light_rays: int = 0  # per face voxel, k, of the illumination pass (before it); 0 = none
     high_albedo: bool = False  # of that pass
     settings: tuple = ()  # of the board's configuration: (path.to.field, value), sorted
 
@@ -64,7 +63,7 @@ class Run:
         return replace(self, **fields)
 
     def on(self, settings):
-        """A bench on a board of another configuration."""
+        """The run on a board with further settings."""
         changed = {field: str(value) for field, value in settings.items()}
         return self.but(settings=tuple(sorted((dict(self.settings) | changed).items())))
 
@@ -72,12 +71,12 @@ class Run:
         return self.but(step=step)
 
     def at_paper(self):
-        """At the paper's operating point: steps of a voxel, of views jittered [P §2.1], on a board of its preset."""
+        """The run at the paper's operating point: steps of a voxel, jittered in views [P §2.1], with its preset."""
         return self.but(step=1, jitter=self.kind != "light", paper=True)
 
     def board(self):
-        """Runs of one board share its volume and its light."""
-        own = self.step if self.kind == "fill_block" else None  # its cache must be cold
+        """Runs on one board share its volume and its light."""
+        own = self.step if self.kind == "fill_block" else None  # starts with a cold cache
         return (self.paper, self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own,
                 self.settings)
 
@@ -92,8 +91,7 @@ def at_paper(runs):
 
 
 def scanline(run, queue):
-    """On the machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which
-    they come."""
+    """On the reference machine for reordering [P §5.1]: one queue per processor, with rays in the order of arrival."""
     return run.on({"sorter.queues": "single", "cache.tags": "of_voxels", QUEUE: queue})
 
 
@@ -103,7 +101,7 @@ class Bench:
         self.image = image  # pixels
         self.block = max(8, edge // 8)  # voxels, n: an 8 x 8 x 8 grid
         self._known = {}
-        self._wanted = {}  # a dict for its order: that in which they were asked for
+        self._wanted = {}  # a dict, in the order of requests
         self.page = None
 
     def run(self, scene, view="oblique", **fields):
@@ -114,7 +112,7 @@ class Bench:
         return Run(scene, 3 * (self.edge,), self.edge, self.image, self.image, view=view).on(settings).but(**fields)
 
     def lit(self, scene, k=1, high_albedo=False):
-        """A picture of a scene of global illumination with its own camera, lit by a pass of k rays a face voxel."""
+        """A picture of a scene of global illumination with its own camera, lit by a pass of k rays per face voxel."""
         return self.run(scene, light_rays=k, high_albedo=high_albedo)
 
     def light(self, scene, k=1, high_albedo=False):
@@ -128,14 +126,14 @@ class Bench:
         return [self.run(scene) for scene in SCENES]
 
     def scans(self):
-        """Those that are at hand, at the paper's operating point. They have one size."""
+        """Available scans at the paper's operating point. They have one size."""
         if self.edge != DESIGN_EDGE:
             return []
         at_hand = [name for name, (path, _) in SCANS.items() if path.exists()]
         return [self.run(name, dims=load_scan(name).shape[::-1]).at_paper() for name in at_hand]
 
     def mirrors(self):
-        """The paper's brain between mirrors, or a head if there is no scan."""
+        """The paper's brain between mirrors, or a head without a scan."""
         return self.lit("mirror-brain" if BRAIN.exists()
                         and self.edge == DESIGN_EDGE else "mirror-head").but(light_rays=0)
 
@@ -161,8 +159,7 @@ class Bench:
         return mean_of(self.over(runs, figure))
 
     def lost_cycles(self, runs):
-        """The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency
-        5%"."""
+        """The most frequent causes of cycles without a sample, with shares: "cache_fill 12%, dsp 8%, latency 5%"."""
         shares = collections.Counter()
         for run in runs:
             shares.update({name: share / len(runs) for name, share in cause_shares(self.get(run)) if name != "busy"})
@@ -179,9 +176,9 @@ class Bench:
         return not self._wanted
 
     def measure(self, measured, quiet):
-        """Carries out what was noted; false if some of it is left to others. `measured`: yields (run, result) of lists
-        of runs, a list for each board."""
-        boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
+        """Does the recorded runs; false if other shards have some of them. `measured`: yields (run, result) for lists
+        of runs, one per board."""
+        boards = {}  # a board's caches carry over between runs, so their order affects results
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
         with progress("results", len(self._wanted), quiet) as bar:
@@ -193,7 +190,7 @@ class Bench:
         return done
 
 
-# How a figure is printed in tables, by its column's head.
+# Formats of figures in tables, by the head of the column.
 CELLS = {
     "frame ms": lambda m: number(frame_ms(m)),
     "Hz": lambda m: number(rate_hz(m)),
@@ -209,5 +206,5 @@ CELLS = {
 
 
 def cells(m, columns, others=None):
-    """A row's cells of one measurement; `others` prints figures of columns as CELLS does."""
+    """Cells of a measurement's row; `others`: further formats like CELLS."""
     return [((others or {}).get(column) or CELLS[column])(m) for column in columns]

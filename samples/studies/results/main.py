@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Measures the paper's results on emulated boards and writes RESULTS.md."""
+"""Measure the paper's results on emulated boards, and write RESULTS.md."""
 import argparse
 import functools
 import os
@@ -8,7 +8,7 @@ import shutil
 import sys
 
 sys.dont_write_bytecode = True
-PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to this file beside its programs
+PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build links this file beside its programs
 sys.path += [str(PROGRAMS.parent / "python"), str(pathlib.Path(__file__).resolve().parents[2])]
 os.environ.setdefault("GICUBE_BOARD", str(PROGRAMS / "gicube-board"))
 
@@ -20,7 +20,7 @@ from measure import kept_in, measure_boards, measure_shard  # noqa: E402
 from page import WORDS, Page, filled  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
-SECTIONS = {  # by the name that --only takes: heading, and what writes it
+SECTIONS = {  # by names for --only: heading, and the function of the section
     "scenes": ("Scenes at the design point", design_point.scenes),
     "bounds": ("Bounds, and where the cycles go", design_point.bounds),
     "baseline": ("Reordering against scanline order", scanline.baseline),
@@ -60,23 +60,21 @@ def number_of(text, low, high):
 def options():
     parser = argparse.ArgumentParser(prog="gicube-results", description=__doc__)
     parser.add_argument("folder", metavar="FOLDER", type=folder_of,
-                        help="gets RESULTS.md, and its CSV files and pictures in results/; what a run that was ended "
-                             "had measured "
-                             "is there in measured/, and the next one goes on from it")
+                        help="write RESULTS.md here, and its CSV files and pictures in results/; measured/ keeps "
+                             "measurements, so that an interrupted run continues")
     parser.add_argument("--version", action="version", version=f"%(prog)s {gicube.__version__}")
     parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256,
-                        help="voxels an edge of the volume (%(default)s)")
+                        help="edge of the volume, voxels (%(default)s)")
     parser.add_argument("--image", type=functools.partial(number_of, low=8, high=1024), default=256,
-                        help="pixels an edge of the image, 8 to 1024 (%(default)s)")
+                        help="edge of the image, 8 to 1024 pixels (%(default)s)")
     parser.add_argument("--jobs", type=functools.partial(number_of, low=1, high=64), default=os.cpu_count(),
-                        help="boards at a time, 1 to 64 (%(default)s)")
+                        help="number of parallel boards, 1 to 64 (%(default)s)")
     parser.add_argument("--only", type=sections_of, default=list(SECTIONS), metavar="SECTION,...",
-                        help="sections to measure, for a page of these alone (all)")
+                        help="measure only these sections, for a page of these (all)")
     parser.add_argument("--shard", type=shard_of, metavar="I/N",
-                        help="measure only this one of N parts of the boards, 1/N to N/N, and write no page: the same "
-                             "command without --shard does, "
-                             "with what the shards left in measured/ and results/")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
+                        help="measure only this one of N parts of the boards, 1/N to N/N, and write no page; the same "
+                             "command without --shard writes it from the shards' measured/ and results/")
+    parser.add_argument("--quiet", action="store_true", help="print no progress")
     return parser
 
 

@@ -1,4 +1,4 @@
-"""Carries out the runs of bench.py on emulated boards: several at a time, and only those that are not on file yet."""
+"""Does the runs of bench.py on emulated boards, in parallel, without those that have files."""
 import functools
 import os
 import pathlib
@@ -14,7 +14,7 @@ from studies.points import Kept
 from studies.runs import all_at_once
 
 PRESET = pathlib.Path(__file__).resolve().parents[3] / "board_emu/config/presets/paper.textproto"
-SCENES = threading.Lock()  # one is made at a time, and once
+SCENES = threading.Lock()  # makes one scene at a time, and each once
 scene_of = functools.cache(scenes.make_scene)
 
 
@@ -35,7 +35,7 @@ def load(board, scene, be_faint):
 
 
 def window(board, work):
-    """The growth that `work` adds to the board's counters and clock: the arguments of figures.py's Measurement."""
+    """Growth of the board's counters and clock during `work`: arguments of Measurement in figures.py."""
     counters, begin = board.counters, board.now
     work()
     return {"time_ps": board.now - begin, "counters": dict(board.counters - counters),
@@ -44,7 +44,7 @@ def window(board, work):
 
 
 def rays_of(view, dims):
-    """The view's rays, from where they enter the volume; those that miss it are left out."""
+    """The view's rays from their entry into the volume; omits rays that miss it."""
     eye = np.array(view.eye, dtype=float)
     forward = normalise(np.array(view.look_at) - eye)
     right = normalise(np.cross(forward, view.up))
@@ -60,8 +60,8 @@ def rays_of(view, dims):
 
 
 def trace(board, view, rays):
-    """Host rays, sampled as the view is. A view past the volume, no ray of which goes to the ASIC, sends registers and
-    tables before."""
+    """Host rays with the view's sampling. A view beside the volume, without rays for the ASIC, first sends registers
+    and tables."""
     past = replace(view, width=1, height=1, look_at=tuple(2 * eye - at for eye, at in zip(view.eye, view.look_at)))
     board.render_to_framebuffer(past)
     sampling = gicube.Sampling.of(past)
@@ -69,7 +69,7 @@ def trace(board, view, rays):
 
 
 def fill_block(board, view):
-    """Rays through one block along z, one in each column of its cells, ended by a cut plane."""
+    """Rays through one block along z, one per column of its cells, which end at a cut plane."""
     n = board.info.block_voxels
     y, x = (each.ravel() + 0.5 for each in np.mgrid[:n, :n])
     rays = gicube.rays(np.stack([x, y, np.full(n * n, 0.5 * view.step)], axis=1), (0, 0, 1))
@@ -86,7 +86,7 @@ def measure_run(board, run, scene, is_lit, picture):
     view = replace(make_view(scene, run.view, run.width, run.height, run.orthographic), step=run.step,
                    opacity_threshold=0.98,
                    leap=run.leap, jitter=run.jitter, irradiance=run.light_rays > 0, scatter=scene.lit,
-                   lamps=[])  # the scenes' work does not depend on what is outside of the volume
+                   lamps=[])  # lamps outside the volume do not change the scenes' work
     if run.kind == "light":
         reports = []
         result = window(board, lambda: reports.append(illuminate(board, run, scene)))
@@ -106,7 +106,7 @@ def measure_run(board, run, scene, is_lit, picture):
 
 
 def measure_board(runs, pictures):
-    """The runs must share scene, settings and light. Raises RuntimeError: a run's name and what the driver said."""
+    """The runs must share scene, settings and light. Raises RuntimeError with a run's name and the driver's message."""
     run = runs[0]
     try:
         with SCENES:
@@ -132,9 +132,9 @@ def name_of(runs):
 
 
 def measure_boards(kept, jobs, pictures, boards):
-    """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. `pictures`: files of
-    runs whose image is kept. Raises as measure_board(); then, and on Ctrl-C, the boards under way end first and are
-    kept."""
+    """Yields (run, result) for lists of runs, one per board, when a board is done. `pictures`: files of runs whose
+    image is kept. Raises what measure_board() raises; then, and on Ctrl-C, running boards finish first, and their
+    results are kept."""
     def measured(runs):
         name = name_of(runs)
         if not all(pictures[run].exists() for run in runs if run in pictures):
@@ -145,8 +145,8 @@ def measure_boards(kept, jobs, pictures, boards):
 
 
 def measure_shard(kept, shard, measure, boards):
-    """Yields as measure(boards): of the lists that fall to shard (I, N), each to one by its name; and the others too
-    once all of them are kept, since what is asked for next depends on all."""
+    """Yields like measure(boards) for the lists of shard (I, N), which their names determine. Yields the others too
+    when all are kept, because the next requests depend on all."""
     number, shards = shard
     is_mine = [zlib.crc32(name_of(runs).encode()) % shards == number - 1 for runs in boards]
     yield from measure([runs for runs, mine in zip(boards, is_mine) if mine])

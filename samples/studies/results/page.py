@@ -1,4 +1,4 @@
-"""The page of results: Markdown, a CSV file of the same cells for each table and chart, and the charts."""
+"""The page of results: Markdown, charts, and a CSV file for each table and chart."""
 import pathlib
 import re
 import textwrap
@@ -7,13 +7,13 @@ from typing import NamedTuple
 from studies import draw
 from studies.table import cell, csv_text
 
-TOLERANCE = 0.25  # beyond it a difference needs a reason
+TOLERANCE = 0.25  # a greater difference needs a reason
 FOLDER = "results"
 TEXT = pathlib.Path(__file__).with_name("words.md").read_text()
 
 
 def joined(text):
-    """Lines of a list continue on indented lines; a figure's words are one line."""
+    """Indented lines continue a line of a list; a figure's words are one line."""
     return re.sub(r"\n  (?! )", " ", text) if text.startswith("- ") else text.replace("\n", " ")
 
 
@@ -22,7 +22,7 @@ WORDS = {name: joined(text) if name.startswith("row") else text
 
 
 class Claim(NamedTuple):
-    """One of the paper's claims beside ours."""
+    """A claim of the paper and our value."""
     number: int
     differs: bool  # by more than a quarter
     claim: str
@@ -33,7 +33,7 @@ class Claim(NamedTuple):
 
 
 def differs(ours, low, high=None):
-    """Ours lies more than a quarter outside of low..high; high is low if not given."""
+    """Whether our value is more than a quarter outside low..high; high is low by default."""
     return ours < (1 - TOLERANCE) * low or ours > (1 + TOLERANCE) * (low if high is None else high)
 
 
@@ -47,7 +47,7 @@ def percent(share, digits=0):
 
 
 def filled(text, begin=""):
-    """Paragraphs of at most 120 columns; headings and code stay as they are."""
+    """Wraps paragraphs at 120 columns, but not headings and code."""
     def paragraph(each):
         return each if each.startswith(("#", "    ")) else textwrap.fill(
             " ".join(each.split()), 120, initial_indent=begin, subsequent_indent=" " * len(begin),
@@ -70,13 +70,13 @@ class Page:
         self.body += filled(WORDS[name].format(**figures)) + "\n\n"
 
     def table(self, name, columns, rows):
-        """Cells as they are printed; the page has a link to the file."""
+        """Adds a table of printed cells, and the link to its file."""
         self._tables[name] = [columns, *rows]
         self.body += f"[{FOLDER}/{name}.csv]({FOLDER}/{name}.csv)\n\n"
 
     def chart(self, caption, name, title, x_label, y_label, x, series, **of_panel):
-        """NAME.svg, and NAME.csv: x in the first column, a series in each other. `series`: values by their names,
-        not-a-number where there is none; `of_panel`: fields of draw.Panel."""
+        """Adds NAME.svg, and NAME.csv with x in the first column and a series in each other. `series`: values by names,
+        not-a-number for gaps; `of_panel`: fields of draw.Panel."""
         self._tables[name] = [[x_label, *series],
                               *([f"{at:g}", *map(cell, map(float, values))] for at,
                                 *values in zip(x, *series.values()))]
@@ -90,7 +90,7 @@ class Page:
         self.body += f"![{caption}]({FOLDER}/{file})\n\n"
 
     def claim(self, row, differs, **figures):
-        """A row of words.md, which may be one of several of a number, "5 lighting", with its figures."""
+        """Adds a row of words.md with its figures; a number may have several rows, such as "5 lighting"."""
         lines = (line[2:].split(": ", 1) for line in WORDS[f"row {row}"].format(**figures).splitlines())
         self._claims.append(Claim(int(str(row).split()[0]), differs, **dict(lines)))
         self._claims.sort(key=lambda each: each.number)
@@ -99,7 +99,7 @@ class Page:
         return {"within": sum(not each.differs for each in self._claims), "rows": len(self._claims)}
 
     def claims(self):
-        """The link to the table of all claims, and a list of those that differ, each with its reason."""
+        """The link to the table of all claims, and a list of the differences with their reasons."""
         names = ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"]
         rows = [[str(each.number), each.claim, each.paper, each.ours, each.half, "no" if each.differs else "yes"]
                 for each in self._claims]
@@ -110,7 +110,7 @@ class Page:
                 f"quarter:\n\n{listed}\n")
 
     def write_files(self, folder):
-        """The CSV files and charts. Raises OSError, FileError."""
+        """Writes the CSV files and charts. Raises OSError, FileError."""
         for name, rows in self._tables.items():
             (folder / f"{name}.csv").write_text(csv_text(rows))
         for name, (of_chart, of_panel) in self._charts.items():

@@ -1,5 +1,4 @@
-"""The scenes that are measured: procedural ones, of which any size shows the same thing, and scans where they are at
-hand."""
+"""The measured scenes: procedural ones, which look the same at all sizes, and scans if they are available."""
 import functools
 import math
 import pathlib
@@ -9,12 +8,12 @@ from dataclasses import replace
 import gicube
 import numpy as np
 
-FAINT = 0.003  # chosen: 443 voxels of opacity 0.003 let a quarter through
-DESIGN_EDGE = 256  # voxels: opacities below are those of a volume of this edge
+FAINT = 0.003  # chosen: 443 voxels of opacity 0.003 transmit a quarter
+DESIGN_EDGE = 256  # edge in voxels of the volume for the opacities below
 FILES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
-DATA = FILES.parents[2] / "shared/data"  # scans beside the source's folder; they don't come with it
+DATA = FILES.parents[2] / "shared/data"  # scans beside the source's folder, which are separate from it
 BRAIN = DATA / "stroke_brain_mri/T1.nii.gz"
-# Scans and the opacities of their voxels' values, 0..255.
+# Scans and the opacities of their values, 0..255.
 SCANS = {"engine": (DATA / "engine_ct/engine.nii.gz", [(60, 0), (150, 0.03), (200, 0.3)]),
          "mouse": (DATA / "mouse_head_microct/C57BL6_J_.nii.gz", [(25, 0), (60, 0.1), (140, 0.3)]),
          "brain": (BRAIN, [(30, 0), (90, 0.3)]),
@@ -23,7 +22,7 @@ TOWARDS_THE_EYE = {"along x": (-1, 0, 0), "along y": (0, -1, 0), "along z": (0, 
 
 
 def lattice_values(x, y, z):
-    """0..1 at integer points, hashed by SplitMix64's finalizer; without a period."""
+    """Values 0..1 at integer points, hashed by SplitMix64's finalizer; without a period."""
     x, y, z = (np.asarray(each).astype("u4").astype("u8") for each in (x, y, z))
     hashed = x * np.uint64(0x9E3779B97F4A7C15) ^ y * np.uint64(0xC2B2AE3D27D4EB4F) ^ z * np.uint64(0x165667B19E3779F9)
     for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):
@@ -32,8 +31,8 @@ def lattice_values(x, y, z):
 
 
 class Noise:
-    """Lattice values joined by cubic weights, over a grid of positions x, y and z: first along x, then along y; slice()
-    along z."""
+    """Lattice values interpolated with cubic weights over a grid of x, y and z: first along x, then y; slice() does
+    z."""
 
     def __init__(self, x, y, z):
         (x, u), (y, v), (self._z, self._w) = map(self._cells, (x, y, z))
@@ -79,13 +78,13 @@ def voxelise(dims, density):
 
 
 def of_edge(opacity, edge):
-    """The opacity of a voxel of a volume of `edge`, so that the whole looks the same at every size."""
+    """Opacity of a voxel in a volume of `edge`, so that all sizes look the same."""
     return 1 - (1 - opacity) ** (DESIGN_EDGE / edge)
 
 
 class SceneData:
-    """The input of a board: volume and looks of a tag each, or the setup of a scene file (with lights). `be_whole`:
-    views show the whole volume, not only what can be seen."""
+    """Input of a board: a volume and a look per tag, or the setup of a scene file with lights. `be_whole`: views show
+    the whole volume, not only its visible part."""
 
     def __init__(self, volume, looks, setup=None, be_whole=True):
         self.volume, self.looks, self.setup = volume, looks, setup
@@ -95,9 +94,9 @@ class SceneData:
 
 
 def visible_box(volume, look):
-    """The corners of the least box of voxels that can be seen, and one voxel more."""
+    """Corners of the smallest box of visible voxels, and one voxel more."""
     values, opacities = zip(*((point.value, point.opacity) for point in look.opacities))
-    # chosen: as gicube-render's cameras do
+    # chosen: like gicube-render's cameras
     seen = (np.interp(np.arange(4096), values, opacities) > 0.005)[volume.samples]
     planes = [np.flatnonzero(seen.any(axis=others)) for others in ((0, 1), (0, 2), (1, 2))]
     low, high = (np.array([float(each[end]) for each in planes]) for end in (0, -1))
@@ -113,7 +112,7 @@ def make_head(dims, edge):
         return np.clip((radius - low) / (high - low), 0.0, 1.0)
 
     def density(k):
-        # 1 on an ellipsoid that almost touches the volume's faces; the radius is rough by a few hundredths.
+        # 1 on an ellipsoid that almost touches the volume's faces; a few per cent rough.
         radius = np.sqrt(x * x + (y * y)[:, None] + z[k] * z[k])
         rough = noise.slice(k) - 0.5
         shell = radius + 0.06 * rough
@@ -121,7 +120,7 @@ def make_head(dims, edge):
         brain = -0.5 * (1 - step(0.79, 0.81, shell)) + 0.25 * (1 - step(0.76, 0.79, shell)) * (0.5 + rough)
         return np.where(radius > 1.05, 0.0, skin + skull + brain)
 
-    # Skin that shows the skull, bone that shows a little of the brain.
+    # Transparent skin over the skull, and slightly transparent bone over the brain.
     skin, bone, brain = (of_edge(opacity, edge) for opacity in (0.02, 0.12, 0.05))
     look = gicube.TransferFunction(
         [(0, (0.8, 0.6, 0.5)), (1300, (0.85, 0.65, 0.55)), (1800, (0.7, 0.45, 0.45)), (3000, (0.95, 0.92, 0.85))],
@@ -130,7 +129,7 @@ def make_head(dims, edge):
 
 
 def make_noise(dims, edge, low, high, dark, light):
-    """Noise from end to end: no block is empty."""
+    """Noise in the whole volume: no block is empty."""
     noise = CloudyNoise(dims, edge / 8)
     look = gicube.TransferFunction([(1000, dark), (3000, light)],
                                    [(1000, of_edge(low, edge)), (3000, of_edge(high, edge))])
@@ -139,8 +138,7 @@ def make_noise(dims, edge, low, high, dark, light):
 
 @functools.cache
 def load_scan(name):
-    """Samples of 0..255 [z, y, x]; of slices that have more than the design point's voxels along an edge every
-    second."""
+    """Samples 0..255 [z, y, x]; every second one in slices with longer edges than the design point's."""
     samples = gicube.read_volume(SCANS[name][0]).samples
     return samples[:, ::2, ::2] if max(samples.shape) > DESIGN_EDGE else samples
 
@@ -153,10 +151,10 @@ def make_scan(name):
 
 
 def make_scene(name, dims, edge):
-    """`name`: buckyball, head, cloud, rock, one of SCANS, "mirror-brain", or that of a file of samples/scenes that has
-    a world. `edge`: voxels to which lengths refer, those along the longest edge of a world; all dims are equal to it
-    but for boxes cut from a larger whole (cloud and rock only, which look the same everywhere). Raises
-    gicube.InputError (a size out of range), OSError (no such file)."""
+    """`name`: buckyball, head, cloud, rock, one of SCANS, "mirror-brain", or a file of samples/scenes with a world.
+    `edge`: unit of lengths in voxels, or the longest edge of a world. All dims are equal to it, except in boxes of
+    cloud and rock, which look the same everywhere. Raises gicube.InputError (a size out of range), OSError (no such
+    file)."""
     if name in SCANS:
         return make_scan(name)
     if name == "head":
@@ -176,7 +174,7 @@ def make_scene(name, dims, edge):
 
 
 def faint(look):
-    """A look that shows the same values, but so faint that no ray ever gets opaque."""
+    """A look with the same values, but so faint that no ray becomes opaque."""
     points = [gicube.OpacityPoint(point.value, point.opacity * FAINT) for point in look.opacities]
     return replace(look, opacities=points)
 
@@ -191,8 +189,8 @@ def normalise(vector):
 
 
 def make_view(scene, name, width, height, orthographic=False):
-    """`name`: oblique or one of TOWARDS_THE_EYE. The scene's own camera, or one outside that sees all there is;
-    parallel rays for `orthographic`, one pixel a voxel along y."""
+    """`name`: oblique or one of TOWARDS_THE_EYE. The scene's own camera, or one outside that sees everything;
+    `orthographic` has parallel rays, with one pixel per voxel along y."""
     size = {"width": width, "height": height, "samples_per_axis": 1}
     if name == "oblique" and scene.setup is not None:
         return replace(scene.setup.view, **size)
@@ -206,7 +204,7 @@ def make_view(scene, name, width, height, orthographic=False):
     if orthographic:
         away = length(scene.high - scene.low)
         return replace(view, orthographic_height=scene.volume.dims[1], eye=tuple(middle + away * direction))
-    # The closest distance that keeps all corners in view.
+    # The smallest distance with all corners in view.
     margin = 1.02  # chosen
     right = np.cross(up, direction)
     right, up = normalise(right), np.cross(direction, normalise(right))

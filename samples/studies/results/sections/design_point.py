@@ -1,4 +1,4 @@
-"""The board of the paper as it is: its scenes, what bounds them, its free parameters, its bus and its hardware cost."""
+"""The paper's board: its scenes and their bounds, its free parameters, its bus and its hardware cost."""
 import os
 
 from bench import CELLS, IDEAL_DSP, SCENES, SHARED_MEMORY, at_paper, cells
@@ -70,7 +70,7 @@ def names_of(scans):
 
 
 def bounds(bench, page):
-    """Where the time goes."""
+    """Causes of the time."""
     page.say("bounds")
     ideals = [{f"ideal.{part}": 1} for part in ("memory", "queues", "sorter")]
     rows = []
@@ -89,7 +89,7 @@ def bounds(bench, page):
 
 def gains(bench, page):
     """Rows 11 and 20."""
-    volume_pro = 301e6  # samples a second at 100 MHz [P §5.1]
+    volume_pro = 301e6  # samples per second at 100 MHz [P §5.1]
     page.say("gains")
     (leap, end, worth), rows = gains_of(bench, at_paper(bench.all()))
     (half_leap, half_end, half_worth), half_rows = gains_of(bench, bench.all())
@@ -117,7 +117,7 @@ def gains(bench, page):
 
 
 def gains_of(bench, runs):
-    """The gains by skipping and termination (shares), the worth of the rate; and a row of the table for each run."""
+    """Gains by skipping and termination (shares), the equivalent rate, and a table row per run."""
     rows, leaps, ends, worths = [], [], [], []
     for run in runs:
         both, no_leaps = bench.get(run), bench.get(run.but(leap=False))

@@ -1,4 +1,4 @@
-"""Global illumination: passes of lighting rays, and the frames that they light."""
+"""Global illumination: passes of lighting rays, and the lit frames."""
 from bench import (IDEAL_DSP, IDEAL_FRONT_END, LIT_SCENES, PROCESSORS, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, Bench,
                    at_paper, cells)
 from figures import (Measurement, asic_ms, deposits_a_sample, frame_ms, issued_in_short_residencies, mean_of,
@@ -8,7 +8,7 @@ from figures import (Measurement, asic_ms, deposits_a_sample, frame_ms, issued_i
 from page import differs, number, percent
 
 BALL = "mirror-buckyball"
-PAPER_SAMPLES = 122e6  # a second, lighting [P §5.1]
+PAPER_SAMPLES = 122e6  # per second, lighting [P §5.1]
 EVERY_SAMPLE = {"cache.splat_rule": "all_samples"}
 PAPER_USE = 0.92  # of the memory interface, lighting [P §3.6]
 
@@ -66,7 +66,7 @@ def sample_claims(bench, page):
 
 
 def mirrors_claim(bench, page):
-    """Volume rendering with reflections: no illumination pass, the reflectance map lights it."""
+    """Volume rendering with reflections: the reflectance map gives the light, without an illumination pass."""
     size = bench.image * 300 // 256
     half = bench.mirrors().but(width=size, height=size)
     run = half.at_paper()
@@ -93,7 +93,7 @@ def memory_claims(bench, page):
 
 
 def light_sweep(bench, page):
-    """Row 4, and what rows 2 and 6 depend on."""
+    """Row 4, and figures for rows 2 and 6."""
     page.say("light sweep")
     rays_claim(bench, page)
     parameters(bench, Bench(max(32, bench.edge // 2), bench.image), page)
@@ -102,7 +102,7 @@ def light_sweep(bench, page):
 def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
     one, m = bench.get(bench.light(BALL).at_paper()), bench.get(bench.lit(BALL).at_paper())
-    # chosen: at most 4. A pass takes about k times as long as one of k = 1
+    # chosen: at most 4. A pass needs about k times the time of one with k = 1
     k = min(4, max(1, round(ratio(paper_pass, frame_ms(one)))))
     ms = frame_ms(bench.get(bench.light(BALL, k).at_paper()))
     page.claim(4, differs(ms, paper_pass) or differs(rate_hz(m), paper_rate), k=k, ms=ms, one=frame_ms(one),
@@ -111,7 +111,7 @@ def rays_claim(bench, page):
 
 
 def parameters(bench, sized, page):
-    """On volumes of the size of `sized`, a Bench."""
+    """With volumes of the size of `sized`, a Bench."""
     variants = {"design point": {}, "1024 changed tiles wait": {"cache.write_packets": 1024}, "ideal DSP": IDEAL_DSP,
                 "4 compute stages": {"pipeline.compute_stages": 4}, "8192 rays under way": {"dsp.overflow_rays": 8192},
                 "cache banks of two ports": {"cache.ports": 2}, "queues of 1024 rays": {QUEUE: 1024},
@@ -120,7 +120,7 @@ def parameters(bench, sized, page):
                 "wide datapath: energies of 24 bits": {"asic.datapath": "wide"},
                 "two processors share an RDRAM": SHARED_MEMORY,
                 "perfect memory": {"ideal.memory": 1}, "voxel steps": {}}
-    # Which samples write the eight voxels round them, where irradiance lies, and when it is written.
+    # Samples that write irradiance, its place, and the time of the write.
     write_back = {"cache.write_policy": "write_back"}
     variants |= {"voxel steps, visible samples": {"cache.splat_rule": "visible_samples"},
                  "voxel steps, all samples": EVERY_SAMPLE,
@@ -140,7 +140,7 @@ def parameters(bench, sized, page):
 
 
 def tail_of(times):
-    """From the first millisecond on after which none does half as many samples as the mean: its shares of time, samples
+    """Tail: the milliseconds at the end with fewer than half of the mean number of samples. Its shares of time, samples
     and loads, 0..1."""
     samples, loads = sum(ms.samples for ms in times), sum(ms.loads for ms in times)
     half = 0.5 * ratio(samples, len(times))

@@ -40,7 +40,7 @@ class Grid:
 
 
 def queue_table(bench, name, variants, get):
-    """Hits and time of get(variant, queue), a row a queue."""
+    """Hits and time of get(variant, queue), a row per queue."""
     rows = []
     for queue in QUEUES:
         rows.append([str(queue)])
@@ -53,7 +53,7 @@ def queue_table(bench, name, variants, get):
 def cache(bench, page):
     """Rows 15 and 16."""
     grids = [Grid(bench, scene, bench.run(scene).at_paper()) for scene in ("buckyball", "head")]
-    # One volume of as many voxels as the largest block has, and one processor: n = N.
+    # A volume as large as the largest block, and one processor: n = N.
     whole = grids[0].blocks[-1]
     small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole,
                                            height=whole).on({"asic.processors": 1}).at_paper())
@@ -82,8 +82,8 @@ def cache(bench, page):
 
 
 def blocks_table(bench, blocks):
-    """Which block is best, with and without leaps (what reordering alone prefers): of the scenes' geometric mean as a
-    text and a number of voxels with leaps, and of each scene as a text without."""
+    """The best block, with leaps and without (by reordering only): for the scenes' geometric mean with leaps as a text
+    and as voxels, and for each scene without leaps as a text."""
     rows, best = [], []
     for leap in (True, False):
         times = [[Grid(bench, scene, bench.run(scene, leap=leap).at_paper()).ms(n) for n in blocks] for scene in SCENES]
@@ -163,7 +163,7 @@ def image_sizes(bench):
 
 def one_block(bench):
     """Rays through one block: whether its voxels are fetched once, whether second samples of a cell hit, the last
-    number of voxels fetched, and how many there are."""
+    number of fetched voxels, and the number of voxels."""
     n = bench.block
     words = (n + 1) ** 3
     rows, exact, second_hits, fetched = [], True, True, 0
@@ -174,7 +174,7 @@ def one_block(bench):
             hits = m["processor.cache.samples_with_misses.0"]
             if step == 1:
                 hits_at_one = hits
-            # All samples but the first of each cell hit, whatever the first did.
+            # All samples except the first of each cell hit.
             second_hits = second_hits and samples - hits <= n ** 3 - hits_at_one
             exact = exact and fetched == words
             rows.append([scene, f"{step:g}", str(samples), str(fetched), str(words), percent(ratio(hits, samples), 1)])

@@ -23,7 +23,7 @@ def on(runs, settings):
 
 
 def time_over_slab(bench, runs, settings, bits=DESIGN_BITS):
-    """The partition's time over the slab's, of the same scene, view and link."""
+    """Time of the partition over that of slabs, with the same scene, view and link."""
     slab = bench.over(on(runs, with_links(SLAB, bits)), asic_ms)
     return spread_of([ratio(ours, theirs) for ours,
                       theirs in zip(bench.over(on(runs, with_links(settings, bits)), asic_ms), slab)])
@@ -113,7 +113,7 @@ def partition_claims(bench, page):
     page.claim(7, differs(in_use[0], 2, 4) or differs(in_use[1], 7) or differs(in_use[2], 20), in_use=in_use,
                half=half_in_use, sent=whole,
                sums=[DESIGN_PROCESSORS * each for each in whole])
-    ray_megabytes = 32 * 100  # a second, of one ray of 32 bytes a cycle at 100 MHz
+    ray_megabytes = 32 * 100  # per second: one ray of 32 bytes per cycle at 100 MHz
     in_all = sent[2] / 100 * DESIGN_PROCESSORS * ray_megabytes
     page.claim(8, differs(cut[2], 12) or differs(cut[0], 0, 1), skewed=cut[2], slab=cut[0], half_skewed=half_cut[2],
                half_slab=half_cut[0],
@@ -169,8 +169,8 @@ def speed_up(bench, page):
 
     (ours, many), (quick, _), (large, _) = map(at_point, (EVEN, EVEN | IDEAL_DSP, EVEN | {"asic.queue_rays": 1024}))
     half, even, half_fast, half_small = (mean_of(speed_ups(settings, most)) for settings in (SKEWED, EVEN, fast, small))
-    # Its cycle-accurate simulator had one processor, and in the other the DSP is a thread without cycles [P §4]: so
-    # much of several compares with a DSP whose work takes no time.
+    # The paper's cycle-accurate simulator had one processor; in its other one the DSP is a thread without cycles [P
+    # §4]. So several processors compare with a DSP without work time.
     page.claim(12, differs(quick, 13.8, 16), ours=ours, quick=quick, large=large, half=half, even=even,
                half_fast=half_fast, half_small=half_small,
                lost=bench.lost_cycles(many), bound=most * bench.mean(many, work_balance),

@@ -7,14 +7,14 @@ PAPER_GAIN = 1.77
 
 
 def queue_chart(page, name, title, y_label, queues, scenes, time):
-    """time(scene, queue): of the machine in scanline order."""
+    """time(scene, queue): time of the machine in scanline order."""
     times = {scene: [time(scene, queue) for queue in queues] for scene in scenes}
     page.chart("The baseline's best queue is the lowest point.", name, title, "rays of the queue", y_label, queues,
                times, log_x=True, log_y=True)
 
 
 def in_turns(columns, ours, theirs):
-    """Cells of both, a column of ours beside one of theirs."""
+    """Cells of both, our columns beside theirs."""
     return [cell for pair in zip(cells(ours, columns), cells(theirs, columns)) for cell in pair]
 
 
@@ -53,7 +53,7 @@ def baseline(bench, page):
 
 
 class Whole:
-    """A lighting pass and its frame on one processor, at the paper's operating point, on volumes of the size of
+    """A lighting pass and its frame on one processor, at the paper's operating point, with volumes of the size of
     `sized`, a Bench. `queue` None: on the reordering machine."""
 
     def __init__(self, bench, sized, scene, queue=None):
@@ -68,7 +68,7 @@ class Whole:
 
 
 def text_of(ours, theirs):
-    """Frames alone, and with a pass in each; how much faster ours are."""
+    """Frames without and with a pass in each; our speed-up."""
     def part(figure_of):
         ms, slow = (", ".join((percent(mean_of([throughput(figure_of(each)) for each in wholes])),
                                f"{mean_of([memory_gb_s(figure_of(each)) for each in wholes]):.1f} GB/s",
@@ -84,7 +84,7 @@ def gain_of(ours, theirs):
 
 
 def lit_baseline(bench, page):
-    """Row 1, of volumes and images of half the edge."""
+    """Row 1, with volumes and images of half the edge."""
     queues = (16, 64, 256)  # rays
     small = Bench(max(32, bench.edge // 2), max(8, bench.image // 2))
     page.say("lit baseline", edge=small.edge, block=small.block, image=small.image)
@@ -97,11 +97,11 @@ def lit_baseline(bench, page):
                 "simulated ms",
                 queues, LIT_SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in LIT_SCENES}
-    # Their 16.3 Hz leave no time for their pass of 361 ms: they are of frames.
+    # Their 16.3 Hz are frames only, because they leave no time for their pass of 361 ms.
     ours, theirs = [Whole(bench, small, scene) for scene in LIT_SCENES], [slow[each] for each in best.items()]
     parts_table(page, "lit-baseline", best, ours, theirs)
     gain = mean_of([gain_of(a.frame, b.frame) for a, b in zip(ours, theirs)])
-    # The gain alone is compared: throughput and traffic are those of the smaller volumes.
+    # Compares only the gain: throughput and traffic are those of the smaller volumes.
     page.claim("1 lighting", differs(gain, PAPER_GAIN), edge=small.edge, ours=text_of(ours, theirs),
                lost=bench.lost_cycles([run.on({PROCESSORS: 1}).at_paper() for run in small.lit_scenes()]))
 
