@@ -1,14 +1,14 @@
 // Cone-beam reconstruction [P §5.6] by the method of Feldkamp, Davis and Kress (1984).
 //
-// The host filters the projections of a source that moves round the object, and the board backprojects them: each ray
-// adds a constant amount to the voxels on its way. Rays spread from the source, so that their density falls with the
-// square of the distance, which is the weight that the method asks for. docs/guide/cone_beam.md derives the amounts.
+// The host filters the projections of a source that moves around the object, and the board backprojects them: each ray
+// adds a constant amount to the voxels on its path. Rays diverge from the source, so their density decreases with the
+// square of the distance, which is the method's weight. docs/guide/cone_beam.md derives the amounts.
 //
 //   c++ -std=c++20 -O2 cone_beam.cpp $(pkg-config --cflags --libs gicube) -o cone_beam
 //   ./cone_beam
 //
-// Writes cone_beam.ppm: the middle slice of the object and of the reconstruction. Prints the mean density about the
-// middle of the large ball, and its error. Returns 1 if that is above 2%.
+// Writes cone_beam.ppm: the middle slice of the object and of the reconstruction. Prints the mean density
+// near the middle of the large ball, and its error. Returns 1 if that is above 2%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ constexpr double kAtAxis = kPitch * kToAxis / kToDetector;
 
 struct Ball {
   Vec3 centre;
-  double radius, density;  // densities of overlapping balls add up; per unit of length
+  double radius, density;  // per unit of length; overlapping balls add their densities
 };
 constexpr Ball kObject[] = {{kMiddle, 26, 1.0},
                             {{44, 36, 31.5}, 6, 0.8},
@@ -44,7 +44,7 @@ double density(Vec3 place) {
   return sum;
 }
 
-// The exact line integral through all balls.
+// Exact line integral through all balls.
 double projection(Vec3 source, Vec3 direction) {
   double sum = 0;
   for (const Ball& ball : kObject) {
@@ -54,7 +54,7 @@ double projection(Vec3 source, Vec3 direction) {
   return sum;
 }
 
-// A row convolved with the band-limited ramp (Kak and Slaney, chapter 3), as if the detector were at the axis.
+// Convolves a row with the band-limited ramp (Kak and Slaney, chapter 3), scaled to the axis.
 std::vector<double> filtered(const std::vector<double>& row) {
   std::vector<double> out(row.size(), 0.0);
   for (int i = 0; i < kColumns; ++i) {
@@ -91,7 +91,7 @@ int main() {
         weighted.push_back(slants.back() * projection(source, normalise(ray.direction)));
       }
       const std::vector<double> values = filtered(weighted);
-      constexpr double kArc = pi / kViews;  // half of a view's share of the turn: each line is measured from both ends
+      constexpr double kArc = pi / kViews;  // half of a view's part of the turn, because each line is measured twice
       for (std::size_t i = 0; i < kColumns; ++i) {
         const auto part = gicube::clip_to_volume(to_pixels[i], {kSize, kSize, kSize});
         if (!part) continue;
@@ -115,7 +115,7 @@ int main() {
       if (x < kSize) continue;
       squares += std::pow(value - density(place), 2);
       ++all;
-      if (length(place - kMiddle) > 4) continue;  // about the middle there is nothing but the large ball
+      if (length(place - kMiddle) > 4) continue;  // only the large ball is near the middle
       mean += value;
       ++inner;
     }

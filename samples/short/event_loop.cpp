@@ -1,15 +1,13 @@
-// An event loop: a program waits for its user and for its board at once, by poll(2).
+// An event loop: a program waits for its user and for its board at the same time, with poll(2).
 //
-// Another thread plays the user, who clicks into the picture. For each click the loop sends a ray, and goes on; when
-// the board has traced it, the batch's descriptor becomes readable (Board::descriptor()), and the loop takes the place
-// that was hit. It never waits for a board while its user waits for it, and never for its user while there is an
-// answer.
+// Another thread simulates the user, who clicks into the picture. For each click the loop sends a ray and continues.
+// When the board has traced it, the batch's descriptor becomes readable (Board::descriptor()), and the loop receives
+// the hit. So clicks never wait for the board, and hits never wait for the user.
 //
 //   c++ -std=c++20 -O2 event_loop.cpp $(pkg-config --cflags --libs gicube) -o event_loop
 //   ./event_loop
 //
-// Prints the first places. Returns 1 unless each click was answered once, by a place within half a voxel of the ball's
-// surface.
+// Prints the first hits. Returns 1 unless each click has one answer within half a voxel of the ball's surface.
 #include <gicube/board.h>
 #include <poll.h>
 #include <unistd.h>

@@ -1,9 +1,8 @@
-// Form factors by pairs of elements [P §5.6]: how much diffuse light of one square arrives at another one, with and
-// without a ball between them.
+// Form factors from pairs of elements [P §5.6]: the share of one square's diffuse light that arrives at another one,
+// with and without a ball between them.
 //
-// The board makes rays between random points of two elements and measures the transmittance of each. The picture is the
-// light of a small square lamp on a floor, one form factor for each part of the floor, with the soft shadow of the
-// ball.
+// The board makes rays between random points of two elements and measures the transmittance of each. The picture shows
+// the light of a small square lamp on a floor with the soft shadow of the ball, one form factor per part of the floor.
 //
 //   c++ -std=c++20 -O2 form_factors.cpp $(pkg-config --cflags --libs gicube) -o form_factors
 //   ./form_factors
@@ -29,7 +28,7 @@ constexpr double kSide = 40, kArea = kSide * kSide;  // of both squares, in voxe
 constexpr Vec3 kBall{31.5, 31.5, 31.5};
 constexpr double kRadius = 9;
 
-// Two opposed equal squares with sides of x distances, from one to the other (Howell, C-11).
+// Form factor of two opposed equal squares with sides of x distances (Howell, C-11).
 double opposed_squares(double x) {
   const double y = 1 + x * x;
   return 2 / (pi * x * x) *
@@ -43,7 +42,7 @@ bool passes_ball(Vec3 from, Vec3 to) {
   return length(from + nearest * way - kBall) > kRadius;
 }
 
-// The mean over n^4 pairs of points of the floor and the lamp, with exact visibility.
+// Mean over n^4 pairs of points of the floor and the lamp, with exact visibility.
 double factor_with_ball(int n) {
   double sum = 0;
   const auto place = [n](int i) { return kLow + (i + 0.5) * kSide / n; };
@@ -68,7 +67,7 @@ int main() {
                      .range = gicube::ValueRange{0, 1},
                      .find_gradients = false});
 
-  // Fronts are on the side of u x v: the floor's upwards, the lamp's downwards.
+  // u x v points to the front: upwards for the floor, downwards for the lamp.
   const gicube::Element floor{.origin = {kLow, kLow, kLow}, .u = {0, 0, kSide}, .v = {kSide, 0, 0}};
   const gicube::Element lamp{.origin = {kLow, kHigh, kLow}, .u = {kSide, 0, 0}, .v = {0, 0, kSide}};
   const gicube::Element squares[] = {floor, lamp};
@@ -80,7 +79,7 @@ int main() {
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0.5, 0}, {0.5, 1}}});
   const double blocked = factor(), blocked_exact = factor_with_ball(24);
 
-  // The picture: a smaller lamp, so that the shadow is darker.
+  // The picture has a smaller lamp, so that the shadow is darker.
   constexpr int kParts = 96;  // of the floor's edge
   std::vector<gicube::Element> elements = {{.origin = {21.5, kHigh, 21.5}, .u = {20, 0, 0}, .v = {0, 0, 20}}};
   std::vector<gicube::ElementPair> pairs;

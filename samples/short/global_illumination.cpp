@@ -1,16 +1,16 @@
-// Global illumination [P §2.2] in two passes: lighting rays leave their energy in the volume, then pictures are lit by
-// it.
+// Global illumination [P §2.2] in two passes: lighting rays deposit their energy in the volume, then it lights
+// pictures.
 //
-// A lamp above a corner with a red wall, a white ball and a blue one. All surfaces scatter light evenly (Lambert), so
-// that balls and floor are coloured by what is next to them. The card has a word of irradiance for each of three
-// colours.
+// A lamp is above a corner with a red wall, a white ball and a blue one. All surfaces scatter light diffusely
+// (Lambert), so that balls and floor receive colour from neighbouring surfaces. The card has an irradiance word for
+// each of three colours.
 //
 //   c++ -std=c++20 -O2 global_illumination.cpp $(pkg-config --cflags --libs gicube) -o global_illumination
 //   ./global_illumination
 //
-// Writes global_illumination.ppm. Prints where the lamp's energy went. Returns 1 if the light that meets the volume
-// differs by more than 0.1% from its closed form, the lamp's power times the solid angle of the volume's top over 4 pi,
-// or if the irradiance that is read back does not sum to what was deposited.
+// Writes global_illumination.ppm. Prints the balance of the lamp's energy. Returns 1 if the light that enters the
+// volume differs by more than 0.1% from its closed form, the lamp's power times the solid angle of the volume's top
+// over 4 pi, or if the sum of the irradiance differs from the deposited energy.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -68,12 +68,12 @@ int main() {
   view.look_at = {28, 18, 34};
   view.fov_degrees = 22;
   view.width = view.height = 320;
-  view.irradiance = true;  // lit by what the lighting rays left
+  view.irradiance = true;  // lit by the deposits of the lighting rays
   view.exposure = 110;     // of a unit of power on a unit of area
   write_image("global_illumination.ppm", board.render(view), 0.05);
 
-  // The solid angle of a square seen from above its middle; the lamp's rays reach the volume through its top alone.
-  // Each of the three colours has the lamp's whole power.
+  // The solid angle of a square from a place above its middle; the lamp's rays enter the volume only through its top.
+  // Each of the three colours has the lamp's full power.
   const double half = kLast / 2, height = kLamp.y - kLast;
   const double solid_angle = 4 * std::asin(half * half / (half * half + height * height));
   const double expected = 3 * kPower * solid_angle / (4 * pi);

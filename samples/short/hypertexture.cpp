@@ -1,10 +1,10 @@
-// Hypertexture [P §2; Perlin and Hoffert 1989]: a ball of fire, a soft solid whose opacity noise displaces.
+// Hypertexture [P §2; Perlin and Hoffert 1989]: a ball of fire, a soft solid with a surface displaced by noise.
 //
 //   c++ -std=c++20 -O2 hypertexture.cpp $(pkg-config --cflags --libs gicube) -o hypertexture
 //   ./hypertexture
 //
 // Writes hypertexture.ppm. Prints the mean difference between the board's opacities along 1000 chords and integrals of
-// the formula itself, which needs no voxels: the error of voxels and samples together. Returns 1 if it is above 0.01.
+// the formula without voxels: the total error of voxels and samples. Returns 1 if it is above 0.01.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -19,11 +19,11 @@ using gicube::Vec3;
 
 constexpr int kSize = 96;  // voxels along each edge
 constexpr Vec3 kMiddle{47.5, 47.5, 47.5};
-constexpr double kRadius = 27, kSoftness = 14;  // of the ball; the width of its surface; voxels
-constexpr double kAmplitude = 15, kCell = 22;   // of the noise: how far it moves the surface; its largest cells; voxels
-constexpr double kOpacity = 0.07;               // of one voxel length where the density is 1
+constexpr double kRadius = 27, kSoftness = 14;  // of the ball, and width of its surface; voxels
+constexpr double kAmplitude = 15, kCell = 22;   // of the noise: greatest displacement, largest cells; voxels
+constexpr double kOpacity = 0.07;               // of one voxel length at density 1
 
-// An even number in -1..1 for each point of the lattice.
+// Uniform random number in -1..1 for each point of the lattice.
 double at_lattice(int x, int y, int z) {
   auto bits = static_cast<std::uint32_t>(x) * 0x8DA6B343u ^ static_cast<std::uint32_t>(y) * 0xD8163841u ^
               static_cast<std::uint32_t>(z) * 0xCB1AB31Fu;
@@ -32,7 +32,7 @@ double at_lattice(int x, int y, int z) {
   return (bits ^ bits >> 15) / 2147483647.5 - 1;
 }
 
-// Values of the lattice, smoothly interpolated.
+// Smooth interpolation between values of the lattice.
 double noise(Vec3 place) {
   const Vec3 cell{std::floor(place.x), std::floor(place.y), std::floor(place.z)}, within = place - cell;
   double sum = 0;
@@ -45,7 +45,7 @@ double noise(Vec3 place) {
   return sum;
 }
 
-// 1 well inside, 0 well outside of the surface that turbulence displaces.
+// 1 deep inside the displaced surface, 0 far outside.
 double density(Vec3 place) {
   double turbulence = 0, share = 1;
   for (double cell = kCell; cell > 4; cell /= 2, share /= 2) turbulence += share * std::abs(noise((1 / cell) * place));

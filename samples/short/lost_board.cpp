@@ -1,14 +1,14 @@
-// A board that is lost: its process dies between two pictures, and the program goes on with the next one.
+// A lost board: its process ends between two pictures, and the program continues with a new one.
 //
-// A board that other programs use too is a process that somebody else starts, such as systemd. Here the program starts
-// it on a socket, kills it, and starts another one. After Board::reopen() the new board has tables and volume again
+// Usually another program, such as systemd, starts the process of a shared board. Here the program starts it on a
+// socket, kills it, and starts another one. After Board::reopen() the new board has tables and volume again
 // (OpenOptions::keep_volume).
 //
 //   c++ -std=c++20 -O2 lost_board.cpp $(pkg-config --cflags --libs gicube) -o lost_board
 //   ./lost_board
 //
-// The program gicube-board is the one that the environment variable GICUBE_BOARD names, or the one on the PATH. Prints
-// what happens. Returns 1 unless the board was lost once and all pictures have the bits of a board that lives on.
+// Runs the gicube-board of the environment variable GICUBE_BOARD, or of the PATH. Prints the events. Returns 1 unless
+// the board is lost once and all pictures have the same bits as those of another board.
 #include <gicube/board.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -42,7 +42,7 @@ void end_board(pid_t process) {
   ::waitpid(process, nullptr, 0);
 }
 
-// Calls `open` until there is a board, for at most ten seconds: a process that has just been started needs a moment.
+// Calls `open` until there is a board, for at most ten seconds, because a process needs some time to start.
 template <typename Open>
 auto when_ready(const Open& open) {
   for (int attempt = 0;; ++attempt) {
@@ -76,7 +76,7 @@ int main() {
   auto board = when_ready([&] { return gicube::Board::open(address, {.keep_volume = true}); });
   load(board);
 
-  auto other = gicube::Board::open("emu:");  // lives on
+  auto other = gicube::Board::open("emu:");  // is not lost
   load(other);
   int losses = 0, different = 0;
   for (int number = 0; number < kPictures; ++number) {

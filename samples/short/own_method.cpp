@@ -1,10 +1,10 @@
-// A reconstruction method of one's own on gicube::Projector: views on any orbit, here a helix, and gradient descent
-// with momentum (Nesterov 1983) on half the square of what the projections miss, values below 0 cut off.
+// A new reconstruction method on gicube::Projector, for views on any orbit, here a helix: gradient descent with
+// momentum (Nesterov 1983) on half the squared residual of the projections, without values below 0.
 //
 //   c++ -std=c++20 -O2 own_method.cpp $(pkg-config --cflags --libs gicube) -o own_method
 //   ./own_method
 //
-// Prints the residual after each tenth iteration, and the error of the volume. Returns 1 if that is above a tenth.
+// Prints the residual of every tenth iteration, and the error of the volume. Returns 1 if that is above 1/10.
 #include <gicube/projector.h>
 
 #include <cmath>
@@ -21,9 +21,9 @@ double norm(const Values& values) {
   return std::sqrt(sum);
 }
 
-// The method: forty lines with its loop.
+// The method, with its loop.
 Values reconstruct(gicube::Projector& projector, const Values& measured, std::size_t voxels, int iterations) {
-  // The greatest eigenvalue of backproject(project()), by the power method: steps of its inverse never overshoot.
+  // Greatest eigenvalue of backproject(project()), by the power method; steps of its inverse do not overshoot.
   Values x(voxels, 1.0F);
   double greatest = 1;
   for (int i = 0; i < 6; ++i) {

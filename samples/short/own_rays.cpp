@@ -1,14 +1,14 @@
-// Rays of the application, and visibility between points [P §3.5, §5.6]: a panorama, a camera that the board does not
-// have.
+// Rays of the application, and visibility between points [P §3.5, §5.6]: a panorama, which is not a camera of the
+// board.
 //
-// Rays in all directions from the middle of a round room end at the first opaque sample (kFirstHit). From each place
-// that they meet, another ray asks whether a lamp can be seen from there (kOpacity).
+// Rays in all directions from the middle of a round room end at the first opaque sample (kFirstHit). From each hit,
+// another ray tests the visibility of a lamp (kOpacity).
 //
 //   c++ -std=c++20 -O2 own_rays.cpp $(pkg-config --cflags --libs gicube) -o own_rays
 //   ./own_rays
 //
 // Writes own_rays.ppm. Prints the mean error of the distances against exact intersections with spheres, and the share
-// of rays whose visibility differs from the exact one. Returns 1 if they are above 0.2 voxels or 1%.
+// of rays with a visibility other than the exact one. Returns 1 if they are above 0.2 voxels or 1%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::vector<Ball> balls() {
   return out;
 }
 
-// The distance at which a ray enters a ball, or infinity. `direction` has unit length.
+// Distance at which a ray enters a ball, or infinity. `direction` has unit length.
 double distance_to(const Ball& ball, Vec3 place, Vec3 direction) {
   const Vec3 to = ball.centre - place;
   const double along = dot(to, direction), inside = ball.radius * ball.radius - dot(to, to) + along * along;
@@ -74,7 +74,7 @@ int main() {
   const gicube::RayBatch hits =
       board.receive(board.submit(rays, {.type = gicube::RayType::kFirstHit, .opacity = 0.5, .step = 0.25}));
 
-  // Exact distances and normals; rays to the lamp start a little off the surface.
+  // Exact distances and normals; rays to the lamp start slightly off the surface.
   std::vector<gicube::HostRay> to_lamp;
   std::vector<gicube::Colour> pixels;
   double distance_error = 0;

@@ -1,14 +1,14 @@
 // Path tracing [P §2]: a cloud, lit by a lamp, with all orders of scattering.
 //
-// Paths begin at the eye. The board says where a flight ends: a first hit ends where the opacity that a ray has
-// gathered reaches a number, and if that number is random, flights have the lengths of free paths in the medium. From
-// each place of scattering another ray of the board finds what of the lamp's light arrives there (kOpacity).
+// Paths begin at the eye. A first hit ends a segment where the ray's opacity reaches a number; with a random number,
+// segments have the lengths of free paths in the medium. At each scattering, another ray of the board finds the share
+// of the lamp's light that arrives there (kOpacity).
 //
 //   c++ -std=c++20 -O2 path_tracing.cpp $(pkg-config --cflags --libs gicube) -o path_tracing
 //   ./path_tracing
 //
 // Writes path_tracing.ppm. Prints the power that a box in the cloud absorbs, by paths that begin there and by photons
-// of the board (illuminate()), which share nothing but the volume. Returns 1 if they differ by more than 5%.
+// of the board (illuminate()), two methods that share only the volume. Returns 1 if they differ by more than 5%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -26,11 +26,11 @@ using std::numbers::pi;
 
 constexpr int kSize = 48;  // voxels along each edge
 constexpr gicube::Dims kDims{kSize, kSize, kSize};
-constexpr double kExtinction = 0.5, kAlbedo = 0.9;  // of the densest part, per voxel; the share that is scattered
+constexpr double kExtinction = 0.5, kAlbedo = 0.9;  // of the densest part, per voxel; share of scattering
 constexpr Vec3 kLamp{-20, 75, 0};
 constexpr double kPower = 1e5;
 
-// Per voxel: soft balls, denser in their middles.
+// Extinction per voxel of soft balls, denser in their middles.
 double extinction(Vec3 place) {
   double density = 0;
   for (const auto& [ball, radius] :
@@ -40,7 +40,7 @@ double extinction(Vec3 place) {
 }
 
 struct Path {
-  std::size_t id;  // of the estimate that it counts for
+  std::size_t id;  // of its estimate
   Vec3 place, direction;
   double weight = 1;
 };
@@ -60,7 +60,7 @@ class Tracer {
     return {level * std::cos(turn), level * std::sin(turn), z};
   }
 
-  // The lamp's power on a unit of area that faces it, at each place, after what the cloud takes.
+  // The lamp's attenuated power per unit of area that faces it, at each place.
   std::vector<double> lamp_at(const std::vector<Path>& paths) {
     std::vector<gicube::HostRay> rays;
     for (const Path& path : paths) {
@@ -75,7 +75,7 @@ class Tracer {
     return out;
   }
 
-  // Sums, by id, of the radiances that arrive at the paths' places against their directions.
+  // Sums by id of the radiances that arrive at the paths' places against their directions.
   std::vector<double> radiances(std::vector<Path> paths, std::size_t ids) {
     std::vector<double> sums(ids);
     while (!paths.empty()) {
@@ -83,7 +83,7 @@ class Tracer {
       const std::vector<double> lamp = lamp_at(paths);
       std::vector<Path> scattered;
       for (std::size_t i = 0; i < paths.size(); ++i) {
-        sums[paths[i].id] += kAlbedo * paths[i].weight * lamp[i] / (4 * pi);  // it scatters alike in all directions
+        sums[paths[i].id] += kAlbedo * paths[i].weight * lamp[i] / (4 * pi);  // scatters isotropically
         if (uniform() < kAlbedo) scattered.push_back({paths[i].id, paths[i].place, any_direction(), paths[i].weight});
       }
       paths = std::move(scattered);
@@ -92,9 +92,9 @@ class Tracer {
   }
 
  private:
-  // Each path at its next place of scattering; those that leave the volume end.
+  // Moves each path to its next scattering; paths that leave the volume end.
   std::vector<Path> flown(std::vector<Path> paths) {
-    constexpr std::size_t kRequests = 64;  // one request has one opacity: paths are dealt to them at random
+    constexpr std::size_t kRequests = 64;  // one request has one opacity: paths are assigned at random
     constexpr double kStep = 0.5;          // voxels
     std::shuffle(paths.begin(), paths.end(), engine_);
     std::vector<Path> out;
@@ -108,7 +108,7 @@ class Tracer {
       const gicube::RayRequest first_hit{.type = gicube::RayType::kFirstHit, .opacity = opacity, .step = kStep};
       for (const gicube::TracedRay& hit : board_.receive(board_.submit(rays, first_hit)).rays) {
         if (hit.opacity < opacity) continue;
-        Path path = paths[hit.id];  // it ends somewhere in the sample's step
+        Path path = paths[hit.id];  // ends somewhere in the sample's step
         const double beyond = std::log((1 - opacity) / (1 - hit.opacity)) / std::max(extinction(hit.position), 1e-3);
         path.place = in_volume(hit.position + std::max(-kStep / 2, kStep / 2 - beyond) * path.direction);
         out.push_back(path);
@@ -134,7 +134,7 @@ int main() {
   board.set_transfer_function(function);
   Tracer tracer(board);
 
-  constexpr std::size_t kPixels = 96, kPaths = 16;  // of the picture's edge, of a pixel
+  constexpr std::size_t kPixels = 96, kPaths = 16;  // of the picture's edge, and per pixel
   const Vec3 eye{23.5, 15, -110}, forward = normalise(Vec3{23.5, 22, 23.5} - eye);
   const Vec3 right = normalise(cross(forward, {0, 1, 0})), up = cross(right, forward);
   std::vector<Path> paths;
@@ -153,8 +153,8 @@ int main() {
   }
   write_light("path_tracing.ppm", kPixels, pixels);
 
-  // The power that a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, by paths that begin in
-  // it.
+  // The power that a box absorbs: its volume times the mean of extinction (1 - albedo) fluence, from paths that begin
+  // in it.
   const gicube::VoxelBox box{{14, 16, 14}, {16, 12, 16}};
   const double volume = box.size[0] * box.size[1] * box.size[2];
   constexpr std::size_t kBegins = 30'000;

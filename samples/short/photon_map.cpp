@@ -1,14 +1,14 @@
-// A photon map [P §2; Jensen 1996]: the caustic that a polished ring throws on the floor inside it.
+// A photon map [P §2; Jensen 1996]: the caustic of a polished ring on the floor inside it.
 //
-// The host sends photons from a lamp and keeps those that arrive on the floor; the board says what each flight meets
-// (kFirstHit). The light on a place is the power of the photons near it. The picture's rays go the same ways.
+// The host sends photons from a lamp and keeps those that arrive on the floor; the board finds their hits (kFirstHit).
+// The light on a place is the power of the photons near it. The picture's rays are traced in the same way.
 //
 //   c++ -std=c++20 -O2 photon_map.cpp $(pkg-config --cflags --libs gicube) -o photon_map
 //   ./photon_map
 //
-// Writes photon_map.ppm. Prints the RMS error of the light on the floor beside the ring, where it is the lamp's alone,
-// power cos / (4 pi r^2); and of the power inside the ring, which must be what enters through its opening. Returns 1 if
-// one is above 3%.
+// Writes photon_map.ppm. Prints the RMS error of the light on the floor beside the ring, where it comes only from the
+// lamp, power cos / (4 pi r^2), and the error of the power inside the ring, which must equal the power through its
+// opening. Returns 1 if one is above 3%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -34,13 +34,13 @@ constexpr double kGather = 1.0;            // radius of the disc in which photon
 
 double from_axis(Vec3 place) { return std::hypot(place.x - kAxis.x, place.z - kAxis.z); }
 
-// The power that falls on a unit of a level area.
+// Power per unit of horizontal area.
 double direct_light(Vec3 place) {
   const Vec3 way = kLamp - place;
   return kPower * way.y / (4 * pi * std::pow(length(way), 3));
 }
 
-// Where rays end, by their ids, after any number of reflections inside the ring: on the floor or on the ring's outside.
+// Ends of rays, by ids, on the floor or the ring's outside, after any number of reflections inside the ring.
 std::vector<std::optional<Vec3>> ends_of(gicube::Board& board, std::vector<gicube::HostRay> rays, std::size_t ids) {
   std::vector<std::optional<Vec3>> ends(ids);
   while (!rays.empty()) {
@@ -80,7 +80,7 @@ int main() {
                      .range = gicube::ValueRange{0, 1}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0.5, 0}, {0.5, 1}}});
 
-  // One photon to a random place in each cell of a grid on the floor, which is a little wider than the volume.
+  // One photon to a random place in each cell of a grid on the floor, which is slightly wider than the volume.
   constexpr int kCells = 500;
   constexpr double kLow = -8, kEdge = 88;
   std::mt19937 engine(1);
@@ -95,7 +95,7 @@ int main() {
     whole.id = static_cast<std::uint32_t>(photons.size());
     if (const auto ray = gicube::clip_to_volume(whole, {kSize, kSize, kSize})) photons.push_back(*ray);
   }
-  std::vector<std::vector<std::pair<Vec3, double>>> map(kSize * kSize);  // places and powers, by the voxel of the floor
+  std::vector<std::vector<std::pair<Vec3, double>>> map(kSize * kSize);  // places and powers, by voxels of the floor
   double inside = 0;
   const auto arrivals = ends_of(board, photons, photons.size());
   for (std::size_t i = 0; i < photons.size(); ++i) {

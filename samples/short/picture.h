@@ -1,4 +1,4 @@
-// Pictures of the short samples as PPM files, which most viewers open.
+// Writes pictures of the short samples as PPM files, which most viewers open.
 #pragma once
 
 #include <gicube/image.h>

@@ -1,15 +1,14 @@
-// Polygons in a participating medium [P §2]: a room with a lamp, coloured walls and a cube, full of fog that has
-// settled.
+// Polygons in a participating medium [P §2]: a room with a lamp, coloured walls and a cube, full of settled fog.
 //
-// The zonal method (Hottel and Sarofim 1967, Rushmeier and Torrance 1987): the polygons are cut into patches and the
-// fog into zones, and each exchanges light with all others. The board holds fog and cube, and finds how much of the
-// light gets from one element to another. The picture's rays go in legs, which say what the fog lets through.
+// The zonal method (Hottel and Sarofim 1967, Rushmeier and Torrance 1987) divides the polygons into patches and the fog
+// into zones; each exchanges light with all others. The board has the fog and the cube, and finds the shares of light
+// between elements. The picture's rays are divided into segments, which give the transmittance of the fog.
 //
 //   c++ -std=c++20 -O2 polygons.cpp $(pkg-config --cflags --libs gicube) -o polygons
 //   ./polygons
 //
-// Writes polygons.ppm. Prints the RMS error of the sums of the patches' form factors, which are 1 in a closed room,
-// because all light meets a polygon or the fog. Returns 1 if it is above 3%.
+// Writes polygons.ppm. Prints the RMS error of the sums of the patches' form factors. They are 1 in a closed room,
+// because all light reaches a polygon or the fog. Returns 1 if it is above 3%.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -43,7 +42,7 @@ struct Face {  // its front is to the side of u x v; patches are counted along u
   std::size_t first;  // the element of the first patch
 };
 
-// The faces of a cube, low and high along x, y, z, seen from inside or outside.
+// Faces of a cube, low and high along x, y, z, for views from inside or outside.
 void add_faces(std::vector<Face>& out, Vec3 low, double edge, int parts, bool inside,
                const std::array<Colour, 6>& albedos) {
   const Vec3 axes[] = {{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}};
@@ -54,7 +53,7 @@ void add_faces(std::vector<Face>& out, Vec3 low, double edge, int parts, bool in
   }
 }
 
-// The lower or the upper one of the two cells of a row of `count` whose middles are next to `at`, 0..1, and its weight.
+// The lower or upper one of the two cells in a row of `count` with middles next to `at`, 0..1, and its weight.
 std::pair<std::size_t, double> next_to(double at, int count, int upper) {
   const double place = std::clamp(at * count - 0.5, 0.0, count - 1.0), lower = std::min(std::floor(place), count - 2.0);
   return {std::size_t(lower) + std::size_t(upper), upper == 0 ? 1 - (place - lower) : place - lower};
@@ -115,7 +114,7 @@ int main() {
     albedo.push_back({0.9, 0.9, 0.9});
   }
 
-  // Form factors, a row for each element: the shares of its light that arrive at the others. A zone also lights itself.
+  // Form factors, a row per element: shares of its light that arrive at the others. A zone also lights itself.
   const std::size_t n = elements.size();
   std::vector<gicube::ElementPair> pairs;
   for (std::uint32_t a = 0; a < n; ++a) {
@@ -132,7 +131,7 @@ int main() {
     const std::span<double> row(&factors[a * n], n);
     const double sum = std::accumulate(row.begin(), row.end(), 0.0);
     if (a < patches) squares += std::pow(sum - 1, 2) / static_cast<double>(patches);
-    for (double& factor : row) factor /= sum;  // so that no light is lost
+    for (double& factor : row) factor /= sum;  // conserves the light
   }
 
   // The light that leaves each element, pi times its radiance, by iteration. The lamp is the middle of the ceiling.

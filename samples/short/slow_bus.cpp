@@ -1,16 +1,14 @@
-// A test of an application on a slow bus: does it keep its promise on the oldest machine of its users?
-// (gicube/testing.h)
+// A test of an application on a slow bus, for the oldest machine of its users (gicube/testing.h).
 //
-// The application shows a preview in a quarter of the size while the user turns the object, and promises that the
-// picture is on the host within 16 ms. Times are simulated, so the test gives the same answer on every machine, however
-// busy.
+// The application shows a preview in a quarter of the size while the user turns the object; the picture must be on the
+// host within 16 ms. Times are simulated, so the test has the same result on all machines at any load.
 //
 //   c++ -std=c++20 -O2 slow_bus.cpp $(pkg-config --cflags --libs gicube) -o slow_bus
 //   ./slow_bus
 //
-// With CMake, gicube_add_test(NAME slow_bus SOURCES slow_bus.cpp BUS pci33 agp4x) makes a test for each bus.
-// Returns 1 and prints what was expected and what came, if the promise is broken or the picture's way to the host has
-// not the closed form.
+// With CMake, gicube_add_test(NAME slow_bus SOURCES slow_bus.cpp BUS pci33 agp4x) makes a test for each bus. Returns 1
+// and prints the expected and the actual value, if the picture is late or the time of its transfer differs from the
+// closed form.
 #include <gicube/testing.h>
 
 #include <cstdio>
@@ -50,7 +48,7 @@ void check(const char* bus, double clock) {
   const test::Window resting(board);
   show(board, false);
   const test::Measured whole = resting.end();
-  std::printf("%s: %.2f ms a preview, %.2f ms a whole picture\n", bus, gicube::to_ms(preview.time),
+  std::printf("%s: %.2f ms per preview, %.2f ms per full picture\n", bus, gicube::to_ms(preview.time),
               gicube::to_ms(whole.time));
 
   test::require({gicube::to_ms(preview.time) < 16, "a preview takes too long"});

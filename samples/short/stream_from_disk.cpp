@@ -1,14 +1,13 @@
-// A volume from disk that never is in memory as a whole: planes are read while they are loaded (VolumeStream).
+// A volume from disk that is never completely in memory: VolumeStream reads planes during loading.
 //
-// The driver asks for a few planes at a time, in their order, and keeps what the card does not store in a file of its
-// own. So a volume may be larger than the host's memory; its edges have up to 1024 voxels.
+// The driver requests a few planes at a time, in order, and keeps data that the card does not store in its own file. So
+// a volume may be larger than the host's memory; its edges have up to 1024 voxels.
 //
 //   c++ -std=c++20 -O2 stream_from_disk.cpp $(pkg-config --cflags --libs gicube) -o stream_from_disk
 //   ./stream_from_disk
 //
-// Writes a raw file and removes it again. Prints how many planes were read at once at most. Returns 1 if that is half
-// of them or more, if a plane was read twice or not at all, or if the picture differs from that of the same volume in
-// memory.
+// Writes a raw file and removes it again. Prints the greatest number of planes per read. Returns 1 if that is at least
+// half of them, if a plane is not read exactly once, or if the picture differs from that of the same volume in memory.
 #include <gicube/board.h>
 
 #include <cstdio>

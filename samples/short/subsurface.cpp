@@ -1,15 +1,14 @@
-// Light beneath a surface [P §5.6]: how far a material spreads the light that falls on one point of it.
+// Light beneath a surface [P §5.6]: the distance over which a material diffuses light on one point of it.
 //
-// Photons enter a thick slab of a medium, go from scattering to scattering, and come out of its top again somewhere
-// else. The board says where each flight ends: a first hit ends where the opacity that a ray has gathered reaches a
-// number, and if that number is random, flights have the lengths of free paths in the medium. The mean profile R(r),
-// light that comes out of a unit of area at the distance r, is then applied to a pattern of light.
+// Photons enter a thick slab of a medium, scatter, and leave its top at another place. A first hit ends a segment where
+// the ray's opacity reaches a number; with a random number, segments have the lengths of free paths in the medium. The
+// pattern of light is then convolved with the mean profile R(r), the light that leaves a unit of area at distance r.
 //
 //   c++ -std=c++20 -O2 subsurface.cpp $(pkg-config --cflags --libs gicube) -o subsurface
 //   ./subsurface
 //
-// Writes subsurface.ppm: the pattern, and how the material shows it. Prints the reflected share of red, green and blue
-// light, and their closed form, 1 - sqrt(1 - albedo) H(1) by Chandrasekhar. Returns 1 if one is off by more than 0.01.
+// Writes subsurface.ppm: the pattern, and its image on the material. Prints the reflected share of red, green and blue
+// light, and their closed form, 1 - sqrt(1 - albedo) H(1) by Chandrasekhar. Returns 1 if one error is above 0.01.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -27,7 +26,7 @@ using std::numbers::pi;
 constexpr int kSize = 64;  // voxels along each edge; the slab fills the volume
 constexpr double kTop = kSize - 1, kMiddle = kTop / 2;
 constexpr double kExtinction = 0.5;        // per voxel: the slab is 32 mean free paths thick
-constexpr Colour kAlbedo{0.95, 0.8, 0.4};  // shares that are scattered, not absorbed: red goes furthest
+constexpr Colour kAlbedo{0.95, 0.8, 0.4};  // shares of scattering: red travels farthest
 constexpr int kPhotons = 40'000, kRings = 64;
 constexpr double kRingWidth = 0.25;  // voxels
 
@@ -66,7 +65,7 @@ int main() {
   std::vector<Colour> rings(kRings);
   Colour reflected{};
   while (!photons.empty()) {
-    // One request has one opacity for all of its rays, so the photons are dealt to requests at random.
+    // One request has one opacity for all its rays, so photons are assigned to requests at random.
     constexpr std::size_t kRequests = 64;
     constexpr double kStep = 0.5;  // voxels
     std::shuffle(photons.begin(), photons.end(), engine);
@@ -82,7 +81,7 @@ int main() {
           board.receive(board.submit(rays, {.type = gicube::RayType::kFirstHit, .opacity = opacity, .step = kStep}));
       for (const gicube::TracedRay& hit : hits.rays) {
         Photon photon = photons[hit.id];
-        // The hit is the sample that begins the step in which the opacity is reached.
+        // The hit is the sample at the beginning of the step in which the opacity is reached.
         const double beyond = std::log((1 - opacity) / (1 - hit.opacity)) / kExtinction;
         const double flight = length(hit.position - photon.place) + kStep - beyond;
         const Vec3 end = photon.place + flight * photon.direction;
@@ -110,7 +109,7 @@ int main() {
   }
 
   // Left: a star of light. Right: the same star convolved with the profile.
-  constexpr int kPixels = 160, kReach = 64;  // of the pictures' edges; pixels to which the profile reaches
+  constexpr int kPixels = 160, kReach = 64;                // of the pictures' edges; radius of the profile in pixels
   constexpr double kPixel = kRings * kRingWidth / kReach;  // voxels
   const auto star = [](int x, int y) {
     const double u = x - kPixels / 2.0, v = y - kPixels / 2.0;

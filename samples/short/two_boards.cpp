@@ -1,13 +1,13 @@
-// Two boards that share their work (BoardGroup): each makes half of a picture's rows and traces half of the rays.
+// Two boards that share work (BoardGroup): each renders half of a picture's rows and traces half of the rays.
 //
-// Both load the volume. What they make together has the bits of one board, so the pictures of one and two boards can be
-// compared exactly.
+// Both load the volume. Their common results have the same bits as one board's, so the pictures of one and two boards
+// can be compared exactly.
 //
 //   c++ -std=c++20 -O2 two_boards.cpp $(pkg-config --cflags --libs gicube) -o two_boards
 //   ./two_boards
 //
-// Prints the simulated time of one picture on one board and on two, on one bus and with a bus each. Returns 1 unless
-// all have the same bits and two boards with a bus each take less than 0.6 times as long as one.
+// Prints the simulated time of a picture on one board and on two, with one bus and with two. Returns 1 unless all
+// pictures have the same bits and two boards with two buses need less than 0.6 times the time of one.
 #include <gicube/board_group.h>
 
 #include <cstdio>
@@ -42,7 +42,7 @@ Result run(const char* address) {
     rays.push_back({i, {double(i % 60) + 1, double(i / 60 % 60) + 1, 0}, {0, 0, 1}});
   }
   result.rays = boards.trace(rays, {.type = gicube::RayType::kFirstHit, .opacity = 0.5}).rays;
-  std::printf("%-40s %.3f ms a picture\n", address, result.ms);
+  std::printf("%-40s %.3f ms per picture\n", address, result.ms);
   return result;
 }
 

@@ -1,6 +1,6 @@
 // Volume rendering [P §2.1]: a translucent ball around three dense ones.
 //
-// A volume is made from a formula, a transfer function gives its values colours and opacities, and the board renders
+// The program makes a volume from a formula and sets a transfer function for colours and opacities; the board renders
 // it.
 //
 //   c++ -std=c++20 -O2 volume_rendering.cpp $(pkg-config --cflags --libs gicube) -o volume_rendering
@@ -25,14 +25,14 @@ constexpr double kOuter = 28, kInner = 7;                              // radii,
 constexpr double kThinOpacity = 0.02, kDenseOpacity = 0.3;             // of one voxel length
 constexpr Vec3 kDense[] = {{46, 38, 24}, {22, 44, 40}, {30, 17, 28}};  // centres of the dense balls
 
-// The length of the line through `place` along the unit vector `direction` that lies in a ball.
+// Length inside a ball of the line through `place` along the unit vector `direction`.
 double chord(Vec3 place, Vec3 direction, Vec3 centre, double radius) {
   const Vec3 offset = cross(centre - place, direction);
   return 2 * std::sqrt(std::max(0.0, radius * radius - dot(offset, offset)));
 }
 
 int main() {
-  // 0.25 at the surface of the thin ball, 0.75 at those of the dense ones; values rise over some voxels inwards, so
+  // 0.25 at the surface of the thin ball, 0.75 at those of the dense ones. Values rise over a few voxels inwards, so
   // that the transfer function's steps find the surfaces between voxels.
   const auto values = make_voxels({kSize, kSize, kSize}, [](Vec3 place) {
     double value = std::clamp(0.25 + (kOuter - length(place - kMiddle)) / 4, 0.0, 0.5);
@@ -52,10 +52,10 @@ int main() {
   gicube::View view;
   view.eye = {100, 80, -60};
   view.look_at = kMiddle;
-  view.orthographic_height = kSize;  // parallel rays, a picture as high as the volume's edge
+  view.orthographic_height = kSize;  // parallel rays; the picture is as high as the volume's edge
   view.width = view.height = 320;
   view.step = 0.25;            // voxels
-  view.opacity_threshold = 1;  // no ray ends early, so that opacities can be compared
+  view.opacity_threshold = 1;  // no ray ends early, so that opacities are exact
   const gicube::Image image = board.render(view);
   write_image("volume_rendering.ppm", image);
 

@@ -1,15 +1,14 @@
-// A volumetric texture [P §5.6]: woven threads, a small volume, cover a torus.
+// A volumetric texture [P §5.6]: a small volume of woven threads covers a torus.
 //
-// The mesh's quads and their copies further out are the ends of hexahedra, each of which holds the volume once. They
-// are cut into six tetrahedra, in which texture coordinates are an affine map (Porumbescu et al. 2005): a straight
-// viewing ray is straight in the volume too. So the board traces one segment of each ray in each tetrahedron, and the
-// host composites.
+// The mesh's quads and their outer copies are the ends of hexahedra, each with one copy of the volume. A hexahedron is
+// divided into six tetrahedra with affine texture coordinates (Porumbescu et al. 2005), so that a straight viewing ray
+// is also straight in the volume. The board traces one segment per ray and tetrahedron, and the host composites.
 //
 //   c++ -std=c++20 -O2 volumetric_texture.cpp $(pkg-config --cflags --libs gicube) -o volumetric_texture
 //   ./volumetric_texture
 //
 // Writes volumetric_texture.ppm. Prints the mean difference between the segments' opacities and integrals of the
-// formula of the threads itself, for one segment in 50. Returns 1 if it is above 0.02.
+// threads' formula, for one segment in 50. Returns 1 if it is above 0.02.
 #include <gicube/board.h>
 
 #include <algorithm>
@@ -29,8 +28,8 @@ constexpr double kOpacity = 0.5;           // of one voxel length in the middle 
 constexpr int kAround = 30, kAcross = 12;  // quads of the torus
 constexpr double kRing = 1, kTube = 0.36, kThickness = 0.13;
 
-// Two threads run along u and two along v, over and under one another; all coordinates are 0..1. This is how deep a
-// place is in the threads of one direction: 1 in the middle of one, 0 outside.
+// Two threads run along u and two along v, over and under one another; all coordinates are 0..1. Returns the depth of a
+// place in the threads of one direction: 1 in the middle of a thread, 0 outside.
 double thread(double along, double across, double w, double sign) {
   double depth = 0;
   for (const double middle : {0.25, 0.75}) {
@@ -80,7 +79,7 @@ int main() {
       {.phong = {.ambient = 0.35, .diffuse = 0.8, .specular = 0.3}, .light = {0.3, 0.2, 1}});  // in the texture
 
   constexpr int kPixels = 240;
-  constexpr double kWide = 0.9;  // of the picture at the unit distance from the eye
+  constexpr double kWide = 0.9;  // width of the picture at unit distance from the eye
   const Vec3 eye{0, 2.3, -3.0}, forward = normalise(-1.0 * eye), right = normalise(cross(forward, {0, 1, 0}));
   const Vec3 up = cross(right, forward);
   const auto direction = [&](int x, int y) {
