@@ -39,10 +39,11 @@ if(NOT GICUBE_PICTURES)
 endif()
 # libgicube-pictures.so, which they load when they need OpenImageIO (driver/scene/formats/pictures/picture_library.h).
 # Nothing links it.
-add_library(gicube-pictures SHARED ${PROJECT_SOURCE_DIR}/driver/scene/pictures/pictures.cpp)
+add_library(gicube-pictures SHARED ${PROJECT_SOURCE_DIR}/driver/scene/pictures/pictures.cpp
+    ${PROJECT_SOURCE_DIR}/driver/scene/pictures/tiff.cpp)
 target_include_directories(gicube-pictures PRIVATE ${PROJECT_SOURCE_DIR}/driver ${PROJECT_SOURCE_DIR}/driver/include
     ${scene_include})
-target_link_libraries(gicube-pictures PRIVATE gicube_options PkgConfig::OpenImageIO)
+target_link_libraries(gicube-pictures PRIVATE gicube_options PkgConfig::OpenImageIO TIFF::TIFF)
 target_link_options(gicube-pictures PRIVATE LINKER:--as-needed)
 set_target_properties(gicube-pictures PROPERTIES
   CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON

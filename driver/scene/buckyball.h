@@ -26,7 +26,7 @@ struct Molecule {
 // Centred on the origin, all atoms at distance 1 from it, one pentagon's centre on the +z axis.
 Molecule truncated_icosahedron();
 
-// A sphere an atom, a capsule a bond.
+// A sphere for each atom, a capsule for each bond.
 std::vector<Field> atom_fields(const Molecule& molecule, double radius);
 std::vector<Field> bond_fields(const Molecule& molecule, double radius);
 
@@ -43,11 +43,11 @@ struct BuckyballShape {
   double turn_degrees = 9;  // about the vertical axis, so that no bond hides another from the default camera
 };
 
-// size^3 voxels, a BuckyballTag each; the same for any number of threads (0 = one a core). Throws InputError if the
-// size is out of range.
+// size^3 voxels with a BuckyballTag each; the same for any number of threads (0 = one per core). Throws InputError if
+// the size is out of range.
 VoxelWorld make_buckyball(int size, bool gradients, int threads = 0, const BuckyballShape& shape = {});
 
-// How the scene likes to be seen: absolute transfer functions by tag, light, camera (in voxels) and background.
+// The default appearance of the scene: absolute transfer functions by tag, light, camera (in voxels) and background.
 Appearance buckyball_appearance(int size);
 
 }  // namespace gicube::scene

@@ -12,7 +12,7 @@
 namespace gicube::scene {
 namespace {
 
-// Numbers one after the other: never a whole record, whose padding may hold anything.
+// Hashes numbers one after the other, not whole records, whose padding is undefined.
 struct Hasher {
   std::uint64_t hash = 0;
 

@@ -1,4 +1,4 @@
-// Hashes of what a scene became.
+// Hash of a scene's voxels.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace gicube::scene {
 
-// SceneSetup::voxel_hash.
+// The value of SceneSetup::voxel_hash.
 std::uint64_t hash_of_voxels(const SceneSetup& setup);
 
 }  // namespace gicube::scene

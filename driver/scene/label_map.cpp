@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kTags = 4;
 
-// Okabe and Ito (2008): people with any colour vision can tell them apart.
+// Okabe and Ito (2008): distinguishable with any colour vision.
 struct Named {
   const char* name;
   Colour colour;
@@ -28,10 +28,10 @@ constexpr std::array<Named, kTags> kColours{{{"orange", {0.90, 0.62, 0.00}},
                                              {"sky blue", {0.34, 0.71, 0.91}},
                                              {"green", {0.00, 0.62, 0.45}},
                                              {"purple", {0.80, 0.47, 0.65}}}};
-constexpr double kThrough = 0.7;  // chosen: the share of light that passes a translucent label,
-constexpr double kShell = 0.2;    // and the opacity of a voxel of its surface, which is shaded
+constexpr double kThrough = 0.7;  // chosen: the share of light that passes through a translucent label
+constexpr double kShell = 0.2;    // chosen: the opacity of a voxel at its surface, which is shaded
 
-// Between voxels (x, y, z) and those one further along each axis.
+// Calls use(i, next) for each pair of neighbouring voxels.
 template <typename Use>
 void for_each_pair(const Dims& dims, const Use& use) {
   const std::array<std::size_t, 3> strides{1, static_cast<std::size_t>(dims[0]), voxels_of({dims[0], dims[1], 1})};
@@ -47,7 +47,7 @@ void for_each_pair(const Dims& dims, const Use& use) {
   }
 }
 
-// Faces between voxels of two labels, by both.
+// The number of faces between voxels of two labels, by both labels.
 using Contacts = std::vector<std::map<std::uint16_t, std::size_t>>;
 Contacts contacts_of(const SceneSetup& setup) {
   Contacts contacts(setup.label_values.size());
@@ -60,7 +60,7 @@ Contacts contacts_of(const SceneSetup& setup) {
   return contacts;
 }
 
-// Labels by how much they touch others: each takes the tag that its neighbours have least.
+// Labels in the order of their number of neighbours: each gets the tag that is rarest among its neighbours.
 std::vector<std::uint8_t> tags_of(const Contacts& contacts) {
   const std::size_t count = contacts.size();
   std::vector<std::uint8_t> tags(count);
@@ -89,8 +89,7 @@ std::vector<std::uint8_t> tags_of(const Contacts& contacts) {
   return tags;
 }
 
-// How a label is shown that hides another, whose box lies inside of its own on all sides: opacity of a voxel; 1 for all
-// others.
+// The opacities of a voxel by label: below 1 for labels that enclose another, whose box is inside theirs on all sides.
 std::vector<double> opacities_of(const SceneSetup& setup) {
   struct Extent {
     std::array<int, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{-1, -1, -1};
@@ -102,7 +101,7 @@ std::vector<double> opacities_of(const SceneSetup& setup) {
         all = all && other.low[axis] > low[axis] && other.high[axis] < high[axis];
       return all;
     }
-    // Voxels along a line that crosses it, on average; of an ellipsoid in that box.
+    // The mean number of voxels along a line through it, for an ellipsoid in that box.
     double depth() const {
       double faces = 0;
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -137,7 +136,7 @@ std::vector<double> opacities_of(const SceneSetup& setup) {
   return opacities;
 }
 
-// Finds the labels among the values, in rising order behind the background's, which is 0 or otherwise the lowest.
+// Finds the labels among the values, in increasing order after the background, which is 0 or otherwise the lowest.
 void find_labels(SceneSetup& setup) {
   const Volume& volume = setup.volume;
   with_sample(volume.type, [&](auto sample) {
@@ -157,7 +156,7 @@ void find_labels(SceneSetup& setup) {
   });
 }
 
-// Background beside a label takes its tag, since a sample between them has that of the nearest voxel.
+// Background voxels beside a label get its tag, because a sample between them uses the tag of the nearest voxel.
 void tag_voxels(SceneSetup& setup, const std::vector<std::uint8_t>& tag_of) {
   const std::size_t count = setup.labels.size();
   setup.tags.assign(count, 0);

@@ -13,16 +13,15 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kWhite = 0.8;    // of full scale, for
-constexpr double kShare = 0.9;    // of the values that show any light
+constexpr double kWhite = 0.8;    // of full scale, at the quantile kShare
+constexpr double kShare = 0.9;    // of the values above 0
 constexpr double kBrightest = 4;  // times white
-constexpr double kWords = 2047;   // the paper's irradiance words; of the wide ones the upper parts count so many
+constexpr double kWords = 2047;   // the largest of the paper's irradiance words, and of the upper parts of wide ones
 constexpr double kOpaque = 4095;  // alpha
 
 std::size_t irradiance_words(const Board& board) { return static_cast<std::size_t>(board.info().irradiance_words); }
 
-// Writes a channel as the board's irradiance, in place of what was there; with three irradiance words all channels,
-// from `channel` on.
+// Replaces the board's irradiance by a channel; with three irradiance words, by all channels from `channel` on.
 void put_on(Board& board, const LightField& field, int channel, double exposure) {
   const auto stride = static_cast<std::size_t>(field.channels), words = irradiance_words(board);
   std::vector<float> values(field.values.size() / stride * words);
@@ -96,7 +95,7 @@ double exposure_for(const LightField& field) {
 Image picture_of(Board& board, const LightField& field, View view, double exposure,
                  const std::optional<Background>& background, const Progress& progress) {
   view.irradiance = view.incident = true;
-  view.lamps.clear();  // the field's light is of its own unit
+  view.lamps.clear();  // the field's light has another unit
   view.exposure = exposure;
   Image picture;
   if (irradiance_words(board) > 1) {

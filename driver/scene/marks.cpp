@@ -34,7 +34,7 @@ class Pen {
  public:
   explicit Pen(Image& image) : image_(image), zoom_(std::max(1, std::min(image.width, image.height) / 256)) {}
 
-  // With a dark edge, so that it shows on any background.
+  // Lines have a dark edge, so that they are visible on any background.
   void line(double x0, double y0, double x1, double y1, const Pixel& colour) {
     const int steps = static_cast<int>(std::ceil(2 * std::hypot(x1 - x0, y1 - y0))) + 1;
     for (const bool edge : {true, false}) {

@@ -19,7 +19,7 @@ std::string quoted(const std::string& word) {
            std::string_view("_@%+=:,./-").find(static_cast<char>(c)) != std::string_view::npos;
   };
   if (!word.empty() && std::ranges::all_of(word, plain)) return word;
-  if (!is_utf8(word)) {  // JSON and those who show a text want UTF-8
+  if (!is_utf8(word)) {  // JSON and viewers of texts require UTF-8
     std::string text = "$'";
     for (const char c : word) {
       const auto byte = static_cast<unsigned char>(c);

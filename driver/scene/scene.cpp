@@ -13,15 +13,15 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kMargin = 1.04;                    // chosen: of the image that stays free around the volume's box
+constexpr double kMargin = 1.04;                    // chosen: the image is larger than the volume's box by this factor
 constexpr Vec3 kDefaultDirection{-0.35, -1, 0.45};  // chosen: three-quarter view of a head whose face looks along -y
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-// Physical voxel edges over the smallest one: the shape of space, in which angles are seen.
+// Physical voxel edges relative to the smallest one, in which angles are measured.
 Vec3 relative(Vec3 spacing) { return (1 / std::min({spacing.x, spacing.y, spacing.z})) * spacing; }
 
-// Where the box's corners lie as seen along the line of sight; physical lengths.
+// Extent of the box's corners as seen along the line of sight, in physical lengths.
 struct SeenBox {
   double width = 0;     // twice the greatest distance from the line of sight, to the side
   double height = 0;    // and upwards
@@ -29,7 +29,7 @@ struct SeenBox {
   double depth = 0;     // of the nearest corner before look_at
 };
 
-// Unit vectors of physical space; zero where the caller's directions make none.
+// Unit vectors of physical space; zero if the caller's directions are degenerate.
 struct Frame {
   Vec3 towards_eye, right, up;
 };
@@ -72,7 +72,7 @@ Vec3 see_from(const std::string& name, WorldAxes axes, std::optional<Vec3>& up) 
   struct Named {
     const char* name;
     Vec3 towards_eye;
-    bool of_patient;  // a name for patients alone
+    bool of_patient;  // only with a patient
   };
   const bool patient = axes == WorldAxes::kPatient;
   const double left = patient ? 1 : -1;

@@ -16,7 +16,7 @@ namespace {
 constexpr int kMaxNesting = 100;  // chosen: of braces; bounds the parser's stack
 constexpr int kMaxCutPlanes = 6;  // as View
 
-// Turns the parsed message into a Scene; a fault leaves that part of the Scene at its default.
+// Converts the parsed message to a Scene. Faulty parts keep their defaults.
 struct Translator {
   Faults& faults;
   NamedFiles files;

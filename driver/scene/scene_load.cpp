@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kSamplesAt = "samples at ";  // of Board::load_volume(): a voxel
 
-// The samples to the board. A value of a file that no board takes names the file, and what can be done.
+// Sends the samples to the board. The error for an invalid value names the file and a remedy.
 void load_samples(Board& board, const SceneSetup& setup, bool gradients, const Progress& progress) {
   try {
     if (setup.volume.planes) {
@@ -39,7 +39,7 @@ void load_samples(Board& board, const SceneSetup& setup, bool gradients, const P
 
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress) {
   if (own_codebook) set_own_codebook(board, setup);
-  // Only light asks for gradients: the reflectance map, scattering, and lighting rays.
+  // Only light needs gradients: the reflectance map, scattering, and lighting rays.
   load_samples(board, setup, setup.view.shade || setup.view.scatter || setup.lighting.on, progress);
   const ValueRange range = board.value_range();
   for (std::size_t tag = 0; tag < setup.materials.size(); ++tag) {

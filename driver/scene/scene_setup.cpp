@@ -15,8 +15,9 @@
 namespace gicube::scene {
 namespace {
 
-constexpr int kMaxAnalyticSize = 256;   // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
-constexpr double kLitAmbient = 0.03;    // chosen: what lighting rays do not reach is almost black
+constexpr int kMaxAnalyticSize =
+    256;  // voxels along an edge: normals, 12 bytes per voxel, need too much memory beyond it
+constexpr double kLitAmbient = 0.03;    // chosen: surfaces without lighting rays are almost black
 constexpr double kLightDistance = 1.5;  // chosen: of a volume file's own point light, in diagonals from the centre
 
 void take_buckyball(const Scene& scene, int threads, SceneSetup& setup) {
@@ -32,7 +33,7 @@ void take_world(const Scene& scene, int threads, SceneSetup& setup) {
   setup.built_in.materials = std::move(built.looks);
 }
 
-// In the volume's values, where the function's are those that a survey knows of.
+// Converts a function of Hounsfield or robust values to the volume's values, if there is a survey.
 TransferFunctionFile settled(const SceneSetup& setup, const TransferFunctionFile& file) {
   const bool asks = file.scale == TransferScale::kHounsfield || file.scale == TransferScale::kRobust;
   return asks && setup.survey ? in_values_of(*setup.survey, setup.survey->range, file) : file;
@@ -51,7 +52,7 @@ bool is_auto(const Scene& scene) {
          std::ranges::none_of(scene.materials, [](const SceneMaterial& material) { return material.look.has_value(); });
 }
 
-// Whether single extreme values are left out of the range.
+// Whether the range omits single extreme values.
 bool narrows(const Scene& scene, const Survey& survey) {
   return !scene.range && !(survey.range == survey.whole) &&
          !(scene.transfer_function && leaves(*scene.transfer_function, survey.range));
@@ -80,7 +81,7 @@ void take_values(const Scene& scene, SceneSetup& setup) {
   if (survey.kind == DataKind::kLabels || survey.kind == DataKind::kMask) colour_labels(setup);
 }
 
-// A look of a material in place of what the volume has.
+// Replaces the volume's looks by those of the materials.
 void set_material_looks(const Scene& scene, SceneSetup& setup) {
   for (const SceneMaterial& material : scene.materials) {
     const auto tag = static_cast<std::size_t>(material.tag);
@@ -103,7 +104,7 @@ CameraSettings in_voxels(CameraSettings camera, const WorldGrid& grid) {
 }
 
 void set_camera(const Scene& scene, SceneSetup& setup) {
-  // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
+  // The built-in camera and the user's are not mixed, which would show nothing.
   const CameraSettings& asked = scene.camera;
   const bool own =
       asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height || !asked.from.empty();
@@ -115,7 +116,7 @@ void set_camera(const Scene& scene, SceneSetup& setup) {
              setup.volume.placement.axes);
 }
 
-// Outside of the volume, where the light of its pictures without illumination shines from.
+// A point light outside the volume, in the direction of the light of pictures without illumination.
 PointLight default_light(const SceneSetup& setup) {
   const Vec3& spacing = setup.volume.spacing;
   const double least = std::min({spacing.x, spacing.y, spacing.z});
@@ -128,7 +129,7 @@ PointLight default_light(const SceneSetup& setup) {
 
 void set_lights(const Scene& scene, SceneSetup& setup) {
   setup.lighting = scene.lighting;
-  setup.lighting.exposure /= setup.grid.voxel * setup.grid.voxel;  // a voxel's face gets that much less power
+  setup.lighting.exposure /= setup.grid.voxel * setup.grid.voxel;  // a voxel's face gets less power by this factor
   setup.lights.clear();
   setup.light_colours.clear();
   std::optional<Vec3> towards = scene.light ? scene.light : setup.built_in.light;
@@ -176,7 +177,7 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
   }
 }
 
-// The images of lights in mirrors: distant and point lights have none.
+// Lights that mirrors show: distant and point lights have no size.
 void set_lamps(const Scene& scene, SceneSetup& setup) {
   setup.view.lamps.clear();
   if (!scene.lighting.on || !setup.view.scatter) return;
@@ -188,13 +189,10 @@ void set_lamps(const Scene& scene, SceneSetup& setup) {
 }
 
 Volume volume_of(const VolumeSource& source) {
-  if (!source.in_planes) return read_volume(source);
   Volume volume = open_volume(source);
+  const bool is_small = voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes;
+  if (!source.in_planes || is_small) take_planes(volume);
   if (!volume.planes) return volume;
-  if (voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes) {
-    take_planes(volume);
-    return volume;
-  }
   const ValueRange range = value_range_of(volume);
   if (range.low < range.high) volume.range = range;  // else the driver finds it again
   return volume;

@@ -67,8 +67,8 @@ double share_between(std::span<const float> sorted, double low, double high) {
                               static_cast<double>(sorted.size());
 }
 
-// Integers in plateaus: nearly every value that occurs has itself as a neighbour, which edges between two materials of
-// a scan do not have. Returns how many values there are; 0: these are no labels.
+// Detects integers in plateaus: nearly every value has neighbours of the same value, unlike values at the edges between
+// two materials of a scan. Returns the number of values; 0: they are not labels.
 std::size_t labels_in(const Sampled& all) {
   struct Count {
     std::size_t pairs = 0, equal = 0;
@@ -105,7 +105,7 @@ struct Histogram {
 
   Histogram(std::span<const float> sorted, double from, double to) : low(from) {
     const bool whole = std::ranges::all_of(sorted, [](float value) { return value == std::floor(value); });
-    // Bins with as many whole numbers each: else some would stand out.
+    // Each bin has the same number of integers, otherwise some would be higher.
     step = whole ? std::max(1.0, std::ceil((to - from) / 128)) : std::max((to - from) / 128, 1e-30);
     const double bins = std::floor((to - from) / step) + 1;
     std::vector<double> raw(static_cast<std::size_t>(bins));
@@ -130,10 +130,10 @@ struct Histogram {
   }
 };
 
-// The peak of the commonest material above the background: none where counts only fall.
+// The peak of the most common material above the background; none if counts only decrease.
 struct Peak {
-  double value = 0, width = 0, end = 0;  // width: where it is half as high; end: a twentieth
-  double below = 0, above = 0;           // its share of counts at 0.7 and at 1.3 of its height over the background
+  double value = 0, width = 0, end = 0;  // width: at half of the count; end: where the count is a twentieth
+  double below = 0, above = 0;           // relative counts at 0.7 and at 1.3 of its value above the background
 };
 std::optional<Peak> peak_after(const Histogram& histogram, std::size_t bin, double background) {
   const std::vector<double>& counts = histogram.counts;
@@ -154,20 +154,20 @@ std::optional<Peak> peak_after(const Histogram& histogram, std::size_t bin, doub
               share_at(0.7), share_at(1.3)};
 }
 
-// Whether these values, without padding, are Hounsfield units as scanners write them.
+// Whether these values, without padding, are Hounsfield units as written by scanners.
 bool in_hounsfield(std::span<const float> sorted) {
   const double low = percentile(sorted, 0.05), high = percentile(sorted, 99.9);
   if (low < -1300 || high < 100 || high > 5000) return false;
   const double air = share_between(sorted, -1100, -850), body = share_between(sorted, -150, 150);
   if (low < -500) return air > 0.01 && body > 0.02 && air + body + share_between(sorted, -850, -150) > 0.6;
-  // No air in it: tissue alone, with fat below water and bone above.
+  // Without air: tissue alone, with fat below water and bone above.
   const double usual = percentile(sorted, 50);
   return low < -30 && low > -300 && usual > -150 && usual < 200 && high > 300 && body > 0.5;
 }
 
 std::string shown_value(double value) { return fmt::format("{:.4g}", value); }
 
-// A single extreme value would leave few densities for all others.
+// Cuts a single extreme value, which would leave few densities for all others.
 double without_extreme(double whole, double usual, double span) {
   return std::abs(whole - usual) > 2 * span ? usual + std::copysign(0.5 * span, whole - usual) : whole;
 }
@@ -260,10 +260,10 @@ TransferFunctionFile mapped(const TransferFunctionFile& file, const Map& map) {
   return out;
 }
 
-// Maps the range `from` of the file's values to the range `to` of the volume's.
+// Maps the range `from` of the function's values to the range `to` of the volume's.
 TransferFunctionFile between(const TransferFunctionFile& file, const ValueRange& from, const ValueRange& to) {
   const double slope = (to.high - to.low) / (from.high - from.low);
-  // To six digits, so that a function that was written to a file is the same.
+  // Six digits, so that a function is the same after writing it to a file.
   return mapped(file, [&](double value) {
     return *parse_number<double>(fmt::format("{:.6g}", to.low + (value - from.low) * slope));
   });
@@ -310,7 +310,7 @@ Survey survey_of(const Volume& volume) {
     survey.range = {0, std::max(double{sorted.back()}, 1.0)};
   }
   tell_kind(sorted, all.pairs, survey);
-  // A background of one value, as of a masked scan, looks like padding.
+  // The background of a masked scan, which has one value, resembles padding.
   if (survey.kind == DataKind::kOther && survey.padding && double{rest.front()} - *survey.padding < 2 * body_span) {
     const Survey before = survey;
     survey.padding.reset();
@@ -349,7 +349,7 @@ AutomaticLook automatic_look(const Survey& survey, const std::optional<ValueRang
     case DataKind::kMask:
     case DataKind::kLabels: return look("surface", {0, 1}, {0, robust.high > 0 ? robust.high : 1});
     case DataKind::kCt: return look(survey.has_bone ? "ct-bone" : "ct-skin", {-1000, 0}, survey.ct);
-    // The points where soft tissue ends, and the usual tissue of a brain, lie there in the presets.
+    // These are the positions of the end of soft tissue, and of the usual tissue of a brain, in the presets.
     case DataKind::kMicroCt: return look("micro-ct-bone", {0.12, 1}, {survey.usual, robust.high});
     case DataKind::kPart: return look("ct-engine", {0, 1}, robust);
     case DataKind::kSolid: return look("surface", {0, 1}, {robust.low, survey.usual});

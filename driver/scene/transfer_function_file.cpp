@@ -16,7 +16,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;  // of a line, without its comment
 
-// Reads one statement a call; gathers the faults of all.
+// Reads one statement per call, and collects all faults.
 struct Parser {
   const std::string& name;
   std::vector<Fault> faults{};
@@ -65,7 +65,7 @@ struct Parser {
     file.scale = static_cast<TransferScale>(found - kNames.begin());
   }
 
-  // The numbers behind the statement's name, or nothing if there is a fault.
+  // The numbers after the statement's name; nothing if there is a fault.
   std::optional<std::vector<double>> numbers(const Words& words, std::size_t count, const char* form) {
     if (words.size() != count + 1) {
       fault(std::string(words[0]), form, std::to_string(words.size() - 1) + " values");

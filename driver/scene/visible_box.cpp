@@ -12,11 +12,12 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kVisible = 0.005;   // chosen: opacity of one voxel that is still seen as a haze over many
+constexpr double kVisible = 0.005;   // chosen: opacity of one voxel that is visible as haze over many
 constexpr std::size_t kBins = 4096;  // as the board's densities
 constexpr int kEdge = 4;             // voxels of a cell
-constexpr int kLeast = 5;            // chosen: visible voxels of a cell that counts; a wire of one voxel has 4
-constexpr double kPiece = 0.1;  // chosen: of the largest piece's voxels, that a piece has which is to be in the picture
+constexpr int kLeast = 5;            // chosen: the least number of visible voxels in a cell; a wire of one voxel has 4
+constexpr double kPiece =
+    0.1;  // chosen: smaller pieces, relative to the largest one's voxels, may be outside the picture
 
 // Visible voxels of a cell, and the box around them.
 struct Cell {
@@ -43,7 +44,7 @@ class Pieces {
     ++cell.count;
   }
 
-  // Around the pieces that count; empty (low above high) if nothing is visible.
+  // The box around the larger pieces; empty (low above high) if nothing is visible.
   Box box() {
     std::vector<std::pair<std::size_t, Box>> pieces;  // voxels
     for (std::size_t i = 0; i < cells_.size(); ++i) {
@@ -79,7 +80,7 @@ class Pieces {
     }
   }
 
-  // Takes the cells that hang together with this one, corners included.
+  // Removes the cells that are connected with this one, also by corners; returns their voxels and box.
   std::pair<std::size_t, Box> piece_at(std::size_t first) {
     std::size_t voxels = 0;
     Box box = kNothing;
@@ -129,7 +130,7 @@ SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file) {
   const double scale = (kBins - 1) / (range.high - range.low);
   const auto seen = [&](double value) {
     const double bin = std::clamp((value - range.low) * scale, 0.0, kBins - 1.0);
-    return bin >= 0 && visible[static_cast<std::size_t>(bin)] != 0;  // not-a-numbers are not
+    return bin >= 0 && visible[static_cast<std::size_t>(bin)] != 0;  // false for NaNs
   };
 
   Pieces pieces(dims);

@@ -1,4 +1,4 @@
-// A volume's voxels a cell at a time.
+// Iteration over a volume's voxels, cell by cell.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 
 namespace gicube::scene {
 
-constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
+constexpr int kCell = 8;  // voxels; solids are searched once per cell
 
 inline Vec3 middle_of_cell(const Dims& first) {
   return Vec3{double(first[0]), double(first[1]), double(first[2])} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
 }
 
-// Calls fill(first) for each cell's first voxel, on so many threads (0: all).
+// Calls fill(first) for each cell's first voxel, on this number of threads (0: one per core).
 template <typename Fill>
 void each_cell(const Dims& dims, int threads, const Fill& fill) {
   parallel_for(static_cast<std::size_t>((dims[2] + kCell - 1) / kCell), static_cast<unsigned>(threads),

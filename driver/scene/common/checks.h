@@ -1,4 +1,4 @@
-// Checks of user input: numbers in a text, values within their bounds, faults of a part reported for the whole.
+// Checks of user input: numbers in texts, bounds of values, and faults of parts, which are reported for the whole.
 #pragma once
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlank) + 1);
 }
 
-// Converts ASCII letters whatever the locale: in a Turkish one tolower('I') is no 'i'.
+// Converts ASCII letters in every locale: tolower('I') is not 'i' in a Turkish one.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -55,8 +55,8 @@ inline std::string in_quotes(std::string_view text) {
   return result;
 }
 
-// The faults of `place`'s part: their texts begin with PLACE and `between`, and their fields are those of `place`
-// unless a file of its own has them.
+// The faults of a part at `place`: their texts begin with `place` and `between`, and so do their fields, unless the
+// fault is in another file.
 inline std::vector<Fault> within(const std::string& place, const InputError& error, const char* between = ": ") {
   std::vector<Fault> faults = error.faults();
   for (Fault& fault : faults) {
@@ -66,7 +66,7 @@ inline std::vector<Fault> within(const std::string& place, const InputError& err
   return faults;
 }
 
-// Nothing unless the whole text is a number of this type.
+// The number that the whole text is; nothing if it is not one of this type.
 template <typename Number>
 std::optional<Number> parse_number(std::string_view text) {
   Number value{};
@@ -75,7 +75,7 @@ std::optional<Number> parse_number(std::string_view text) {
   return value;
 }
 
-// Parted by white space.
+// The words of a text, separated by white space.
 inline std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   for (std::size_t end = 0, begin; (begin = text.find_first_not_of(kBlank, end)) != text.npos;) {
@@ -101,11 +101,11 @@ inline void require_finite(const char* field, Vec3 v) {
   if (!is_finite(v)) throw InputError(field, "finite numbers", shown_point(v));
 }
 
-// Tells the WarningHandler what is suspicious about a file.
+// Reports something suspicious about a file to the WarningHandler.
 void warn(const std::filesystem::path& file, const std::string& field, const std::string& expected,
           const std::string& got);
 
-// The value of this name. Throws InputError that names `field` and all that there are.
+// The value of this name. Throws InputError with `field` and all valid names.
 template <typename Value, std::size_t Count>
 Value named(const std::string& field, std::string_view name, const std::pair<const char*, Value> (&values)[Count]) {
   std::string names;

@@ -1,4 +1,4 @@
-// Faults of a scene's text and of its meaning, in the order in which they are met; all of them are told at once.
+// Syntax errors and faulty values of a scene, in the order of detection; all are reported together.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ class Faults : public google::protobuf::io::ErrorCollector {
     const std::string text = fmt::format("{}:{}:{}: {}", name_, line + 1, column + 1, message);
     faults_.push_back({name_, line + 1, "", "protobuf text with known fields", message, text});
   }
-  // The parser only warns of unknown fields when it is told to go on behind them.
+  // The parser reports unknown fields as warnings when it may continue after them.
   void AddWarning(int line, int column, const std::string& message) override { AddError(line, column, message); }
 
   void fault(const std::string& field, const std::string& expected, const std::string& got) {
@@ -32,7 +32,7 @@ class Faults : public google::protobuf::io::ErrorCollector {
   void check(bool good, const std::string& field, const std::string& expected, const std::string& got) {
     if (!good) fault(field, expected, got);
   }
-  // The value; a whole number within its range, so that it fits into an int.
+  // Returns the value; check_whole() returns one within the range, so that it fits into an int.
   double check_range(const std::string& field, double value, double low, double high) {
     check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
     return value;
@@ -40,13 +40,13 @@ class Faults : public google::protobuf::io::ErrorCollector {
   int check_whole(const std::string& field, std::uint32_t value, int low, int high) {
     return static_cast<int>(std::clamp<double>(check_range(field, value, low, high), low, high));
   }
-  // Whether exactly one of these parts is there.
+  // Whether exactly one of these parts is present.
   bool check_one(const std::string& field, const std::string& expected, std::initializer_list<bool> there) {
     const auto count = std::ranges::count(there, true);
     check(count == 1, field, expected, count == 0 ? "none" : "several");
     return count == 1;
   }
-  // Runs something that throws InputError about a part or a file of its own; `between` the field and its message.
+  // Calls a function that may throw InputError about a part or another file; `between` separates field and message.
   template <typename Call>
   void gather(const std::string& field, const Call& call, const char* between = ": ") {
     try {
@@ -84,15 +84,14 @@ class Faults : public google::protobuf::io::ErrorCollector {
   std::vector<Fault> faults_;
 };
 
-// The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError
-// with all that is wrong with the text: what it means is not looked at then, since a field that was not understood is
-// missing.
+// Parses a text whose braces are nested at most `max_nesting` deep, which bounds the parser's stack. Throws InputError
+// with all syntax errors and unknown fields; values are not checked then, because unknown fields are missing.
 template <typename Message>
 Message parsed_message(const std::string& text, int max_nesting, Faults& faults) {
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&faults);
   parser.SetRecursionLimit(max_nesting);
-  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
+  parser.AllowUnknownField(true);  // reported by AddWarning; the parser continues with the next fault
   Message message;
   parser.ParseFromString(text, &message);
   faults.throw_if_any();

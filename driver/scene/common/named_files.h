@@ -1,4 +1,4 @@
-// Files that a text names, as a scene its meshes or a header its data: the text may come from anyone.
+// Files named by a text that may be from anyone, such as the meshes of a scene or the data of a header.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ struct NamedFiles {
   std::filesystem::path folder;  // of the text; relative names are relative to it
   bool allow_outside = false;    // the text is trusted
 
-  // The file of that name. Throws InputError that names `field` if it lies neither in the folder nor below, links
-  // followed, unless `allow_outside`: the text does not tell whether it is there.
+  // The file of that name. Throws InputError that names `field` if, after following links, the file is neither in the
+  // folder nor below, unless `allow_outside` is set. The error does not reveal whether such a file exists.
   std::filesystem::path file(const std::string& field, std::string_view name) const {
     namespace fs = std::filesystem;
     const fs::path file = folder / fs::path(name);

@@ -1,4 +1,4 @@
-// Lets whoever waits for a file end its reading.
+// Cancellation of reading a file.
 #pragma once
 
 #include <functional>
@@ -6,8 +6,8 @@
 
 namespace gicube::scene {
 
-// While it is there, this thread's reading of volumes calls `look` for about each mebibyte, and ends by what that
-// throws.
+// During its lifetime, reading volumes on this thread calls `look` about once per mebibyte. An exception thrown by
+// `look` ends the reading.
 class WhileReading {
  public:
   explicit WhileReading(std::function<void()> look) : look_(std::move(look)), before_(std::exchange(current_, this)) {}

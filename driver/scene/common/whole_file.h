@@ -14,17 +14,17 @@
 
 namespace gicube::scene {
 
-// A file that a user wrote, without a byte order mark. Throws InputError: it is not there, is larger, or can't be read;
-// `kind` says what it was to be.
+// The text of a file, without a byte order mark. Throws InputError: it does not exist, is larger, or cannot be read.
+// `kind` names the expected kind of file.
 std::string read_text(const std::filesystem::path& file, const std::string& kind, std::uintmax_t max_mib = 1);
 
 // Files that belong together: all of them, or none. Its calls throw FileError.
 class WholeFiles {
  public:
-  // Writes the output of `fill`, or this text.
+  // Writes the output of `fill`, or the text.
   void write(const std::filesystem::path& path, const std::function<void(WholeFile&)>& fill);
   void write(const std::filesystem::path& path, std::string_view text);
-  // Gives all of them their names.
+  // Renames all of them to their final names.
   void commit();
 
  private:

@@ -1,4 +1,4 @@
-// Volumes of floats as compressed NRRD, with one channel or three.
+// Writing volumes of floats with one or three channels as NRRD.
 #pragma once
 
 #include <filesystem>

@@ -36,10 +36,12 @@ DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, 
   input_.open(file, std::ios::binary);
   if (!input_) throw FileError(file, "file", "a readable file", std::strerror(errno));
   input_.seekg(static_cast<std::streamoff>(offset));
-  const bool bzip2 = compression == Compression::kBzip2;
   const int window = compression == Compression::kDeflate ? -MAX_WBITS : kGzipOrZlib;
-  if (bzip2 && BZ2_bzDecompressInit(&decompressor_, 0, 0) != BZ_OK) throw std::bad_alloc();
-  if (!bzip2 && compression != Compression::kNone && inflateInit2(&inflater_, window) != Z_OK) throw std::bad_alloc();
+  if (compression == Compression::kBzip2) {
+    start_bzip2();
+  } else if (compression != Compression::kNone && inflateInit2(&inflater_, window) != Z_OK) {
+    throw std::bad_alloc();
+  }
 }
 
 DataStream::~DataStream() {
@@ -57,85 +59,79 @@ std::size_t DataStream::read_file(void* bytes, std::size_t count) {
 }
 
 bool DataStream::refill() {
-  inflater_.avail_in = static_cast<uInt>(read_file(buffer_.data(), buffer_.size()));
-  inflater_.next_in = reinterpret_cast<Bytef*>(buffer_.data());
-  return inflater_.avail_in > 0;
+  input_left_ = std::span(buffer_).first(read_file(buffer_.data(), buffer_.size()));
+  return !input_left_.empty();
 }
 
-// A gzip file may consist of several streams; what else follows one is not ours.
+void DataStream::start_bzip2() {
+  if (BZ2_bzDecompressInit(&decompressor_, 0, 0) != BZ_OK) throw std::bad_alloc();
+}
+
+// A compressed file may consist of several streams: those of gzip may be appended to each other, and compressors that
+// work in several threads write several of bzip2. Other bytes behind a stream are ignored.
 void DataStream::end_member() {
-  const bool more = inflater_.avail_in > 0 || refill();
-  ended_ = !more || *inflater_.next_in != 0x1f || compression_ == Compression::kDeflate;
-  if (!ended_) inflateReset(&inflater_);
+  const bool more = !input_left_.empty() || refill();
+  const bool bzip2 = compression_ == Compression::kBzip2;
+  ended_ = !more || compression_ == Compression::kDeflate || input_left_.front() != (bzip2 ? 'B' : '\x1f');
+  if (ended_) return;
+  if (!bzip2) {
+    inflateReset(&inflater_);
+    return;
+  }
+  BZ2_bzDecompressEnd(&decompressor_);
+  start_bzip2();
 }
 
-// One call of inflate().
-void DataStream::inflate_some(std::span<std::byte> out) {
-  if (inflater_.avail_in == 0 && !refill()) {
-    throw FileError(file_, "compressed data", "a whole gzip or zlib stream", "its beginning (truncated)");
-  }
+// One call of inflate(). Returns the number of bytes.
+std::size_t DataStream::inflate_some(std::span<std::byte> out) {
+  inflater_.next_in = reinterpret_cast<Bytef*>(input_left_.data());
+  inflater_.avail_in = static_cast<uInt>(input_left_.size());
   inflater_.next_out = reinterpret_cast<Bytef*>(out.data());
-  inflater_.avail_out = static_cast<uInt>(std::min(out.size(), kChunkBytes));
+  inflater_.avail_out = static_cast<uInt>(out.size());
   const int status = inflate(&inflater_, Z_NO_FLUSH);
-  if (status == Z_STREAM_END) {
-    end_member();
-  } else if (status != Z_OK && status != Z_BUF_ERROR) {
+  if (status != Z_STREAM_END && status != Z_OK && status != Z_BUF_ERROR) {
     throw FileError(file_, "compressed data", "a gzip or zlib stream",
                     inflater_.msg != nullptr ? inflater_.msg : zError(status));
   }
+  input_left_ = input_left_.last(inflater_.avail_in);
+  if (status == Z_STREAM_END) end_member();
+  return static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater_.next_out) - out.data());
 }
 
-// Reads bzip2. Compressors that work in several threads write several streams one after another.
-void DataStream::decompress_some(std::span<std::byte> out) {
-  if (decompressor_.avail_in == 0) {
-    decompressor_.avail_in = static_cast<unsigned>(read_file(buffer_.data(), buffer_.size()));
-    decompressor_.next_in = buffer_.data();
-    if (decompressor_.avail_in == 0) {
-      throw FileError(file_, "compressed data", "a whole bzip2 stream", "its beginning (truncated)");
-    }
-  }
+// One call of BZ2_bzDecompress(). Returns the number of bytes.
+std::size_t DataStream::decompress_some(std::span<std::byte> out) {
+  decompressor_.next_in = input_left_.data();
+  decompressor_.avail_in = static_cast<unsigned>(input_left_.size());
   decompressor_.next_out = reinterpret_cast<char*>(out.data());
-  decompressor_.avail_out = static_cast<unsigned>(std::min(out.size(), kChunkBytes));
+  decompressor_.avail_out = static_cast<unsigned>(out.size());
   const int status = BZ2_bzDecompress(&decompressor_);
-  if (status == BZ_STREAM_END) {
-    char* const next = decompressor_.next_out;
-    if (decompressor_.avail_in == 0) {
-      decompressor_.avail_in = static_cast<unsigned>(read_file(buffer_.data(), buffer_.size()));
-      decompressor_.next_in = buffer_.data();
-    }
-    ended_ = decompressor_.avail_in == 0 || *decompressor_.next_in != 'B';
-    if (ended_) return;
-    const bz_stream left = decompressor_;
-    BZ2_bzDecompressEnd(&decompressor_);
-    decompressor_ = {};
-    if (BZ2_bzDecompressInit(&decompressor_, 0, 0) != BZ_OK) throw std::bad_alloc();
-    decompressor_.next_in = left.next_in;
-    decompressor_.avail_in = left.avail_in;
-    decompressor_.next_out = next;
-  } else if (status != BZ_OK) {
+  if (status != BZ_STREAM_END && status != BZ_OK)
     throw FileError(file_, "compressed data", "a bzip2 stream", fmt::format("damage (bzip2's error {})", status));
-  }
+  const auto made = static_cast<std::size_t>(reinterpret_cast<std::byte*>(decompressor_.next_out) - out.data());
+  input_left_ = input_left_.last(decompressor_.avail_in);
+  if (status == BZ_STREAM_END) end_member();
+  return made;
 }
 
 std::size_t DataStream::read(std::span<std::byte> bytes) {
   WhileReading::look();
   if (compression_ == Compression::kNone) return read_file(bytes.data(), bytes.size());
+  const bool bzip2 = compression_ == Compression::kBzip2;
   std::size_t done = 0;
   while (done < bytes.size() && !ended_) {
     WhileReading::look();
-    if (compression_ == Compression::kBzip2) {
-      decompress_some(bytes.subspan(done));
-      done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(decompressor_.next_out) - bytes.data());
-      continue;
+    if (input_left_.empty() && !refill()) {
+      throw FileError(file_, "compressed data", bzip2 ? "a whole bzip2 stream" : "a whole gzip or zlib stream",
+                      "its beginning (truncated)");
     }
-    inflate_some(bytes.subspan(done));
-    done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater_.next_out) - bytes.data());
+    const auto out = bytes.subspan(done, std::min(bytes.size() - done, kChunkBytes));
+    done += bzip2 ? decompress_some(out) : inflate_some(out);
   }
   return done;
 }
 
 std::uint64_t DataStream::max_bytes() const {
-  // A file system's sizes are below 2^63, but not 1032 times below.
+  // A file's size is below 2^63; times the ratio it may exceed 64 bits.
   if (compression_ == Compression::kNone) return bytes_;
   const std::uint64_t ratio = compression_ == Compression::kBzip2 ? kMaxBzip2Ratio : kMaxDeflateRatio;
   return std::min(bytes_, std::numeric_limits<std::uint64_t>::max() / ratio) * ratio;
@@ -181,7 +177,7 @@ std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes)
 }
 
 void end_data(DataStream& stream, DataPlace& place, std::size_t bytes) {
-  // Reading past the end also makes zlib check the stream's checksum.
+  // Reading past the end makes zlib check the stream's checksum.
   std::byte one;
   if (stream.read({&one, 1}) == 0) return;
   if (place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
@@ -205,7 +201,7 @@ std::vector<std::byte> read_data(DataPlace place, std::size_t bytes) {
   }
   const auto stream = open_data(place, bytes);
   std::vector<std::byte> out;
-  out.reserve(bytes);  // memory that is not written to costs nothing, should a compressed file end early
+  out.reserve(bytes);  // unwritten memory costs nothing if a compressed file ends early
   while (out.size() < bytes) {
     const std::size_t had = out.size();
     out.resize(std::min(bytes, had + kChunkBytes));

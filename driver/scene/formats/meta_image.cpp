@@ -38,7 +38,7 @@ class Header {
   static std::string_view key_of(std::string_view line) { return trimmed(line.substr(0, line.find('='))); }
 
   std::uint64_t end() const { return end_; }
-  const std::vector<std::string>& list() const { return list_; }  // the lines behind "ElementDataFile = LIST"
+  const std::vector<std::string>& list() const { return list_; }  // the lines after "ElementDataFile = LIST"
   bool has(const std::string& key) const { return values_.contains(key); }
 
   const std::string& text(const std::string& key) const {
@@ -102,8 +102,8 @@ Vec3 spacing_of(const std::filesystem::path& file, const Header& header) {
   return {list[0], list[1], list[2]};
 }
 
-// TransformMatrix has the direction of each axis, one after another. MetaImage says of no file that it is a patient;
-// ITK, whose format it is, takes all as that.
+// TransformMatrix has the directions of the axes, one after another. MetaImage does not say whether the world is a
+// patient; ITK, which defines the format, treats it as one.
 void place(const std::filesystem::path& file, const Header& header, StoredLayout& layout) {
   const auto given = [&](std::initializer_list<const char*> keys, std::size_t count) -> std::vector<double> {
     for (const char* const key : keys) {
@@ -133,7 +133,7 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   if (const auto axes = header.number("NDims", 3); axes != static_cast<std::int64_t>(sizes.size())) {
     throw FileError(file, "DimSize", fmt::format("NDims = {} numbers", axes), in_quotes(header.text("DimSize")));
   }
-  layout.dims = checked_dims(file, "DimSize", std::span(sizes).first(std::min<std::size_t>(sizes.size(), 3)));
+  layout.dims = checked_dims(file, "DimSize", sizes);
   const auto channels = header.number("ElementNumberOfChannels", 1);
   if (channels < 1 || channels > kMaxParts)
     throw FileError(file, "ElementNumberOfChannels", fmt::format("1..{}", kMaxParts), fmt::format("{}", channels));
@@ -141,13 +141,13 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   layout.type = type_of(file, header.text("ElementType"));
   layout.spacing = spacing_of(file, header);
   place(file, header, layout);
-  // Two names of one thing; writers differ.
+  // Both names are used.
   layout.big_endian = header.flag("ElementByteOrderMSB", header.flag("BinaryDataByteOrderMSB", false));
   return layout;
 }
 
-// HeaderSize: 0, bytes of the data file before the data, or -1 for data at its end. In the header's own file they can't
-// begin before its last line ends.
+// HeaderSize: 0, the number of bytes before the data in the data file, or -1 for data at its end. If the header is in
+// the same file, the data cannot begin before the header ends.
 DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes, bool allow_outside) {
   DataPlace place;
   if (header.flag("CompressedData", false)) place.compression = Compression::kGzip;
@@ -176,7 +176,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, std:
   return place;
 }
 
-// The key of the file's first line; empty if that is no "Key = Value".
+// The key of the file's first line; empty if the line is not "Key = Value".
 std::string first_key(const std::filesystem::path& file) {
   const std::string start = file_start(file, 64);
   const std::string_view line = std::string_view(start).substr(0, start.find('\n'));
@@ -202,13 +202,7 @@ StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside
   const std::size_t bytes = checked_bytes(layout);
   DataPlace place = place_of(file, header, bytes, allow_outside);
   const bool binary = header.flag("BinaryData", true);
-  std::int64_t volumes = 1;
-  const auto sizes = header.numbers<std::int64_t>("DimSize");
-  for (const std::int64_t size : std::span(sizes).subspan(3)) {
-    if (size < 1 || size > kMaxParts)
-      throw FileError(file, "DimSize", fmt::format("1..{} volumes", kMaxParts), fmt::format("{}", size));
-    volumes = std::min(volumes * size, std::int64_t{kMaxParts} + 1);
-  }
+  const std::int64_t volumes = volumes_in(file, "DimSize", header.numbers<std::int64_t>("DimSize"));
   place.warns_of_more = place.warns_of_more && volumes == 1;
   const bool colours = layout.channels == 3 || layout.channels == 4;
   const bool small = layout.type == StoredType::kUint8 || layout.type == StoredType::kUint16;

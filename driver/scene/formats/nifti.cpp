@@ -22,9 +22,9 @@ namespace {
 static_assert(sizeof(nifti_1_header) == 348 && sizeof(nifti_2_header) == 540);
 
 struct Header {
-  nifti_2_header raw{};         // of version 1 too: what counts of it in the fields of version 2
+  nifti_2_header raw{};         // the fields in use; those of version 1 are converted
   double data_offset = 0;       // a float in version 1
-  std::int64_t min_offset = 0;  // header and the four bytes that announce extensions
+  std::int64_t min_offset = 0;  // bytes of the header and of the extension flag behind it
   bool swapped = false;
   Compression compression = Compression::kNone;
 
@@ -76,31 +76,13 @@ std::optional<Header> read_header(const std::filesystem::path& file) {
   return header;
 }
 
-StoredType type_of(const std::filesystem::path& file, int datatype) {
-  switch (datatype) {
-    case NIFTI_TYPE_INT8: return StoredType::kInt8;
-    case NIFTI_TYPE_UINT8: return StoredType::kUint8;
-    case NIFTI_TYPE_INT16: return StoredType::kInt16;
-    case NIFTI_TYPE_UINT16: return StoredType::kUint16;
-    case NIFTI_TYPE_INT32: return StoredType::kInt32;
-    case NIFTI_TYPE_UINT32: return StoredType::kUint32;
-    case NIFTI_TYPE_INT64: return StoredType::kInt64;
-    case NIFTI_TYPE_UINT64: return StoredType::kUint64;
-    case NIFTI_TYPE_FLOAT32: return StoredType::kFloat32;
-    case NIFTI_TYPE_FLOAT64: return StoredType::kFloat64;
-    default:
-      throw FileError(file, "datatype", "a real number type of at most 64 bits",
-                      fmt::format("{} ({})", datatype, nifti_datatype_to_string(datatype)));
-  }
-}
-
-// Header and data are in two files: NIfTI says so, Analyze 7.5 has no magic and is always so.
+// Whether header and data are in two files: as the magic of NIfTI says; always for Analyze 7.5, which has no magic.
 bool is_pair(const Header& header) { return !header.magic().starts_with("n+"); }
 
-// From the scanner's axes, to the right, to the front and upwards, to ours.
+// Converts from RAS, the axes of NIfTI, to LPS.
 Vec3 from_ras(double x, double y, double z) { return {-x, -y, z}; }
 
-// sform is preferred to qform, as nibabel does. Analyze has neither, nor has a file that says that both mean nothing.
+// sform has precedence over qform, as in nibabel. Analyze has neither, and codes of 0 make both invalid.
 void place(const std::filesystem::path& file, const nifti_2_header& raw, StoredLayout& layout) {
   layout.spacing = {raw.pixdim[1], raw.pixdim[2], raw.pixdim[3]};
   if (raw.sform_code <= 0 && raw.qform_code <= 0) return;
@@ -137,11 +119,15 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   if (raw.datatype == NIFTI_TYPE_RGB24 || raw.datatype == NIFTI_TYPE_RGBA32) {
     layout.channels = raw.datatype == NIFTI_TYPE_RGB24 ? 3 : 4;
   } else {
-    layout.type = type_of(file, raw.datatype);
+    const auto type = type_named(lower_case(nifti_datatype_string(raw.datatype)));
+    if (!type)
+      throw FileError(file, "datatype", "a real number type of at most 64 bits",
+                      fmt::format("{} ({})", raw.datatype, nifti_datatype_to_string(raw.datatype)));
+    layout.type = *type;
   }
   place(file, raw, layout);
   layout.big_endian = header.swapped == (std::endian::native == std::endian::little);
-  const bool is_analyze = header.magic().empty();  // funused1 and funused2 are there
+  const bool is_analyze = header.magic().empty();  // it has funused1 and funused2 in place of slope and intercept
   if (raw.scl_slope == 0 || std::isnan(raw.scl_slope) || layout.channels > 1 || is_analyze) return layout;
   if (!std::isfinite(raw.scl_slope) || !std::isfinite(raw.scl_inter)) {
     throw FileError(file, "scl_slope, scl_inter", "finite numbers",
@@ -152,21 +138,8 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   return layout;
 }
 
-// The number of volumes that follow each other: dim[4] times and what dim[5] to dim[7] count.
-std::int64_t volumes_of(const std::filesystem::path& file, const nifti_2_header& raw) {
-  std::int64_t count = 1;
-  for (int axis = 4; axis <= static_cast<int>(raw.dim[0]); ++axis) {
-    const std::int64_t size = raw.dim[axis];
-    if (size < 1 || size > kMaxParts) {
-      throw FileError(file, fmt::format("dim[{}]", axis), fmt::format("1..{}", kMaxParts), fmt::format("{}", size));
-    }
-    count = std::min(count * size, std::int64_t{kMaxParts} + 1);
-  }
-  return count;
-}
-
 DataPlace place_of(const std::filesystem::path& file, const Header& header, const std::filesystem::path& data) {
-  // A float in NIfTI-1: exact up to 2^24, and a whole number always.
+  // A float in NIfTI-1, exact up to 2^24. It must be whole.
   const double offset = header.data_offset, least = is_pair(header) ? 0 : static_cast<double>(header.min_offset);
   if (!(offset >= least && offset < 0x1p53) || offset != std::floor(offset)) {
     throw FileError(file, "vox_offset", fmt::format("a whole number from {} on", least), fmt::format("{}", offset));
@@ -193,7 +166,7 @@ std::filesystem::path partner(const std::filesystem::path& file, const char* ext
   return name.replace_extension(extension);
 }
 
-// An Analyze file has no magic: its name tells it.
+// An Analyze file has no magic and is recognised by its name.
 bool has_pair_name(const std::filesystem::path& file) {
   const std::string name = lower_case(file.filename().string());
   return name.ends_with(".hdr") || name.ends_with(".hdr.gz");
@@ -220,7 +193,8 @@ StoredFile find_nifti(const std::filesystem::path& named, const std::string& par
   }
   StoredLayout layout = layout_of(file, *header);
   DataPlace place = place_of(file, *header, pair ? partner(file, ".img") : file);
-  const std::size_t chosen = chosen_part(file, "volume", volumes_of(file, header->raw), part);
+  const std::span sizes(header->raw.dim + 1, static_cast<std::size_t>(header->raw.dim[0]));
+  const std::size_t chosen = chosen_part(file, "volume", volumes_in(file, "dim", sizes), part);
   place.skip += chosen * std::uint64_t{checked_bytes(layout)};
   return {layout, place, Encoding::kBytes};
 }

@@ -22,7 +22,7 @@
 namespace gicube::scene {
 namespace {
 
-// The versions that teem knows.
+// The versions that teem supports.
 constexpr std::array<std::string_view, 6> kMagics = {"NRRD0001", "NRRD0002", "NRRD0003",
                                                      "NRRD0004", "NRRD0005", "NRRD0006"};
 
@@ -39,7 +39,7 @@ struct Header {
   std::uint64_t data_offset = 0;
 };
 
-// The value of a line "field: value"; "field:=value" is a note that means nothing to readers.
+// The value of a line "field: value". A line "field:=value" is a comment for readers.
 std::optional<std::string> value_of(std::string_view line, std::string_view field) {
   const std::string start = std::string(field) + ':';
   if (lower_case(line.substr(0, start.size())) != start) return std::nullopt;
@@ -52,7 +52,8 @@ std::optional<std::string> data_file_of(std::string_view line) {
   return name ? name : value_of(line, "datafile");
 }
 
-// teem takes a line of one character for the header's end, and leaks memory where this function throws.
+// Refuses headers that teem misreads: it takes a line of one character for the header's end, and leaks memory in the
+// other cases.
 void check_begin_and_fields(const std::filesystem::path& file, const std::vector<std::string>& lines) {
   const std::string magic = lines.empty() ? "" : lines.front().substr(0, 40);
   if (std::ranges::find(kMagics, magic) == kMagics.end()) {
@@ -71,7 +72,7 @@ void check_begin_and_fields(const std::filesystem::path& file, const std::vector
   }
 }
 
-// teem's messages, innermost last, without the frame that is the same for all.
+// teem's messages, the innermost last, without the surrounding ones that are always the same.
 std::string teem_error() {
   const std::unique_ptr<char, decltype(&std::free)> all(biffGetDone(NRRD), &std::free);
   std::string text;
@@ -85,7 +86,7 @@ std::string teem_error() {
   return text.empty() ? "a header that teem refuses" : text;
 }
 
-// "key:=value", as teem tells it from a field. Nothing here needs one, and teem looks at all before it takes another.
+// Whether teem would take the line for "key:=value". These lines are omitted: teem searches all previous ones for each.
 bool is_key_value(std::string_view line) {
   const std::size_t colon = line.find(": ");
   const bool field = colon != std::string_view::npos &&
@@ -93,65 +94,15 @@ bool is_key_value(std::string_view line) {
   return !field && line.find(":=") != std::string_view::npos;
 }
 
-// The names that "data file: FORMAT MIN MAX STEP [SUBDIM]" stands for. A FORMAT is one number of printf's, "%03d"; it
-// is not given to printf.
-std::vector<std::string> numbered_names(const std::filesystem::path& file, const std::string& field,
-                                        std::string_view pattern) {
-  const auto fault = [&] {
-    return FileError(file, field, "a name with one %d and its first and last number and step", in_quotes(pattern));
-  };
-  auto words = words_of(pattern);
-  std::size_t numbers = 0;
-  while (numbers < words.size() && numbers < 4 && parse_number<std::int64_t>(words[words.size() - 1 - numbers]))
-    ++numbers;
-  if (numbers < 2) throw fault();
-  const auto number = [&](std::size_t i) { return *parse_number<std::int64_t>(words[words.size() - numbers + i]); };
-  const std::int64_t low = number(0), high = number(1), step = numbers > 2 ? number(2) : 1;
-  const std::string_view name =
-      trimmed(pattern.substr(0, static_cast<std::size_t>(words[words.size() - numbers].data() - pattern.data())));
-  const std::size_t begin = name.find('%'), end = begin == name.npos ? begin : name.find('d', begin);
-  if (end == name.npos || name.find('%', end) != name.npos || end - begin > 4) throw fault();
-  std::string_view width = name.substr(begin + 1, end - begin - 1);
-  const bool zeros = width.starts_with('0');
-  const auto digits = width.empty() ? std::optional(0) : parse_number<int>(width);
-  if (!digits || *digits < 0 || step == 0 || (high - low) / step < 0 || (high - low) / step >= kMaxFileDim)
-    throw fault();
-  std::vector<std::string> names;
-  for (std::int64_t i = low; step > 0 ? i <= high : i >= high; i += step) {
-    const std::string text = zeros ? fmt::format("{:0{}}", i, *digits) : fmt::format("{:{}}", i, *digits);
-    names.push_back(std::string(name.substr(0, begin)) + text + std::string(name.substr(end + 1)));
-  }
-  return names;
-}
-
-}  // namespace
-
-std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, const std::string& field,
-                                             std::string_view pattern, std::span<const std::string> list,
-                                             bool allow_outside) {
-  const std::vector<std::string> names = pattern.starts_with("LIST")
-                                             ? std::vector<std::string>(list.begin(), list.end())
-                                             : numbered_names(file, field, pattern);
-  std::vector<std::filesystem::path> files;
-  for (const std::string& name : names) {
-    if (!trimmed(name).empty()) files.push_back(beside(file, field, trimmed(name), allow_outside));
-  }
-  if (files.empty() || files.size() > kMaxFileDim)
-    throw FileError(file, field, fmt::format("1..{} files", kMaxFileDim), fmt::format("{}", files.size()));
-  return files;
-}
-
-namespace {
-
-// Where the data begin and, in `text`, the header for teem. The data file's name is kept from teem, which would open it
-// and, for a numbered series, take the name as a printf format.
+// Finds the beginning of the data and, in `text`, the header for teem without the data file's name: teem would open the
+// file and use the name of a numbered series as a printf format.
 void split_header(const std::filesystem::path& file, bool allow_outside, Header& header, std::string& text) {
   const HeaderLines lines = read_header_lines(file, [](std::string_view line) { return line.empty(); });
   const auto names_list = [](const std::string& line) {
     const auto name = data_file_of(line);
     return name && name->starts_with("LIST");
   };
-  // Behind LIST there are names up to the file's end.
+  // After LIST, names follow up to the file's end.
   const auto list = std::ranges::find_if(lines.lines, names_list);
   const std::vector<std::string> fields(lines.lines.begin(), list == lines.lines.end() ? list : list + 1);
   check_begin_and_fields(file, fields);
@@ -204,14 +155,14 @@ StoredType type_of(const std::filesystem::path& file, int type) {
   }
 }
 
-// Which axes the volume has, and another, of `count` samples, if one is beside them.
+// The axes of space and, if there is one more, the other axis, with `count` samples.
 struct Axes {
   std::array<unsigned, 3> space{};
   std::optional<unsigned> other;
   std::size_t count = 1;
 };
 
-// Whether the header says that an axis is none of space: by its kind or, if others have directions, by having none.
+// Whether an axis is not one of space: by its kind or, if other axes have directions, because it has none.
 bool is_other(const Nrrd& nrrd, unsigned axis) {
   const int kind = nrrd.axis[axis].kind;
   if (kind == nrrdKindTime) return true;
@@ -219,7 +170,8 @@ bool is_other(const Nrrd& nrrd, unsigned axis) {
   return nrrd.spaceDim > 0 && !AIR_EXISTS(nrrd.axis[axis].spaceDirection[0]);
 }
 
-// Axes of one sample go, the last first, until three are left; of those beside the volume's at most one may have more.
+// Axes of space with one sample are removed, the last first, until three remain. At most one other axis may have more
+// than one sample.
 Axes axes_of(const std::filesystem::path& file, const Nrrd& nrrd) {
   std::vector<unsigned> space;
   Axes axes;
@@ -241,7 +193,7 @@ Axes axes_of(const std::filesystem::path& file, const Nrrd& nrrd) {
   for (std::size_t i = space.size(); i-- > 0 && space.size() > 3;) {
     if (nrrd.axis[space[i]].size == 1) space.erase(space.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  // Nothing says what a fourth axis is: the slowest is a time.
+  // Without a kind, the slowest of four axes is a time.
   if (space.size() == 4 && !axes.other) {
     take_other(space.back());
     space.pop_back();
@@ -265,7 +217,7 @@ Vec3 in_world(const Nrrd& nrrd, const double* v) {
     case nrrdSpaceLeftAnteriorSuperior:
     case nrrdSpaceLeftAnteriorSuperiorTime: return {v[0], -v[1], v[2]};
     case nrrdSpace3DLeftHanded:
-    case nrrdSpace3DLeftHandedTime: return {v[0], v[1], -v[2]};  // a mirror, so that ours is right-handed
+    case nrrdSpace3DLeftHandedTime: return {v[0], v[1], -v[2]};  // mirrored, so that the result is right-handed
     default: return {v[0], v[1], v[2]};
   }
 }
@@ -282,7 +234,7 @@ void place(const Header& header, const Axes& axes, StoredLayout& layout) {
   layout.placement.axes = patient || with_time ? WorldAxes::kPatient : WorldAxes::kWorld;
 }
 
-// Not a number where the header says that of others only.
+// NaN if the header has spacings of other axes only.
 double spacing_of(const Header& header, unsigned axis) {
   const int* seen = header.io->seen;
   if (seen[nrrdField_spacings] == 0 && seen[nrrdField_space_directions] == 0) return 1;
@@ -310,7 +262,7 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header, 
   return layout;
 }
 
-// The byte behind `lines` line ends from `offset` on.
+// The byte after `lines` line ends from `offset` on.
 std::uint64_t skip_lines(const std::filesystem::path& file, std::uint64_t offset, unsigned lines) {
   DataStream stream(file, offset, Compression::kNone);
   std::vector<std::byte> chunk(65536);
@@ -322,7 +274,7 @@ std::uint64_t skip_lines(const std::filesystem::path& file, std::uint64_t offset
   return offset;
 }
 
-// Byte skips count before the samples: in the file, or in what a compressed stream holds.
+// "byte skip" counts bytes before the samples in the file, or in the decompressed stream.
 DataPlace place_of(const std::filesystem::path& file, const Header& header, Compression compression,
                    std::size_t bytes) {
   DataPlace place;
@@ -343,8 +295,8 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, Comp
   return place;
 }
 
-// Interprets the axis beside those of space: colours, or a list of volumes of which one is chosen. `volumes`: number of
-// volumes of the layout's size before the chosen one.
+// Interprets the other axis: colours, or a list of volumes of which one is chosen. `volumes`: the number of volumes of
+// the layout's size before the chosen one.
 void choose(const std::filesystem::path& file, const Nrrd& nrrd, const Axes& axes, const std::string& part,
             StoredLayout& layout, std::size_t& volumes) {
   if (!axes.other) {
@@ -359,7 +311,7 @@ void choose(const std::filesystem::path& file, const Nrrd& nrrd, const Axes& axe
   const bool colours =
       kind == nrrdKindRGBColor || kind == nrrdKindRGBAColor || kind == nrrdKind3Color || kind == nrrdKind4Color;
   if (colours && first && bytes && part.empty()) {
-    layout.channels = static_cast<int>(std::min<std::size_t>(axes.count, 5));  // of more than four it will be refused
+    layout.channels = static_cast<int>(std::min<std::size_t>(axes.count, 5));  // more than four are refused later
     return;
   }
   const bool series = kind == nrrdKindUnknown || kind == nrrdKindList || kind == nrrdKindTime;

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMaxHeaderBytes = 65536;  // chosen
 constexpr std::string_view kMagic = "\x93NUMPY";
 
-// The text of the value of a key of a Python dictionary, as numpy writes it; up to a comma that is in no brackets.
+// The value of a key in a Python dictionary as numpy writes it: the text up to a comma outside brackets.
 std::string_view value_of(std::string_view dictionary, std::string_view key) {
   const std::size_t at = dictionary.find("'" + std::string(key) + "':");
   if (at == std::string_view::npos) return {};
@@ -31,22 +31,23 @@ std::string_view value_of(std::string_view dictionary, std::string_view key) {
   return {};
 }
 
+// `descr`: with its quotes, as '<i2'.
 StoredType type_of(const std::filesystem::path& file, std::string_view descr) {
-  constexpr std::array kTypes = {
-      std::pair{"i1", StoredType::kInt8},    std::pair{"u1", StoredType::kUint8},  std::pair{"b1", StoredType::kUint8},
-      std::pair{"i2", StoredType::kInt16},   std::pair{"u2", StoredType::kUint16}, std::pair{"i4", StoredType::kInt32},
-      std::pair{"u4", StoredType::kUint32},  std::pair{"i8", StoredType::kInt64},  std::pair{"u8", StoredType::kUint64},
-      std::pair{"f4", StoredType::kFloat32}, std::pair{"f8", StoredType::kFloat64}};
-  if (descr.size() == 5) {  // with its quotes: '<i2'
-    for (const auto& [name, type] : kTypes) {
-      if (descr.substr(2, 2) == name) return type;
-    }
-  }
-  throw FileError(file, "descr", "a bool, or a number of at most 64 bits that is no half float", std::string(descr));
+  const std::string_view kind = descr.size() == 5 ? descr.substr(2, 1) : "";
+  const auto type = kind == "b"    ? std::optional(StoredType::kUint8)
+                    : kind.empty() ? std::nullopt
+                                   : type_named(fmt::format("{}{}",
+                                                            kind == "i"   ? "int"
+                                                            : kind == "u" ? "uint"
+                                                                          : "float",
+                                                            8 * (descr[3] - '0')));
+  if (!type || std::string_view("biuf").find(kind) == std::string_view::npos)
+    throw FileError(file, "descr", "a bool, or a number of at most 64 bits that is no half float", std::string(descr));
+  return *type;
 }
 
-// `read`: fills its bytes from the start of the .npy file; how many came. Where the samples are comes without the
-// place.
+// `read` fills its bytes from the start of the .npy file and returns their number. The result has no offset and
+// compression of the place.
 StoredFile find_array(const std::filesystem::path& file, const std::function<std::size_t(std::span<std::byte>)>& read,
                       const std::string& part) {
   std::array<unsigned char, 12> start{};
@@ -72,19 +73,16 @@ StoredFile find_array(const std::filesystem::path& file, const std::function<std
   std::vector<std::int64_t> sizes;
   for (const std::string_view word : words_of(shape)) {
     const auto size = parse_number<std::int64_t>(word);
-    if (!size || *size < 1) throw FileError(file, "shape", "sizes of at least 1", in_quotes(value_of(header, "shape")));
+    if (!size) throw FileError(file, "shape", "whole numbers", in_quotes(value_of(header, "shape")));
     sizes.push_back(*size);
   }
   if (order == "False") std::ranges::reverse(sizes);  // the last index runs fastest
   StoredFile found;
   found.layout.file = file;
-  found.layout.dims = checked_dims(file, "shape", std::span(sizes).first(std::min<std::size_t>(sizes.size(), 3)));
+  found.layout.dims = checked_dims(file, "shape", sizes);
   found.layout.type = type_of(file, descr);
   found.layout.big_endian = descr[1] == '>';
-  std::int64_t volumes = 1;
-  for (const std::int64_t size : std::span(sizes).subspan(3))
-    volumes = std::min(volumes * std::min<std::int64_t>(size, kMaxParts + 1), std::int64_t{kMaxParts} + 1);
-  const std::size_t chosen = chosen_part(file, "volume", volumes, part);
+  const std::size_t chosen = chosen_part(file, "volume", volumes_in(file, "shape", sizes), part);
   found.place.file = file;
   found.place.skip = begin + bytes + chosen * std::uint64_t{checked_bytes(found.layout)};
   return found;
@@ -105,7 +103,7 @@ StoredFile find_numpy(const std::filesystem::path& file, const std::string& part
 }
 
 StoredFile find_numpy_archive(const std::filesystem::path& file, const std::string& part) {
-  file_bytes(file);  // says what is wrong with one that is not there
+  file_bytes(file);  // throws for a missing file
   const std::unique_ptr<void, ZipClose> zip(unzOpen64(file.c_str()));
   if (!zip) throw FileError(file, "archive", "a ZIP archive", "none, or one without its end");
   std::vector<std::string> names;

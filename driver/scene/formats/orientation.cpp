@@ -17,7 +17,7 @@ namespace {
 
 using Axes = std::array<int, 3>;  // as WorldPlacement::stored
 constexpr Axes kSame{1, 2, 3};
-constexpr double kSaidDegrees = 1;          // chosen: less can't be seen
+constexpr double kSaidDegrees = 1;          // chosen: smaller angles are not visible
 constexpr double kLeastDeterminant = 1e-3;  // chosen: of unit vectors that span space
 
 std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -25,7 +25,7 @@ std::size_t index_of(int axis) { return static_cast<std::size_t>(std::abs(axis) 
 Vec3 unit_or_zero(Vec3 v) { return length(v) > 0 ? normalise(v) : Vec3{}; }
 double determinant(const std::array<Vec3, 3>& axes) { return dot(cross(axes[0], axes[1]), axes[2]); }
 
-// The placement with unit vectors. A zero or a direction that is no number stays what it is.
+// The placement with unit vectors. Zero vectors, and those that are not finite, stay as they are.
 WorldPlacement with_unit_directions(WorldPlacement placement) {
   for (Vec3& direction : placement.directions) direction = unit_or_zero(direction);
   return placement;
@@ -49,7 +49,7 @@ void flip(std::span<Item> items, const Dims& dims, const Axes& axes) {
     std::ranges::swap_ranges(items.subspan(low, plane), items.subspan(high, plane));
 }
 
-// Where the stored samples of a volume go. `dims`: stored.
+// The items in the order of the new axes. `dims`: of the stored ones.
 template <typename Item>
 std::vector<Item> permuted(std::span<const Item> from, const Dims& dims, const Axes& axes) {
   const std::array<std::ptrdiff_t, 3> steps{1, dims[0], std::ptrdiff_t{dims[0]} * dims[1]};

@@ -9,13 +9,14 @@
 namespace gicube::scene {
 namespace {
 
-// Reads a file's samples in the order of their planes; from plane 0 on again whenever that is asked for.
+// Reads a file's samples plane by plane. Plane 0 restarts from the beginning.
 class PlaneFile {
  public:
-  explicit PlaneFile(const StoredFile& file) : file_(file), all_(checked_bytes(file.layout)) {}
+  explicit PlaneFile(const StoredFile& file)
+      : file_(file), all_(checked_bytes(file.layout)), stream_(open_data(file.place, all_)) {}
 
   void read(int first, int planes, std::span<std::byte> out) {
-    if (first == 0) {
+    if (first == 0 && next_ > 0) {
       stream_ = open_data(file_.place, all_);
       next_ = 0;
     }
@@ -24,12 +25,15 @@ class PlaneFile {
     StoredLayout part = file_.layout;
     part.dims[2] = planes;
     part.first_sample = voxels_of({part.dims[0], part.dims[1], first});
-    std::vector<std::byte> bytes(voxels_of(part.dims) * bytes_of(part.type));
-    if (const std::size_t came = stream_->read(bytes); came < bytes.size()) {
+    const bool kept = is_kept(part);
+    std::vector<std::byte> bytes(kept ? 0 : voxels_of(part.dims) * bytes_of(part.type));
+    const std::span<std::byte> stored = kept ? out : std::span(bytes);
+    if (const std::size_t came = stream_->read(stored); came < stored.size()) {
       throw_truncated(file_.place, all_, fmt::format("{}", part.first_sample * bytes_of(part.type) + came));
     }
     next_ = first + planes;
     if (next_ == file_.layout.dims[2]) end_data(*stream_, file_.place, all_);
+    if (kept) return to_machine(out, part);
     const Volume volume = to_volume(std::move(bytes), part);
     std::ranges::copy(volume.samples, out.begin());
   }
@@ -41,46 +45,38 @@ class PlaneFile {
   int next_ = 0;
 };
 
-// Not in planes: text, samples of several channels, and those in several files.
-bool is_whole(const StoredFile& file) {
-  return file.encoding != Encoding::kBytes || file.layout.channels > 1 || !file.place.series.empty();
-}
-
 }  // namespace
 
-Volume read_stored(const StoredFile& file) {
-  const std::size_t bytes = checked_bytes(file.layout);
-  const auto& [layout, place, encoding] = file;
-  const std::uint64_t begin = place.offset + place.skip;
-  switch (encoding) {
-    case Encoding::kBytes: break;
-    case Encoding::kHex: return to_volume(read_hex(place.file, begin, bytes), layout);
-    case Encoding::kNumbers:
-      return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
-  }
-  if (is_kept(layout) || is_whole(file)) return to_volume(read_data(place, bytes), layout);
-  Volume volume = open_stored(file);
-  take_planes(volume);
-  return volume;
-}
-
 Volume open_stored(const StoredFile& file) {
-  if (is_whole(file)) return read_stored(file);
-  Volume volume = to_volume({}, file.layout);
+  const auto& [layout, place, encoding] = file;
+  const std::size_t bytes = checked_bytes(layout);
+  const std::uint64_t begin = place.offset + place.skip;
+  if (encoding == Encoding::kHex) return to_volume(read_hex(place.file, begin, bytes), layout);
+  if (encoding == Encoding::kNumbers)
+    return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
+  if (layout.channels > 1 || !place.series.empty()) return to_volume(read_data(place, bytes), layout);
+  Volume volume = to_volume({}, layout);
   volume.planes = [planes = std::make_shared<PlaneFile>(file)](int first, int count, std::span<std::byte> out) {
     planes->read(first, count, out);
   };
   return volume;
 }
 
+Volume read_stored(const StoredFile& file) {
+  Volume volume = open_stored(file);
+  take_planes(volume);
+  return volume;
+}
+
 void take_planes(Volume& volume) {
-  constexpr int kPlanes = 8;  // chosen: so many are held both as they are stored and as floats
+  if (!volume.planes) return;
+  constexpr int kPlanes = 8;  // chosen: this many are in memory both as stored and as floats
   const std::size_t voxels = voxels_of({volume.dims[0], volume.dims[1], 1});
   const auto grow = [](auto& values, std::size_t count) {
     values.resize(values.size() + count);
     return std::as_writable_bytes(std::span(values).last(count));
   };
-  // Memory that is not written to costs nothing, should a compressed file end early.
+  // Unwritten memory costs nothing if a compressed file ends early.
   volume.samples.reserve(voxels_of(volume.dims) * bytes_per_sample(volume.type));
   for (int z = 0; z < volume.dims[2]; z += kPlanes) {
     const int count = std::min(kPlanes, volume.dims[2] - z);

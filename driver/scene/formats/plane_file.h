@@ -1,4 +1,4 @@
-// A volume file whose samples are found, and how they are read: whole, or in planes.
+// Reading a volume file whose layout is known: whole, or in planes.
 #pragma once
 
 #include "gicube/scene/volume_file.h"
@@ -15,16 +15,16 @@ struct StoredFile {
   Encoding encoding = Encoding::kBytes;
 };
 
-// Throws FileError.
-Volume read_stored(const StoredFile& file);
-// Opens the file without its samples: Volume::planes reads them. Text is read whole. Throws FileError, as does the
-// reader.
+// Opens the file without its samples, which Volume::planes then reads. Samples in text, of several channels, or in
+// several files are read at once. Throws FileError, as Volume::planes does.
 Volume open_stored(const StoredFile& file);
+// Reads the whole file. Throws FileError.
+Volume read_stored(const StoredFile& file);
 
-// Reads all planes of a volume into memory.
+// Reads the planes of a volume that has them into memory.
 void take_planes(Volume& volume);
 
-// Calls use(z, samples) for each plane of a volume, read or in memory.
+// Calls use(z, samples) for each plane of a volume, which may be in memory or in planes.
 void for_each_plane(const Volume& volume, const std::function<void(int, std::span<const std::byte>)>& use);
 
 }  // namespace gicube::scene

@@ -1,4 +1,4 @@
-// Shared objects that are loaded when a file first needs them, since they bring other libraries of a size
+// Shared objects that are loaded when a file first needs them, because they depend on large libraries
 // (driver/scene/pictures, driver/scene/libraries).
 #pragma once
 

@@ -39,11 +39,6 @@ StoredFile find_nifti(const std::filesystem::path& file, const std::string& part
 // skips below -1 (-1 = data at the file's end).
 bool is_nrrd(const std::filesystem::path& file);
 StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside = false, const std::string& part = {});
-// The data files that a header names by `pattern`: "LIST", or a name with a %d, its first and last number and the step;
-// `list`: the lines behind the header. Throws FileError.
-std::vector<std::filesystem::path> series_of(const std::filesystem::path& file, const std::string& field,
-                                             std::string_view pattern, std::span<const std::string> list,
-                                             bool allow_outside);
 // Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other,
 // as a volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
@@ -66,27 +61,29 @@ StoredFile find_legacy_vtk(const std::filesystem::path& file);
 // With the spacing that is given or, made positive, the file's own. Throws FileError: that has a zero or no number.
 Volume with_spacing(Volume volume, const std::optional<Vec3>& given = {});
 
-// Runs of digits count as numbers: "slice-2" before "slice-10". A strict order on names.
+// A strict order of names in which runs of digits count as numbers: "slice-2" before "slice-10".
 bool natural_less(std::string_view a, std::string_view b);
-// The folder's files with one of these extensions (lower case; theirs in any), in natural order, but those whose names
-// begin with a dot. Warns of numbers that are missing in their names. Throws FileError.
+// The folder's files with one of these extensions (lower case; theirs in any case), in natural order, without those
+// whose names begin with a dot. Warns of numbers that are missing in their names. Throws FileError.
 std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder,
                                               std::initializer_list<std::string_view> extensions);
 
-// The folder's .png .tif .tiff .bmp .jpg .jpeg .pgm .exr files (any case) in natural order, the first at z = 0; x and y
-// run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are integers of
-// 8, 16 or 32 bits, float32 or float64, the same in all slices, and so are width and height; spacing is 1. If no pixel
-// has a colour (red = green = blue), samples are grey and alpha is ignored. Else slices are of 8 or 16 bits, voxels
-// have the pixels' colours, and samples are the pixels' alpha if the first slice has one, or else their luma (ITU-R
-// BT.709), of 8 bits. Throws FileError naming the slice.
-Volume read_slices(const std::filesystem::path& folder);
-// Opens a folder of slices; each slice is read when it is needed.
+// The extensions of slices in a folder.
+inline const std::initializer_list<std::string_view> kPictures{".png", ".tif",  ".tiff", ".bmp",
+                                                               ".jpg", ".jpeg", ".pgm",  ".exr"};
+// The folder's pictures in natural order, the first at z = 0; x and y run as in the picture, from its upper left
+// corner. Other files, and folders in it, are ignored. Samples are integers of 1 to 64 bits, half, float, double, or
+// magnitudes of complex numbers, the same type in all slices; width and height are the same too. Spacing is 1. If no
+// pixel has a colour (red = green = blue), samples are grey and alpha is ignored. Otherwise slices have 8 or 16 bits,
+// voxels have the pixels' colours, and samples are the pixels' alpha if the first slice has one, or their luma (ITU-R
+// BT.709), in 8 bits. Each slice is read by Volume::planes. Throws FileError naming the slice.
 Volume open_slices(const std::filesystem::path& folder);
 
-// One such file, its pages as slices (TIFF; others have one), with the spacing that an OME-TIFF or ImageJ gives. They
-// must be grey. Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and times, from 1: all
-// channels of the first time, then of the next.
-Volume open_pages(const std::filesystem::path& file, const std::string& part = {});  // each page when it is asked for
-Volume read_pages(const std::filesystem::path& file, const std::string& part = {});
+// One picture file, its pages as slices (TIFF; other formats have one page), with the spacing that an OME-TIFF or
+// ImageJ gives. They must be grey. Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and
+// times, from 1: all channels of the first time, then of the next.
+Volume open_pages(const std::filesystem::path& file, const std::string& part = {});
+// The same with its samples.
+Volume read_pages(const std::filesystem::path& file);
 
 }  // namespace gicube::scene

@@ -23,12 +23,12 @@
 namespace gicube::scene {
 namespace {
 
-constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // chosen: bytes beside the samples
-constexpr std::uint64_t kMaxRatio = 16384;                 // chosen: bytes of memory for one of the file
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // chosen: bytes in addition to the samples
+constexpr std::uint64_t kMaxRatio = 16384;                 // chosen: bytes of memory per byte of the file
 constexpr std::size_t kChunk = std::size_t{1} << 20;       // chosen
-constexpr std::size_t kMaxText = 4096;                     // chosen: a damaged file's names have any length
+constexpr std::size_t kMaxText = 4096;                     // chosen: names in a damaged file may have any length
 
-// The numbers of the StoredLayouts that these libraries make.
+// The fixed part of a LibraryVolume.
 struct Numbers {
   Dims dims;
   StoredType type;
@@ -60,7 +60,7 @@ void send(int to, const FileFault& fault) {
   for (const std::string& text : {fault.file.string(), fault.field, fault.expected, fault.got}) send(to, text);
 }
 
-// The whole pages of these bytes, whose values are lost.
+// Frees the whole pages among these bytes, whose values are lost.
 void give_back(const std::byte* bytes, std::size_t count) {
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(bytes) + page - 1) / page * page;
@@ -68,7 +68,7 @@ void give_back(const std::byte* bytes, std::size_t count) {
   if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
 }
 
-// Size of the address space that this process has already.
+// The size of this process's address space.
 std::uint64_t own_memory() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -152,7 +152,7 @@ class Child {
     send(to, &numbers, sizeof numbers);
     for (const FileFault& warning : volume.warnings) send(to, warning);
     if (volume.fault) send(to, *volume.fault);
-    // Both processes together hold the samples once: pages that were sent are given back.
+    // Sent pages are freed, so that both processes together hold the samples only once.
     for (std::size_t at = 0; at < volume.samples.size(); at += kChunk) {
       send(to, volume.samples.data() + at, std::min(kChunk, volume.samples.size() - at));
       give_back(volume.samples.data() + at, std::min(kChunk, volume.samples.size() - at));

@@ -1,5 +1,5 @@
-// A process that reads a file for this one: of libraries that damaged files can crash, or make take any amount of
-// memory (HDF5, OpenVDB).
+// Reading a file in a child process, for libraries that a damaged file can crash or make allocate any amount of memory
+// (HDF5, OpenVDB).
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace gicube::scene {
 
-// Returns the result of `read`, called in a child of this process. A crash, and more memory or time than the file's
-// size can explain, is a fault.
+// Returns the result of `read`, called in a child process. Throws FileError for a crash, or if reading needs more
+// memory or time than the file's size justifies.
 LibraryVolume read_in_child(const std::filesystem::path& file, const std::function<LibraryVolume()>& read);
 
 }  // namespace gicube::scene

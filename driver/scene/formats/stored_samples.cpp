@@ -14,7 +14,7 @@
 namespace gicube::scene {
 namespace {
 
-// That hold each SampleType, in its order.
+// The stored type of each SampleType, in its order.
 constexpr std::array kOwnTypes = {StoredType::kUint8, StoredType::kUint12, StoredType::kUint16, StoredType::kInt16,
                                   StoredType::kFloat32};
 
@@ -23,12 +23,6 @@ std::optional<SampleType> kept_type(const StoredLayout& layout) {
   const auto* found = std::ranges::find(kOwnTypes, layout.type);
   if (layout.slope != 1 || layout.intercept != 0 || found == kOwnTypes.end()) return std::nullopt;
   return static_cast<SampleType>(found - kOwnTypes.begin());
-}
-
-void to_machine_order(std::span<std::byte> samples, const StoredLayout& layout) {
-  const std::size_t size = bytes_of(layout.type);
-  if (size == 1 || layout.big_endian == (std::endian::native == std::endian::big)) return;
-  for (std::size_t i = 0; i < samples.size(); i += size) std::ranges::reverse(samples.subspan(i, size));
 }
 
 template <typename Sample>
@@ -47,20 +41,26 @@ std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const St
   return floats;
 }
 
-void check_12_bits(std::span<const std::byte> samples, const StoredLayout& layout) {
-  for (std::size_t i = 0; i < samples.size() / 2; ++i) {
-    const auto sample = sample_at<std::uint16_t>(samples, i);
-    if (sample > 4095)
-      throw FileError(layout.file, fmt::format("sample {}", layout.first_sample + i), "0..4095",
-                      fmt::format("{}", sample));
+// The colours of `pixels`, as VolumeView has them, and samples of 8 bits: alpha if there are four channels, else luma.
+void take_colours(std::span<const std::byte> pixels, std::size_t channels, bool narrow, Volume& volume) {
+  const std::size_t count = pixels.size() / (channels * (narrow ? 1 : 2));
+  const auto byte_at = [&](std::size_t i) {  // the nearest of 8 bits
+    if (narrow) return static_cast<int>(sample_at<std::uint8_t>(pixels, i));
+    return (sample_at<std::uint16_t>(pixels, i) * 255 + 32767) / 65535;
+  };
+  volume.samples.resize(count);
+  volume.colours.resize(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int red = byte_at(channels * i), green = byte_at(channels * i + 1), blue = byte_at(channels * i + 2);
+    const int luma = (2126 * red + 7152 * green + 722 * blue + 5000) / 10000;  // [ITU-R BT.709]
+    volume.colours[3 * i] = static_cast<std::uint8_t>(red);
+    volume.colours[3 * i + 1] = static_cast<std::uint8_t>(green);
+    volume.colours[3 * i + 2] = static_cast<std::uint8_t>(blue);
+    volume.samples[i] = static_cast<std::byte>(channels == 4 ? byte_at(channels * i + 3) : luma);
   }
 }
 
 }  // namespace
-
-std::size_t bytes_of(StoredType type) {
-  return with_sample(type, [](auto sample) { return sizeof sample; });
-}
 
 StoredType stored_type(SampleType type) { return kOwnTypes.at(static_cast<std::size_t>(type)); }
 
@@ -68,14 +68,23 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
   const std::string got = fmt::format("{}", fmt::join(sizes, " x "));
   if (sizes.size() < 3) throw FileError(file, field, "three axes", sizes.empty() ? "none" : got);
   Dims dims{};
-  for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
-    const std::int64_t most = axis < 3 ? kMaxFileDim : 1;
-    if (sizes[axis] < 1 || sizes[axis] > most) {
-      throw FileError(file, field, fmt::format("three axes of 1..{} voxels, any further of 1", kMaxFileDim), got);
-    }
-    if (axis < 3) dims[axis] = static_cast<int>(sizes[axis]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (sizes[axis] < 1 || sizes[axis] > kMaxFileDim)
+      throw FileError(file, field, fmt::format("three axes of 1..{} voxels", kMaxFileDim), got);
+    dims[axis] = static_cast<int>(sizes[axis]);
   }
   return dims;
+}
+
+std::int64_t volumes_in(const std::filesystem::path& file, const std::string& field,
+                        std::span<const std::int64_t> sizes) {
+  std::int64_t count = 1;
+  for (const std::int64_t size : sizes.subspan(3)) {
+    if (size < 1 || size > kMaxParts)
+      throw FileError(file, field, fmt::format("1..{} volumes", kMaxParts), fmt::format("{}", size));
+    count = std::min(count * size, std::int64_t{kMaxParts} + 1);
+  }
+  return count;
 }
 
 std::size_t chosen_part(const std::filesystem::path& file, const std::string& what, std::int64_t count,
@@ -91,27 +100,19 @@ std::size_t chosen_part(const std::filesystem::path& file, const std::string& wh
   return static_cast<std::size_t>(*number - 1);
 }
 
-void take_colours(std::span<const std::byte> pixels, std::size_t channels, SampleType type,
-                  std::vector<std::byte>& samples, std::vector<std::uint8_t>& colours) {
-  const bool narrow = type == SampleType::kUint8;
-  const std::size_t count = pixels.size() / (channels * bytes_per_sample(type));
-  const auto byte_at = [&](std::size_t i) {  // the nearest of 8 bits
-    if (narrow) return static_cast<int>(sample_at<std::uint8_t>(pixels, i));
-    return (sample_at<std::uint16_t>(pixels, i) * 255 + 32767) / 65535;
-  };
-  samples.resize(count);
-  colours.resize(3 * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const int red = byte_at(channels * i), green = byte_at(channels * i + 1), blue = byte_at(channels * i + 2);
-    const int luma = (2126 * red + 7152 * green + 722 * blue + 5000) / 10000;  // [ITU-R BT.709]
-    colours[3 * i] = static_cast<std::uint8_t>(red);
-    colours[3 * i + 1] = static_cast<std::uint8_t>(green);
-    colours[3 * i + 2] = static_cast<std::uint8_t>(blue);
-    samples[i] = static_cast<std::byte>(channels == 4 ? byte_at(channels * i + 3) : luma);
+bool is_kept(const StoredLayout& layout) { return layout.channels == 1 && kept_type(layout).has_value(); }
+
+void to_machine(std::span<std::byte> samples, const StoredLayout& layout) {
+  const std::size_t size = bytes_of(layout.type);
+  const bool swapped = size > 1 && layout.big_endian != (std::endian::native == std::endian::big);
+  for (std::size_t i = 0; swapped && i < samples.size(); i += size) std::ranges::reverse(samples.subspan(i, size));
+  for (std::size_t i = 0; layout.type == StoredType::kUint12 && i < samples.size() / size; ++i) {
+    const auto sample = sample_at<std::uint16_t>(samples, i);
+    if (sample > 4095)
+      throw FileError(layout.file, fmt::format("sample {}", layout.first_sample + i), "0..4095",
+                      fmt::format("{}", sample));
   }
 }
-
-bool is_kept(const StoredLayout& layout) { return kept_type(layout).has_value(); }
 
 std::size_t checked_bytes(const StoredLayout& layout) {
   // At most 2^36 voxels of 8 bytes: no overflow.
@@ -132,16 +133,16 @@ Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
   volume.source = layout.file.string();
   volume.spacing = layout.spacing;
   volume.placement = layout.placement;
-  to_machine_order(stored, layout);
+  to_machine(stored, layout);
   if (layout.channels > 1) {
     const auto channels = static_cast<std::size_t>(layout.channels);
     if (layout.channel < 0) {
       const bool narrow = layout.type == StoredType::kUint8;
       if ((!narrow && layout.type != StoredType::kUint16) || channels < 3 || channels > 4) {
         throw FileError(layout.file, "colours", "three or four channels of 8 or 16 bits",
-                        fmt::format("{} of others", channels));
+                        fmt::format("{}, or another type", channels));
       }
-      take_colours(stored, channels, narrow ? SampleType::kUint8 : SampleType::kUint16, volume.samples, volume.colours);
+      take_colours(stored, channels, narrow, volume);
       return volume;
     }
     const std::size_t bytes = bytes_of(layout.type), count = stored.size() / (bytes * channels);
@@ -151,7 +152,6 @@ Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
     }
     stored.resize(count * bytes);
   }
-  if (layout.type == StoredType::kUint12) check_12_bits(stored, layout);
   if (const auto kept = kept_type(layout)) {
     volume.type = *kept;
     volume.samples = std::move(stored);

@@ -30,7 +30,7 @@ std::ifstream open_text(const std::filesystem::path& file, std::uint64_t offset,
   return input;
 }
 
-// The next number's characters, at most one more than kLongestNumber; empty at the end of the file.
+// The characters of the next number, at most kLongestNumber + 1; empty at the end of the file.
 std::string next_word(std::istream& input) {
   while (input.peek() == ',' || std::isspace(input.peek())) input.get();
   std::string word;
@@ -42,7 +42,7 @@ std::string next_word(std::istream& input) {
   return word;
 }
 
-// False: the type can't hold the value.
+// False: the type cannot hold the value.
 bool store_as(StoredType type, std::byte* at, double value) {
   return with_sample(type, [at, value](auto sample) {
     using Sample = decltype(sample);
@@ -70,7 +70,7 @@ bool parse(const std::string& word, double& value) {
 
 std::vector<std::byte> read_numbers(const std::filesystem::path& file, std::uint64_t offset, StoredType type,
                                     std::size_t count) {
-  // A digit each, and something between.
+  // Each number has at least a digit, and separators are between them.
   std::ifstream input = open_text(file, offset, 2 * std::uint64_t{count} - 1);
   std::vector<std::byte> samples(count * bytes_of(type));
   for (std::size_t i = 0; i < count; ++i) {

@@ -17,53 +17,7 @@
 namespace gicube::scene {
 namespace {
 
-using Finder = StoredFile (*)(const VolumeSource&);
-constexpr Finder kNrrd =
-                     [](const VolumeSource&source) {
-                       return find_nrrd(source.file, source.allow_outside, source.part);
-                     },
-                 kMetaImage =
-                     [](const VolumeSource&source) {
-                       return find_meta_image(source.file, source.allow_outside, source.part);
-                     },
-                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file, source.part); },
-                 kNumpy = [](const VolumeSource&source) { return find_numpy(source.file, source.part); },
-                 kNumpyArchive = [](const VolumeSource&source) { return find_numpy_archive(source.file, source.part); },
-                 kVtk = [](const VolumeSource&source) { return find_legacy_vtk(source.file); };
-
-struct Format {
-  const char* extension;  // lower case, at the end of the name
-  Finder find;
-};
-
-constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd},    Format{".mhd", kMetaImage},
-                                 Format{".mha", kMetaImage}, Format{".nii", kNifti},    Format{".nii.gz", kNifti},
-                                 Format{".hdr", kNifti},     Format{".hdr.gz", kNifti}, Format{".img", kNifti},
-                                 Format{".img.gz", kNifti},  Format{".npy", kNumpy},    Format{".npz", kNumpyArchive},
-                                 Format{".vtk", kVtk}};
-
-// Null: the name says nothing.
-Finder finder_by_name(const std::filesystem::path& path) {
-  const std::string name = lower_case(path.filename().string());
-  for (const Format& format : kFormats) {
-    if (name.ends_with(format.extension)) return format.find;
-  }
-  return nullptr;
-}
-
-Finder finder_by_contents(const std::filesystem::path& path) {
-  if (is_nrrd(path)) return kNrrd;
-  if (is_meta_image(path)) return kMetaImage;
-  if (is_nifti(path)) return kNifti;
-  if (is_numpy(path)) return kNumpy;
-  if (is_legacy_vtk(path)) return kVtk;
-  throw FileError(path, "format",
-                  "NRRD, MetaImage, NIfTI, DICOM, TIFF, VTK, HDF5, OpenVDB, numpy, a folder of slices, or the layout "
-                  "of raw samples",
-                  "an unknown format and no layout");
-}
-
-StoredFile find_raw(const std::filesystem::path& path, const RawLayout& raw) {
+Volume open_raw(const std::filesystem::path& path, const RawLayout& raw) {
   StoredLayout layout;
   layout.file = path;
   const std::array<std::int64_t, 3> sizes{raw.dims[0], raw.dims[1], raw.dims[2]};
@@ -76,7 +30,76 @@ StoredFile find_raw(const std::filesystem::path& path, const RawLayout& raw) {
   if (lower_case(path.extension().string()) == ".gz") place.compression = Compression::kGzip;
   place.skip = raw.skip_bytes;
   place.nothing_after = true;
-  return {layout, place, Encoding::kBytes};
+  return open_stored({layout, place, Encoding::kBytes});
+}
+
+Volume open_dicom(const VolumeSource& source) { return read_by("dicom", source.file, source.part); }
+
+struct Format {
+  const char* extensions;                    // ends of names, lower case, with blanks between
+  bool (*is)(const std::filesystem::path&);  // by the contents; null: only the name tells
+  Volume (*open)(const VolumeSource&);
+  bool may_be_raw = false;  // a file of such a name may hold raw samples, if their layout is given
+};
+
+constexpr std::array kFormats{
+    Format{".nrrd .nhdr", is_nrrd,
+           [](const VolumeSource& s) { return open_stored(find_nrrd(s.file, s.allow_outside, s.part)); }},
+    Format{".mhd .mha", is_meta_image,
+           [](const VolumeSource& s) { return open_stored(find_meta_image(s.file, s.allow_outside, s.part)); }},
+    Format{".nii .nii.gz .hdr .hdr.gz", is_nifti,
+           [](const VolumeSource& s) { return open_stored(find_nifti(s.file, s.part)); }},
+    Format{".img .img.gz", nullptr, [](const VolumeSource& s) { return open_stored(find_nifti(s.file, s.part)); },
+           true},
+    Format{".npy", is_numpy, [](const VolumeSource& s) { return open_stored(find_numpy(s.file, s.part)); }},
+    Format{".npz", nullptr, [](const VolumeSource& s) { return open_stored(find_numpy_archive(s.file, s.part)); }},
+    Format{".vtk", is_legacy_vtk, [](const VolumeSource& s) { return open_stored(find_legacy_vtk(s.file)); }},
+    Format{".vti", is_vti, [](const VolumeSource& s) { return read_vti(s.file, s.part); }, true},
+    Format{".tif .tiff", nullptr, [](const VolumeSource& s) { return open_pages(s.file, s.part); }},
+    Format{".dcm .ima", is_dicom, open_dicom, true},
+    Format{"", is_hdf5, [](const VolumeSource& s) { return read_by("hdf5", s.file, s.part); }},
+    Format{"", is_openvdb, [](const VolumeSource& s) { return read_by("openvdb", s.file, s.part); }}};
+
+Volume open_by_format(const VolumeSource& source) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(source.file, fault);
+  const std::string name = lower_case(source.file.filename().string());
+  const auto has_name = [&](const Format& format) {
+    return std::ranges::any_of(words_of(format.extensions), [&](std::string_view end) { return name.ends_with(end); });
+  };
+  const auto* found = folder ? kFormats.end() : std::ranges::find_if(kFormats, has_name);
+  if (source.raw && (folder || (found != kFormats.end() && !found->may_be_raw)))
+    throw FileError(source.file, "layout", "none, since the file or folder has its own", "the layout of raw samples");
+  if (source.raw) return open_raw(source.file, *source.raw);
+  if (folder) return is_dicom(source.file) ? open_dicom(source) : open_slices(source.file);
+  if (found == kFormats.end()) {
+    found = std::ranges::find_if(kFormats, [&](const Format& f) { return f.is != nullptr && f.is(source.file); });
+  }
+  if (found == kFormats.end()) {
+    throw FileError(source.file, "format",
+                    "NRRD, MetaImage, NIfTI, DICOM, TIFF, VTK, HDF5, OpenVDB, numpy, a folder of slices, or the layout "
+                    "of raw samples",
+                    "an unknown format and no layout");
+  }
+  return found->open(source);
+}
+
+// Applies the source's options: orientation, edges, and numbers for missing values.
+Volume finished(Volume volume, const VolumeSource& source) {
+  if (!source.as_stored) volume = oriented(std::move(volume));
+  volume = with_spacing(std::move(volume), source.spacing);
+  if (!source.nan || volume.type != SampleType::kFloat32) return volume;
+  const auto replace = [value = static_cast<float>(*source.nan)](std::span<std::byte> samples) {
+    const std::span floats(reinterpret_cast<float*>(samples.data()), samples.size() / sizeof(float));
+    for (float& sample : floats) sample = std::isfinite(sample) ? sample : value;
+  };
+  replace(volume.samples);
+  if (!volume.planes) return volume;
+  volume.planes = [replace, planes = std::move(volume.planes)](int first, int count, std::span<std::byte> out) {
+    planes(first, count, out);
+    replace(out);
+  };
+  return volume;
 }
 
 }  // namespace
@@ -129,91 +152,12 @@ Volume with_spacing(Volume volume, const std::optional<Vec3>& given) {
   return volume;
 }
 
-namespace {
-
-// Where the samples of a file lie that is no folder.
-StoredFile find(const VolumeSource& source) {
-  const std::string name = lower_case(source.file.filename().string());
-  // Many programs call raw samples so.
-  const bool is_image = name.ends_with(".img") || name.ends_with(".img.gz");
-  const Finder named = is_image && source.raw ? nullptr : finder_by_name(source.file);
-  if (named != nullptr && source.raw) {
-    throw FileError(source.file, "layout", "none: the file says its own", "the layout of raw samples");
-  }
-  if (source.raw) return find_raw(source.file, *source.raw);
-  return (named != nullptr ? named : finder_by_contents(source.file))(source);
-}
-
-Volume read_otherwise(const std::string& reader, const VolumeSource& source) {
-  return reader == "vti" ? read_vti(source.file, source.part) : read_by(reader, source.file, source.part);
-}
-
-// Who reads a file that no StoredFile describes: "vti", or the shared object of that name. Empty: none.
-std::string library_of(const VolumeSource& source) {
-  if (source.raw) return "";
-  std::error_code fault;
-  if (std::filesystem::is_directory(source.file, fault)) return is_dicom(source.file) ? "dicom" : "";
-  if (finder_by_name(source.file) != nullptr) return "";
-  const std::string name = lower_case(source.file.filename().string());
-  if (name.ends_with(".dcm") || name.ends_with(".ima") || is_dicom(source.file)) return "dicom";
-  if (name.ends_with(".vti") || is_vti(source.file)) return "vti";
-  return is_hdf5(source.file) ? "hdf5" : is_openvdb(source.file) ? "openvdb" : "";
-}
-
-// Kinds of slices: a folder of pictures, or the pages of a TIFF.
-enum class Slices { kNone, kFolder, kPages };
-Slices slices_of(const VolumeSource& source) {
-  std::error_code fault;
-  const std::string name = lower_case(source.file.filename().string());
-  const bool folder = std::filesystem::is_directory(source.file, fault);
-  const bool pages = name.ends_with(".tif") || name.ends_with(".tiff");
-  if ((folder || pages) && source.raw)
-    throw FileError(source.file, "layout", "none: slices say their own", "the layout of raw samples");
-  return folder ? Slices::kFolder : pages ? Slices::kPages : Slices::kNone;
-}
-
-}  // namespace
-
-namespace {
-
-// Applies the source's options: orientation, edges, and numbers for missing values.
-Volume finished(Volume volume, const VolumeSource& source) {
-  if (!source.as_stored) volume = oriented(std::move(volume));
-  volume = with_spacing(std::move(volume), source.spacing);
-  if (!source.nan || volume.type != SampleType::kFloat32) return volume;
-  const auto replace = [value = static_cast<float>(*source.nan)](std::span<std::byte> samples) {
-    const std::span floats(reinterpret_cast<float*>(samples.data()), samples.size() / sizeof(float));
-    for (float& sample : floats) sample = std::isfinite(sample) ? sample : value;
-  };
-  replace(volume.samples);
-  if (!volume.planes) return volume;
-  volume.planes = [replace, planes = std::move(volume.planes)](int first, int count, std::span<std::byte> out) {
-    planes(first, count, out);
-    replace(out);
-  };
-  return volume;
-}
-
-}  // namespace
+Volume open_volume(const VolumeSource& source) { return finished(open_by_format(source), source); }
 
 Volume read_volume(const VolumeSource& source) {
-  if (const std::string library = library_of(source); !library.empty())
-    return finished(read_otherwise(library, source), source);
-  const Slices slices = slices_of(source);
-  return finished(slices == Slices::kFolder  ? read_slices(source.file)
-                  : slices == Slices::kPages ? read_pages(source.file, source.part)
-                                             : read_stored(find(source)),
-                  source);
-}
-
-Volume open_volume(const VolumeSource& source) {
-  if (const std::string library = library_of(source); !library.empty())
-    return finished(read_otherwise(library, source), source);
-  const Slices slices = slices_of(source);
-  return finished(slices == Slices::kFolder  ? open_slices(source.file)
-                  : slices == Slices::kPages ? open_pages(source.file, source.part)
-                                             : open_stored(find(source)),
-                  source);
+  Volume volume = open_volume(source);
+  take_planes(volume);
+  return volume;
 }
 
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {

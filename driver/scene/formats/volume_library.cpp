@@ -1,21 +1,17 @@
 #include "scene/formats/volume_library.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <memory>
 #include <system_error>
 #include <utility>
 
 #include "scene/common/checks.h"
+#include "scene/common/temporary_file.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/plug_in.h"
+#include "scene/formats/readers.h"
 #include "scene/formats/reading_child.h"
 
 namespace gicube::scene {
@@ -25,7 +21,7 @@ const VolumeLibrary& library_of(const std::string& name, const std::filesystem::
   return *static_cast<const VolumeLibrary*>(plug_in(file, name));
 }
 
-// DICOM's preamble of any 128 bytes.
+// Whether the magic of DICOM follows a preamble of 128 bytes.
 bool has_dicom_magic(const std::filesystem::path& file) {
   const std::string start = file_start(file, 132);
   return start.size() == 132 && start.ends_with("DICM");
@@ -43,8 +39,7 @@ bool is_dicom(const std::filesystem::path& path) {
     std::error_code unreadable;
     if (!entry->is_regular_file(unreadable) || entry->path().filename().string().starts_with('.')) continue;
     const std::string extension = lower_case(entry->path().extension().string());
-    const std::array pictures{".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".exr"};
-    if (std::ranges::find(pictures, extension) != pictures.end()) {
+    if (std::ranges::count(kPictures, extension) > 0) {
       --balance;
     } else if (has_dicom_magic(entry->path())) {
       ++balance;
@@ -70,16 +65,11 @@ Volume read_by(const std::string& library, const std::filesystem::path& file, co
 }
 
 void write_by(const std::string& library, const FloatVolume& volume, const std::filesystem::path& file) {
-  // The library takes a path, and does not leave what was there until the new file is whole.
-  std::string made = (std::filesystem::temp_directory_path() / "gicube-XXXXXX").string();
-  const int fd = ::mkstemp(made.data());
-  if (fd < 0) throw FileError(made, "file", "a place to write to", std::strerror(errno));
-  ::close(fd);
-  const std::unique_ptr<std::string, void (*)(std::string*)> gone(&made,
-                                                                  [](std::string* name) { ::unlink(name->c_str()); });
-  if (const auto fault = library_of(library, file).write(volume, made))
+  // The library writes to a path directly, but an existing file must stay until the new one is complete.
+  const TemporaryFile made;
+  if (const auto fault = library_of(library, file).write(volume, made.path()))
     throw FileError(file, fault->field, fault->expected, fault->got);
-  const std::vector<std::byte> bytes = read_data({made}, file_bytes(made));
+  const std::vector<std::byte> bytes = read_data({made.path()}, file_bytes(made.path()));
   write_whole(file, [&bytes](WholeFile& out) {
     out.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   });

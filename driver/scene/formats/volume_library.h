@@ -1,5 +1,5 @@
-// Readers of volumes that are shared objects of their own (driver/scene/libraries): DICOM, HDF5, OpenVDB. Nothing is
-// thrown from one to the library that loads it.
+// Readers of volumes in separate shared objects (driver/scene/libraries): DICOM, HDF5, OpenVDB. Errors are returned,
+// not thrown, across their boundary.
 #pragma once
 
 #include <sys/resource.h>
@@ -27,19 +27,19 @@ struct LibraryVolume {
   StoredLayout layout;  // of `samples`, in the machine's byte order
   std::vector<std::byte> samples;
   std::vector<FileFault> warnings;
-  std::optional<FileFault> fault;  // then nothing else is there but warnings
+  std::optional<FileFault> fault;  // if set, only the warnings are valid besides
 };
 
 class VolumeLibrary {
  public:
   virtual ~VolumeLibrary() = default;
-  // `part`: as VolumeSource has it.
+  // `part`: VolumeSource::part.
   virtual LibraryVolume read(const std::filesystem::path& file, const std::string& part) const = 0;
-  // Nothing: it is written.
+  // Nothing: success.
   virtual std::optional<FileFault> write(const FloatVolume& volume, const std::filesystem::path& file) const = 0;
 };
 
-// The bytes of the layout's samples; nothing if its sizes are impossible or above kMaxVolumeBytes.
+// The number of bytes of the layout's samples; nothing if its sizes are invalid or exceed kMaxVolumeBytes.
 inline std::optional<std::size_t> sane_bytes(const StoredLayout& layout, std::size_t sample_bytes) {
   std::uint64_t bytes = sample_bytes * static_cast<std::uint64_t>(layout.channels);
   for (const int dim : layout.dims) {
@@ -49,9 +49,9 @@ inline std::optional<std::size_t> sane_bytes(const StoredLayout& layout, std::si
   return bytes <= kMaxVolumeBytes ? std::optional<std::size_t>(bytes) : std::nullopt;
 }
 
-// Processor time that a child which reads (reading_child.h) may take: until it knows its volume, and by this many bytes
-// of that a second more from then on. A reader calls it before it fills the samples. Damaged files make libraries
-// search for seconds before they give up.
+// Limits of a reading child's processor time (reading_child.h): kReadingSeconds until the size of the volume is known;
+// allow_time_for(), which a reader calls before it fills the samples, adds a second per kBytesASecond. Damaged files
+// make libraries search for seconds before they give up.
 constexpr std::uint64_t kReadingSeconds = 2, kBytesASecond = std::uint64_t{4} << 20;  // chosen: far beyond good files
 inline void allow_time_for(std::uint64_t bytes) {
   rlimit now{};
@@ -64,7 +64,7 @@ bool is_dicom(const std::filesystem::path& path);  // a file, or a folder that h
 bool is_hdf5(const std::filesystem::path& file);
 bool is_openvdb(const std::filesystem::path& file);
 
-// By the shared object of this name: dicom, hdf5 or openvdb. Throws FileError.
+// Reading and writing by the shared object of this name: dicom, hdf5 or openvdb. Throw FileError.
 Volume read_by(const std::string& library, const std::filesystem::path& file, const std::string& part);
 void write_by(const std::string& library, const FloatVolume& volume, const std::filesystem::path& file);
 

@@ -26,7 +26,7 @@
 namespace gicube::scene {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "floats are written without conversion");
 
 std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -47,7 +47,7 @@ std::string_view bytes_of(std::span<const float> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-// One gzip stream of both parts.
+// Writes one gzip stream of both parts.
 void write_gzip(WholeFile& file, std::string_view start, std::string_view rest) {
   constexpr int kGzip = MAX_WBITS + 16, kMemory = 8;    // zlib.h: with gzip's header; its default
   constexpr std::size_t kMaxIn = std::size_t{1} << 30;  // zlib counts in 32 bits
@@ -76,7 +76,8 @@ void write_gzip(WholeFile& file, std::string_view start, std::string_view rest) 
   }
 }
 
-// Where the samples lie; of channels, which come first, nothing is said. Whether teem took it.
+// Sets space, origin and directions of the axes from `first` on; channels are before them. False: teem reported an
+// error.
 bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
   const auto spacing = in_order(volume.spacing), origin = in_order(volume.origin);
   double directions[4][NRRD_SPACE_DIM_MAX] = {};
@@ -98,7 +99,7 @@ bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
 std::string nrrd_header(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
                         const Provenance& provenance) {
   const DecimalPoint point;
-  const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
+  const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values remain the caller's
   const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
   auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it
   const unsigned first = volume.channels > 1 ? 1 : 0;
@@ -159,8 +160,8 @@ void add_comment(nifti_image* image, const Provenance& provenance) {
   }
 }
 
-// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes run to the right, to
-// the front and upwards. sform and qform say the same, since some programs read one and some the other.
+// NIfTI-1 in one file. libnifti makes the header, but does not check its writes. The axes are RAS. sform and qform are
+// equal, because some programs read only one of them.
 void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, bool packed,
                  const Provenance& provenance) {
   const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};
@@ -203,7 +204,7 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, b
   });
 }
 
-// VTK's image data, its samples raw behind the XML. Direction is a matrix by rows (VTK 9).
+// VTK's image data with raw samples after the XML. Direction is a matrix, row by row (VTK 9).
 void write_vti(const FloatVolume& volume, const std::filesystem::path& path) {
   const auto [x, y, z] = volume.dims;
   const auto& d = volume.directions;

@@ -1,5 +1,5 @@
-// VTK's image data: .vti, and legacy .vtk of structured points (VTK's file formats, Kitware). VTK's own reader would
-// bring 100 MB of libraries for two headers; XML is pugixml's and compression zlib's.
+// VTK's image data: .vti, and legacy .vtk of structured points (VTK's file formats, Kitware). VTK's own reader depends
+// on 100 MB of libraries; pugixml reads the XML, and zlib decompresses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,12 +19,7 @@ namespace {
 constexpr std::size_t kMaxXmlBytes = std::size_t{1} << 30;  // chosen: inline samples are part of it
 constexpr std::string_view kAppended = "<AppendedData";
 
-using Named = std::pair<const char*, StoredType>;
-constexpr std::array kXmlTypes = {Named{"Int8", StoredType::kInt8},       Named{"UInt8", StoredType::kUint8},
-                                  Named{"Int16", StoredType::kInt16},     Named{"UInt16", StoredType::kUint16},
-                                  Named{"Int32", StoredType::kInt32},     Named{"UInt32", StoredType::kUint32},
-                                  Named{"Int64", StoredType::kInt64},     Named{"UInt64", StoredType::kUint64},
-                                  Named{"Float32", StoredType::kFloat32}, Named{"Float64", StoredType::kFloat64}};
+using Named = std::pair<std::string_view, StoredType>;
 constexpr std::array kLegacyTypes = {
     Named{"char", StoredType::kInt8},          Named{"unsigned_char", StoredType::kUint8},
     Named{"short", StoredType::kInt16},        Named{"unsigned_short", StoredType::kUint16},
@@ -33,10 +28,9 @@ constexpr std::array kLegacyTypes = {
     Named{"vtktypeint64", StoredType::kInt64}, Named{"float", StoredType::kFloat32},
     Named{"double", StoredType::kFloat64}};
 
-StoredType type_named(const std::filesystem::path& file, std::string_view name, std::span<const Named> types) {
-  const auto found = std::ranges::find_if(types, [&](const Named& type) { return name == type.first; });
-  if (found == types.end()) throw FileError(file, "type", "a number type of VTK", in_quotes(name));
-  return found->second;
+StoredType checked(const std::filesystem::path& file, std::optional<StoredType> type, std::string_view name) {
+  if (!type) throw FileError(file, "type", "a number type of VTK", in_quotes(name));
+  return *type;
 }
 
 template <typename Number>
@@ -52,7 +46,7 @@ std::vector<Number> numbers(const std::filesystem::path& file, const char* field
   return list;
 }
 
-// The bytes of base64; empty if it is none. Stops at `count` bytes.
+// Decodes base64 up to `count` bytes, or up to the first invalid character.
 std::vector<std::byte> from_base64(std::string_view text, std::size_t count) {
   std::vector<std::byte> bytes;
   unsigned bits = 0, held = 0;
@@ -75,11 +69,11 @@ std::vector<std::byte> from_base64(std::string_view text, std::size_t count) {
   return bytes;
 }
 
-// A file's text up to where its appended samples begin.
+// The text of a file up to the appended samples.
 struct Xml {
   pugi::xml_document document;
-  std::uint64_t data = 0;  // the byte behind the "_"; 0: nothing is appended
-  bool is_raw = false;     // else base64
+  std::uint64_t data = 0;  // the byte after the "_"; 0: nothing is appended
+  bool is_raw = false;     // otherwise base64
 };
 
 void read_xml(const std::filesystem::path& file, Xml& xml) {
@@ -115,7 +109,7 @@ void read_xml(const std::filesystem::path& file, Xml& xml) {
     throw FileError(file, "XML", "a VTKFile", fmt::format("{} at byte {}", parsed.description(), parsed.offset));
 }
 
-// The samples of an array, as they are in the file; what they are decoded from is read as far as they need.
+// Decodes the samples of an array, and reads only the part of the file that they need.
 class ArrayReader {
  public:
   ArrayReader(const std::filesystem::path& file, const pugi::xml_node& root, const Xml& xml,
@@ -166,7 +160,7 @@ class ArrayReader {
     const std::vector<std::byte> sizes = take(0, header);
     std::uint64_t packed = 0;
     for (std::uint64_t i = 0; i < blocks; ++i) packed += std::min(number(sizes, 3 + i), std::uint64_t{1} << 40);
-    // In base64 the header is a group of its own.
+    // In base64 the header is encoded separately.
     const std::vector<std::byte> data = is_raw_ ? take(header, packed) : take_text((header + 2) / 3 * 4, packed);
     std::vector<std::byte> out;
     out.reserve(bytes);
@@ -197,7 +191,7 @@ class ArrayReader {
                       fmt::format("{} (truncated)", out.size()));
     return out;
   }
-  // `begin` counts from the array's first byte, and is 0 in base64.
+  // `begin`: from the array's first byte; 0 for base64.
   std::vector<std::byte> take(std::size_t begin, std::size_t bytes) const {
     if (!is_raw_) return take_text(begin, bytes);
     DataPlace place;
@@ -238,7 +232,7 @@ std::vector<std::byte> ascii_samples(const std::filesystem::path& file, const ch
   });
 }
 
-// The array that is asked for, or the active scalars, or the first.
+// The array that `part` names, or the active scalars, or the first.
 pugi::xml_node choose(const std::filesystem::path& file, const pugi::xml_node& data, const std::string& part) {
   const std::string wanted = part.empty() ? data.attribute("Scalars").value() : part;
   std::string names;
@@ -280,7 +274,8 @@ Volume read_vti(const std::filesystem::path& file, const std::string& part) {
   StoredLayout layout;
   layout.file = file;
   layout.dims = checked_dims(file, "WholeExtent", sizes);
-  layout.type = type_named(file, array.attribute("type").value(), kXmlTypes);
+  const std::string_view type = array.attribute("type").value();
+  layout.type = checked(file, type_named(lower_case(type)), type);
   layout.channels = array.attribute("NumberOfComponents").as_int(1);
   if (layout.channels != 1 && !((layout.channels == 3 || layout.channels == 4) && layout.type == StoredType::kUint8))
     throw FileError(file, "NumberOfComponents", "1, or 3 or 4 of UInt8", array.attribute("NumberOfComponents").value());
@@ -344,7 +339,9 @@ StoredFile find_legacy_vtk(const std::filesystem::path& file) {
     const bool in_array =
         i + 1 == header.lines.size() && !typed && words.size() == 4;  // name, components, tuples, type
     if ((key == "SCALARS" && words.size() >= 3) || in_array) {
-      found.layout.type = type_named(file, key == "SCALARS" ? words[2] : words[3], kLegacyTypes);
+      const std::string_view name = key == "SCALARS" ? words[2] : words[3];
+      const auto* const type = std::ranges::find(kLegacyTypes, name, &Named::first);
+      found.layout.type = checked(file, type != kLegacyTypes.end() ? std::optional(type->second) : std::nullopt, name);
       const std::string_view count = in_array ? words[1] : words.size() > 3 ? words[3] : "1";
       if (count != "1") throw FileError(file, "SCALARS", "one component", in_quotes(count));
       typed = true;

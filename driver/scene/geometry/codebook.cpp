@@ -9,11 +9,11 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kGrid = 511;             // of the decoded components' 10 bits: finer differences are not kept
-constexpr std::size_t kMaxKinds = 32768;  // chosen: directions that are looked at; keeps the time under a second
-constexpr int kRounds = 3;                // chosen: of Lloyd; more change little after a farthest-point choice
+constexpr double kGrid = 511;             // of the decoded components' 10 bits: finer differences are lost
+constexpr std::size_t kMaxKinds = 32768;  // chosen: directions in use; limits the time to a second
+constexpr int kRounds = 3;                // chosen: of Lloyd; more change little after farthest-point sampling
 
-// The different directions, in a fixed order.
+// The distinct directions, in a fixed order.
 std::vector<Vec3> kinds_of(std::span<const float> gradients) {
   std::vector<std::array<std::int16_t, 3>> cells;
   for (std::size_t i = 0; i + 2 < gradients.size(); i += 3) {
@@ -33,7 +33,7 @@ std::vector<Vec3> kinds_of(std::span<const float> gradients) {
   return kinds;
 }
 
-// Each next code is the direction that all codes before are farthest from.
+// Each code is the direction farthest from all previous ones.
 std::vector<Vec3> far_apart(const std::vector<Vec3>& kinds, std::size_t count) {
   std::vector<float> nearest(kinds.size(), -2);  // cosine to the nearest code
   std::vector<Vec3> codes;

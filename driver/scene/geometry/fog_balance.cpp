@@ -7,12 +7,12 @@
 namespace gicube::scene {
 namespace {
 
-constexpr int kFogReach = 3;   // chosen: voxels from where fog is missing to where it is added
-constexpr int kFogRounds = 4;  // chosen: of handing on what a voxel has no room for
+constexpr int kFogReach = 3;   // chosen: distance in voxels over which missing fog is moved
+constexpr int kFogRounds = 4;  // chosen: of moving on what a voxel has no room for
 
 const double kFull = std::round(kFogDensity * kMaxDensity), kThin = std::round(kFogBesideSolids * kMaxDensity);
 
-// In densities of kThin.
+// Densities are in units of kThin.
 class FogBalance {
  public:
   FogBalance(VoxelWorld& world, const std::array<bool, 4>& fogs, std::span<const std::uint16_t> due)
@@ -85,16 +85,16 @@ class FogBalance {
     std::memcpy(&word, &world_.volume.samples[2 * index], sizeof word);
     return word;
   }
-  // Sets the closest density that a voxel can hold. Beside a solid it stays below densities at which that is visible.
+  // Sets the nearest density in 0..kFull, which is below the densities at which a solid is visible.
   void set(std::size_t index, double density) {
     world_.set_density(index, std::clamp(density, 0.0, kFull) / kMaxDensity);
   }
 
-  // Means over a voxel's cube of the trilinear interpolation: of the density,
+  // The mean of the interpolated density over a voxel's cube.
   double mean(const Dims& voxel) const {
     return weighted(voxel, [&](std::size_t other) { return density(other); });
   }
-  // and over all cubes that a voxel counts in, the share that shows fog.
+  // The part of a voxel's interpolation weight that is in voxels of fog.
   double seen(const Dims& voxel) const {
     return weighted(voxel, [&](std::size_t other) { return is_fog(other) ? 1.0 : 0.0; });
   }
@@ -110,7 +110,8 @@ class FogBalance {
     return sum / weights;
   }
 
-  // To the fogs around, the more the nearer, that have room. It is less than 0 where a solid's density is seen as fog.
+  // Moves the missing density to near voxels of fog that have room; nearer ones get more. It is negative where a
+  // solid's density is seen as fog.
   void hand_on(const Dims& voxel, double missing, std::vector<float>& more) const {
     const auto each = [&](const auto& give) {
       around(voxel, kFogReach, [&](std::size_t index, const Dims& offset) {

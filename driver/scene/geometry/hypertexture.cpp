@@ -15,11 +15,11 @@ namespace {
 constexpr int kMaxOctaves = 12;
 constexpr double kPeriod = 289;  // cells after which GLM's noise repeats
 
-// Gradient noise in space and time, -1..1; another one for each seed.
+// Gradient noise in space and time, -1..1, which depends on the seed.
 class Noise {
  public:
   Noise(double frequency, std::uint32_t seed) : frequency_(frequency) {
-    // Whole cells apart in three directions.
+    // Shifted by whole cells in three directions.
     const std::uint64_t hash = (seed + std::uint64_t{1}) * 0x9e3779b97f4a7c15;
     const auto cells = [hash](int shift) { return static_cast<double>((hash >> shift) % 289); };
     offset_ = seed == 0 ? Vec3{} : Vec3{cells(8), cells(24), cells(40)};
@@ -36,7 +36,7 @@ class Noise {
     for (int i = 0; i < octaves; ++i, scale *= 2) sum += std::abs(at(scale * p, time)) / scale;
     return sum;
   }
-  // Three that have nothing to do with each other.
+  // Three independent values.
   Vec3 vector(Vec3 p, double time) const {
     const double third = kPeriod / 3 / frequency_;
     return {at(p, time), at(p + Vec3{third, 0, 0}, time), at(p + Vec3{0, third, 0}, time)};
@@ -66,7 +66,7 @@ struct Texture {
     return density > 0 ? std::min(density, 1.0) : -1;
   }
 
-  // Nothing that moves the surface by at most `reach` changes the density at such a distance.
+  // Whether the density at this distance is constant, if the surface is moved by at most `reach`.
   bool far(double distance, double reach) const { return std::abs(distance) > reach + own.softness / 2; }
 
   double noisy(Vec3 p) const {
@@ -81,8 +81,8 @@ struct Texture {
     return soft(d - own.amplitude * noise.turbulence(p, own.time, own.octaves));
   }
 
-  // A hair stands where the noise at its root is larger than the height over the longest: so hairs get thinner towards
-  // their tips.
+  // A point is in a hair if the noise at the root exceeds the height relative to the longest hair, so hairs are thinner
+  // towards their tips.
   double furry(Vec3 p) const {
     const Distance d = distance(p);
     if (d.distance <= 0) return 1;

@@ -62,7 +62,7 @@ MeshDistance::MeshDistance(const Mesh& mesh, const std::string& name)
   build(0, 0, static_cast<std::uint32_t>(surface_.size()));
 }
 
-// Halves at the median along the longest side, so the depth is at most log2 of the count.
+// Splits at the median along the longest side, so the depth is at most log2 of the count.
 void MeshDistance::build(std::size_t index, std::uint32_t first, std::uint32_t last) {
   Bounds all, centres;
   for (std::uint32_t i = first; i < last; ++i) {
@@ -89,7 +89,7 @@ void MeshDistance::build(std::size_t index, std::uint32_t first, std::uint32_t l
 
 Distance MeshDistance::at(Vec3 p) const {
   Nearest nearest;
-  std::array<std::uint32_t, 64> stack{};  // the depth is at most log2 of kMaxTriangles, two boxes a level
+  std::array<std::uint32_t, 64> stack{};  // the depth is at most log2 of kMaxTriangles, with two boxes per level
   std::size_t depth = 1;
   while (depth > 0) {
     const Box& box = boxes_[stack[--depth]];
@@ -102,7 +102,7 @@ Distance MeshDistance::at(Vec3 p) const {
   }
   const Vec3 offset = p - nearest.point;
   const double distance = length(offset), side = dot(offset, nearest.normal) < 0 ? -1 : 1;
-  // On the surface itself the offset has no direction.
+  // On the surface the offset has no direction.
   const Vec3 away = distance > 1e-9 ? (side / distance) * offset : normalise(nearest.normal);
   return {side * distance, away};
 }

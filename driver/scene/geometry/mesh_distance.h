@@ -19,15 +19,15 @@ struct SurfaceTriangle {
   std::array<Vec3, 3> corner_normals;  // sums of the faces' normals by their angle there
 };
 
-// All of them. Throws InputError as MeshDistance does.
+// The triangles of a mesh. Throws InputError like MeshDistance.
 std::vector<SurfaceTriangle> closed_surface(const Mesh& mesh, const std::string& name);
 
 class MeshDistance {
  public:
-  // Points at the same place become one; triangles without area keep the surface closed but have no inside. A mesh
-  // whose triangles all look inwards is turned inside out. Throws InputError that names `name`: no triangles, an index
-  // beyond the points, coordinates over 1e9 or not finite, edges that have not two triangles (the surface is open, or
-  // branches), triangles that look to opposite sides across an edge, no volume.
+  // Points at the same position are merged; triangles without area keep the surface closed but have no inside. A mesh
+  // whose triangles all face inwards is inverted. Throws InputError with `name`: no triangles, an index beyond the
+  // points, coordinates above 1e9 or not finite, an edge without exactly two triangles (the surface is open or
+  // branches), neighbouring triangles that face opposite sides, no volume.
   MeshDistance(const Mesh& mesh, const std::string& name);
   Distance at(Vec3 p) const;
 

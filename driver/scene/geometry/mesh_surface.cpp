@@ -14,11 +14,11 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kMaxCoordinate = 1e9;  // chosen: squares and volumes of such meshes keep their digits
+constexpr double kMaxCoordinate = 1e9;  // chosen: squares and volumes of such meshes keep enough digits
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Points at the same place become one; triangles that thereby lose a corner are left out.
+// Merges points at the same position, and omits triangles that thereby lose a corner.
 std::vector<Triangle> weld(const Mesh& mesh, const std::string& name) {
   std::vector<std::uint32_t> first(mesh.points.size());
   std::map<std::array<double, 3>, std::uint32_t> places;
@@ -45,7 +45,7 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) { return std::uint6
 
 std::string shown(Vec3 p) { return fmt::format("({} {} {})", p.x, p.y, p.z); }
 
-// Every directed edge once, and its opposite once.
+// Every directed edge must occur once, and its opposite once.
 void check_closed(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, const std::string& name) {
   std::unordered_map<std::uint64_t, int> uses;
   for (const Triangle& t : triangles) {

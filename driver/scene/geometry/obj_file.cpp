@@ -15,7 +15,7 @@ struct ObjReader {
   std::size_t line_number = 0;
 
   Mesh read(std::string_view text) {
-    std::string joined;  // lines that end with a backslash, and the one behind them
+    std::string joined;  // lines that end with a backslash, and the one after them
     for (const auto part : std::views::split(text, '\n')) {
       std::string_view line(part.begin(), part.end());
       ++line_number;
@@ -31,7 +31,7 @@ struct ObjReader {
       if (!words.empty() && words[0] == "f") face(words);
       joined.clear();
     }
-    if (!joined.empty()) fail("statement", "a line behind the backslash", "the end");
+    if (!joined.empty()) fail("statement", "a line after the backslash", "the end");
     if (mesh.triangles.empty()) throw FileError(file, "faces", "at least one", "none");
     if (mesh.texture_triangles.size() != mesh.triangles.size()) mesh.texture = {}, mesh.texture_triangles = {};
     return std::move(mesh);
@@ -41,7 +41,7 @@ struct ObjReader {
     throw FileError(file, fmt::format("line {}: {}", line_number, field), expected, got);
   }
 
-  // The first ones of a statement; a point's weight and colour, and a texture's third coordinate, are of no use here.
+  // The first numbers of a statement. A point's weight and colour, and a texture's third coordinate, are not used.
   template <std::size_t Count>
   std::array<double, Count> numbers(const Words& words, const char* expected) const {
     std::array<double, Count> values{};

@@ -29,8 +29,8 @@ Distance PlacedField::first_order(const Distance& local) const {
   return {local.distance / slope, (1 / slope) * gradient};
 }
 
-// A point of the surface by Newton's steps, each along the gradient among the voxels or along that in the field's own
-// space, where an exact distance takes one step.
+// Finds a point of the surface by Newton's method, along the gradient in voxel space or along that in the field's own
+// space, where one step suffices for an exact distance.
 std::optional<Vec3> PlacedField::onto_surface(Vec3 q, Space space) const {
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Vec3 own = to_local_.point(q);
@@ -44,17 +44,17 @@ std::optional<Vec3> PlacedField::onto_surface(Vec3 q, Space space) const {
   return std::nullopt;
 }
 
-// The one of both that is nearer to `p`: around the rim of a flat solid the first way does not arrive, and on its sides
-// the other one leads off.
+// The nearer of both results to `p`: near the rim of a flat solid the first method does not converge, and near its
+// sides the second one leads away.
 std::optional<Vec3> PlacedField::onto_surface_near(Vec3 p, Vec3 q) const {
   const auto one = onto_surface(q, Space::kVoxels), other = onto_surface(q, Space::kOwn);
   if (!one || !other) return one ? one : other;
   return length(*one - p) <= length(*other - p) ? one : other;
 }
 
-// How far the surface is from `p` in a principal direction (sphere tracing: J. C. Hart 1996), but no further than
-// `limit`. A field's distance is free of surface, and the map makes it `factor` times as long in this direction;
-// `at_p`: that at `p`.
+// The distance of the surface from `p` in a principal direction, at most `limit`, by sphere tracing (J. C. Hart 1996):
+// no surface is nearer than the field's distance, which the map multiplies by `factor` in this direction. `at_p`: the
+// field's distance at `p`.
 double PlacedField::along(Vec3 p, Vec3 direction, double factor, double at_p, double limit) const {
   double free = factor * std::abs(at_p), way = 0;
   for (int step = 0; step < kMarchSteps && free > kOnSurface; ++step) {
@@ -65,8 +65,8 @@ double PlacedField::along(Vec3 p, Vec3 direction, double factor, double at_p, do
   return free > kOnSurface ? limit : way;
 }
 
-// Along the surface to where it is nearest: to the foot of `p` on the tangent plane, and back onto the surface (E.
-// Hartmann 1999); half as far if that is not nearer.
+// Moves `q` along the surface to the nearest point: to the foot of `p` on the tangent plane, and back onto the surface
+// (E. Hartmann 1999), or half as far if that is not nearer.
 void PlacedField::slide_towards(Vec3 p, Vec3& q) const {
   for (int slide = 0; slide < kSlides; ++slide) {
     const Vec3 normal = first_order(solid_->field(to_local_.point(q))).away, rest = p - q;
@@ -87,8 +87,8 @@ Distance PlacedField::distance(Vec3 p, double reach) const {
   const Distance first = first_order(local);
   if (is_similar_ || stretches_.front().factor * std::abs(local.distance) >= reach) return first;
 
-  // Several ways to a first point, since the nearest one may be on another side than the field's own nearest: of a ball
-  // that is pressed flat, across it.
+  // A first point is searched in several ways, because the nearest point may be on another side than the field's
+  // nearest, such as on the flat side of a flattened ball.
   const auto arrived = onto_surface_near(p, p);
   const double farthest = stretches_.back().factor * std::abs(local.distance) + kNearVoxels;
   Vec3 nearest = arrived.value_or(p);
@@ -99,7 +99,7 @@ Distance PlacedField::distance(Vec3 p, double reach) const {
       if (reached < limit) limit = reached, nearest = p + reached * way;
     }
   }
-  if (limit == 0 || limit == farthest) return first;  // on the surface; or none was found
+  if (limit == 0 || limit == farthest) return first;  // on the surface, or no point was found
   slide_towards(p, nearest);
   const Vec3 offset = p - nearest;
   const double size = length(offset), side = local.distance < 0 ? -1 : 1;

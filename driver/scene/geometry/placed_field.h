@@ -10,23 +10,22 @@ namespace gicube::scene {
 
 class PlacedField {
  public:
-  // Both must outlive this.
+  // `placed` must outlive this object.
   explicit PlacedField(const PlacedSolid& placed);
 
   const PlacedSolid& solid() const { return *solid_; }
 
-  // Lengths are voxels from here on.
+  // Lengths below are voxels.
 
-  // Never further from 0 than the distance.
+  // A bound whose absolute value never exceeds that of the distance.
   double bound(Vec3 p) const { return stretches_.front().factor * solid_->field(to_local_.point(p)).distance; }
-  // The distance. Similar maps keep distances, up to one factor; under others the nearest point is searched for if it
-  // may be less than `reach` away, and else the result is at least as far from 0 as that. Of a ball that is pressed
-  // flat to 0.8 voxel it is off by at most 0.002 voxel within one voxel of the surface, and 0.02 beyond
-  // (placed_field_test).
+  // The distance. Similarity maps scale distances by one factor. Under other maps the nearest point is searched if it
+  // may be nearer than `reach`; otherwise the result is at least that far from 0. For a ball flattened to 0.8 voxels,
+  // the error is at most 0.002 voxels within one voxel of the surface, and 0.02 beyond (placed_field_test).
   Distance distance(Vec3 p, double reach = kNearVoxels) const;
 
  private:
-  // To first order, from the field's value at a point: exact for similar maps of exact fields.
+  // To first order, from the field's value at a point: exact for similarity maps of exact fields.
   Distance first_order(const Distance& local) const;
   enum class Space { kVoxels, kOwn };
   std::optional<Vec3> onto_surface(Vec3 q, Space space) const;

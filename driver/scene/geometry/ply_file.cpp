@@ -141,7 +141,7 @@ struct PlyReader {
     return property.count && (property.name == "vertex_indices" || property.name == "vertex_index");
   }
 
-  // The sizes in the header must fit the file: each value takes at least a digit and a blank, or its bytes.
+  // The sizes in the header must fit the file: each value needs at least a digit and a blank, or its bytes.
   void check_size(const Element& element) const {
     std::uint64_t least = 0;
     for (const Property& property : element.properties) {
@@ -205,7 +205,8 @@ struct PlyReader {
       fail(field, corners ? "at least 3 corners" : "a count", std::to_string(count));
     }
     std::vector<std::uint32_t> polygon;
-    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {  // ends with the file, whatever the count
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count);
+         ++i) {  // ends with the file, even if the count is larger
       const double number = value(property.type, field);
       if (!corners) continue;
       if (!(number >= 0) || number >= 4294967295.0 || number != std::floor(number)) {

@@ -33,7 +33,7 @@ struct Grid {
   }
 };
 
-// The means of cubes of `factor` voxels an edge; a rest at the far faces is left out.
+// The means of cubes with edges of `factor` voxels; remaining voxels at the far faces are omitted.
 Grid averaged(const Volume& scan, const ValueRange& range, int factor) {
   const std::vector<float> values = values_of(scan);
   Grid grid;
@@ -71,7 +71,7 @@ Affine scan_space(const Volume& scan) {
 
 PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels) {
   const Affine from_scan = compose(to_voxels, scan_space(scan));
-  // World voxels a scan voxel: below one half, several scan voxels meet in one of the world.
+  // World voxels per scan voxel along an edge: below one half, a world voxel covers several of the scan.
   const double size = std::cbrt(std::abs(determinant(from_scan)));
   const int factor = std::max(static_cast<int>(std::floor(1 / size)), 1);
   const auto grid = std::make_shared<const Grid>(averaged(scan, range, factor));

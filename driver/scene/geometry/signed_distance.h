@@ -1,6 +1,5 @@
 // Signed distances of simple solids (negative inside) and their gradients: unit vectors that point away from the solid.
-// Closed forms as in I. Quilez, "Distance functions". Only the ellipsoid's is not the distance itself, but a bound of
-// it.
+// Closed forms as in I. Quilez, "Distance functions". All are exact, except for the bound of the ellipsoid.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +44,7 @@ inline Distance box_distance(Vec3 p, Vec3 low, Vec3 high, double rounding) {
 }
 
 // A rectangle |a| <= half_a, |b| <= half_b with rounded corners, in the plane of two unit vectors that are across each
-// other: `a` and `b` are the point's coordinates along them. Solids of revolution are made of it.
+// other: `a` and `b` are the point's coordinates along them. For solids of revolution.
 inline Distance rectangle_distance(double a, double b, double half_a, double half_b, double rounding, Vec3 along_a,
                                    Vec3 along_b) {
   const double beyond_a = std::abs(a) - (half_a - rounding), beyond_b = std::abs(b) - (half_b - rounding);

@@ -13,21 +13,22 @@ namespace gicube::scene {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// Inside fog a solid's tag goes to the voxels that are nearest to a sample within so many voxels of the surface:
-// those show the solid.
+// In fog, a voxel has a solid's tag if it is the nearest voxel of a sample within this distance of the surface, since
+// such samples show the solid. In voxels.
 constexpr double kSeenVoxels = 0.4;
-constexpr double kBesideScansVoxels = 1.3;  // scans leave so many voxels around a solid to it
-constexpr int kParts = 4;  // chosen: of a voxel's edge, for its share; errors of volumes fall with the square
+constexpr double kBesideScansVoxels = 1.3;  // scans do not change voxels within this distance of a solid
+constexpr int kParts =
+    4;  // chosen: parts of a voxel's edge, for its covered share; errors of volumes fall with the square
 
 double ramp(double distance, double width = kRampVoxels) { return std::clamp(0.5 - distance / width, 0.0, 1.0); }
 
-// A solid in a cell: evaluated voxel by voxel, or known to fill it.
+// A solid in a cell, which it may fill completely.
 struct Candidate {
   const PlacedField* seen;
   bool fills;
 };
 
-// The contribution of the solids of one kind to a voxel.
+// The union of the solids of one kind at a voxel.
 struct Found {
   double distance = kFar;  // of the union
   Vec3 away;
@@ -103,7 +104,7 @@ struct Voxeliser {
     return sum / (kParts * kParts * kParts);
   }
 
-  // Whether there is one.
+  // Returns whether a scan has the voxel.
   bool take_scans(Vec3 p, std::size_t index, double& density) {
     bool any = false;
     for (const PlacedScan& scan : scans) {
@@ -121,7 +122,7 @@ struct Voxeliser {
     return any;
   }
 
-  // The gradient as the driver would compute it, but of this scan alone.
+  // The gradient like the driver's, but of this scan alone.
   static Vec3 sobel(const PlacedScan& scan, Vec3 p) {
     constexpr double kWeight[] = {1, 2, 1};
     Vec3 sum;
@@ -136,7 +137,7 @@ struct Voxeliser {
         }
       }
     }
-    constexpr double kFlat = 16.0 / 4095;  // chosen: half a density step a voxel; below it noise alone would be shaded
+    constexpr double kFlat = 16.0 / 4095;  // chosen: half a density step per voxel, below which there is only noise
     return length(sum) > kFlat ? normalise(sum) : Vec3{};
   }
 

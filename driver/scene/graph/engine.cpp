@@ -14,7 +14,7 @@
 namespace gicube::scene {
 namespace {
 
-// A number of the scene, or a vector, whose .x, .y and .z are numbers; nothing where the scene leaves it open.
+// A number of the scene, or a vector with numbers .x, .y and .z; null if the scene does not set it.
 struct Member {
   Member(std::string_view own, double& value) : name(own), number(&value) {}
   Member(std::string_view own, Vec3& value) : name(own), vector(&value) {}
@@ -26,7 +26,7 @@ struct Member {
   Vec3* vector = nullptr;
 };
 
-// The one that `place` names; null if none.
+// The number that `place` names; null if there is none.
 double* among(std::initializer_list<Member> members, std::string_view place) {
   for (const Member& member : members) {
     if (!place.starts_with(member.name)) continue;
@@ -40,7 +40,7 @@ double* among(std::initializer_list<Member> members, std::string_view place) {
   return nullptr;
 }
 
-// Cuts "[INDEX]" off the front; an index may hold dots.
+// Removes "[INDEX]" from the front. An index may contain dots.
 std::optional<std::string_view> cut_index(std::string_view& place) {
   const std::size_t close = place.find(']');
   if (!place.starts_with('[') || close == std::string_view::npos) return std::nullopt;

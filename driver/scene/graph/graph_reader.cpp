@@ -141,7 +141,7 @@ void read_engines(const v1::Scene& source, Faults& faults, Scene& scene) {
   }
 }
 
-// Materials that nodes name must be there.
+// Checks that the materials of all nodes exist.
 void check_names(const Scene& scene, Faults& faults) {
   if (!scene.world) return;
   const auto visit = [&](const auto& self, const Node& node, const std::string& material) -> void {

@@ -1,4 +1,4 @@
-// From a parsed scene file to the structs of the scenegraph. A fault leaves that part of the scene at its default.
+// Conversion of a parsed scene file to the structs of the scenegraph. A faulty part of the scene keeps its defaults.
 #pragma once
 
 #include "gicube/scene/scene.h"
@@ -8,21 +8,21 @@
 
 namespace gicube::scene {
 
-// World, materials, lights, illumination, engines. `files`: those that the text names.
+// Reads world, materials, lights, illumination and engines. `files`: those that the text names.
 void read_graph(const v1::Scene& source, const NamedFiles& files, Faults& faults, Scene& scene);
 
 World read_world(const v1::World& source, const NamedFiles& files, Faults& faults);
 
-// Parts that stand in several places; what is wrong with one is a fault of `field`.
+// Parts that occur in several messages. Their faults are those of `field`.
 Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v);
-// A file that the text names as `field`'s. Empty: there is a fault.
+// A file that `field` of the text names. Empty: there is a fault.
 std::filesystem::path named_file(Faults& faults, const std::string& field, const std::string& name,
                                  const NamedFiles& files);
-// 0..1 each.
+// Components 0..1.
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour);
 VolumeSource read_volume_source(Faults& faults, const std::string& field, const v1::VolumeSource& source,
                                 const NamedFiles& files);
-// Any length but 0.
+// A vector of any length but 0.
 Vec3 read_direction(Faults& faults, const std::string& field, const v1::Vector& source);
 Transform read_transform(Faults& faults, const std::string& field, const v1::Transform& source);
 CameraSettings read_camera(Faults& faults, const std::string& field, const v1::Camera& source);

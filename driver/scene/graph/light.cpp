@@ -30,7 +30,7 @@ void check_light(const SphereLight& light) {
 void place(PointLight& light, const WorldGrid& grid) { light.position = grid.voxel_of(light.position); }
 
 void place(DirectionalLight& light, const WorldGrid& grid) {
-  light.irradiance *= grid.voxel * grid.voxel;  // of a unit area, which is now a voxel's face
+  light.irradiance *= grid.voxel * grid.voxel;  // per unit area, which is now a voxel's face
 }
 
 void place(RectangleLight& light, const WorldGrid& grid) {
@@ -44,7 +44,7 @@ void place(SphereLight& light, const WorldGrid& grid) {
   light.radius /= grid.voxel;
 }
 
-// Or irradiance.
+// The light's power or irradiance.
 template <typename AnyLight>
 auto& power_of(AnyLight& light) {
   if constexpr (requires { light.power; }) {

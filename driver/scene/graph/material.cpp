@@ -16,7 +16,7 @@ TransferFunctionFile look_of(const SolidLook& solid, double) {
   return {{{{0, solid.colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, solid.opacity}}}};
 }
 
-// Its opacity grows with its density up to that which voxelise() gives it.
+// The opacity increases with the density, up to the density that voxelise() gives a fog.
 TransferFunctionFile look_of(const FogLook& fog, double voxel) {
   const double opacity = 1 - std::exp(-fog.extinction * voxel);
   return {{{{0, fog.colour}}, {{0, 0}, {std::round(kFogDensity * kMaxDensity), opacity}}}};

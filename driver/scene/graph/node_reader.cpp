@@ -70,7 +70,7 @@ struct Reader {
     return result;
   }
 
-  // The field of a node or a hypertexture; nothing if it has none.
+  // The shape of a node or a hypertexture; nothing if it has none.
   template <typename Source>
   std::optional<Shape> shape_of(const Source& source, const std::string& field) const {
     std::optional<Shape> shape;

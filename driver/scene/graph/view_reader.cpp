@@ -1,4 +1,4 @@
-// Parts of files that have a camera.
+// Parts of a scene file for the camera and the image.
 #include <cmath>
 
 #include "scene/graph/graph_reader.h"

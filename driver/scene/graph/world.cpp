@@ -16,12 +16,12 @@
 namespace gicube::scene {
 namespace {
 
-constexpr double kVisible = 0.005;  // chosen: as visible_box()
+constexpr double kVisible = 0.005;  // chosen: like visible_box()
 constexpr int kMaxDepth = 64;       // chosen: of nodes within nodes
-constexpr double kMinScale = 1e-9;  // chosen: of all transforms together; beyond it numbers lose their digits
+constexpr double kMinScale = 1e-9;  // chosen: of all transforms together; numbers beyond it lose digits
 constexpr double kMaxEdge = 1e9;    // chosen: of a world, likewise
 
-// Runs `call`, and puts the node's name before what it throws.
+// Runs `call`, and prefixes its exceptions with the node's name.
 template <typename Call>
 auto named(const std::string& name, const Call& call) {
   try {
@@ -31,7 +31,7 @@ auto named(const std::string& name, const Call& call) {
   }
 }
 
-// Gathers what the nodes hold.
+// Collects the contents of all nodes.
 class Walk {
  public:
   Walk(const WorldGrid& grid, const std::vector<SceneMaterial>& materials, int threads)
@@ -57,9 +57,9 @@ class Walk {
   std::vector<PlacedSolid> solids;
   std::vector<PlacedScan> scans;
 
-  // The value range of the scan that is made of this material.
+  // The value range of the scan with this material.
   const std::optional<ValueRange>& range_of(std::size_t material) const { return ranges_[material]; }
-  // Its function in that scan's values.
+  // The material's function in that scan's values.
   const TransferFunctionFile& settled(std::size_t material, const TransferFunctionFile& own) const {
     const auto found = settled_.find(material);
     return found != settled_.end() ? found->second : own;
@@ -149,7 +149,7 @@ class Walk {
   std::vector<bool> used_by_solid_;
 };
 
-// Fog beside solids: its extinction is in proportion to its density up to the densest that balance_fog() makes.
+// Fog beside solids: its extinction is proportional to its density, up to the highest that balance_fog() makes.
 TransferFunctionFile beside_solids(const FogLook& fog, double voxel) {
   TransferFunctionFile look{{{{0, fog.colour}}, {{0, 0}}}};
   const double full = std::round(kFogBesideSolids * kMaxDensity);
@@ -161,7 +161,7 @@ TransferFunctionFile beside_solids(const FogLook& fog, double voxel) {
   return look;
 }
 
-// From a scan's values to the densities that they became.
+// Converts a function from a scan's values to its densities.
 TransferFunctionFile in_densities(const TransferFunctionFile& file, const ValueRange& range) {
   TransferFunctionFile result{in_values_of(range, file)};
   const auto density = [&range](double value) { return kMaxDensity * (value - range.low) / (range.high - range.low); };

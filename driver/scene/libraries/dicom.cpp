@@ -1,5 +1,4 @@
-// libgicube-dicom.so: series of DICOM by DCMTK, which Debian 12 gets security updates of, as it gets none of GDCM
-// 3.0.21.
+// libgicube-dicom.so: series of DICOM by DCMTK. Debian 12 has security updates of DCMTK, but none of GDCM 3.0.21.
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcrledrg.h>
 #include <dcmtk/dcmdata/dctk.h>
@@ -24,12 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxFiles = 65536;    // chosen: of a folder
-constexpr Uint32 kMaxReadBytes = 4096;      // chosen: longer values are read when they are asked for
-constexpr double kSaidDegrees = 0.1;        // chosen: of a tilt
-constexpr double kSameStep = 0.01;          // chosen: steps that differ by less of one are the same
-constexpr std::uint64_t kMaxPacked = 2000;  // chosen: bytes of samples for one of a compressed file
+constexpr Uint32 kMaxReadBytes = 4096;      // chosen: longer values are read when they are used
+constexpr double kSaidDegrees = 0.1;        // chosen: the least tilt that is reported
+constexpr double kSameStep = 0.01;          // chosen: steps that differ by a smaller part are equal
+constexpr std::uint64_t kMaxPacked = 2000;  // chosen: bytes of samples per byte of a compressed file
 
-// The number at `index` of an attribute, if it is there.
+// The number at `index` of an attribute, if there is one.
 std::optional<double> number(DcmItem& item, const DcmTagKey& tag, unsigned long index = 0) {
   Float64 value = 0;
   if (item.findAndGetFloat64(tag, value, index).good()) return value;
@@ -74,7 +73,7 @@ struct Series {
   std::vector<Slice> slices;
 };
 
-// Reads the geometry of a file, of all frames, or of one.
+// Reads the geometry from a file, from the group of all frames, or from that of one.
 void read_geometry(DcmItem& item, Slice& slice) {
   if (const auto row = vector(item, DCM_ImageOrientationPatient)) {
     slice.row = row;
@@ -102,15 +101,15 @@ void read_frame_group(DcmItem& group, Slice& slice) {
   }
 }
 
-using Group =
-    std::tuple<std::string, int, int, std::string>;  // a series may have pictures of several planes, as localizers
+// UID, rows, columns and plane: a series may have pictures in several planes, such as localizers.
+using Group = std::tuple<std::string, int, int, std::string>;
 
 void add_file(const fs::path& file, std::map<Group, Series>& groups) {
   DcmFileFormat format;
   if (format.loadFile(file.c_str(), EXS_Unknown, EGL_noChange, kMaxReadBytes).bad()) return;
   DcmDataset& data = *format.getDataset();
   const int rows = whole(data, DCM_Rows).value_or(0), columns = whole(data, DCM_Columns).value_or(0);
-  if (rows < 1 || columns < 1 || !data.tagExists(DCM_PixelData)) return;  // a report, a directory
+  if (rows < 1 || columns < 1 || !data.tagExists(DCM_PixelData)) return;  // such as a report
   Slice slice;
   slice.file = file;
   read_geometry(data, slice);
@@ -125,8 +124,8 @@ void add_file(const fs::path& file, std::map<Group, Series>& groups) {
     DcmItem* group = nullptr;
     if (data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, group, frame).good() && group != nullptr) {
       read_frame_group(*group, each);
-    } else if (frames >
-               1) {  // frames without places of their own follow each other, if the file says at which distance
+    } else if (frames > 1) {
+      // Frames without own positions follow each other if the file gives their distance.
       const bool follows = each.row && each.column && each.position && each.thickness;
       if (follows)
         each.position = *each.position + (frame * *each.thickness) * normalise(cross(*each.row, *each.column));
@@ -180,7 +179,8 @@ std::string listed(const std::vector<Series>& all) {
   return list;
 }
 
-// By its number in the list, its UID, or a text that its description alone has; else the one of most slices.
+// The series with this number in the list, this UID, or this text in its description alone; without `part`, the one
+// with the most slices.
 Series choose(const fs::path& path, std::vector<Series> all, const std::string& part,
               std::vector<FileFault>& warnings) {
   std::vector<std::size_t> found;
@@ -198,7 +198,7 @@ Series choose(const fs::path& path, std::vector<Series> all, const std::string& 
   return *most;
 }
 
-// In their order along the normal; the volume's z axis and first position. Names what is not even.
+// Sorts the slices along the normal, and finds the volume's z axis and first position. Warns of uneven slices.
 void sort(const fs::path& path, Series& series, StoredLayout& layout, std::vector<FileFault>& warnings) {
   auto& slices = series.slices;
   const Slice& some = slices.front();
@@ -250,11 +250,10 @@ void sort(const fs::path& path, Series& series, StoredLayout& layout, std::vecto
   }
 }
 
-// A file's description of its pixels.
+// The format of a file's pixels.
 struct Pixels {
   int allocated = 0, stored = 0, high = 0, channels = 1, planar = 0;
   bool is_signed = false;
-  friend bool operator==(const Pixels&, const Pixels&) = default;
 };
 
 class File {
@@ -335,9 +334,10 @@ class File {
   const Uint16* words_ = nullptr;
 };
 
-// The samples of all slices, scaled. `Sample`: an integer where no value needs more.
+// Reads the samples of all slices, scaled. False: `Sample` is an integer type, and some value does not fit. HU usually
+// fit into int16, although the bits of their files could hold larger values.
 template <typename Sample>
-void fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
+bool fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
   std::optional<File> file;
   fs::path open;
   bool told = false;
@@ -345,6 +345,9 @@ void fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
                                static_cast<std::size_t>(pixels.channels);
   out.samples.reserve(in_slice * series.slices.size() * sizeof(Sample));
   for (const Slice& slice : series.slices) {
+    const double slope = pixels.channels > 1 ? 1 : slice.slope, intercept = pixels.channels > 1 ? 0 : slice.intercept;
+    bool fits = !std::is_integral_v<Sample> || (slope == 1 && intercept == std::floor(intercept));
+    if (!fits) return false;
     if (!file || open != slice.file) file.emplace(slice.file, series);
     open = slice.file;
     const Pixels& own = file->pixels();
@@ -357,40 +360,27 @@ void fill(const Series& series, const Pixels& pixels, LibraryVolume& out) {
     const std::size_t begin = out.samples.size();
     out.samples.resize(begin + in_slice * sizeof(Sample));
     auto* const to = reinterpret_cast<Sample*>(out.samples.data() + begin);
-    const double slope = pixels.channels > 1 ? 1 : slice.slope, intercept = pixels.channels > 1 ? 0 : slice.intercept;
     file->for_each(slice.frame, [&](std::size_t i, int value) {
       const double scaled = slope * value + intercept;
       if constexpr (std::is_integral_v<Sample>) {
-        constexpr double low = std::numeric_limits<Sample>::min(), high = std::numeric_limits<Sample>::max();
-        to[i] = static_cast<Sample>(std::clamp(scaled, low, high));
-      } else {
-        to[i] = static_cast<Sample>(scaled);
+        fits = fits && scaled >= std::numeric_limits<Sample>::min() && scaled <= std::numeric_limits<Sample>::max();
+        if (!fits) return;
       }
+      to[i] = static_cast<Sample>(scaled);
     });
+    if (!fits) return false;
   }
+  return true;
 }
 
-// Whether all values of the series, scaled, lie within these bounds and are whole.
-bool fit(const Series& series, const Pixels& pixels, double low, double high) {
+// Whether all values that the bits of the first file can hold, scaled, are whole and from 0 to 255.
+bool fits_bytes(const Series& series, const Pixels& pixels) {
   const double least = pixels.is_signed ? -std::ldexp(1.0, pixels.stored - 1) : 0;
   const double most = least + std::ldexp(1.0, pixels.stored) - 1;
   return std::ranges::all_of(series.slices, [&](const Slice& s) {
-    return s.slope == 1 && s.intercept == std::floor(s.intercept) && least + s.intercept >= low &&
-           most + s.intercept <= high;
+    return s.slope == 1 && s.intercept == std::floor(s.intercept) && least + s.intercept >= 0 &&
+           most + s.intercept <= 255;
   });
-}
-
-// HU from files of 16 bits do not use these whole: values beyond int16 are those of no scanner, but are looked for.
-bool values_fit(const Series& series, double low, double high) {
-  for (const Slice& slice : series.slices) {
-    const File file(slice.file, series);
-    bool good = slice.slope == 1 && slice.intercept == std::floor(slice.intercept);
-    file.for_each(slice.frame, [&](std::size_t, int value) {
-      good = good && value + slice.intercept >= low && value + slice.intercept <= high;
-    });
-    if (!good) return false;
-  }
-  return true;
 }
 
 LibraryVolume read_series(const fs::path& path, const std::string& part) {
@@ -409,16 +399,18 @@ LibraryVolume read_series(const fs::path& path, const std::string& part) {
   if (!sane_bytes(out.layout, pixels.channels > 1 ? 1 : sizeof(float)))
     fail(path, "size", fmt::format("1..{} voxels a side, {} bytes", kMaxFileDim, kMaxVolumeBytes),
          fmt::format("{} x {} x {}", series.columns, series.rows, series.slices.size()));
-  if (pixels.channels > 1 || (pixels.allocated == 8 && fit(series, pixels, 0, 255))) {
-    out.layout.type = StoredType::kUint8;
-    fill<std::uint8_t>(series, pixels, out);
-  } else if (fit(series, pixels, -32768, 32767) || values_fit(series, -32768, 32767)) {
-    out.layout.type = StoredType::kInt16;
-    fill<std::int16_t>(series, pixels, out);
-  } else {
-    out.layout.type = StoredType::kFloat32;
-    fill<float>(series, pixels, out);
-  }
+  const std::vector<FileFault> warnings = out.warnings;
+  const auto filled = [&](StoredType type, bool (*fill_with)(const Series&, const Pixels&, LibraryVolume&)) {
+    out.layout.type = type;
+    out.samples.clear();
+    out.warnings = warnings;
+    return fill_with(series, pixels, out);
+  };
+  const bool coloured = pixels.channels > 1;
+  const bool bytes = coloured || (pixels.allocated == 8 && fits_bytes(series, pixels));
+  if (bytes && filled(StoredType::kUint8, fill<std::uint8_t>)) return out;
+  if (coloured) fail(path, "PixelRepresentation", "unsigned colours of 8 bits", "others");
+  if (!filled(StoredType::kInt16, fill<std::int16_t>)) filled(StoredType::kFloat32, fill<float>);
   return out;
 }
 

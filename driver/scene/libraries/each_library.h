@@ -1,5 +1,4 @@
-// The part that all libraries share: their functions throw, and no exception goes from a library to the program that
-// loads it.
+// The common part of all libraries: converts exceptions of their functions to results.
 #pragma once
 
 #include <exception>
@@ -20,7 +19,7 @@ class EachLibrary final : public VolumeLibrary {
   using Read = LibraryVolume (*)(const std::filesystem::path& file, const std::string& part);
   using Write = void (*)(const FloatVolume& volume, const std::filesystem::path& file);
 
-  // `name`: of the library, for messages. `start`: called once. `writes`: null if it writes none.
+  // `name`: of the library, for messages. `start`: called once. `writes`: null for a format that is only read.
   EachLibrary(const char* name, void (*start)(), Read reads, Write writes = nullptr)
       : name_(name), read_(reads), write_(writes) {
     start();

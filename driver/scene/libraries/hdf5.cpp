@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kMaxRatio = 1032;                    // zlib's technical notes
 constexpr std::size_t kMaxListed = 32, kMaxObjects = 65536;  // chosen
 
-// An identifier of the library, closed by its own function.
+// An identifier of the library, with the function that closes it.
 class Id {
  public:
   Id(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -63,7 +63,7 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* search)
   return 0;
 }
 
-// A text attribute, as NeXus has them.
+// A text attribute, as in NeXus; empty if there is none.
 std::string attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return {};
   const Id attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
@@ -85,7 +85,7 @@ std::string attribute(hid_t object, const char* name) {
   return out.substr(0, out.find('\0'));
 }
 
-// The data set that NeXus plots by default: the groups that "default" names, then "signal".
+// The default data set of NeXus: attributes "default" lead to the group whose "signal" names it.
 std::string nexus_default(hid_t file) {
   std::string at = "/";
   for (int depth = 0; depth < 4; ++depth) {
@@ -105,7 +105,7 @@ Found choose(const std::filesystem::path& file, hid_t id, const std::string& par
   H5Ovisit2(id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &search, H5O_INFO_BASIC);
   const auto named = [&](const std::string& path) { return std::ranges::find(search.found, path, &Found::path); };
   if (const auto found = named(part.starts_with('/') ? part : "/" + part); found != search.found.end()) {
-    // One of fewer axes is a row or a plane.
+    // Data of fewer axes are a row or a plane.
     if (found->sizes.size() < 3) found->sizes.insert(found->sizes.begin(), 3 - found->sizes.size(), 1);
     return *found;
   }
@@ -115,7 +115,7 @@ Found choose(const std::filesystem::path& file, hid_t id, const std::string& par
     list += fmt::format("{}{} ({})", i > 0 ? ", " : "", search.found[i].path, fmt::join(search.found[i].sizes, " x "));
   if (!part.empty()) fail(file, "part", "a data set: " + list, '"' + part + '"');
   if (search.found.size() == 1) return search.found.front();
-  // DXchange has projections, or a reconstruction, in /exchange/data.
+  // In DXchange, /exchange/data has the projections or a reconstruction.
   for (const std::string& path : {nexus_default(id), std::string("/exchange/data"), std::string("/entry/data/data")}) {
     if (const auto found = named(path); found != search.found.end()) return *found;
   }
@@ -144,7 +144,7 @@ Type type_of(const std::filesystem::path& file, const std::string& path, hid_t d
        fmt::format("class {} of {} bytes", static_cast<int>(kind), bytes));
 }
 
-// element_size_um: z, y, x, as ilastik and Fiji have it.
+// The attribute element_size_um of ilastik and Fiji: z, y, x.
 Vec3 spacing_of(const std::filesystem::path& file, hid_t data_set) {
   const char* const name = "element_size_um";
   if (H5Aexists(data_set, name) <= 0) return {1, 1, 1};
@@ -178,7 +178,7 @@ LibraryVolume read_data_set(const std::filesystem::path& file, const std::string
   if (!bytes)
     fail(file, found.path, fmt::format("1..{} voxels a side, {} bytes", kMaxFileDim, kMaxVolumeBytes),
          fmt::format("{}", fmt::join(found.sizes, " x ")));
-  // Samples in other files would be read as this user.
+  // External files would be read with the rights of this user.
   const Id created(H5Dget_create_plist(data_set), H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(created);
   if (layout == H5D_VIRTUAL || H5Pget_external_count(created) > 0)
@@ -187,7 +187,7 @@ LibraryVolume read_data_set(const std::filesystem::path& file, const std::string
   const std::size_t all = *bytes / std::max(sample, sizeof(float)) * sample;
   const std::uint64_t in_file = H5Dget_storage_size(data_set);
   const Id type(H5Dget_type(data_set), H5Tclose);
-  const std::size_t stored_bytes = all / sample * H5Tget_size(type);  // of half floats half as many
+  const std::size_t stored_bytes = all / sample * H5Tget_size(type);  // half floats have half as many
   if (in_file < stored_bytes / (filters > 0 ? kMaxRatio : 1))
     fail(file, found.path, fmt::format("{} bytes of samples", stored_bytes),
          fmt::format("{} in the file (truncated, or never written)", in_file));

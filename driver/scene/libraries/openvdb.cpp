@@ -1,5 +1,5 @@
-// libgicube-openvdb.so: grids of floats of OpenVDB, in and out.
-// The library's templates share variables with those that are instantiated here, as the names of grids, if they are
+// libgicube-openvdb.so: reads and writes OpenVDB grids of floats.
+// Templates of the library and those instantiated here share variables, such as the names of grids, only if they are
 // visible.
 #pragma GCC visibility push(default)
 #include <openvdb/io/File.h>
@@ -21,11 +21,11 @@
 namespace gicube::scene {
 namespace {
 
-constexpr std::uint64_t kMaxRatio = 4096;  // chosen: voxels for a byte of the file; a tile of 4096^3 voxels takes some
+constexpr std::uint64_t kMaxRatio = 4096;  // chosen: voxels per byte of the file, since a tile may have 4096^3 voxels
 
 Vec3 vec(const openvdb::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 
-// The grid that is asked for, or "density", or the only one of floats, or the first of these.
+// The grid that `part` names, or "density", or the first one of floats.
 std::string choose(const std::filesystem::path& file, openvdb::io::File& opened, const std::string& part,
                    std::vector<FileFault>& warnings) {
   std::vector<std::string> names;
@@ -52,7 +52,7 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
   std::error_code none;
   const std::uint64_t in_file = std::filesystem::file_size(file, none);
   openvdb::io::File opened(file.string());
-  opened.open(false);  // whole: pages that are read later would be read from a file that may change
+  opened.open(false);  // no delayed loading: the file may change meanwhile
   const std::string name = choose(file, opened, part, out.warnings);
   const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(opened.readGrid(name));
   if (!grid->transform().isLinear()) fail(file, name, "a linear transform", grid->transform().mapType());
@@ -83,7 +83,7 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
   out.layout.placement.origin = vec(origin);
   allow_time_for(*bytes);
   out.samples.resize(*bytes);
-  // Voxels that are not stored have the grid's background.
+  // Voxels that are not stored get the grid's background.
   openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, reinterpret_cast<float*>(out.samples.data()));
   openvdb::tools::copyToDense(*grid, dense);
   if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
@@ -97,11 +97,11 @@ LibraryVolume read_grid(const std::filesystem::path& file, const std::string& pa
 void write_grid(const FloatVolume& volume, const std::filesystem::path& file) {
   const auto [x, y, z] = volume.dims;
   const openvdb::CoordBBox box(0, 0, 0, x - 1, y - 1, z - 1);
-  // The dense grid only lends the values, though it takes them by a pointer that could change them.
+  // Dense takes a pointer to mutable values, but does not change them here.
   auto* const values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast)
   const openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, values);
-  // The background is the first corner's value, as that of most volumes is empty. It must not shrink the box, so the
-  // far corners are active.
+  // The background is the first corner's value, because most volumes are empty there. The far corners are active so
+  // that the box keeps its size.
   const float background = volume.values.front();
   const auto grid = openvdb::FloatGrid::create(background);
   openvdb::tools::copyFromDense(dense, *grid, 0.0F);

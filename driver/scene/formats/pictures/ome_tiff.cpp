@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <pugixml.hpp>
 #include <string_view>
 
@@ -15,7 +14,7 @@
 namespace gicube::scene {
 namespace {
 
-// Elements may have a prefix: "ome:Pixels".
+// Whether an element has this name, possibly with a prefix: "ome:Pixels".
 bool is_named(const pugi::xml_node& node, std::string_view name) {
   const std::string_view full = node.name();
   return full == name || (full.ends_with(name) && full[full.size() - name.size() - 1] == ':');
@@ -34,7 +33,7 @@ void check_planes(const std::filesystem::path& file, const pugi::xml_node& pixel
   }
 }
 
-// pugixml would read it as the locale writes numbers.
+// A length in the C locale: pugixml uses the locale of the application.
 double length_of(const std::filesystem::path& file, const pugi::xml_node& pixels, const char* name) {
   const pugi::xml_attribute length = pixels.attribute(name);
   if (!length) return 1;
@@ -43,72 +42,7 @@ double length_of(const std::filesystem::path& file, const pugi::xml_node& pixels
   return *value;
 }
 
-// Reads whole numbers of a TIFF, in its order of bytes.
-class TiffNumbers {
- public:
-  explicit TiffNumbers(const std::filesystem::path& file) : input_(file, std::ios::binary) {
-    std::array<char, 2> order{};
-    input_.read(order.data(), 2);
-    is_big_ = order[0] == 'M';
-    is_known_ = order[0] == order[1] && (is_big_ || order[0] == 'I');
-  }
-  bool is_known() const { return is_known_; }
-  bool is_big() const { return is_big_; }
-  void seek(std::uint64_t at) { input_.seekg(static_cast<std::streamoff>(at)); }
-  // Nothing behind the file's end.
-  std::optional<std::uint64_t> next(std::size_t bytes) {
-    std::array<unsigned char, 8> read{};
-    if (!input_.read(reinterpret_cast<char*>(read.data()), static_cast<std::streamsize>(bytes))) return std::nullopt;
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | read[is_big_ ? i : bytes - 1 - i];
-    return value;
-  }
-
- private:
-  std::ifstream input_;
-  bool is_big_ = false, is_known_ = false;
-};
-
 }  // namespace
-
-std::optional<std::vector<int>> tiff_pages(const std::filesystem::path& file) {
-  constexpr std::uint64_t kMaxEntries = std::uint64_t{1} << 20;  // chosen: a page has some 20, and there may be loops
-  constexpr int kClassic = 42, kBig = 43, kNewSubfileType = 254, kBits = 258, kLong = 4, kReduced = 1, kMask = 4;
-  TiffNumbers numbers(file);
-  const auto version = numbers.is_known() ? numbers.next(2) : std::nullopt;
-  if (version != kClassic && version != kBig) return std::nullopt;
-  const bool big = version == kBig;
-  const std::size_t offset_bytes = big ? 8 : 4, count_bytes = big ? 8 : 2;
-  if (big) numbers.seek(8);
-  std::vector<int> pages;
-  std::uint64_t at = numbers.next(offset_bytes).value_or(0);
-  std::uint64_t all = 0;
-  for (int page = 0; at != 0; ++page) {
-    numbers.seek(at);
-    const std::uint64_t entries = numbers.next(count_bytes).value_or(0);
-    all += std::min(entries, kMaxEntries) + 1;
-    if (all > kMaxEntries)
-      throw FileError(file, "image", fmt::format("at most {} entries of pages", kMaxEntries), "more");
-    bool is_full = true, has_bits = false;
-    for (std::uint64_t i = 0; i < entries; ++i) {
-      const auto tag = numbers.next(2), type = numbers.next(2), count = numbers.next(offset_bytes);
-      const auto value = numbers.next(4);  // a LONG's; in BigTIFF four bytes more belong to it
-      if (big) numbers.next(4);
-      has_bits = has_bits || tag == kBits;
-      if (tag == kNewSubfileType && type == kLong && count == 1)
-        is_full = (value.value_or(0) & (kReduced | kMask)) == 0;
-    }
-    const auto next = numbers.next(offset_bytes);
-    if (!next) {
-      throw FileError(file, "image", fmt::format("page {} at byte {}", page, at), "the file's end (truncated)");
-    }
-    // OpenImageIO takes the packed bits of such a page for bytes.
-    if (is_full && !has_bits) throw FileError(file, "BitsPerSample", "8, 16 or 32", "none, which means 1");
-    if (is_full) pages.push_back(page);
-    at = *next;
-  }
-  return pages;
-}
 
 std::optional<PageStack> ome_pixels(const std::filesystem::path& file, const std::string& description) {
   if (description.find("<OME") == std::string::npos && description.find(":OME") == std::string::npos)
@@ -129,7 +63,7 @@ std::optional<PageStack> ome_pixels(const std::filesystem::path& file, const std
   if (std::int64_t{out.z} * out.channels > kMaxParts)
     throw FileError(file, "SizeC", fmt::format("at most {} pages", kMaxParts),
                     fmt::format("{} x {}", out.z, out.channels));
-  // Three samples of a pixel are one channel of colours.
+  // If a pixel has as many samples as there are channels, they are one channel of colours.
   if (pixels.child("Channel").attribute("SamplesPerPixel").as_int(1) == out.channels) out.channels = 1;
   const std::string order = pixels.attribute("DimensionOrder").as_string("XYZCT");
   if (order.size() != 5 || !order.starts_with("XY"))
@@ -186,24 +120,6 @@ std::optional<PageStack> imagej_stack(const std::filesystem::path& file, const s
   out.spacing = {edges[0], edges[1], spacing.value_or(1)};
   if (!spacing && out.z > 1) warn(file, "spacing", "a length along z, as there is a unit", "none; 1 is taken");
   return out;
-}
-
-std::optional<FirstStrip> first_strip(const std::filesystem::path& file) {
-  constexpr int kCompression = 259, kStripOffsets = 273, kShort = 3;
-  TiffNumbers numbers(file);
-  if (!numbers.is_known() || numbers.next(2) != 42) return std::nullopt;  // ImageJ writes no BigTIFF
-  numbers.seek(numbers.next(4).value_or(0));
-  FirstStrip strip;
-  strip.big_endian = numbers.is_big();
-  for (std::uint64_t i = numbers.next(2).value_or(0); i > 0; --i) {
-    const auto tag = numbers.next(2), type = numbers.next(2), count = numbers.next(4);
-    const bool narrow = type == kShort;
-    const auto value = numbers.next(narrow ? 2 : 4);
-    if (narrow) numbers.next(2);
-    if (tag == kCompression && value != 1) return std::nullopt;
-    if (tag == kStripOffsets && count == 1) strip.offset = value.value_or(0);
-  }
-  return strip.offset > 0 ? std::optional(strip) : std::nullopt;
 }
 
 }  // namespace gicube::scene

@@ -8,15 +8,15 @@
 namespace gicube::scene {
 namespace {
 
-// The file of the shared object that has this code. Of a program this is how it was called, which need not be a path.
+// The file of the shared object with this code. For a program it is argv[0], which need not be a path.
 std::filesystem::path own_file() {
   static const char here = 0;
   Dl_info found{};
   return ::dladdr(&here, &found) != 0 && found.dli_fname != nullptr ? found.dli_fname : "";
 }
 
-// Beside libgicube-scene.so, or where a program's libraries are, installed or in the build tree; else where the system
-// looks.
+// Loads it from beside libgicube-scene.so, or from the libraries of the program, installed or in the build tree,
+// otherwise from the system's search path.
 void* load(const std::string& library) {
   for (const std::filesystem::path& own : {own_file(), std::filesystem::path("/proc/self/exe")}) {
     for (const char* const folder : {".", GICUBE_PROGRAMS_TO_LIBRARIES, "../lib"}) {
@@ -37,7 +37,7 @@ const void* plug_in(const std::filesystem::path& file, const std::string& name) 
   void* const open = loaded != nullptr ? ::dlsym(loaded, ("gicube_" + name).c_str()) : nullptr;
   if (open != nullptr) return reinterpret_cast<const void* (*)()>(open)();
   const char* const why = ::dlerror();
-  throw FileError(file, "format", "one that can be read or written without " + library,
+  throw FileError(file, "format", "one that does not need " + library,
                   why != nullptr ? why : "the library can't be loaded");
 }
 

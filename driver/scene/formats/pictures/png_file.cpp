@@ -15,7 +15,7 @@ struct Target {
   std::string error;
 };
 
-// Nothing may be thrown through libpng, which is C.
+// Exceptions must not pass through libpng, which is C.
 void append(png_structp png, png_bytep data, std::size_t count) {
   auto& bytes = static_cast<Target*>(png_get_io_ptr(png))->bytes;
   bool is_added = true;
@@ -34,7 +34,7 @@ void append(png_structp png, png_bytep data, std::size_t count) {
 
 void ignore(png_structp, const char*) {}  // warnings
 
-// libpng returns from an error by a jump here, over no destructor: all objects are the caller's.
+// libpng reports an error by a jump to here. No destructor is skipped: all objects belong to the caller.
 bool write(png_structp png, png_infop info, const PngToWrite& picture, std::vector<png_text>& texts) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height), 8,

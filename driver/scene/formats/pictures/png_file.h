@@ -1,4 +1,4 @@
-// PNG files of eight bits a channel, in sRGB, by libpng.
+// PNG files with eight bits per channel, in sRGB, by libpng.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace gicube::scene {
 
 struct PngToWrite {
   int width = 0, height = 0;
-  int channels = 0;  // 3: red, green, blue; 4: and alpha, which the colours are not multiplied with
+  int channels = 0;                       // 3: red, green, blue; 4: and alpha, not premultiplied
   std::span<const std::uint8_t> samples;  // row by row, the channels of a pixel together
   std::vector<std::pair<std::string, std::string>> texts;
 };

@@ -285,6 +285,9 @@ TEST(NrrdFile, RefusesWhatItCannotRead) {
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: gone.raw\n")),
               HasSubstr("gone.raw: file: expected a file"));
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: s%03d.raw 1 4 1\n")), HasSubstr("s001.raw"));
+  for (const char* const range : {"-9223372036854775808 9223372036854775807 3", "-2147483648 2147483647 1"})
+    EXPECT_THAT(error(header("uchar", std::string("encoding: raw\ndata file: s%d.raw ") + range + "\n")),
+                HasSubstr("expected a name with one %d"));
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: LIST\na.raw\nb.raw\n")), HasSubstr("a.raw"));
   EXPECT_THAT(error("NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 3\nencoding: raw\n\n123456"),
               HasSubstr("three axes"));

@@ -15,27 +15,28 @@ struct Affine {
 
   Vec3 vector(Vec3 v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
   Vec3 point(Vec3 p) const { return vector(p) + offset; }
-  // The transposed linear part: of the inverse map, it takes gradients along.
+  // Applies the transposed linear part. That of the inverse map transforms gradients.
   Vec3 transposed(Vec3 v) const { return v.x * rows[0] + v.y * rows[1] + v.z * rows[2]; }
 };
 
 // First `inner`, then `outer`.
 GICUBE_API Affine compose(const Affine& outer, const Affine& inner);
 GICUBE_API Affine translation(Vec3 by);
-// Counter-clockwise as seen against `axis` (any length but 0).
+// Counter-clockwise as seen against `axis`, whose length must not be 0.
 GICUBE_API Affine rotation(Vec3 axis, double degrees);
 GICUBE_API Affine scaling(Vec3 factors);
 
 GICUBE_API double determinant(const Affine& map);
 // Its determinant must not be 0.
 GICUBE_API Affine inverse(const Affine& map);
-// A map takes the unit sphere to an ellipsoid: the half-axes of that, directions of unit length, shortest first.
+// A half-axis of the ellipsoid that a map makes of the unit sphere.
 struct Stretch {
-  Vec3 direction;
-  double factor = 0;  // the linear part's singular value
+  Vec3 direction;     // of unit length
+  double factor = 0;  // its length, a singular value of the linear part
 };
+// The shortest first.
 GICUBE_API std::array<Stretch, 3> principal_stretches(const Affine& map);
-// The factor by which the shortest-grown vector grows.
+// The least factor by which the map lengthens a vector.
 GICUBE_API double min_stretch(const Affine& map);
 
 }  // namespace gicube::scene

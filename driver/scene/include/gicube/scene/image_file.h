@@ -14,10 +14,9 @@
 
 namespace gicube::scene {
 
-// How a colour that is partly seen through and the background behind it are mixed: display-referred values, as the
-// board mixes the samples of a ray, and as pictures are put together on a screen; or linear light, as compositing
-// programs do with an EXR. The two differ only where alpha is neither 0 nor 1: white of alpha ½ over black is 0.5 or
-// 0.735 on the display.
+// How a translucent colour is mixed with the background behind it: in display-referred values, like the board mixes the
+// samples of a ray and browsers mix pictures, or in linear light, like compositing programs do with an EXR. The two
+// differ only where alpha is neither 0 nor 1: white of alpha ½ over black is 0.5 or 0.735 on the display.
 enum class Composite { kDisplay, kLinear };
 
 struct Background {
@@ -28,19 +27,20 @@ struct Background {
   Colour colour{};  // 0..1 each, display-referred
   Composite composite = Composite::kDisplay;
 
-  // The display-referred value, 0..1, of a channel over it: `value` is not premultiplied.
+  // The display-referred value, 0..1, of a channel over this background; `value` is not premultiplied.
   GICUBE_API double under(double value, double alpha, std::size_t channel) const;
 };
 
-// The pixels of a PNG, 8 bits a channel, rows from the top: RGBA with unassociated alpha, or RGB over a background.
+// The pixels of a PNG, 8 bits per channel, rows from the top: RGBA with unassociated alpha, or RGB over a background.
 // Throws FileError: an image without pixels or with a wrong number of them.
 GICUBE_API std::vector<std::uint8_t> png_pixels(const Image& image, const std::optional<Background>& background = {});
 
-// All three write to a temporary file beside `path` and rename it when it is whole: a failure leaves what was there
-// before. They throw FileError: an image without pixels or with a wrong number of them, a file that can't be written.
+// All three write to a temporary file beside `path` and rename it when it is complete: a failure leaves an existing
+// file as it was. They throw FileError: an image without pixels or with a wrong number of them, a file that cannot be
+// written.
 
-// 8 bits a channel, display-referred (sRGB) as the framebuffer's colours are. Without a background RGBA with
-// unassociated alpha, as PNG wants it; with one RGB over it.
+// 8 bits per channel, display-referred (sRGB) like the framebuffer's colours. Without a background RGBA with
+// unassociated alpha, as PNG requires; with one, RGB over it.
 GICUBE_API void write_png(const Image& image, const std::filesystem::path& path,
                           const std::optional<Background>& background = {}, const Provenance& provenance = {});
 
@@ -49,7 +49,7 @@ GICUBE_API void write_png(const Image& image, const std::filesystem::path& path,
 GICUBE_API void write_exr(const Image& image, const std::filesystem::path& path,
                           const std::optional<Background>& background = {}, const Provenance& provenance = {});
 
-// By the extension, .png or .exr.
+// The extension, .png or .exr, gives the format.
 GICUBE_API void write_image(const Image& image, const std::filesystem::path& path,
                             const std::optional<Background>& background = {}, const Provenance& provenance = {});
 

@@ -1,4 +1,4 @@
-// The lights of a scene, and how they are spread into its volume.
+// The lights of a scene, and the settings of their illumination of the volume.
 #pragma once
 
 #include <optional>
@@ -21,11 +21,11 @@ struct SceneLight {
 struct Lighting {
   bool on = false;  // false: the reflectance map lights the picture, lighting rays are not sent
   Illumination settings;
-  // Brightness (colours are multiplied by it) of a surface that a unit of power reaches on a unit of its area, in the
-  // scene's units; 0 = chosen by the driver for each pass.
+  // Brightness, a factor of colours, of a surface that receives one unit of power per unit of area, in the scene's
+  // units; 0 = chosen by the driver for each pass.
   double exposure = 0;
-  // Three passes and three pictures, of which red, green and blue are taken: each with the lights' and the materials'
-  // scattering_colour in that channel. Light is then coloured by materials; irradiance alone has no colour.
+  // Three passes and three pictures, which give red, green and blue: each has the lights' colours and the materials'
+  // scattering_colour of its channel. Materials then colour the light; a single irradiance has no colour.
   bool colour_passes = false;
 };
 

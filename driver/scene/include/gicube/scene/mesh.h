@@ -4,7 +4,7 @@
 //   .ply   ascii, binary_little_endian, binary_big_endian 1.0: element vertex with x y z, element face with the list
 //          vertex_indices or vertex_index; other elements and properties are skipped
 //
-// Polygons become fans of triangles around their first corner, which is right for convex ones.
+// Polygons become fans of triangles around their first corner, which is correct for convex polygons.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ namespace gicube::scene {
 struct Mesh {
   std::vector<Vec3> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of points, counter-clockwise as seen from outside
-  // Texture coordinates u, v, and each triangle's indices of them; both empty unless all corners of all faces have some
-  // (.obj).
+  // Texture coordinates u, v, and their indices for each triangle. Both are empty unless all corners of all faces have
+  // some (.obj).
   std::vector<std::array<double, 2>> texture{};
   std::vector<std::array<std::uint32_t, 3>> texture_triangles{};
 };
@@ -29,9 +29,9 @@ struct Mesh {
 constexpr std::uintmax_t kMaxMeshMib = 512;      // chosen: of the file
 constexpr std::size_t kMaxTriangles = 8u << 20;  // chosen: far finer than any board's voxels
 
-// By the extension. Memory is taken only as far as the file's real size can back it. Throws InputError: the file is not
-// there, is too large or can't be read. Throws FileError: it is truncated or damaged, names points that it does not
-// have, holds no triangle, or too many.
+// The extension gives the format. Memory is allocated only as far as the file's size justifies. Throws InputError: the
+// file does not exist, is too large or cannot be read. Throws FileError: it is truncated or damaged, names missing
+// points, has no triangle, or too many.
 GICUBE_API Mesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace gicube::scene

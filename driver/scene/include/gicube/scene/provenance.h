@@ -1,6 +1,6 @@
-// Where a file came from, written into it. PNG has it as text, EXR as attributes, NRRD as key/value pairs, NIfTI as an
-// extension of comments; `gicube-smi show FILE` prints it. The same inputs give the same bytes: there is no time, no
-// host and no folder in it but what the command line names.
+// The origin of a file, written into it: as text in PNG, attributes in EXR, key/value pairs in NRRD, and an extension
+// of comments in NIfTI; `gicube-smi show FILE` prints it. The same inputs give the same bytes, because it contains no
+// time, no host, and no folder except those on the command line.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,21 @@ namespace gicube::scene {
 // Empty entries are omitted.
 struct Provenance {
   std::string program{}, version{};
-  std::string command{};      // the command line as it was given: command_line()
+  std::string command{};      // the command line: command_line()
   std::string config_hash{};  // of the board's configuration (BoardInfo::config_hash), as hex()
   std::string fidelity{};     // of the board: functional or cycle
-  std::string scene_hash{};   // of what was computed with: scene_hash(), or of a scan's projections, as hex()
+  std::string scene_hash{};   // of the input: scene_hash(), or of a scan's projections, as hex()
 };
 
 // The entries in the files: "gicube.program" and so on with their values.
 GICUBE_API std::vector<std::pair<std::string, std::string>> entries(const Provenance& provenance);
 
-// The program's name without its folder, and the arguments; quoted where a POSIX shell needs it. An argument that is no
-// UTF-8, as a file's name may be, is written as bash does: $'gr\xfc'.
+// The program's name without its folder, and the arguments, quoted where a POSIX shell needs it. An argument that is
+// not UTF-8, such as a file's name, is written like bash does: $'gr\xfc'.
 GICUBE_API std::string command_line(int argc, const char* const* argv);
 
-// A hash of these bytes after others, whose hash is `before`. For identity only: anyone could make other bytes with the
-// same.
+// A hash of these bytes after others, whose hash is `before`. It is not cryptographic: other bytes with the same hash
+// can be constructed.
 GICUBE_API std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t before = 0);
 
 // 16 hexadecimal digits.

@@ -1,4 +1,4 @@
-// The solids that a scene can be built of, each in a coordinate system of its own.
+// The solids of a scene, each in its own coordinate system.
 #pragma once
 
 #include <filesystem>
@@ -19,13 +19,12 @@ struct Distance {
 };
 
 // At a point of a solid's own space: zero on the surface, negative inside, `away` its gradient.
-//   everywhere            never further from zero than the distance is (a gradient at most 1 long): cells of voxels are
-//                         skipped by it
-//   to 1 voxel from the   the distance, or a value that divided by its gradient's length is close to it: densities
-//                         follow it
-//   surface
+//   everywhere            a lower bound of the distance, by its absolute value (its gradient is at most 1 long), by
+//                         which cells of voxels are skipped
+//   to 1 voxel from the   the distance, or a value that approximates it after division by its gradient's length:
+//   surface               densities follow it
 //   to 3 voxels           the same for the tag between solids, and `away` as direction of the normals
-// Where a solid is hollow or cut: max(a, -b) of two fields has all of that.
+// For hollow or cut solids, max(a, -b) of two fields has all these properties.
 using Field = std::function<Distance(Vec3)>;
 
 // Lengths in the units of the node that holds the shape.
@@ -60,13 +59,13 @@ struct MeshShape {             // closed surface
   friend bool operator==(const MeshShape&, const MeshShape&) = default;
 };
 
-struct FieldShape {  // a solid of your own
+struct FieldShape {  // any solid
   std::shared_ptr<const Field> field;
-  friend bool operator==(const FieldShape&, const FieldShape&) = default;  // the same function, not an equal one
+  friend bool operator==(const FieldShape&, const FieldShape&) = default;  // whether it is the same object
 };
 
-// "buckyball": atoms and bonds, the atoms' centres on the unit sphere. "buckyball_atoms", "buckyball_bonds": one of
-// both. "head": a stylised head that looks along -y, about 2 high.
+// "buckyball": atoms and bonds, the atoms' centres on the unit sphere. "buckyball_atoms", "buckyball_bonds": only
+// these. "head": a stylised head that looks along -y, about 2 high.
 struct BuiltinShape {
   std::string name;
   friend bool operator==(const BuiltinShape&, const BuiltinShape&) = default;
@@ -77,8 +76,8 @@ using Shape = std::variant<SphereShape, BoxShape, TorusShape, CylinderShape, Mes
 // Throws InputError with the name of the shape's field ("radius: expected ..."). Does not open a mesh's file.
 GICUBE_API void check(const Shape& shape);
 
-// The shape is the union of these. Throws InputError as check() does and for a mesh that is not closed, and
-// FileError for a mesh's file.
+// The fields whose union is the shape. Throws InputError like check() and for a mesh that is not closed, and FileError
+// for a mesh's file.
 GICUBE_API std::vector<Field> fields_of(const Shape& shape);
 
 }  // namespace gicube::scene

@@ -1,12 +1,12 @@
-// Solids, participating media and scans become densities, tags and normals of one volume.
+// Voxelisation of solids, participating media and scans to densities, tags and normals of one volume.
 //
 // Content of a voxel where several objects overlap:
-//   solids  their union makes density and normal: the nearest surface. The tag is that of the last solid in the list
-//           whose inside holds the voxel's centre, otherwise of the nearest.
-//   fogs    fill the space that solids leave, whatever the order; of two fogs the later one. Its density is
-//           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the fog nearest to them is
-//           denser by the missing amount.
-//   scans   leave the space of solids, and displace fogs where they are visible; of two the later.
+//   solids  their union gives density and normal, by the nearest surface. The tag is that of the last solid in the list
+//           that contains the voxel's centre, otherwise of the nearest solid.
+//   fogs    fill the space outside solids, whatever the order; the later of two fogs wins. The density is
+//           VoxelWorld::fog_density. Voxels whose samples show a solid show no fog, and the nearest fog is denser by
+//           the missing amount.
+//   scans   do not change solids, and replace fogs where they are visible; the later of two scans wins.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@
 
 namespace gicube::scene {
 
-// Where the voxels lie in the world: cubes, voxel 0's centre at `low`.
+// The position of the voxels in the world. Voxels are cubes, and the centre of voxel 0 is at `low`.
 struct WorldGrid {
   Vec3 low;
   double voxel = 1;  // edge, world units
@@ -35,18 +35,18 @@ struct WorldGrid {
 constexpr double kMaxDensity = 4095;  // of kUint12
 // chosen: wide enough for trilinear interpolation to follow the surface.
 //
-// Such densities are for pictures. They add up to a solid's volume only where its surface is flat and the solid thicker
-// than the ramp: a ball of radius r, and a hollow likewise, gets 1 / r^2 more (11% at 3 voxels, 1% at 10), a plate of
-// thickness t below 2 gets (1 + t / 2)^2 / 2 in place of t on average of its places (at 0.8: 0.98).
-// Densities::kPartialVolumes is for sums and line integrals.
+// Such densities are for pictures. Their sum is a solid's volume only where the surface is flat and the solid thicker
+// than the ramp: a ball of radius r, or a hollow, gets 1 / r^2 more (11% at 3 voxels, 1% at 10), and a plate of
+// thickness t below 2 gets (1 + t / 2)^2 / 2 instead of t, averaged over its positions (0.98 for 0.8). For sums and
+// line integrals use Densities::kPartialVolumes.
 constexpr double kRampVoxels = 2;
-// Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and
-// normal.
+// Trilinear samples with a density above zero use voxels up to ramp/2 + sqrt(3) voxels from the surface, which
+// therefore need tag and normal.
 constexpr double kNearVoxels = 3;
-// chosen: of a fog's own density, in full scales. Low, so that between fog and a solid the surface lies where the
-// solid has it.
+// chosen: a fog's density, in full scales. It is low, so that the interpolated surface between fog and a solid is that
+// of the solid.
 constexpr double kFogDensity = 0.25;
-constexpr double kFogBesideSolids = 0.1;  // chosen: in a volume where solids stand in fog, some of which is then denser
+constexpr double kFogBesideSolids = 0.1;  // chosen: in a volume with solids in fog, some of which is then denser
 
 // Densities of voxels at the surfaces of solids. Fogs always have the ramp.
 enum class Densities {
@@ -54,13 +54,13 @@ enum class Densities {
   kPartialVolumes,  // the share of the voxel's cube that is within them, by 4 x 4 x 4 parts
 };
 
-// All three x fastest. Densities are kUint12: kMaxDensity in a solid, and across its surface as Densities says.
+// All three have x fastest. Densities are kUint12: kMaxDensity in a solid, and across its surface as Densities defines.
 struct VoxelWorld {
   Volume volume;
   std::vector<std::uint8_t> tags;
-  std::vector<float>
-      gradients;  // towards growing density, unit length; zero far from all surfaces; empty if not asked for
-  double fog_density = kFogDensity;  // of a fog as its material says, in full scales; or kFogBesideSolids
+  // Unit vectors towards increasing density; zero far from all surfaces; empty unless requested.
+  std::vector<float> gradients;
+  double fog_density = kFogDensity;  // in full scales, for the extinction of its material; or kFogBesideSolids
 
   VoxelWorld() = default;
   VoxelWorld(const Dims& dims, const char* source, bool with_gradients) {
@@ -96,21 +96,22 @@ using ScanField = std::function<double(Vec3)>;
 
 struct PlacedScan {
   ScanField density;
-  Vec3 low, high;  // the box, in voxels, outside of which it has nothing
+  Vec3 low, high;  // its box, in voxels
   std::uint8_t tag = 0;
-  double visible = 0;  // from this density on its transfer function shows something
+  double visible = 0;  // the least density that its transfer function makes visible
 };
 
-// The scan's space: its physical box around the origin, the longest edge 1 long.
-GICUBE_API Affine scan_space(const Volume& scan);  // from the scan's voxels
+// The map from a scan's voxels to its own space, in which its physical box is centred on the origin and its longest
+// edge is 1 long.
+GICUBE_API Affine scan_space(const Volume& scan);
 
-// `to_voxels`: from the scan's space to the world's voxels. Values become densities by `range`. A scan that is finer
-// than the world is first averaged over cubes of its voxels; between voxels it is interpolated trilinearly.
-// The result has its own copy of the samples. `tag` and `visible` are left to the caller.
+// `to_voxels` maps the scan's space to the world's voxels; `range` maps values to densities. A scan that is finer than
+// the world is first averaged over cubes of its voxels, and then interpolated trilinearly. The result has its own copy
+// of the samples. The caller sets `tag` and `visible`.
 GICUBE_API PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels);
 
-// Places a density that a function has at each of the world's voxels: from 0 to 1, or below 0 where there is nothing.
-// It is called once for each voxel, on several threads (0: one per core).
+// Places the densities that a function gives for each of the world's voxels: from 0 to 1, or below 0 where there is
+// nothing. It is called once for each voxel, on several threads (0: one per core).
 GICUBE_API PlacedScan place_density(const Dims& dims, const ScanField& density, int threads = 0);
 
 // The voxels do not depend on the number of threads (0 = one per core). Distances are evaluated near surfaces only.
@@ -122,11 +123,11 @@ GICUBE_API VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSo
 
 constexpr std::size_t kCodes = 2048;  // of a gradient codebook, with the zero vector
 
-// A gradient codebook made for one volume: vector quantisation of its own normals, as [P §2.1] suggests. Reflections
-// show an error of a normal twice, and the board's own codebook has up to 3.35 degrees of it.
-// `gradients`: three floats each, as VolumeView::gradients. The result is for Board::set_gradient_codebook(): code 0 is
-// the zero vector, the others are unit vectors; as many as there are different directions, at most 2047. Chosen so that
-// the farthest direction is near (farthest-point choice), then moved to the means of what they stand for (Lloyd).
+// A gradient codebook for one volume: vector quantisation of its normals, as [P §2.1] suggests. Reflections double the
+// error of a normal, which is up to 3.35 degrees with the board's own codebook. `gradients`: three floats each, like
+// VolumeView::gradients. The result is for Board::set_gradient_codebook(): code 0 is the zero vector, the others are
+// unit vectors, as many as there are different directions, at most 2047. They are chosen by farthest-point sampling,
+// then moved to the means of the directions that they encode (Lloyd).
 GICUBE_API std::vector<Vec3> codebook_of(std::span<const float> gradients);
 
 }  // namespace gicube::scene

@@ -65,7 +65,7 @@ GICUBE_API Affine map_of(const std::vector<Transform>& transforms);
 
 constexpr int kMinWorldSize = 8, kMaxWorldSize = 1024;  // voxels an edge
 
-// A box of space that is filled from a scenegraph and cut into voxels.
+// A box of space whose voxels are filled from a scenegraph.
 struct World {
   Vec3 low{-1, -1, -1}, high{1, 1, 1};  // world units; the first and the last voxels' centres
   int size = 96;                        // voxels along the longest edge
@@ -75,8 +75,8 @@ struct World {
   friend bool operator==(const World&, const World&) = default;
 };
 
-// Cubic voxels: the shorter edges get as many as come nearest to their length, at least 2.
-// Throws InputError: a size out of range, an edge of the box that is not 1e-9 to 1e9 long.
+// Cubic voxels: the number along the shorter edges is the nearest to their length, at least 2. Throws InputError: a
+// size out of range, an edge of the box that is not 1e-9 to 1e9 long.
 GICUBE_API WorldGrid grid_of(const World& world);
 
 struct BuiltWorld {
@@ -85,8 +85,8 @@ struct BuiltWorld {
   std::vector<TransferFunctionFile> looks;  // by tag 0..3, in densities 0..4095; unused tags are invisible
 };
 
-// Voxelises all nodes. Throws InputError that names node and field: a material that is not there, several looks for one
-// tag, a scan's transfer function used for another scan's range, a mesh or scan that can't be read.
+// Voxelises all nodes. Throws InputError that names node and field: a missing material, several looks for one tag, a
+// scan's transfer function used for another scan's range, a mesh or scan that cannot be read.
 GICUBE_API BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials, int threads = 0);
 
 }  // namespace gicube::scene
