@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/common/cells.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {
@@ -35,16 +36,11 @@ constexpr double kShell = 0.2;    // chosen: the opacity of a voxel at its surfa
 template <typename Use>
 void for_each_pair(const Dims& dims, const Use& use) {
   const std::array<std::size_t, 3> strides{1, static_cast<std::size_t>(dims[0]), voxels_of({dims[0], dims[1], 1})};
-  std::size_t i = 0;
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x, ++i) {
-        if (x + 1 < dims[0]) use(i, i + strides[0]);
-        if (y + 1 < dims[1]) use(i, i + strides[1]);
-        if (z + 1 < dims[2]) use(i, i + strides[2]);
-      }
+  each_voxel(dims, [&](const Dims& at, std::size_t i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 < dims[axis]) use(i, i + strides[axis]);
     }
-  }
+  });
 }
 
 // The number of faces between voxels of two labels, by both labels.
@@ -112,21 +108,14 @@ std::vector<double> opacities_of(const SceneSetup& setup) {
     }
   };
   std::vector<Extent> extents(setup.label_values.size());
-  const Dims& dims = setup.volume.dims;
-  std::size_t i = 0;
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x, ++i) {
-        Extent& extent = extents[setup.labels[i]];
-        const std::array<int, 3> at{x, y, z};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          extent.low[axis] = std::min(extent.low[axis], at[axis]);
-          extent.high[axis] = std::max(extent.high[axis], at[axis]);
-        }
-        ++extent.voxels;
-      }
+  each_voxel(setup.volume.dims, [&](const Dims& at, std::size_t i) {
+    Extent& extent = extents[setup.labels[i]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      extent.low[axis] = std::min(extent.low[axis], at[axis]);
+      extent.high[axis] = std::max(extent.high[axis], at[axis]);
     }
-  }
+    ++extent.voxels;
+  });
   std::vector<double> opacities(extents.size(), 1);
   for (std::size_t outer = 1; outer < extents.size(); ++outer) {
     for (std::size_t inner = 1; inner < extents.size(); ++inner) {

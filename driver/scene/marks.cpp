@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/common/checks.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -27,8 +29,6 @@ constexpr std::array<std::pair<char, std::array<std::uint8_t, 7>>, 10> kLetters{
 constexpr Pixel kNear{240, 228, 66, 4095}, kFar{150, 142, 40, 4095},
     kOutline{0, 0, 0, 4095};  // yellow of Okabe and Ito
 constexpr int kSmallest = 64;
-
-Vec3 unit(Vec3 v) { return length(v) > 0 ? (1 / length(v)) * v : v; }
 
 class Pen {
  public:
@@ -87,8 +87,8 @@ std::array<std::string, 6> axis_marks(const WorldPlacement& placement) {
 void draw_marks(const WorldPlacement& placement, const Vec3& spacing, const View& view, Image& image) {
   if (std::min(image.width, image.height) < kSmallest) return;
   const auto physical = [&spacing](Vec3 v) { return Vec3{v.x * spacing.x, v.y * spacing.y, v.z * spacing.z}; };
-  const Vec3 towards = unit(physical(view.eye - view.look_at));
-  const Vec3 right = unit(cross(view.up, towards)), upward = cross(towards, right);
+  const Vec3 towards = unit_or_zero(physical(view.eye - view.look_at));
+  const Vec3 right = unit_or_zero(cross(view.up, towards)), upward = cross(towards, right);
   struct End {
     double x, y, near;
     std::string text;

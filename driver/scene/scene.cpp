@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "scene/common/checks.h"
-#include "scene/geometry/signed_distance.h"
 
 namespace gicube::scene {
 namespace {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "scene/common/cells.h"
 #include "scene/formats/plane_file.h"
 
 namespace gicube::scene {
@@ -34,7 +35,7 @@ class Pieces {
   }
 
   void add(int x, int y, int z) {
-    Cell& cell = cells_[index({x / kEdge, y / kEdge, z / kEdge})];
+    Cell& cell = cells_[index_of(across_, {x / kEdge, y / kEdge, z / kEdge})];
     const std::array<std::uint16_t, 3> at{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
                                           static_cast<std::uint16_t>(z)};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,12 +67,6 @@ class Pieces {
  private:
   static constexpr Box kNothing{{{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}}};
 
-  std::size_t index(const std::array<int, 3>& at) const {
-    return (static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(across_[1]) + static_cast<std::size_t>(at[1])) *
-               static_cast<std::size_t>(across_[0]) +
-           static_cast<std::size_t>(at[0]);
-  }
-
   template <typename Corner>
   static void join(Box& box, const Corner& low, const Corner& high) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -102,7 +97,8 @@ class Pieces {
                                   static_cast<int>(i / slice)};
       for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, across_[2] - 1); ++z) {
         for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, across_[1] - 1); ++y) {
-          for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, across_[0] - 1); ++x) take(index({x, y, z}));
+          for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, across_[0] - 1); ++x)
+            take(index_of(across_, {x, y, z}));
         }
       }
     }

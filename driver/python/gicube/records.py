@@ -184,7 +184,7 @@ class Loss(Enum):
 class WorldAxes(Enum):
     """See gicube/scene/volume_file.h."""
     NONE = "none"
-    """the file says nothing of its axes"""
+    """the file gives no directions of its axes"""
     WORLD = "world"
     """x, y, z of some space, with no patient in it"""
     PATIENT = "patient"
@@ -222,7 +222,7 @@ class WorldPlacement(Record):
     directions[i]. See gicube/scene/volume_file.h."""
     axes: WorldAxes = WorldAxes.NONE
     directions: Sequence[Vec3] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    """of the volume's x, y, z in the world; unit vectors"""
+    """unit vectors of the volume's x, y, z in the world"""
     origin: Vec3 = (0.0, 0.0, 0.0)
     """the first voxel's centre in the world, in the file's unit of length"""
     stored: Sequence[int] = (1, 2, 3)
@@ -231,7 +231,7 @@ class WorldPlacement(Record):
 
 @dataclass
 class RawLayout(Record):
-    """How the samples of a file without a header lie. See gicube/scene/volume_file.h."""
+    """The layout of a file without a header. See gicube/scene/volume_file.h."""
     dims: Sequence[int] = (0, 0, 0)
     type: SampleType = SampleType.UINT8
     """UINT12: 0..4095 in 16 bits"""

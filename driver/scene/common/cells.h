@@ -26,13 +26,30 @@ void each_cell(const Dims& dims, int threads, const Fill& fill) {
                });
 }
 
+inline std::size_t index_of(const Dims& dims, const Dims& at) {
+  const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
+  return (static_cast<std::size_t>(at[2]) * down + static_cast<std::size_t>(at[1])) * across +
+         static_cast<std::size_t>(at[0]);
+}
+
+// Calls visit(voxel, index) for each voxel, in the order of the indices.
+template <typename Visit>
+void each_voxel(const Dims& dims, const Visit& visit) {
+  Dims at{};
+  std::size_t index = 0;
+  for (at[2] = 0; at[2] < dims[2]; ++at[2]) {
+    for (at[1] = 0; at[1] < dims[1]; ++at[1]) {
+      for (at[0] = 0; at[0] < dims[0]; ++at[0]) visit(at, index++);
+    }
+  }
+}
+
 // Calls visit(p, index) for each of a cell's voxels.
 template <typename Visit>
 void each_voxel(const Dims& dims, const Dims& first, const Visit& visit) {
-  const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
   for (int z = first[2]; z < std::min(first[2] + kCell, dims[2]); ++z) {
     for (int y = first[1]; y < std::min(first[1] + kCell, dims[1]); ++y) {
-      const std::size_t row = (static_cast<std::size_t>(z) * down + static_cast<std::size_t>(y)) * across;
+      const std::size_t row = index_of(dims, {0, y, z});
       for (int x = first[0]; x < std::min(first[0] + kCell, dims[0]); ++x) {
         visit(Vec3{double(x), double(y), double(z)}, row + static_cast<std::size_t>(x));
       }

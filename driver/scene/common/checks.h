@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -85,6 +86,8 @@ inline std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
+inline Vec3 unit_or_zero(Vec3 v) { return length(v) > 0 ? (1 / length(v)) * v : Vec3{}; }
+inline std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 inline bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 inline std::string shown(double value) { return fmt::format("{}", value); }

@@ -20,9 +20,7 @@ constexpr Axes kSame{1, 2, 3};
 constexpr double kSaidDegrees = 1;          // chosen: smaller angles are not visible
 constexpr double kLeastDeterminant = 1e-3;  // chosen: of unit vectors that span space
 
-std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
 std::size_t index_of(int axis) { return static_cast<std::size_t>(std::abs(axis) - 1); }
-Vec3 unit_or_zero(Vec3 v) { return length(v) > 0 ? normalise(v) : Vec3{}; }
 double determinant(const std::array<Vec3, 3>& axes) { return dot(cross(axes[0], axes[1]), axes[2]); }
 
 // The placement with unit vectors. Zero vectors, and those that are not finite, stay as they are.

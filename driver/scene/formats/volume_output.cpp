@@ -28,8 +28,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written without conversion");
 
-std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
-
 // One direction after another.
 std::array<double, 9> numbers_of(const std::array<Vec3, 3>& d) {
   return {d[0].x, d[0].y, d[0].z, d[1].x, d[1].y, d[1].z, d[2].x, d[2].y, d[2].z};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scene/common/cells.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -30,17 +32,17 @@ class FogBalance {
       if (is_fog(i)) set(i, density(i) * kThin / kFull);
     }
     std::vector<float> missing(due_.size());
-    for_each([&](const Dims& voxel, std::size_t index) {
+    each_voxel(dims_, [&](const Dims& voxel, std::size_t index) {
       if (due_[index] == kNoFogDue) return;
       missing[index] = static_cast<float>(due_[index] * kThin / kFull - is_fog(index) * mean(voxel));
     });
     for (int round = 0; round < kFogRounds; ++round) {
       std::vector<float> more(due_.size());
-      for_each([&](const Dims& voxel, std::size_t index) {
+      each_voxel(dims_, [&](const Dims& voxel, std::size_t index) {
         if (std::abs(missing[index]) >= 0.5F) hand_on(voxel, double{missing[index]}, more);
       });
       missing.assign(due_.size(), 0);
-      for_each([&](const Dims& voxel, std::size_t index) {
+      each_voxel(dims_, [&](const Dims& voxel, std::size_t index) {
         if (more[index] == 0) return;
         const double share = seen(voxel), wanted = density(index) + double{more[index]} / share;
         set(index, wanted);
@@ -50,17 +52,6 @@ class FogBalance {
   }
 
  private:
-  template <typename Visit>
-  void for_each(const Visit& visit) const {
-    Dims at{};
-    std::size_t index = 0;
-    for (at[2] = 0; at[2] < dims_[2]; ++at[2]) {
-      for (at[1] = 0; at[1] < dims_[1]; ++at[1]) {
-        for (at[0] = 0; at[0] < dims_[0]; ++at[0]) visit(at, index++);
-      }
-    }
-  }
-
   // visit(index, offset) for the voxels within `reach`.
   template <typename Visit>
   void around(const Dims& voxel, int reach, const Visit& visit) const {
@@ -69,16 +60,12 @@ class FogBalance {
       for (int y = -reach; y <= reach; ++y) {
         for (int x = -reach; x <= reach; ++x) {
           const Dims other{voxel[0] + x, voxel[1] + y, voxel[2] + z};
-          if (std::ranges::equal(other, dims_, inside)) visit(index_of(other), Dims{x, y, z});
+          if (std::ranges::equal(other, dims_, inside)) visit(index_of(dims_, other), Dims{x, y, z});
         }
       }
     }
   }
 
-  std::size_t index_of(const Dims& voxel) const {
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    return (at(voxel[2]) * at(dims_[1]) + at(voxel[1])) * at(dims_[0]) + at(voxel[0]);
-  }
   bool is_fog(std::size_t index) const { return fogs_[world_.tags[index]]; }
   double density(std::size_t index) const {
     std::uint16_t word = 0;

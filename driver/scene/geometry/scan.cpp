@@ -14,11 +14,7 @@ struct Grid {
   Dims dims{};
   std::vector<float> values;
 
-  float at(int x, int y, int z) const {
-    const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
-    return values[(static_cast<std::size_t>(z) * down + static_cast<std::size_t>(y)) * across +
-                  static_cast<std::size_t>(x)];
-  }
+  float at(int x, int y, int z) const { return values[index_of(dims, {x, y, z})]; }
 
   // -1 outside of the box from the first to the last voxel's centre.
   double interpolate(Vec3 p) const {
@@ -38,25 +34,20 @@ Grid averaged(const Volume& scan, const ValueRange& range, int factor) {
   const std::vector<float> values = values_of(scan);
   Grid grid;
   for (std::size_t axis = 0; axis < 3; ++axis) grid.dims[axis] = std::max(scan.dims[axis] / factor, 1);
-  const auto across = static_cast<std::size_t>(scan.dims[0]), down = static_cast<std::size_t>(scan.dims[1]);
-  for (int z = 0; z < grid.dims[2]; ++z) {
-    for (int y = 0; y < grid.dims[1]; ++y) {
-      for (int x = 0; x < grid.dims[0]; ++x) {
-        double sum = 0;
-        int count = 0;
-        for (int k = z * factor; k < std::min((z + 1) * factor, scan.dims[2]); ++k) {
-          for (int j = y * factor; j < std::min((y + 1) * factor, scan.dims[1]); ++j) {
-            const std::size_t row = (static_cast<std::size_t>(k) * down + static_cast<std::size_t>(j)) * across;
-            for (int i = x * factor; i < std::min((x + 1) * factor, scan.dims[0]); ++i, ++count) {
-              const double value = (values[row + static_cast<std::size_t>(i)] - range.low) / (range.high - range.low);
-              sum += std::isnan(value) ? 0 : std::clamp(value, 0.0, 1.0);
-            }
-          }
+  each_voxel(grid.dims, [&](const Dims& at, std::size_t) {
+    double sum = 0;
+    int count = 0;
+    const auto end = [&](std::size_t axis) { return std::min((at[axis] + 1) * factor, scan.dims[axis]); };
+    for (int k = at[2] * factor; k < end(2); ++k) {
+      for (int j = at[1] * factor; j < end(1); ++j) {
+        for (int i = at[0] * factor; i < end(0); ++i, ++count) {
+          const double value = (values[index_of(scan.dims, {i, j, k})] - range.low) / (range.high - range.low);
+          sum += std::isnan(value) ? 0 : std::clamp(value, 0.0, 1.0);
         }
-        grid.values.push_back(static_cast<float>(sum / count));
       }
     }
-  }
+    grid.values.push_back(static_cast<float>(sum / count));
+  });
   return grid;
 }
 

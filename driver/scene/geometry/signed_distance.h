@@ -6,13 +6,9 @@
 #include <cmath>
 
 #include "gicube/scene/shape.h"
+#include "scene/common/checks.h"
 
 namespace gicube::scene {
-
-inline Vec3 unit_or_zero(Vec3 a) {
-  const double norm = length(a);
-  return norm > 0 ? (1 / norm) * a : Vec3{};
-}
 
 inline Distance away_from(Vec3 offset, double radius) { return {length(offset) - radius, unit_or_zero(offset)}; }
 

@@ -147,7 +147,7 @@ TEST(ObjFile, GoesOnBehindABackslash) {
       parse_obj("v 0 0\\\n 0\nv 1 0 0\nv 1 \\\r\n1\\\n0\nv 0 1 .5e0 # \\\nf 1 2 \\\n  3 \\\n  4\n", "a.obj");
   EXPECT_EQ(mesh.points, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5}}));
   EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
-  EXPECT_THAT(obj_fault("v 0 0 0\nf 1 1 1\nv 0 \\"), HasSubstr("line 3: statement: expected a line behind"));
+  EXPECT_THAT(obj_fault("v 0 0 0\nf 1 1 1\nv 0 \\"), HasSubstr("line 3: statement: expected a line after"));
 }
 
 TEST(ObjFile, NamesLineAndWhatIsWrong) {
