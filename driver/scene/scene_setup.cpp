@@ -69,6 +69,8 @@ void take_values(const Scene& scene, SceneSetup& setup) {
     setup.volume.range = survey.range = survey.robust = *scene.range;
   } else if (narrows(scene, survey)) {
     setup.volume.range = survey.range;
+  } else if (!setup.volume.range && survey.whole.low < survey.whole.high) {
+    setup.volume.range = survey.whole;  // otherwise visible_box() and the driver would search it again
   }
   if (!setup.volume.colours.empty() || setup.volume.colour_planes) {
     setup.built_in.materials = {find_preset("colours")};
@@ -192,9 +194,6 @@ Volume volume_of(const VolumeSource& source) {
   Volume volume = open_volume(source);
   const bool is_small = voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes;
   if (!source.in_planes || is_small) take_planes(volume);
-  if (!volume.planes) return volume;
-  const ValueRange range = value_range_of(volume);
-  if (range.low < range.high) volume.range = range;  // else the driver finds it again
   return volume;
 }
 
@@ -252,9 +251,10 @@ void set_look(const Scene& scene, SceneSetup& setup) {
 
 bool keeps_voxels(const Scene& scene, const SceneSetup& setup) {
   if (!setup.survey) return true;
-  const bool labels = setup.survey->kind == DataKind::kLabels || setup.survey->kind == DataKind::kMask;
-  return (!labels || is_auto(scene) == !setup.look_why.empty()) &&
-         narrows(scene, *setup.survey) == (setup.volume.range == setup.survey->range && !scene.range);
+  const Survey& survey = *setup.survey;
+  const bool labels = survey.kind == DataKind::kLabels || survey.kind == DataKind::kMask;
+  const bool is_narrow = !(survey.range == survey.whole) && setup.volume.range == survey.range && !scene.range;
+  return (!labels || is_auto(scene) == !setup.look_why.empty()) && narrows(scene, survey) == is_narrow;
 }
 
 bool same_voxels(const Scene& a, const Scene& b) {
