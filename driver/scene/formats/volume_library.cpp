@@ -10,7 +10,7 @@
 #include "scene/common/temporary_file.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/plug_in.h"
+#include "scene/formats/pictures/picture_library.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/reading_child.h"
 

@@ -12,9 +12,9 @@
 namespace gicube::samples {
 namespace {
 
-// One instruction set for all machines, so that all of them find the same triangles.
+// A fixed instruction set, so that all machines find the same triangles.
 constexpr const char* kDevice = "threads=1,isa=sse2";
-// chosen: crossings of one edge are this near, relative to the distance; Embree's single precision has 6e-8.
+// chosen: the relative distance of crossings at one edge; Embree's single precision is 6e-8.
 constexpr double kSamePlace = 1e-6;
 constexpr double kTouching = 1e-6;  // chosen
 
@@ -22,7 +22,7 @@ struct Collector : RTCIntersectContext {
   std::vector<std::pair<std::uint32_t, std::uint32_t>>* found = nullptr;  // mesh, triangle
 };
 
-// Takes every triangle down and lets the ray go on.
+// Records every triangle, and rejects it so that the ray continues.
 void collect(const RTCFilterFunctionNArguments* at) {
   auto* collector = static_cast<Collector*>(at->context);
   for (unsigned i = 0; i < at->N; ++i) {
@@ -137,7 +137,7 @@ void MeshCaster::find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) c
   std::ranges::sort(found, [](const Crossing& a, const Crossing& b) {
     return std::tie(a.distance, a.mesh, a.triangle) < std::tie(b.distance, b.mesh, b.triangle);
   });
-  // From those at one position, keeps the first of each surface.
+  // Keeps only the first crossing of each surface among those at one position.
   std::size_t kept = 0;
   for (const Crossing& each : found) {
     bool again = false;

@@ -1,5 +1,5 @@
-// Where a ray crosses triangle meshes. Embree finds the triangles; the places are computed from their corners in double
-// precision.
+// Crossings of rays with triangle meshes. Embree finds the triangles; positions are computed from their corners in
+// double precision.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct Crossing {
   bool from_outside = false;  // against the triangle's normal
 };
 
-// Meshes are in one space. A triangle that a ray misses by less than 2^-23 of its coordinates may count as met, and the
-// reverse.
+// All meshes are in one space. A triangle may be hit or missed wrongly if the ray passes within 2^-23 of its
+// coordinates.
 class MeshCaster {
  public:
   explicit MeshCaster(std::vector<Mesh> meshes);
@@ -30,13 +30,13 @@ class MeshCaster {
   // All crossings in front of `from`, nearest first; `direction` of unit length. A ray through a common edge or corner
   // of triangles of one mesh crosses the surface once there.
   void find(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
-  // Those further away than 1e-6: a ray that begins on a triangle does not meet it.
+  // Only crossings farther away than 1e-6: a ray that begins on a triangle does not cross it.
   void ahead(Vec3 from, Vec3 direction, std::vector<Crossing>& found) const;
-  // The nearest of those.
+  // The nearest crossing of ahead().
   std::optional<Crossing> first(Vec3 from, Vec3 direction) const;
-  // Whether there is one nearer than `distance`, where another triangle may be that is not counted.
+  // Whether there is a crossing nearer than `distance` by more than 1e-6.
   bool blocked(Vec3 from, Vec3 direction, double distance) const;
-  // Those triangles alone, each a mesh and its triangle, in no order.
+  // Only the triangles, each a mesh and its triangle, in any order.
   void meet(Vec3 from, Vec3 direction, std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
   // Unit normal, to the side from which the corners are counter-clockwise; zero for a triangle without area.
   Vec3 normal(const Crossing& crossing) const;

@@ -12,36 +12,34 @@ namespace gicube::samples {
 
 void add_checkpoint_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Checkpoints");
-  group.parsed("--checkpoint-at", "WHEN",
-               "write a checkpoint of the board between two pictures, with volume and light on it: frame=N, before "
-               "picture N, from "
-               "0;\ntime=MS, before the first picture that begins at that simulated time or later; ray=N, before the "
-               "picture that "
-               "makes the\nrun's viewing ray N, from 0",
-               [&checkpoint = options.checkpoint](const std::string& name, const std::string& text) {
-                 using Unit = CheckpointOptions::Unit;
-                 static const std::map<std::string, Unit> kUnits{
-                     {"frame", Unit::kFrame}, {"time", Unit::kMilliseconds}, {"ray", Unit::kRay}};
-                 const std::size_t equals = std::min(text.find('='), text.size());
-                 const auto unit = kUnits.find(text.substr(0, equals));
-                 const auto number = parse_number<double>(equals < text.size() ? text.substr(equals + 1) : "");
-                 const bool is_good = unit != kUnits.end() && number && std::isfinite(*number) && *number >= 0 &&
-                                      (unit->second == Unit::kMilliseconds || *number == std::floor(*number));
-                 if (!is_good) {
-                   throw CLI::ValidationError(name,
-                                              "expected frame=N, time=MS or ray=N, from 0, got " + in_quotes(text));
-                 }
-                 checkpoint.unit = unit->second;
-                 checkpoint.at = *number;
-               });
+  group.parsed(
+      "--checkpoint-at", "WHEN",
+      "write a checkpoint of the board, with volume and light, between two pictures: frame=N, before picture N, "
+      "from 0;\ntime=MS, before the first picture that begins at that simulated time or later; ray=N, before "
+      "the picture with the run's viewing ray N, from 0",
+      [&checkpoint = options.checkpoint](const std::string& name, const std::string& text) {
+        using Unit = CheckpointOptions::Unit;
+        static const std::map<std::string, Unit> kUnits{
+            {"frame", Unit::kFrame}, {"time", Unit::kMilliseconds}, {"ray", Unit::kRay}};
+        const std::size_t equals = std::min(text.find('='), text.size());
+        const auto unit = kUnits.find(text.substr(0, equals));
+        const auto number = parse_number<double>(equals < text.size() ? text.substr(equals + 1) : "");
+        const bool is_good = unit != kUnits.end() && number && std::isfinite(*number) && *number >= 0 &&
+                             (unit->second == Unit::kMilliseconds || *number == std::floor(*number));
+        if (!is_good) {
+          throw CLI::ValidationError(name, "expected frame=N, time=MS or ray=N, from 0, got " + in_quotes(text));
+        }
+        checkpoint.unit = unit->second;
+        checkpoint.at = *number;
+      });
   group.file("--checkpoint", options.checkpoint.file, "the checkpoint's file, with --checkpoint-at");
   group
       .file("--restore", options.board.restore,
-            "go on from a checkpoint of this program with the same scene: its volume and its light are on the board")
+            "continue from a checkpoint of this program with the same scene, including its volume and light")
       ->check(CLI::ExistingFile);
   group
       .value("--first-frame", options.checkpoint.first_frame,
-             "with --restore: the picture that the run goes on with (0)")
+             "with --restore: the picture with which the run continues (0)")
       ->check(CLI::Range(0, 100'000));
 }
 
@@ -66,14 +64,8 @@ void check_checkpoint_options(const RenderOptions& options) {
                      fmt::format("{}", checkpoint.at));
   }
   if (!writes && !restores) return;
-  const char* const against = options.plan.wanted()             ? "--max-error or --time-budget"
-                              : options.crop                    ? "--crop"
-                              : options.level_of_detail > 0     ? "--level-of-detail"
-                              : options.lighting.colour_passes  ? "--colour-passes"
-                              : !options.lighting.field.empty() ? "--irradiance"
-                                                                : nullptr;
-  if (against == nullptr) return;
-  throw UsageError(std::string(writes ? "--checkpoint" : "--restore") + ": expected without " + against);
+  expect_without(options, writes ? "--checkpoint" : "--restore",
+                 {"--max-error or --time-budget", "--crop", "--level-of-detail", "--colour-passes", "--irradiance"});
 }
 
 }  // namespace gicube::samples

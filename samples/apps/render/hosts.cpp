@@ -7,36 +7,25 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
 
 #include "gicube/error.h"
+#include "scene/common/plug_in.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
 
 constexpr int kFailed = 1, kWrongUsage = 2;
-constexpr const char* kLibrary = "libgicube-mpi.so." GICUBE_SOVERSION;
 
-// All ranks know of the error, and the first one prints it.
+// An error that all ranks have; the first one prints it.
 struct Agreed : std::runtime_error {
   Agreed(const std::string& text, int exit_code) : std::runtime_error(text), code(exit_code) {}
   int code;
 };
-
-// MPI's own plug-ins look for its names among the global ones.
-void* load_library() {
-  constexpr int kHow = RTLD_NOW | RTLD_GLOBAL;
-  std::error_code none;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
-  const std::filesystem::path beside = program.parent_path() / GICUBE_PROGRAMS_TO_LIBRARIES / kLibrary;
-  if (std::filesystem::exists(beside, none)) return ::dlopen(beside.c_str(), kHow);
-  return ::dlopen(kLibrary, kHow);
-}
 
 }  // namespace
 
@@ -46,11 +35,10 @@ bool asks_for_hosts(int argc, const char* const* argv) {
 }
 
 std::unique_ptr<MpiExchange> open_hosts() {
-  void* const library = load_library();
-  void* const open = library != nullptr ? ::dlsym(library, "gicube_mpi_open") : nullptr;
-  if (open == nullptr) {
-    throw Error(fmt::format("--mpi: expected {}, which the package gicube-mpi has, got: {}", kLibrary, ::dlerror()));
-  }
+  // MPI's own plug-ins need its symbols to be global.
+  std::string error;
+  void* const open = function_in("mpi", "gicube_mpi_open", RTLD_NOW | RTLD_GLOBAL, error);
+  if (open == nullptr) throw Error("--mpi: expected libgicube-mpi.so, which the package gicube-mpi has, got: " + error);
   return std::unique_ptr<MpiExchange>(reinterpret_cast<decltype(&gicube_mpi_open)>(open)());
 }
 
@@ -64,7 +52,7 @@ int run_rank(MpiExchange& ranks, const std::function<int()>& body) {
     std::cerr << fmt::format("gicube-render: rank {} of {}: {}\n", ranks.rank(), ranks.ranks(), error.what())
               << std::flush;
     std::this_thread::sleep_for(
-        std::chrono::milliseconds(100));  // chosen: the launcher forwards it before all are ended
+        std::chrono::milliseconds(100));  // chosen: the launcher forwards the text before it ends all ranks
     ranks.abort(kFailed);
     return kFailed;
   }
@@ -105,14 +93,9 @@ void choose_part(const RayExchange& ranks, RenderOptions& options) {
     if (rank > 0) board.board = board.others[rank - 1];
     board.others.clear();
   }
-  const char* const against = options.plan.wanted()                               ? "--max-error or --time-budget"
-                              : options.crop                                      ? "--crop"
-                              : options.level_of_detail > 0                       ? "--level-of-detail"
-                              : options.explain_pixel                             ? "--explain-pixel"
-                              : !options.lighting.field.empty()                   ? "--irradiance"
-                              : options.checkpoint.unit || !board.restore.empty() ? "--checkpoint or --restore"
-                                                                                  : nullptr;
-  if (against != nullptr) throw UsageError(std::string("--mpi: expected without ") + against);
+  expect_without(options, "--mpi",
+                 {"--max-error or --time-budget", "--crop", "--level-of-detail", "--irradiance", "--explain-pixel",
+                  "--checkpoint or --restore"});
   if (rank > 0) {
     board.quiet = true;
     board.stats.clear();

@@ -1,4 +1,4 @@
-// Several hosts that make one picture, as ranks of an MPI job: --mpi. The program does not link MPI, but loads
+// --mpi: several hosts make one picture, as ranks of an MPI job. The program does not link MPI, but loads
 // libgicube-mpi.
 #pragma once
 
@@ -11,25 +11,25 @@
 
 namespace gicube::samples {
 
-// Whether the command line has --mpi. Asked before it is read, so that its errors come once.
+// Whether the command line has --mpi. It is checked before parsing, so that errors are printed only once.
 bool asks_for_hosts(int argc, const char* const* argv);
 
 // Throws Error: there is no such library, or MPI's own errors.
 std::unique_ptr<MpiExchange> open_hosts();
 
-// A rank's part of the program; returns its exit code. What together() throws in it rank 0 prints; what a rank throws
-// alone that rank prints, and ends the job.
+// Runs a rank's part of the program and returns its exit code. Rank 0 prints an error of together(); a rank prints its
+// own other errors, and they end the job.
 int run_rank(MpiExchange& ranks, const std::function<int()>& body);
 
-// A step that the ranks make at the same time. If it throws on one, all throw what it was, with that rank's number
-// unless all threw the same. `ranks`: null if there is one host.
+// A collective step. If it throws on one rank, all throw that error, with the rank's number unless all threw the same.
+// `ranks`: null if there is one host.
 void together(RayExchange* ranks, const std::function<void()>& step);
 
-// Takes this rank's board of --board, if that was given once for each, and keeps other ranks than the first from
-// printing. Throws UsageError: what one host knows or writes.
+// Selects this rank's board if --board was given for each rank, and silences all ranks except the first. Throws
+// UsageError for options that work on one host only.
 void choose_part(const RayExchange& ranks, RenderOptions& options);
 
-// Collective: tells rank 0 what each rank did for a frame.
+// Collective: sends the statistics of a frame from each rank to rank 0.
 void share_statistics(RayExchange& ranks, FrameStatistics& statistics);
 
 }  // namespace gicube::samples

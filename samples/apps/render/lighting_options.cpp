@@ -16,31 +16,31 @@ void add_lighting_options(CLI::App& app, LightingOptions& options) {
   OptionGroup group(app, "Global illumination");
   group
       .value("--illumination", options.illumination,
-             "lighting rays: none, low (each leaves light all along) or high (photons) (the scene's; none)")
+             "lighting rays: none, low (rays deposit light along their path) or high (photons) (the scene's; none)")
       ->check(CLI::IsMember({"none", "low", "high"}));
   group.value("--rules", options.rules, "of energy: as-printed or conserving (conserving)")
       ->check(CLI::IsMember({"as-printed", "conserving"}));
   group.value("--light-rays", options.rays, "k, lighting rays per voxel of the volume's faces (1)")
       ->check(CLI::Range(1, 4096));
-  group.value("--lifetime", options.lifetime, "scatterings until a ray is given up (lighting rays 32, eye 8)")
+  group.value("--lifetime", options.lifetime, "scatterings until a ray is dropped (lighting rays 32, viewing rays 8)")
       ->check(CLI::Range(0, 1023));
-  group.value("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen (0)")
+  group.value("--exposure", options.exposure, "brightness of a surface with unit power per unit area; 0: chosen (0)")
       ->check(CLI::Range(0.0, 1e12));
   group
       .value("--irradiance", options.field,
-             "light known already, of one channel or three (NRRD, as gicube-form-factors writes it), in place of "
-             "lighting rays")
+             "known light of one or three channels (NRRD, as written by gicube-form-factors) that replaces lighting "
+             "rays")
       ->type_name("FILE");
-  group.flag("--colour-passes", options.colour_passes, "light in red, green and blue, one after the other");
+  group.flag("--colour-passes", options.colour_passes, "separate passes for red, green and blue light");
 }
 
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
   OptionGroup group(app, "Animation");
-  group.value("--time", options.start, "seconds at which the scene's engines stand in the first picture (0)")
+  group.value("--time", options.start, "time of the scene's engines in the first picture, in seconds (0)")
       ->check(CLI::Range(-1e6, 1e6));
-  group.value("--frames", options.frames, "pictures, numbered as out_0000.png (1, not numbered)")
+  group.value("--frames", options.frames, "number of pictures, named out_0000.png and so on (1, not numbered)")
       ->check(CLI::Range(1, kMaxFrames));
-  group.value("--fps", options.fps, "pictures a second (25)")->check(CLI::Range(1e-3, 1e6));
+  group.value("--fps", options.fps, "pictures per second (25)")->check(CLI::Range(1e-3, 1e6));
   group.value("--duration", options.duration, "seconds from the first picture to the one after the last")
       ->check(CLI::Range(1e-6, 1e6));
 }

@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "gicube/scene/image_file.h"
-#include "render/frame.h"
 #include "render/hosts.h"
 #include "render/pixel_life.h"
 #include "render/planning.h"
+#include "render/renderer.h"
 #include "scene/common/whole_file.h"
 #include "scene/program/program.h"
+#include "scene/program/progress.h"
 #include "scene/program/run_json.h"
 
 namespace {
@@ -31,11 +32,11 @@ void print_lighting(const LightingStatistics& lighting) {
       "light ({}): {} rays, {:.3f} ms simulated; {:.1f}% stayed, {:.1f}% escaped, {:.1f}% lost, {:.2f}% clipped{}\n",
       lighting.channel, report.rays, gicube::to_ms(lighting.duration), percent(report.deposited),
       percent(report.escaped), percent(report.scattered_away), percent(report.clipped),
-      lighting.reused ? " (made before)" : "");
+      lighting.reused ? " (reused)" : "");
   for (const std::string& warning : report.warnings) warn(warning);
 }
 
-// Where the time of several boards went, on average.
+// Prints how several boards spend their time, on average.
 void print_boards(const FrameStatistics& statistics) {
   gicube::BoardTime sum;
   for (const gicube::BoardTime& time : statistics.boards) {
@@ -97,7 +98,7 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
   if (!energy.empty()) fmt::print("energy of the frame: {}\n", energy);
 }
 
-// Unless the picture before was made by the same.
+// Prints the plan, unless it is that of the previous picture.
 void explain_once(const RenderOptions& options, const FrameStatistics& statistics, std::vector<std::string>& last) {
   if (!statistics.plan) return;
   const std::vector<std::string> lines = explain(options.plan, *statistics.plan, statistics.light_plans);
@@ -105,7 +106,7 @@ void explain_once(const RenderOptions& options, const FrameStatistics& statistic
   last = lines;
 }
 
-// Unless the picture before was as empty for the same reason.
+// Warns, unless the previous picture had the same warning.
 void warn_once(const std::string& text, std::string& last) {
   if (!text.empty() && text != last) warn(text);
   last = text;
@@ -117,7 +118,29 @@ void explain_pixel(const RenderOptions& options, const FrameStatistics& statisti
   if (!options.explain_svg.empty()) write_whole(options.explain_svg, pixel_svg(statistics.pixel));
 }
 
-// Nothing if there is nothing to be rendered.
+// Renders the pictures that `options` ask for, in their order, and calls `done` for each. `ranks`: of the job, null if
+// there is one host.
+void render_frames(const RenderOptions& options, ProgressLine& progress, const std::function<void(const Frame&)>& done,
+                   gicube::MpiExchange* ranks) {
+  const Steps steps = [&progress](const std::string& what) {
+    progress.show(what);
+    return progress.parts(what);
+  };
+  std::optional<Renderer> renderer;
+  together(ranks, [&] { renderer.emplace(options, steps, std::function<void()>(), ranks); });
+  const std::vector<double> times = frame_times(options.animation);
+  for (auto first = static_cast<std::size_t>(options.checkpoint.first_frame); first < times.size();) {
+    const std::size_t length = renderer->run_length(times, first);
+    renderer->run(times, first, first + length, done);
+    first += length;
+  }
+  if (!renderer->checkpoint_is_written()) {
+    throw gicube::scene::InputError("--checkpoint-at", "a time or a ray before the last picture",
+                                    "a later one: no checkpoint is written");
+  }
+}
+
+// Nothing if help or the version was requested.
 std::optional<RenderOptions> options_of(int argc, char** argv, const gicube::MpiExchange* ranks) {
   std::ostringstream unsaid;
   auto options = parse_options(argc, argv, ranks != nullptr && ranks->rank() > 0 ? unsaid : std::cout);

@@ -17,20 +17,15 @@ namespace gicube::samples {
 namespace {
 
 const char* const kFooter =
-    "Positions and lengths are voxels: voxel (0, 0, 0) has its centre at the origin, and x, y, z run to the left, to "
-    "the back "
-    "and up\n"
-    "of a patient if the file says where these are, else along the file's axes; in a scene with a world they are world "
-    "units. Directions of light and\n"
-    "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
+    "Positions and lengths are voxels, or world units in a scene with a world. Voxel (0, 0, 0) has its centre at the\n"
+    "origin; x, y, z run to the patient's left, back and head if the file gives these directions, otherwise along the\n"
+    "file's axes. Directions of light and angles are physical. Without --eye, the camera shows everything visible, "
+    "from\n"
+    "-y and slightly above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 void add_volume_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Volume");
-  group
-      .value("--volume-size", options.volume_size,
-             "voxels along each edge of a built-in volume (256), or along the longest edge of a scene's world")
-      ->check(CLI::Range(kMinWorldSize, kMaxBuckyballSize));
   group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header",
                [&](const std::string& name, const std::string& text) {
                  const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
@@ -38,17 +33,15 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                });
   group.parsed("--type", "TYPE", "its samples: uint8, uint12, uint16, int16 or float32 (uint8)",
                [&](const std::string&, const std::string& text) { options.type = sample_type_named(text, "type"); });
-  group.flag("--big-endian", options.big_endian, "its samples' most significant byte comes first");
+  group.flag("--big-endian", options.big_endian, "its samples are big-endian");
   group.value("--skip", options.skip_bytes, "bytes before its first sample");
-  group.parsed("--spacing", "X,Y,Z", "physical voxel edges, in place of the file's",
+  group.parsed("--spacing", "X,Y,Z", "physical voxel edges that replace the file's",
                [&](const std::string& name, const std::string& text) {
                  options.spacing = parse_vector(name, text);
                  if (!(options.spacing->x > 0 && options.spacing->y > 0 && options.spacing->z > 0)) {
                    throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
                  }
                });
-  add_volume_file_options(group, options.file);
-  group.flag("--allow-outside", options.allow_outside, "let headers and scenes name files outside of their folders");
 }
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
@@ -57,10 +50,10 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
   group.vector("--eye", options.camera.eye, "the viewer's position");
   group
       .value("--view", options.camera.from,
-             "see all from the front, back, left, right, top, bottom, or iso; of a patient too: anterior, posterior, "
-             "superior, inferior")
+             "show everything from the front, back, left, right, top, bottom, or iso; with a patient also anterior, "
+             "posterior, superior or inferior")
       ->type_name("NAME");
-  group.vector("--look-at", options.camera.look_at, "point in the image's centre (the centre of all that is visible)");
+  group.vector("--look-at", options.camera.look_at, "point in the image's centre (the centre of everything visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
   CLI::Option* fov = group.value("--fov", options.camera.fov_degrees, "vertical field of view in degrees (30)");
   fov->check(CLI::Range(0.01, 179.0));
@@ -73,9 +66,9 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
       throw CLI::ValidationError(name, "expected at most 4095 pixels a side, got " + in_quotes(text));
     options.size = {sizes[0], sizes[1]};
   });
-  group.value("--samples", options.samples, "samples of a pixel along each axis: 1, 2 or 4 (1)")
+  group.value("--samples", options.samples, "samples per pixel along each axis: 1, 2 or 4 (1)")
       ->check(CLI::IsMember({1, 2, 4}));
-  group.parsed("--filter", "FILTER", "how a pixel weights its samples: box or tent (box)",
+  group.parsed("--filter", "FILTER", "weights of a pixel's samples: box or tent (box)",
                [&](const std::string& name, const std::string& text) {
                  if (text != "box" && text != "tent")
                    throw CLI::ValidationError(name, "expected box or tent, got " + in_quotes(text));
@@ -95,8 +88,8 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
                });
   group.parsed(
       "--composite", "HOW",
-      "put the background behind the picture in display-referred values (display, as PNG has it by default) or "
-      "in linear light (linear); an EXR then has no alpha",
+      "how the background is blended: in display-referred values (display, the default of PNG) or in linear light "
+      "(linear); an EXR then has no alpha",
       [&](const std::string& name, const std::string& text) {
         if (text != "display" && text != "linear")
           throw CLI::ValidationError(name, "expected display or linear, got " + in_quotes(text));
@@ -113,37 +106,32 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Sampling and light");
   group.value("--step", options.step, "distance of samples along a ray, in voxels (0.5)")
       ->check(CLI::Range(1.0 / 64, 16.0));
-  group.value("--threshold", options.threshold, "opacity at which a ray is done (0.98)")->check(CLI::Range(0.0, 1.0));
-  group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
+  group.value("--threshold", options.threshold, "opacity at which a ray ends (0.98)")->check(CLI::Range(0.0, 1.0));
+  group.flag("--jitter", options.jitter, "vary the distance of samples, to avoid banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
-  group.flag("--crop", options.crop, "load only the part of the volume in which something shows");
+  group.flag("--crop", options.crop, "load only the part of the volume with visible voxels");
   group
       .value("--level-of-detail", options.level_of_detail,
-             "load a coarser volume: one voxel for 2^N on each axis; --step counts its voxels")
+             "load a coarser volume: one voxel for 2^N along each axis; --step is in its voxels")
       ->check(CLI::Range(0, 6))
       ->type_name("N")
       ->capture_default_str();
   group
       .value("--brick-detail", options.brick_detail,
-             "send blocks of a volume larger than the card as means of 2, 4 or 8 voxels an edge where these are at "
-             "most X pixels wide")
+             "for a volume larger than the card: send blocks as means of 2, 4 or 8 voxels along each edge where these "
+             "are at most X pixels wide")
       ->check(CLI::Range(0.0, 64.0))
       ->type_name("X");
-  group.flag("--no-shade", options.no_shade, "colours as they are, without light");
-  group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
+  group.flag("--no-shade", options.no_shade, "colours without shading");
+  group.direction("--light", options.light, "direction towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
   group.value("--diffuse", options.diffuse, "")->check(CLI::Range(0.0, 1.99));
   group.value("--specular", options.specular, "")->check(CLI::Range(0.0, 1.99));
   group.value("--shininess", options.shininess, "")->check(CLI::Range(1.0, 1000.0));
-  group
-      .value("--transfer-function", options.transfer_function,
-             "a file, auto (a preset that the values of a volume file suggest), or a preset: " + preset_names() +
-                 " (auto)")
-      ->type_name("FILE|NAME");
   group.parsed(
       "--range", "LOW,HIGH",
-      "a volume file's values that become the least and the greatest density, where the points 0 and 1 of most presets "
-      "are; Hounsfield units stay (found from the values)",
+      "a volume file's values for the lowest and the highest density, at the points 0 and 1 of most presets; does not "
+      "change Hounsfield units (found from the values)",
       [&](const std::string& name, const std::string& text) {
         const std::vector<double> ends = parse_numbers(name, text, 2);
         if (!(ends[0] < ends[1]))
@@ -151,7 +139,7 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
         options.range = ValueRange{ends[0], ends[1]};
       });
   group
-      .parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
+      .parsed("--cut", "NX,NY,NZ,OFFSET", "show only the points p with N.p >= OFFSET; repeatable, at most 6",
               [&](const std::string& name, const std::string& text) {
                 const std::vector<double> plane = parse_numbers(name, text, 4);
                 const Vec3 normal{plane[0], plane[1], plane[2]};
@@ -170,7 +158,7 @@ void check_output(const RenderOptions& options) {
     throw UsageError("--background: expected with --composite for an EXR file, which keeps its alpha otherwise");
 }
 
-// A plan chooses these itself, and knows nothing of a field of light.
+// Refuses options that a plan chooses itself, and a field of light, which it does not support.
 void check_plan_options(const CLI::App& app, const RenderOptions& options) {
   check_plan(options.plan);
   if (!options.plan.wanted()) return;
@@ -183,21 +171,22 @@ void check_plan_options(const CLI::App& app, const RenderOptions& options) {
 
 void add_explain_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "One pixel");
-  group.parsed(
-      "--explain-pixel", "X,Y",
-      "print every sample of that pixel's rays, from the left and from the top, each from 0; on a private board",
-      [&](const std::string& name, const std::string& text) {
-        const std::vector<double> place = parse_numbers(name, text, 2);
-        for (const double at : place) {
-          if (at != std::floor(at) || at < 0 || at > 4094)
-            throw CLI::ValidationError(name, "expected two whole numbers from 0 to 4094, got " + in_quotes(text));
-        }
-        options.explain_pixel = {static_cast<int>(place[0]), static_cast<int>(place[1])};
-      });
-  group.file("--explain-svg", options.explain_svg, "draw them as a strip");
+  group.parsed("--explain-pixel", "X,Y",
+               "print every sample of the rays of the pixel in column X and row Y, from 0 and the upper left; on a "
+               "private board",
+               [&](const std::string& name, const std::string& text) {
+                 const std::vector<double> place = parse_numbers(name, text, 2);
+                 for (const double at : place) {
+                   if (at != std::floor(at) || at < 0 || at > 4094)
+                     throw CLI::ValidationError(name,
+                                                "expected two whole numbers from 0 to 4094, got " + in_quotes(text));
+                 }
+                 options.explain_pixel = {static_cast<int>(place[0]), static_cast<int>(place[1])};
+               });
+  group.file("--explain-svg", options.explain_svg, "draw these samples as a strip");
 }
 
-// One picture, made by one command of one board.
+// Only one picture, made by one command of one board, can be explained.
 void check_explain_options(const RenderOptions& options) {
   if (!options.explain_pixel) {
     if (!options.explain_svg.empty())
@@ -207,25 +196,23 @@ void check_explain_options(const RenderOptions& options) {
   const bool several = !options.board.others.empty() || options.board.board.find("boards=") != std::string::npos;
   const char* const against = !options.board.board.starts_with("emu:") ? "a running board (--board)"
                               : several                                ? "several boards"
-                              : options.plan.wanted()                  ? "--max-error or --time-budget"
                               : options.animation.frames > 1           ? "more than one of --frames"
-                              : options.lighting.colour_passes         ? "--colour-passes"
-                              : !options.lighting.field.empty()        ? "--irradiance"
                                                                        : nullptr;
   if (against != nullptr) throw UsageError(std::string("--explain-pixel: expected without ") + against);
+  expect_without(options, "--explain-pixel", {"--max-error or --time-budget", "--colour-passes", "--irradiance"});
 }
 
 void add_host_options(CLI::App& app) {
   OptionGroup group(app, "Several hosts");
-  group.parsed(
-      "--mpi", "HOW",
-      "rays: under mpirun each rank has a board and a part of the volume, and rays go from rank to rank; the picture "
-      "has the bits of one board",
-      [](const std::string& name, const std::string& text) {
-        if (text != "rays")
-          throw CLI::ValidationError(name,
-                                     "expected rays, a picture with the bits of one board, got " + in_quotes(text));
-      });
+  group.parsed("--mpi", "HOW",
+               "rays: under mpirun, each rank has a board and a part of the volume, and ranks exchange rays; the "
+               "picture has the "
+               "same bits as on one board",
+               [](const std::string& name, const std::string& text) {
+                 if (text != "rays")
+                   throw CLI::ValidationError(
+                       name, "expected rays, a picture with the bits of one board, got " + in_quotes(text));
+               });
 }
 
 bool has_layout(const RenderOptions& options) {
@@ -234,17 +221,6 @@ bool has_layout(const RenderOptions& options) {
 
 void set_volume(const RenderOptions& options, Scene& scene) {
   VolumeSource& volume = scene.volume;
-  if (options.volume_size && scene.world) {
-    scene.world->size = *options.volume_size;
-  } else if (options.volume_size) {
-    if (volume.builtin.empty())
-      throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
-                       " has its own size");
-    if (*options.volume_size < kMinBuckyballSize)
-      throw UsageError(fmt::format("--volume-size: expected {} to {}, got {}", kMinBuckyballSize, kMaxBuckyballSize,
-                                   *options.volume_size));
-    volume.size = *options.volume_size;
-  }
   if (scene.world && (has_layout(options) || options.spacing)) {
     throw UsageError("--dims, --type, --big-endian, --skip, --spacing: only for a volume; " + in_quotes(options.input) +
                      " has a world");
@@ -262,7 +238,6 @@ void set_volume(const RenderOptions& options, Scene& scene) {
     volume.raw = layout;
   }
   if (options.spacing) volume.spacing = options.spacing;
-  set_volume_file(options.file, scene);
 }
 
 void set_camera(const CameraSettings& options, CameraSettings& camera) {
@@ -291,18 +266,28 @@ void set_view(const RenderOptions& options, View& view) {
 }  // namespace
 
 Scene input_scene(const RenderOptions& options) {
-  if (options.input.starts_with(kBuiltin) && options.input != "builtin:buckyball") {
-    throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
-  }
-  Scene scene = read_input(options.input, options.allow_outside);
+  Scene scene = input_scene(static_cast<const SceneInput&>(options));
   set_volume(options, scene);
-  if (options.allow_outside) allow_outside(scene);
-  if (!options.transfer_function.empty() && options.transfer_function != kAutomatic)
-    scene.transfer_function = find_transfer_function(options.transfer_function);
   if (options.range && (scene.world || !scene.volume.builtin.empty()))
     throw UsageError("--range: only for a volume file; " + in_quotes(options.input) + " has values of its own");
   if (options.range) scene.range = options.range;
   return scene;
+}
+
+void expect_without(const RenderOptions& options, const std::string& option,
+                    std::initializer_list<std::string_view> others) {
+  const bool has_checkpoint = options.checkpoint.unit || !options.board.restore.empty();
+  const std::pair<std::string_view, bool> given[] = {{"--max-error or --time-budget", options.plan.wanted()},
+                                                     {"--crop", options.crop},
+                                                     {"--level-of-detail", options.level_of_detail > 0},
+                                                     {"--colour-passes", options.lighting.colour_passes},
+                                                     {"--irradiance", !options.lighting.field.empty()},
+                                                     {"--explain-pixel", options.explain_pixel.has_value()},
+                                                     {"--checkpoint or --restore", has_checkpoint}};
+  for (const auto& [name, is_given] : given) {
+    if (is_given && std::ranges::count(others, name) > 0)
+      throw UsageError(fmt::format("{}: expected without {}", option, name));
+  }
 }
 
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out) {
@@ -310,10 +295,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   CLI::App app("Renders a volume on a GI-Cube board.", "gicube-render");
   app.footer("Presets of --transfer-function, and their use:\n" + preset_lines() + kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
-  app.add_option("INPUT", options.input,
-                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "
-                 ".nii .nii.gz .hdr .img .tif .tiff, others with --dims), or a folder of slices")
-      ->required();
+  add_scene_input(app, options);
   add_volume_options(app, options);
   add_camera_options(app, options);
   add_sampling_options(app, options);

@@ -1,14 +1,11 @@
 #include "render/pixel_life.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <fstream>
 #include <map>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kColourOne = 4095, kOpacityOne = (1 << 24) - 1, kGradientOne = 511 * 32;  // of the board's words
 
-// Adds to a ray's passes what the cycle level's events of that ray say.
+// Adds the cycle level's events of a ray to its iterations.
 void add_events(const std::vector<Json>& events, Json& ray) {
   Json& passes = ray["passes"];
   std::size_t pass = 0;
@@ -82,38 +79,10 @@ std::string colour_text(const Json& words) {
 
 }  // namespace
 
-EventFile::EventFile() {
-  std::error_code error;
-  std::string name = (std::filesystem::temp_directory_path(error) / "gicube-events.XXXXXX").string();
-  const int fd = ::mkstemp(name.data());
-  if (fd < 0) throw InputError("--explain-pixel", "a temporary file that can be made", name);
-  ::close(fd);
-  path_ = name;
-}
-
-EventFile::~EventFile() {
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
-}
-
-std::unique_ptr<EventFile> events_for(const RenderOptions& options) {
-  if (!options.explain_pixel) return nullptr;
-  auto events = std::make_unique<EventFile>();
-  events->events_of = fmt::format("life={}:{}", (*options.explain_pixel)[0], (*options.explain_pixel)[1]);
-  return events;
-}
-
-BoardOptions with_events(BoardOptions board, const EventFile* events) {
-  if (events == nullptr) return board;
-  board.events = events->path();
-  board.events_of = events->events_of;
-  return board;
-}
-
 Json pixel_life(const std::filesystem::path& events) {
   std::ifstream file(events);
   Json life;
-  std::map<std::uint64_t, std::vector<Json>> of_rays, of_last;  // events by ray, since the picture before
+  std::map<std::uint64_t, std::vector<Json>> of_rays, of_last;  // events by ray, since the previous picture
   for (std::string line; std::getline(file, line);) {
     Json event = Json::parse(line);
     if (event.at("event") == "life") {

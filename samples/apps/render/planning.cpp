@@ -114,7 +114,7 @@ Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const s
               std::size_t passes, const Progress& progress) {
   PlanRequest request = request_of(wanted, view);
   if (!light.empty()) {
-    // With several passes, the other passes' light is not known yet, only that it keeps its half.
+    // With several passes, the light of the others is not planned yet, but stays within its half.
     if (wanted.max_error > 0) {
       request.max_error =
           passes > 1 ? share_of_light(wanted.max_error) : left_for_picture(wanted.max_error, light.front());
@@ -128,7 +128,7 @@ Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const s
 std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture, const std::vector<LightPlan>& light) {
   const std::vector<std::string> lines = picture.explain();
   if (light.empty()) return lines;
-  // Each of three passes has its own channel of the picture: none is worse than the worst.
+  // Each of three passes has its own channel of the picture: the worst one bounds the error.
   double error = 0;
   bool kept = picture.kept;
   for (const LightPlan& plan : light) {

@@ -1,4 +1,4 @@
-// The plan step of a picture (gicube/plan.h), as gicube-render asks for it.
+// Planning of a picture (gicube/plan.h) for gicube-render.
 #pragma once
 
 #include <string>
@@ -14,27 +14,26 @@
 
 namespace gicube::samples {
 
-// Plans the setup's picture and brings its volume onto the board as planned, codebook included. Throws the driver's
-// errors.
+// Plans the setup's picture and loads its volume as planned, including the codebook. Throws the driver's errors.
 Plan plan_and_load(Board& board, const PlanOptions& wanted, const SceneSetup& setup, bool own_codebook,
                    const Progress& progress);
 
-// Loads what stands for the setup's volume, whose voxels are freed on the way: the part in which anything shows
-// (`crop`), voxels of 2^level (gicube/level_of_detail.h), or both. Returns where it lies.
+// Loads a volume derived from the setup's, whose voxels are freed: the part with visible voxels (`crop`), voxels of
+// 2^level (gicube/level_of_detail.h), or both. Returns its placement.
 Placement load_derived(Board& board, SceneSetup& setup, bool crop, int level, bool own_codebook,
                        const Progress& progress);
 
-// Plans one pass's light for the picture that it is to light, of `passes` together, with what light may take of the
-// target: half of the error's square, half of the time. The board holds that light then.
+// Plans the light of one of `passes`, with light's part of the target: half of the squared error, half of the time. The
+// board has that light afterwards.
 LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& setup, const LightPass& pass,
                     std::size_t passes, const Progress& progress);
 
-// Plans a picture of what the board holds, light included, with what its light left of the target: `light` of the first
-// of `passes`, or nothing, for a picture that is only scattered.
+// Plans a picture of the board's volume and light, with the part of the target that the light has left. `light`: the
+// plan of the first of `passes`; empty for a picture with scattering but without lighting.
 Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const std::vector<LightPlan>& light,
               std::size_t passes, const Progress& progress);
 
-// Lines for people: of the light, of the picture, and of both.
+// Lines of text on the light, the picture, and both together.
 std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture, const std::vector<LightPlan>& light);
 
 nlohmann::ordered_json to_json(const Plan& plan);

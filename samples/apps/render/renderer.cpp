@@ -14,7 +14,8 @@
 namespace gicube::samples {
 namespace {
 
-// chosen: pictures with the same light that are held until all their colour passes are made; 64 of 512^2 take 128 MB.
+// chosen: the number of pictures with the same light that are kept until all colour passes are done; 64 of 512^2 need
+// 128 MB.
 constexpr std::size_t kMaxRun = 64;
 
 void check_size(const LightField& field, const Dims& dims) {
@@ -23,23 +24,22 @@ void check_size(const LightField& field, const Dims& dims) {
   throw InputError("--irradiance", "a field of the volume's " + text(dims) + " voxels", text(field.dims));
 }
 
-Counters sum_of(const Counters& a, const Counters& b) {
-  if (a.list().empty()) return b;
-  std::vector<Counter> sum = b.list();
-  for (Counter& counter : sum) {
-    const std::uint64_t value = a.value(counter.name);
-    counter.value = is_maximum(counter) ? std::max(counter.value, value) : counter.value + value;
-  }
-  return Counters(std::move(sum));
+// The options of the boards, with a file for the events of a pixel that is to be explained.
+BoardOptions board_of(const RenderOptions& options, std::optional<TemporaryFile>& events) {
+  BoardOptions board = board_for(options.plan, options.board);
+  if (!options.explain_pixel) return board;
+  board.events = events.emplace().path();
+  board.events_of = fmt::format("life={}:{}", (*options.explain_pixel)[0], (*options.explain_pixel)[1]);
+  return board;
 }
 
-// A codebook of one picture's normals would not be that of the next.
+// Whether nodes move, so that a codebook of one picture's normals would not suit the next.
 bool moves_nodes(const Scene& scene) {
   return std::any_of(scene.engines.begin(), scene.engines.end(),
                      [](const Engine& engine) { return engine.target.starts_with("node["); });
 }
 
-// An EXR has alpha instead, unless it is to be composited here.
+// The background to composite. An EXR has alpha instead, unless --composite is given.
 std::optional<Background> background_of(const RenderOptions& options, const std::optional<Colour>& own) {
   const bool alpha = options.no_background || (options.output.extension() == ".exr" && !options.composite);
   const std::optional<Colour>& colour = options.background ? options.background : own;
@@ -49,36 +49,13 @@ std::optional<Background> background_of(const RenderOptions& options, const std:
   return Background(*colour, options.composite.value_or(Composite::kDisplay));
 }
 
-// Rejects options that need a single board.
-void check_several_boards(const RenderOptions& options) {
-  const char* const against = options.plan.wanted()             ? "--max-error or --time-budget"
-                              : options.crop                    ? "--crop"
-                              : options.level_of_detail > 0     ? "--level-of-detail"
-                              : !options.lighting.field.empty() ? "--irradiance"
-                              : options.checkpoint.unit || !options.board.restore.empty() ? "--checkpoint or --restore"
-                                                                                          : nullptr;
-  if (against != nullptr) throw UsageError(std::string("several boards: expected without ") + against);
-}
-
-void add(const std::vector<BoardTime>& times, std::vector<BoardTime>& sums) {
-  sums.resize(times.size());
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    sums[i].bus += times[i].bus;
-    sums[i].work += times[i].work;
-    sums[i].bus_wait += times[i].bus_wait;
-    sums[i].skew += times[i].skew;
-  }
-}
-
-// Time between two readings.
-std::vector<BoardTime> between(const std::vector<BoardTime>& begin, std::vector<BoardTime> end) {
+// Adds the time between two readings to the sums.
+void add(const std::vector<BoardTime>& begin, const std::vector<BoardTime>& end, std::vector<BoardTime>& sums) {
+  sums.resize(end.size());
   for (std::size_t i = 0; i < end.size(); ++i) {
-    end[i].bus -= begin[i].bus;
-    end[i].work -= begin[i].work;
-    end[i].bus_wait -= begin[i].bus_wait;
-    end[i].skew -= begin[i].skew;
+    for (const auto part : {&BoardTime::bus, &BoardTime::work, &BoardTime::bus_wait, &BoardTime::skew})
+      sums[i].*part += end[i].*part - begin[i].*part;
   }
-  return end;
 }
 
 }  // namespace
@@ -88,11 +65,14 @@ Renderer::Renderer(const RenderOptions& options, Steps steps, const std::functio
     : options_(options),
       steps_(std::move(steps)),
       input_(input_scene(options)),
-      events_(events_for(options)),
-      boards_(open_boards(with_events(board_for(options.plan, options.board), events_.get()), while_waiting)),
+      boards_(open_boards(board_of(options, events_), while_waiting)),
       board_(boards_.board(0)),
       ranks_(ranks) {
-  if (boards_.size() > 1) check_several_boards(options);
+  if (boards_.size() > 1) {
+    expect_without(
+        options, "several boards",
+        {"--max-error or --time-budget", "--crop", "--level-of-detail", "--irradiance", "--checkpoint or --restore"});
+  }
   if (ranks_ != nullptr) board_.share_blocks({std::shared_ptr<void>(), ranks_});
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
@@ -134,7 +114,7 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
       for (const LightPass& each : pictures_of(pass)) {
         picture(each, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
       }
-      if (scene.lighting.on && has_lit_) {  // else the light was made before a checkpoint
+      if (scene.lighting.on && has_lit_) {  // otherwise the light is from a checkpoint
         frame.statistics.lighting.push_back(lighting_);
         frame.statistics.lighting.back().reused = !lit || i > 0;
       }
@@ -165,7 +145,7 @@ std::size_t Renderer::run_length(const std::vector<double>& times, std::size_t f
 Scene Renderer::at(double time) const { return scene_at(input_, options_, time); }
 
 bool Renderer::holds(const Scene& scene) const {
-  const auto asks = [](const Scene& s) { return s.view.shade || s.lighting.on; };  // for gradients
+  const auto asks = [](const Scene& s) { return s.view.shade || s.lighting.on; };  // whether it needs gradients
   return loaded_ && same_voxels(loaded_->scene, scene) && loaded_->crop == options_.crop &&
          loaded_->level_of_detail == options_.level_of_detail && (asks(loaded_->scene) || !asks(scene)) &&
          (loaded_->transfer_function == options_.transfer_function || (!part_ && keeps_voxels(scene, setup_)));
@@ -195,7 +175,7 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   lit_.reset();
   const bool derived = options_.crop || options_.level_of_detail > 0;
   Scene read = scene;
-  read.volume.in_planes = !derived && !options_.plan.wanted();  // those look at all voxels
+  read.volume.in_planes = !derived && !options_.plan.wanted();  // these need all voxels
   setup_ = set_up(read, options_.board.threads);
   set_phong(options_, setup_.shading.phong);
   check_renders(setup_.volume.dims, board_.info(), setup_.volume.source);
@@ -276,7 +256,6 @@ void Renderer::set_optics(const LightPass& pass) {
   });
 }
 
-// Spreads the pass's light unless it is there; whether that had to be done.
 bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t passes) {
   if (passes == 1 && lit_ && same_illumination(*lit_, scene)) return false;
   lit_.reset();
@@ -303,7 +282,6 @@ bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t pass
   return true;
 }
 
-// The scene's lighting rays, or as many as a plan found enough for the first light that these voxels had.
 Illumination Renderer::planned(const LightPass& pass, const Illumination& settings, std::size_t passes,
                                const std::string& channel) {
   if (!options_.plan.wanted() || pass.lights.empty()) return settings;
@@ -316,8 +294,6 @@ Illumination Renderer::planned(const LightPass& pass, const Illumination& settin
   return light_plans_.back().settings(settings);
 }
 
-// The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the
-// board.
 void Renderer::plan_view(const LightPass& pass, View& view) {
   if (part_) view = part_->view(view);
   if (!options_.plan.wanted()) return;
@@ -351,10 +327,11 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   if (events_) statistics.pixel = pixel_life(events_->path());
   statistics.frame += window.simulated();
   statistics.host_seconds += window.host_seconds();
-  statistics.counters = sum_of(statistics.counters, window.counters());
+  const Counters counters = window.counters();
+  statistics.counters = sum_of({&statistics.counters, &counters});
   statistics.board = board_.info();
   if (boards_.size() > 1) {
-    add(between(before, boards_.times()), statistics.boards);
+    add(before, boards_.times(), statistics.boards);
     statistics.own_buses = boards_.buses() == HostBuses::kOwn;
   }
   for (std::size_t i = 0; options_.brick_detail > 0 && i < boards_.size(); ++i)

@@ -1,4 +1,4 @@
-// A board that makes one picture after the other, and what the last one left there.
+// Renders pictures one after the other, and reuses what the board still has from the previous one.
 #pragma once
 
 #include <cstddef>
@@ -9,50 +9,60 @@
 
 #include "gicube/board.h"
 #include "gicube/board_group.h"
+#include "gicube/image.h"
 #include "gicube/light_plan.h"
 #include "gicube/mpi.h"
 #include "gicube/plan.h"
+#include "gicube/scene/image_file.h"
 #include "gicube/scene/light_field.h"
 #include "gicube/scene/scene.h"
 #include "render/colour_passes.h"
-#include "render/frame.h"
 #include "render/options.h"
 #include "render/pixel_life.h"
+#include "render/statistics.h"
+#include "scene/common/temporary_file.h"
 
 namespace gicube::samples {
 
-// Is told of each step, and returns who is to be told how far that one is.
+struct Frame {
+  int number = 0;
+  Image image;
+  std::optional<Background> background;  // to be put behind the image
+  FrameStatistics statistics;
+};
+
+// Called for each step with its name; returns the receiver of its progress.
 using Steps = std::function<Progress(const std::string& what)>;
 
 class Renderer {
  public:
-  // Opens the board that `options` ask for. `while_waiting`: as OpenOptions; after what it throws the next picture may
-  // be asked for. `ranks`: who share the pictures, each with such an object; null if there is one host.
-  // Throws UsageError, InputError, FileError, and as Board::open().
+  // Opens the board that `options` name. `while_waiting`: as OpenOptions; after an exception of it the next picture may
+  // be requested. `ranks`: of an MPI job in which each has such an object; null if there is one host. Throws
+  // UsageError, InputError, FileError, and the exceptions of Board::open().
   Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting = {},
            MpiExchange* ranks = nullptr);
 
-  // Sets the subject of the next pictures. Board and light remain those of the constructor; a transfer function's file
-  // counts as another one if it has another name. Throws UsageError and InputError: nothing has changed.
+  // Sets the options of the next pictures. Board and light stay those of the constructor. A transfer function's file is
+  // identified by its name. After UsageError or InputError nothing has changed.
   void change(const RenderOptions& options);
 
-  // Pictures `first` to before `last`: of one volume and one light. What is on the board is used again as far as it is
-  // the same.
+  // Renders the pictures from `first` to before `last`, which share volume and light. Equal parts of the previous state
+  // of the board are reused.
   void run(const std::vector<double>& times, std::size_t first, std::size_t last,
            const std::function<void(const Frame&)>& done);
   // The picture at a time.
   Frame picture(double time);
-  // Brings onto the board what that picture needs, but for its light.
+  // Loads all that this picture needs, except its light.
   void prepare(double time) { set_voxels(at(time)); }
-  // Whether the board has a volume: not after a call that was left while it was loading one.
+  // Whether the board has a volume; false after an exception during loading.
   bool loaded() const { return loaded_.has_value(); }
-  // Whether the picture at a time is one of the voxels that are there.
+  // Whether the board has the voxels of the picture at that time.
   bool holds(double time) const { return holds(at(time)); }
 
-  // Whether the checkpoint that was asked for is written, or none was asked for.
+  // Whether the requested checkpoint is written, or none was requested.
   bool checkpoint_is_written() const { return !options_.checkpoint.unit || checkpoint_written_; }
 
-  // How many pictures from `first` on have its volume and its light.
+  // The number of pictures from `first` on with the same volume and light.
   std::size_t run_length(const std::vector<double>& times, std::size_t first) const;
 
   // Setup of the last picture; without voxels.
@@ -63,20 +73,20 @@ class Renderer {
  private:
   Scene at(double time) const;
   bool holds(const Scene& scene) const;
-  // Makes and loads the scene's voxels unless they are there. The simulated time that it took.
+  // Makes and loads the scene's voxels unless the board has them. Returns the simulated time.
   Picoseconds set_voxels(const Scene& scene);
-  // The scene's voxels are on a board that goes on from a checkpoint.
+  // Sets up the scene for a board that was restored with its voxels.
   void take_over(const Scene& scene);
-  // Before picture `frame`.
+  // Called before picture `frame`.
   void write_checkpoint_if_due(std::size_t frame);
   void set_optics(const LightPass& pass);
-  // Spreads the pass's light unless it is there; whether that had to be done.
+  // Illuminates with the pass's light unless the board has it. Returns whether it was necessary.
   bool light(const LightPass& pass, const Scene& scene, std::size_t passes);
-  // The scene's lighting rays, or as many as a plan found enough for the first light that these voxels had.
+  // The scene's settings, or those of a plan, which is made for the first light of these voxels.
   Illumination planned(const LightPass& pass, const Illumination& settings, std::size_t passes,
                        const std::string& channel);
-  // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the
-  // board.
+  // Applies the plan's settings and the derived volume's coordinates. The plan of a lit or scattered picture is made
+  // here, after everything is loaded.
   void plan_view(const LightPass& pass, View& view);
   void picture(const LightPass& pass, const std::string& what, Frame& frame);
 
@@ -90,21 +100,21 @@ class Renderer {
   RenderOptions options_;
   Steps steps_;
   Scene input_;
-  std::unique_ptr<EventFile> events_;  // of the pixel that is to be explained
+  std::optional<TemporaryFile> events_;  // of the pixel that is to be explained
   BoardGroup boards_;
-  Board& board_;  // the first of them; what all must do goes to boards_
+  Board& board_;  // the first of them
   MpiExchange* ranks_;
-  std::optional<LightField> field_;  // in place of lighting rays
+  std::optional<LightField> field_;  // replaces lighting rays
   SceneSetup setup_;
-  bool set_up_before_ = false;     // the board can't take another codebook
-  std::optional<Loaded> loaded_;   // what the board holds
-  std::optional<Scene> lit_;       // whose light, of one pass, is on the board
-  std::optional<Placement> part_;  // of what stands for the volume, with --crop and --level-of-detail
-  std::optional<Plan> plan_;       // of these voxels, and what was first seen of them
+  bool set_up_before_ = false;     // then the board cannot take another codebook
+  std::optional<Loaded> loaded_;   // the board's volume
+  std::optional<Scene> lit_;       // the scene whose light, of one pass, is on the board
+  std::optional<Placement> part_;  // of the derived volume, with --crop and --level-of-detail
+  std::optional<Plan> plan_;       // for these voxels, made for the first picture
   std::vector<LightPlan> light_plans_;
   LightingStatistics lighting_;
-  bool has_lit_ = false;  // here, and not before a checkpoint
-  double rays_made_ = 0;  // for pictures of this run
+  bool has_lit_ = false;  // since the start, not before a restored checkpoint
+  double rays_made_ = 0;  // for the pictures of this run
   bool checkpoint_written_ = false;
 };
 

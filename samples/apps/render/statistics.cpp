@@ -130,11 +130,11 @@ Json ranks_json(const std::vector<RankStatistics>& ranks) {
 
 }  // namespace
 
-Counters counters_of(std::span<const FrameStatistics> frames) {
+Counters sum_of(const std::vector<const Counters*>& windows) {
   std::vector<Counter> sum;
   std::unordered_map<std::string, std::size_t> place;
-  const auto add = [&](const Counters& window) {
-    for (const Counter& counter : window.list()) {
+  for (const Counters* window : windows) {
+    for (const Counter& counter : window->list()) {
       if (const auto [at, is_new] = place.emplace(counter.name, sum.size()); is_new) {
         sum.push_back(counter);
       } else {
@@ -142,14 +142,19 @@ Counters counters_of(std::span<const FrameStatistics> frames) {
         value = is_maximum(counter) ? std::max(value, counter.value) : value + counter.value;
       }
     }
-  };
-  for (const FrameStatistics& frame : frames) {
-    for (const LightingStatistics& lighting : frame.lighting) {
-      if (!lighting.reused) add(lighting.counters);
-    }
-    add(frame.counters);
   }
   return Counters(std::move(sum));
+}
+
+Counters counters_of(std::span<const FrameStatistics> frames) {
+  std::vector<const Counters*> windows;
+  for (const FrameStatistics& frame : frames) {
+    for (const LightingStatistics& lighting : frame.lighting) {
+      if (!lighting.reused) windows.push_back(&lighting.counters);
+    }
+    windows.push_back(&frame.counters);
+  }
+  return sum_of(windows);
 }
 
 double imbalance(const std::vector<RankStatistics>& ranks) {

@@ -17,7 +17,7 @@
 
 namespace gicube::samples {
 
-// An illumination pass, and whether a picture found it made already.
+// An illumination pass, and whether a picture reused it.
 struct LightingStatistics {
   std::string channel = "all";  // or red, green, blue
   Illumination settings;
@@ -31,11 +31,11 @@ struct LightingStatistics {
 
 // Work of one of several hosts for a frame.
 struct RankStatistics {
-  Picoseconds work = 0;          // simulated, of its board
-  double bus_ms = 0;             // of that, on the host bus
-  std::uint64_t samples = 0;     // that it took
-  std::uint64_t rays_sent = 0;   // to other ranks' boards, or home
-  std::uint64_t bytes_sent = 0;  // to other ranks, with rays, pixels, and what they agree on
+  Picoseconds work = 0;  // simulated, of its board
+  double bus_ms = 0;     // of that, on the host bus
+  std::uint64_t samples = 0;
+  std::uint64_t rays_sent = 0;   // to other ranks' boards, or back to their origin
+  std::uint64_t bytes_sent = 0;  // to other ranks, in total
 };
 
 // The frame's window: from before the rendering until the image is on the host.
@@ -50,18 +50,18 @@ struct FrameStatistics {
   std::uint64_t seed = 0;
   std::uint64_t scene_hash = 0;
   double time = 0;                           // seconds, of the scene's engines
-  std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
-  std::optional<Plan> plan;                  // by which it was made
-  std::vector<LightPlan> light_plans;        // and its light, a pass each
-  std::vector<BoardTime> boards;             // of several: where each one's simulated time of the window went
+  std::vector<LightingStatistics> lighting;  // several with colour passes
+  std::optional<Plan> plan;                  // of the picture
+  std::vector<LightPlan> light_plans;        // of its light, one per pass
+  std::vector<BoardTime> boards;             // with several boards: the parts of each one's simulated time
   std::optional<BrickDetail> detail;         // with --brick-detail, of a volume larger than the card
-  bool own_buses = false;                    // and whether each has a bus of its own
-  std::uint64_t bytes_sent = 0;              // of several hosts: by this one to others
-  std::vector<RankStatistics> ranks;         // and what each did; the frame takes as long as the longest work
-  std::optional<RunUsage> host;              // of the whole run until the frame was there
-  std::string invisible;                     // why nothing is visible; empty: something is
-  std::string look;                          // which look was chosen, and why; empty: none was
-  nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null: not asked for
+  bool own_buses = false;                    // with several boards: whether each has its own bus
+  std::uint64_t bytes_sent = 0;              // with several hosts: by this one to others
+  std::vector<RankStatistics> ranks;         // with several hosts: of each; the longest work is the frame's time
+  std::optional<RunUsage> host;              // of the whole run until this frame
+  std::string invisible;                     // the reason why nothing is visible; empty: something is
+  std::string look;                          // the automatic look and its reason; empty: it is not automatic
+  nlohmann::ordered_json pixel;              // of --explain-pixel (pixel_life.h); null without it
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
@@ -80,10 +80,12 @@ nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 // what_bounds() the frame.
 std::string bound_of(const FrameStatistics& statistics);
 
+// The sums of these windows' counters; of maxima the greatest.
+Counters sum_of(const std::vector<const Counters*>& windows);
 // Counters of these pictures and their lighting passes.
 Counters counters_of(std::span<const FrameStatistics> frames);
 
-// The most samples of a rank over the mean.
+// The largest number of samples of a rank relative to the mean.
 double imbalance(const std::vector<RankStatistics>& ranks);
 
 // With `provenance`, of the first picture. Throws InputError if the file can't be written.

@@ -64,6 +64,9 @@ class PictureLibrary {
                                            std::string& error) const = 0;
 };
 
+// The result of gicube_NAME() of libgicube-NAME.so. Throws FileError for `file` if there is none.
+const void* plug_in(const std::filesystem::path& file, const std::string& name);
+
 // Loads the library at the first call. Throws FileError for `file` if that fails.
 const PictureLibrary& picture_library(const std::filesystem::path& file);
 

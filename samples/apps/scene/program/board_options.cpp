@@ -18,7 +18,7 @@ namespace {
 constexpr int kMaxThreads = 1024;                       // as the driver's URI option
 constexpr std::uint32_t kMaxWatchdogSeconds = 604'800;  // chosen: a week
 
-// A process has one command line.
+// The provenance of the process's only command line.
 Provenance& last_run() {
   static Provenance run;
   return run;
@@ -75,26 +75,26 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
       options.others.assign(texts.begin() + 1, texts.end());
     };
     app.add_option_function<std::vector<std::string>>("--board", take,
-                                                      addresses + "; repeatable, emu:?boards=N are N boards  [emu:]")
+                                                      addresses + "; repeatable; emu:?boards=N are N boards  [emu:]")
         ->type_name("ADDRESS")
         ->expected(1)
         ->take_all()
         ->group("Board and run");
-    group.flag("--own-buses", options.own_buses, "several boards have a host bus each, instead of sharing one");
+    group.flag("--own-buses", options.own_buses, "each of several boards has its own host bus, instead of sharing one");
   } else {
     group.value("--board", options.board, addresses)->capture_default_str();
   }
-  group.value("--fidelity", options.fidelity, "level of the emulated board: functional or cycle");
+  group.value("--fidelity", options.fidelity, "fidelity level of the emulated board: functional or cycle");
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile);
-  group.value("--set", options.settings, "one field of it, for instance asic.processors=8; repeatable")
+  group.value("--set", options.settings, "one field of the configuration, such as asic.processors=8; repeatable")
       ->take_all()
       ->allow_extra_args(false)
       ->type_name("FIELD=VALUE");
   group.value("--stats", options.stats, "write the statistics of the frame as JSON")->type_name("FILE");
   group
       .value("--seed", options.seed,
-             "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
+             "seed of the random choices of scattered rays, recorded in the statistics; 0: the scene's seed")
       ->check(CLI::Validator(
           // CLI11 takes -1 for 2^64 - 1.
           [](const std::string& text) {
@@ -106,11 +106,10 @@ void add_board_options(CLI::App& app, BoardOptions& options, bool several) {
       ->capture_default_str();
   group
       .value("--threads", options.threads,
-             "host threads for scene and emulator, 0 = one per core; never changes a result")
+             "host threads for scene and emulator, 0 = one per core; results do not depend on it")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
-  group.parsed("--watchdog", "SECONDS",
-               "give up if the board does not answer for so long, wall clock; 0 = never  [600]",
+  group.parsed("--watchdog", "SECONDS", "fail if the board does not answer for this wall-clock time; 0 = never  [600]",
                [&options](const std::string& option, const std::string& text) {
                  const auto seconds = parse_number<std::uint32_t>(text);
                  if (!seconds || *seconds > kMaxWatchdogSeconds) {
@@ -128,8 +127,8 @@ std::string board_uri(const BoardOptions& options) {
                         : !options.settings.empty() ? "--set"
                                                     : nullptr;
     if (given != nullptr) {
-      throw UsageError(std::string(given) + ": only for an emu: board; the own configuration of the running board at " +
-                       options.board + " holds");
+      throw UsageError(std::string(given) + ": only for an emu: board; the running board at " + options.board +
+                       " has its own configuration");
     }
     return options.board;
   }

@@ -39,7 +39,7 @@ void add_fields(const google::protobuf::Message& message, const std::string& pat
   }
 }
 
-// Fields that the options set in the board's configuration, which the board has accepted.
+// The fields of the board's configuration that the options set. The board has accepted them.
 std::vector<std::string> fields_set(const BoardOptions& options) {
   std::vector<std::string> fields;
   for (const std::string& setting : options.settings) fields.push_back(setting.substr(0, setting.find('=')));
@@ -53,7 +53,7 @@ std::vector<std::string> fields_set(const BoardOptions& options) {
 
 void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
   if (options.quiet || options.has_own_level) return;
-  constexpr std::size_t kNamed = 3;  // chosen: enough to know which
+  constexpr std::size_t kNamed = 3;  // chosen
   std::vector<std::string> idle = fields_set(options);
   std::erase_if(idle, [&](const std::string& field) { return is_modelled(1U << static_cast<unsigned>(level), field); });
   if (idle.empty()) return;
@@ -64,7 +64,7 @@ void warn_of_unmodelled(const BoardOptions& options, Fidelity level) {
                    name_of(level)));
 }
 
-// Restores a running board; an emulated one begins with the checkpoint.
+// Restores a running board. An emulated one starts from the checkpoint.
 void restore_running(const BoardOptions& options, Board& board) {
   if (!options.restore.empty() && !options.board.starts_with("emu:")) board.restore(options.restore.string());
 }

@@ -1,5 +1,4 @@
-// Common work of all programs with a board: opening it by the user's options, loading a scene, and measuring a part of
-// its work.
+// Common code of all programs with a board: opening it with the user's options, checks, and measurements.
 #pragma once
 
 #include <chrono>
@@ -16,8 +15,8 @@
 
 namespace gicube::samples {
 
-// `while_waiting`: as OpenOptions. Warns of fields of the board's configuration that are set and that its level does
-// not model. Throws UsageError (options that make no URI) and what Board::open() throws.
+// `while_waiting`: as OpenOptions. Warns of fields of the configuration that are set but not modelled at the board's
+// level. Throws UsageError for invalid options, and the exceptions of Board::open().
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
 // Opens one or several boards.
@@ -26,16 +25,17 @@ BoardGroup open_boards(const BoardOptions& options, const std::function<void()>&
 // Warns if nothing is visible in a picture of the board.
 void warn_if_invisible(const Board& board, const Image& image);
 
-// Whether pictures can be taken of such a volume, which the card need not store whole (docs/guide/bricks.md). Throws
-// InputError.
+// Checks that the board can render such a volume, of which the card may store only a part (docs/guide/bricks.md).
+// Throws InputError.
 void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source);
-// Whether the card stores it. Throws InputError that says how an emulated board is made larger.
+// Checks that the card can store the volume. The InputError names the setting that enlarges an emulated board.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);
 
-// Whether a counter is a maximum since the session first read it (energy.<part>.peak): windows have it as it is.
+// Whether a counter is a maximum since the session first read it (energy.<part>.peak), and so is not subtracted in
+// windows.
 inline bool is_maximum(const Counter& counter) { return counter.unit == "uW"; }
 
-// Wall and simulated time of a part of the work, and what the board counted in it.
+// Wall-clock time, simulated time and counters of a part of the work.
 class RunWindow {
  public:
   // `boards`: a Board or a BoardGroup, which must outlive this.

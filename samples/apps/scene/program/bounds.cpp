@@ -11,7 +11,7 @@
 namespace gicube::samples {
 namespace {
 
-// Causes of the pipelines' cycles (docs/reference/counters.md) by the part that a faster board would have to improve.
+// Causes of the pipelines' cycles (docs/reference/counters.md), and the part of the board that limits each.
 struct Cause {
   const char* part;
   const char* does;

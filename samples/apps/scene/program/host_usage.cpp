@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// proc(5), stat: user and system time are the 14th and 15th field; the second is a name in brackets that may hold
+// proc(5), stat: user and system time are the 14th and 15th field. The second is a name in brackets, which may contain
 // anything.
 double cpu_seconds(const fs::path& process) {
   std::ifstream stream(process / "stat");
@@ -28,7 +28,7 @@ double cpu_seconds(const fs::path& process) {
   return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-// VmHWM of proc(5), status. (getrusage() has a process begin with the peak of the one that started it.)
+// VmHWM of proc(5), status. (The peak of getrusage() includes that of the parent before exec.)
 std::optional<double> peak_mib(const fs::path& process) {
   std::ifstream stream(process / "status");
   for (std::string word; stream >> word;) {

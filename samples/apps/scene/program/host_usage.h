@@ -8,12 +8,11 @@ namespace gicube::samples {
 
 struct HostUsage {
   double cpu_seconds = 0;  // user and system, all threads
-  double peak_mib = 0;     // most memory that was ever resident
+  double peak_mib = 0;     // the largest resident memory
 };
 
-// Usage of this process and of its boards so far. Boards are processes that this one started and that still run: their
-// seconds and peaks are added (seconds in steps of 10 ms). None if there is no such board, or on a system that does not
-// report it.
+// Usage of this process and of its boards so far. Boards are running processes that this one has started; their seconds
+// (in steps of 10 ms) and peaks are added. Nothing if there is no such board, or if the system does not report it.
 struct RunUsage {
   HostUsage program;
   std::optional<HostUsage> boards;

@@ -1,4 +1,4 @@
-// Command line options of one group of the help text.
+// Command line options in one group of the help text.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@
 
 namespace gicube::samples {
 
-// Adds options whose text is parsed by a function of ours.
+// Adds options to a group.
 class OptionGroup {
  public:
   OptionGroup(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
@@ -29,14 +29,14 @@ class OptionGroup {
   CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
     return app_.add_flag(option, target, help)->group(name_);
   }
-  // Not set unless the flag is given: add_flag() itself would count how often it is, from 0.
+  // Stays unset without the flag, unlike with add_flag(), which counts from 0.
   CLI::Option* flag(const std::string& option, std::optional<bool>& target, const std::string& help) {
     return app_
         .add_flag_function(
             option, [&target](std::int64_t count) { target = count > 0; }, help)
         ->group(name_);
   }
-  // A number that the help shows the default of.
+  // A number whose default the help shows.
   template <typename Value>
   CLI::Option* number(const std::string& option, Value& target, const CLI::Validator& range, const std::string& help) {
     return app_.add_option(option, target, help)->check(range)->capture_default_str()->group(name_);
@@ -54,7 +54,7 @@ class OptionGroup {
         ->check(CLI::IsMember(names))
         ->group(name_);
   }
-  // `parse` takes the option's name and its text. What it throws as InputError is the option's fault.
+  // `parse` is called with the option's name and text. Its InputErrors are reported as the option's.
   template <typename Parse>
   CLI::Option* parsed(const std::string& option, const std::string& type, const std::string& help, const Parse& parse) {
     return app_

@@ -15,7 +15,7 @@
 namespace gicube::samples {
 namespace {
 
-// The number at the text's beginning, and what is behind it.
+// The number at the beginning of the text, and the rest.
 std::optional<std::pair<double, std::string>> split(const std::string& text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -1,5 +1,5 @@
-// One line on a terminal that says how far a long call is and how much time is left; silent without a terminal that
-// can erase lines.
+// A line on a terminal with the progress of a long call and the remaining time; silent unless the terminal can erase
+// lines.
 #pragma once
 
 #include <chrono>
@@ -11,19 +11,19 @@
 
 namespace gicube::samples {
 
-// ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left" as the part done so far promises; empty in the first two
-// seconds [C] and at the end, when nothing can be said yet and nothing is left.
+// The remaining time, estimated from the completed part: ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left"; empty
+// in the first two seconds [C] and at the end.
 std::string time_left(double elapsed_seconds, std::uint32_t done, std::uint32_t all);
 
-// Whether a stream is a terminal that knows the escape code for it: TERM is set, and not to "dumb".
+// Whether a stream is a terminal that supports erasing lines: TERM is set, and not to "dumb".
 bool can_erase_lines(std::FILE* stream);
 
-// On standard error, in place of a ProgressLine that is there: "PROGRAM: warning: TEXT".
+// Prints "PROGRAM: warning: TEXT" on standard error, replacing a ProgressLine.
 void print_warning(const char* program, const std::string& text);
 
 class ProgressLine {
  public:
-  // `shown`: false keeps it silent, whatever `stream` is.
+  // `shown`: false makes it silent on every stream.
   explicit ProgressLine(bool shown, std::FILE* stream = stderr);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;

@@ -51,9 +51,10 @@ namespace {
 constexpr double kSlotWatts = 25;  // PCI 2.2, §4.4.2.2: the most that a board may take
 constexpr std::string_view kEnergy = "energy.", kEnergyTotal = "energy.total";
 
-constexpr double kPackageWatts = 3;  // chosen: what a package of 2000 sheds without a fan (docs/guide/energy.md)
+constexpr double kPackageWatts = 3;  // chosen: the power of a package of 2000 without a fan (docs/guide/energy.md)
 
-// Parts of the ASIC. Of the other chips only the DSP comes near its package: a memory device takes at most 1.25 W.
+// Parts of the ASIC. Among the other chips only the DSP may approach its package's limit: a memory device takes at most
+// 1.25 W.
 constexpr std::array<std::string_view, 9> kAsicParts{"memory_interface", "queues", "sorters", "cache",  "tables",
                                                      "pipelines",        "links",  "clock",   "leakage"};
 
@@ -79,7 +80,7 @@ Figure joules_of(const Counters& counters, const std::string& part) {
   return {joules(""), joules(".low"), joules(".high")};
 }
 
-// The most watts of a part, or "total", of all boards together. Nothing of the host bus.
+// The peak watts of a part, or "total", of all boards together. Nothing for the host bus.
 std::optional<Figure> peak_of(const Counters& counters, const std::string& part) {
   const std::string name = std::string(kEnergy) + part + ".peak";
   const auto watts = [&](const char* end) { return static_cast<double>(counters.value(name + end)) * 1e-6; };

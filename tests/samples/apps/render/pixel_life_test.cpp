@@ -8,9 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/frame.h"
+#include "render/renderer.h"
 #include "render_program.h"
-#include "scene/program/progress.h"
 
 namespace gicube::samples {
 namespace {
@@ -32,10 +31,7 @@ class PixelLife : public RenderProgram {
     for (const std::string& word : words) arguments.push_back(word.c_str());
     std::ostringstream ignored;
     const auto options = parse_options(static_cast<int>(arguments.size()), arguments.data(), ignored);
-    ProgressLine progress(false);
-    Frame out;
-    render_frames(*options, progress, [&out](const Frame& made) { out = made; });
-    return out;
+    return Renderer(*options, [](const std::string&) { return Progress(); }).picture(0);
   }
 
   // Of a picture of 24 x 24, at each level; `check` is told the life and the picture's pixel.
