@@ -20,7 +20,7 @@ static_assert(std::uint64_t{kBanks} * kRows * kBurstsOfRow * kBurstBytes == sdra
 // A clock is tCK = 10 ns. WR comes with its first beat; tWR counts from the clock of the last one.
 // docs/reference/hardware.md has the source of each time.
 struct Rules : dram::RankRules {
-  static constexpr const char *kName = "sdram", *kDevice = "SDRAM rank", *kDevices = "ranks";
+  static constexpr const char *kName = "sdram", *kDevices = "ranks";
   static constexpr Tcycle kPacket = kBurst;
   static constexpr std::uint32_t kWriteLatency = 0, kRecoveryStart = kBurst - 1;
 };

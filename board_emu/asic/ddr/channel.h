@@ -5,8 +5,8 @@
 
 namespace gicube::emu::ddr {
 
-using dram::Access, dram::BankAddress, dram::ChannelCounters, dram::Command, dram::Constraint, dram::IssuedCommand,
-    dram::kClosed, dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
+using dram::Access, dram::ChannelCounters, dram::Command, dram::Constraint, dram::IssuedCommand, dram::kClosed,
+    dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
 
 inline constexpr std::uint32_t kBurst = 1;  // clocks of a burst of two beats
 
@@ -18,12 +18,11 @@ inline constexpr std::uint32_t kBurst = 1;  // clocks of a burst of two beats
 // A clock is tCK = 10 ns. WR's data begin one clock after it (tDQSS nominal); tWR and tWTR count from the first clock
 // after the last data. The data of two ranks keep a clock apart for the strobes [C].
 struct Rules : dram::RankRules {
-  static constexpr const char *kName = "ddr", *kDevice = "DDR rank", *kDevices = "ranks";
+  static constexpr const char *kName = "ddr", *kDevices = "ranks";
   static constexpr Tcycle kPacket = kBurst;
   static constexpr std::uint32_t kWriteLatency = 1, kRecoveryStart = kWriteLatency + kBurst;
 };
 
-using Rank = dram::Device<Rules>;
 using Channel = dram::RankChannel<Rules>;
 
 }  // namespace gicube::emu::ddr

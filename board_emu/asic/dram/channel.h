@@ -83,7 +83,8 @@ class Channel {
       record.times(refresh_due_, next_event_);
       static_cast<Derived*>(this)->refresh_state(record);
       const bool is_next = next_event_ == static_cast<Derived*>(this)->next_event();
-      record.expect(is_next && refresh_due_ == due_after(refresh_count_), "when the next is due", refresh_due_);
+      record.expect(is_next && refresh_due_ == due_after(refresh_count_), "the clock at which the next refresh is due",
+                    refresh_due_);
     });
     archive.field("counters", [this](Archive::Record& record) {
       record(reads_, writes_, misses_, conflicts_, precharges_, turnaround_);

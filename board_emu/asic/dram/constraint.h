@@ -63,8 +63,8 @@ class ConstraintTable {
     for (const Constraint& row : rows_) {
       if (!enforced(row.scope, row.from, row.to)) {
         throw std::invalid_argument(std::string(standard) + " timing " + row.name +
-                                    ": expected a pair that the model honours, got " + to_string(row.from) + " to " +
-                                    to_string(row.to) + " in a " + to_string(row.scope));
+                                    ": expected a pair of commands that the model enforces, got " +
+                                    to_string(row.from) + " to " + to_string(row.to) + " in a " + to_string(row.scope));
       }
       std::uint32_t& delay = delays_[index(row.scope)][index(row.from)][index(row.to)];
       delay = std::max(delay, row.cycles);

@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "asic/dram/constraint.h"
@@ -20,46 +18,17 @@ namespace gicube::emu::dram {
 inline constexpr std::int32_t kClosed = -1;      // in place of an open row
 inline constexpr std::int32_t kRefreshRow = -2;  // the open row is that of the device's own refresh counter
 
-struct BankAddress {
-  int bank = 0;
-  std::int32_t row = 0;  // only for kActivate
-};
-
-// `Rules`: the standard's kDevice, kBanks, kBankGroup, kRefreshOpens, requires_precharge() and enforced().
+// `Rules`: the standard's kBanks, kBankGroup, kRefreshOpens, requires_precharge() and enforced().
 template <typename Rules>
 class Device {
  public:
   explicit Device(const ConstraintTable& timing) : delays_(timing.delays()) {}
 
-  // The earliest time from `t` on at which the command is legal for this device; kNever if a bank is in the wrong
-  // state. ACT and REFA need the banks of requires_precharge() precharged, RD and WR need an open bank, PRE needs one
-  // that is not precharged. Does not consider the channel's wires.
-  Tcycle probe(Command command, BankAddress at, Tcycle t) const {
-    bool legal = false;
-    switch (command) {
-      case Command::kActivate:
-      case Command::kRefresh: legal = conflicting_banks(command, at.bank) == 0; break;
-      case Command::kPrecharge: legal = (open_ >> at.bank & 1) != 0; break;
-      case Command::kRead:
-      case Command::kWrite: legal = open_row(at.bank) >= 0; break;
-      case Command::kData: refuse_data();
-    }
-    return legal ? std::max({t, bank_ready(command, at.bank), device_ready(command)}) : kNever;
-  }
-  // Performs the command at `t`, which probe() must have allowed.
-  void issue(Command command, BankAddress at, Tcycle t) {
-    switch (command) {
-      case Command::kActivate: return issue<Command::kActivate>(at.bank, at.row, t);
-      case Command::kRefresh: return issue<Command::kRefresh>(at.bank, at.row, t);
-      case Command::kPrecharge: return issue<Command::kPrecharge>(at.bank, at.row, t);
-      case Command::kRead: return issue<Command::kRead>(at.bank, at.row, t);
-      case Command::kWrite: return issue<Command::kWrite>(at.bank, at.row, t);
-      case Command::kData: refuse_data();
-    }
-  }
+  // Performs a command at `t`. Its bank must be in the right state, and the command legal by bank_ready() and
+  // device_ready(). `row`: only for kActivate.
   template <Command kFrom>
   void issue(int bank, std::int32_t row, Tcycle t) {
-    Bank& own = banks_[place(bank)];
+    Bank& own = banks_[slot(bank)];
     raise<Scope::kBank, kFrom>(own.ready, t, kTargets);
     raise<Scope::kDevice, kFrom>(ready_, t, kTargets);
     if constexpr (kFrom == Command::kRead || kFrom == Command::kWrite) ++own.packets;
@@ -73,9 +42,8 @@ class Device {
     }
   }
 
-  std::int32_t open_row(int bank) const { return banks_[place(bank)].row; }
-  std::uint64_t packets(int bank) const { return banks_[place(bank)].packets; }  // read and written
-  std::uint32_t open_banks() const { return open_; }  // mask of banks that are not precharged
+  std::int32_t open_row(int bank) const { return banks_[slot(bank)].row; }
+  std::uint64_t packets(int bank) const { return banks_[slot(bank)].packets; }  // read and written
   // Mask of the conflicting banks: those to be precharged before `opens` (ACT or REFA) of `bank`.
   std::uint32_t conflicting_banks(Command opens, int bank) const {
     return open_ & Rules::requires_precharge(opens, bank);
@@ -83,7 +51,7 @@ class Device {
 
   // Earliest times by the timing alone, whatever the state: by commands to this bank and its neighbours, and to the
   // device.
-  Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
+  Tcycle bank_ready(Command command, int bank) const { return banks_[slot(bank)].ready[index(command)]; }
   Tcycle device_ready(Command command) const { return ready_[index(command)]; }
   void state(Archive::Record& record) {
     record(banks_);
@@ -106,10 +74,6 @@ class Device {
     }
   };
 
-  [[noreturn]] static void refuse_data() {
-    throw std::invalid_argument(std::string(Rules::kDevice) + ": expected a command, got data");
-  }
-
   template <Scope kScope, Command kFrom, std::size_t... kTo>
   void raise(Ready& ready, Tcycle t, std::index_sequence<kTo...>) const {
     const auto one = [&]<std::size_t kOne>() {
@@ -122,7 +86,7 @@ class Device {
 
   // Index in banks_. Each group of banks that share sense amps has a spare entry before and after it, so that every
   // bank has two neighbours to update.
-  static constexpr std::size_t place(int bank) {
+  static constexpr std::size_t slot(int bank) {
     const auto plain = static_cast<std::size_t>(bank);
     return plain + 1 + plain / Rules::kBankGroup * 2;
   }

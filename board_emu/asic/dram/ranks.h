@@ -10,7 +10,7 @@
 
 namespace gicube::emu::dram {
 
-// The rules that all SDRAM shares (channel.h). A standard adds kName, kDevice, kDevices, kPacket (the clocks of a
+// The rules that all SDRAM shares (channel.h). A standard adds kName, kDevices, kPacket (the clocks of a
 // burst), kWriteLatency (from WR to its data) and kRecoveryStart (from WR to the clock from which tWR counts).
 struct RankRules {
   static constexpr const char* kClock = "clock";

@@ -11,8 +11,8 @@
 
 namespace gicube::emu::rdram {
 
-using dram::Access, dram::BankAddress, dram::ChannelCounters, dram::Command, dram::Constraint, dram::IssuedCommand,
-    dram::kClosed, dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
+using dram::Access, dram::ChannelCounters, dram::Command, dram::Constraint, dram::IssuedCommand, dram::kClosed,
+    dram::kNever, dram::Location, dram::Scope, dram::Tcycle;
 
 inline constexpr std::uint32_t kPacket = 4;  // tPACK: a packet of ROW, COL or DQ (Siemens HYB25x144180C)
 
@@ -25,7 +25,7 @@ constexpr std::uint32_t neighbours(int bank) {
 
 // The standard's rules (dram/channel.h).
 struct Rules {
-  static constexpr const char *kName = "rdram", *kDevice = "RDRAM device", *kDevices = "devices", *kClock = "tCYCLE";
+  static constexpr const char *kName = "rdram", *kDevices = "devices", *kClock = "tCYCLE";
   static constexpr Tcycle kCommand = rdram::kPacket, kPacket = rdram::kPacket;
   static constexpr int kBanks = 32;
   static constexpr int kBankGroup = 16;  // the split of "32s": banks 15 and 16 share no sense amp (assumed)
@@ -53,8 +53,6 @@ struct Rules {
     return false;
   }
 };
-
-using Device = dram::Device<Rules>;
 
 // The RDRAM's timing as a table of constraints with the data book's names.
 //

@@ -9,10 +9,12 @@
 
 #include "asic/dram/wires.h"
 #include "gicube/v1/board_config.pb.h"
+#include "probed_device.h"
 
 namespace gicube::emu::ddr {
 namespace {
 
+using Rank = dram::ProbedDevice<Rules>;
 using enum Command;
 using enum Scope;
 

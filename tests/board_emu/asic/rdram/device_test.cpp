@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "probed_device.h"
+
 namespace gicube::emu::rdram {
 namespace {
 
+using Device = dram::ProbedDevice<Rules>;
 using enum Command;
 
 const dram::ConstraintTable kTiming = timing(v1::RdramConfig());

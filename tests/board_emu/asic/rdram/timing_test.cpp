@@ -7,10 +7,12 @@
 #include <stdexcept>
 
 #include "asic/dram/wires.h"
+#include "probed_device.h"
 
 namespace gicube::emu::rdram {
 namespace {
 
+using Device = dram::ProbedDevice<Rules>;
 using enum Command;
 using enum Scope;
 
