@@ -24,7 +24,7 @@ Machine& CycleLevel::machine_for(const Frame& frame) {
 Machine& CycleLevel::machine_to_go_on(RaySource& source, const Frame& frame) {
   const bool fits =
       machine_->blocks() == frame.volume->blocks() && caches_accumulators_ == (frame.accumulators != nullptr);
-  if (!fits) throw CheckpointFault("run", "that of its command", "another");
+  if (!fits) throw CheckpointFault("run", "the run of the same command", "another run");
   NumbersArchive archive(true, of_source_);
   archive.field("source", [&](Archive::Record& record) { source.state(record, run_->begin); });
   of_source_.clear();

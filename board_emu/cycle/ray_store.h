@@ -44,7 +44,7 @@ class RayStore {
     archive.list("free", free_, rays_.size());
     std::vector<bool> seen(rays_.size());
     for (const std::uint32_t handle : free_) {
-      archive.expect(handle < rays_.size() && !seen[handle], "free", "handles, each once", handle);
+      archive.expect(handle < rays_.size() && !seen[handle], "free", "unused handles, each once", handle);
       seen[handle] = true;
     }
   }

@@ -37,19 +37,19 @@ void VolumeCache::invalidate() {
 }
 
 // In a direct mapped cache the index in tags_ is the tile's number.
-TileOfBlock VolumeCache::tile_at(std::size_t place) const {
-  if (plain_) return {tags_[place], static_cast<std::uint32_t>(place)};
+TileOfBlock VolumeCache::tile_at(std::size_t index) const {
+  if (plain_) return {tags_[index], static_cast<std::uint32_t>(index)};
   const auto tiles = static_cast<std::uint32_t>(tiles_of_block());
-  return {tags_[place] / tiles, tags_[place] % tiles};
+  return {tags_[index] / tiles, tags_[index] % tiles};
 }
 
 std::optional<VolumeCache::Way> VolumeCache::way(std::size_t set, std::size_t way) const {
-  const std::size_t place = set * shape_.ways + way;
-  if (tags_[place] == kNothing) return std::nullopt;
-  return Way{tile_at(place), !changed_.empty() && changed_[place] != 0};
+  const std::size_t index = set * shape_.ways + way;
+  if (tags_[index] == kNothing) return std::nullopt;
+  return Way{tile_at(index), !changed_.empty() && changed_[index] != 0};
 }
 
-std::size_t VolumeCache::place_of(std::uint32_t block, std::uint32_t tile) const {
+std::size_t VolumeCache::index_of(std::uint32_t block, std::uint32_t tile) const {
   if (plain_) return tile;
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
   const std::size_t first = set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
@@ -58,11 +58,11 @@ std::size_t VolumeCache::place_of(std::uint32_t block, std::uint32_t tile) const
 }
 
 bool VolumeCache::change(std::uint32_t block, std::uint32_t tile) {
-  std::uint8_t& changed = changed_[place_of(block, tile)];
-  const bool anew = changed == 0;
+  std::uint8_t& changed = changed_[index_of(block, tile)];
+  const bool is_new = changed == 0;
   changed = 1;
-  changes_ += anew ? 1 : 0;
-  return anew;
+  changes_ += is_new ? 1 : 0;
+  return is_new;
 }
 
 TileOfBlock VolumeCache::clean() {
@@ -75,18 +75,18 @@ TileOfBlock VolumeCache::clean() {
 void VolumeCache::changes_state(Archive& archive) {
   const auto blocks = static_cast<std::uint64_t>(shape_.blocks[0]) * static_cast<std::uint64_t>(shape_.blocks[1]) *
                       static_cast<std::uint64_t>(shape_.blocks[2]);
-  std::vector<std::uint32_t> places;
-  for (std::uint32_t place = 0; place < changed_.size(); ++place) {
-    if (changed_[place] != 0) places.push_back(place);
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t index = 0; index < changed_.size(); ++index) {
+    if (changed_[index] != 0) indices.push_back(index);
   }
-  archive.list("changed", places, changed_.size());
+  archive.list("changed", indices, changed_.size());
   if (!archive.loads()) return;
-  for (const std::uint32_t place : places) {
-    const bool is_new = place < changed_.size() && changed_[place] == 0 && tile_at(place).block < blocks;
-    archive.expect(is_new, "changed", "places of tiles, each once", place);
-    changed_[place] = 1;
+  for (const std::uint32_t index : indices) {
+    const bool is_new = index < changed_.size() && changed_[index] == 0 && tile_at(index).block < blocks;
+    archive.expect(is_new, "changed", "indices of present tiles, each once", index);
+    changed_[index] = 1;
   }
-  changes_ = places.size();
+  changes_ = indices.size();
 }
 
 // Called before the check of a direct mapped cache. With several ways, hit() finds the evictions.
@@ -180,13 +180,13 @@ bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::si
   std::uint32_t* const last = present ? found : end - 1;  // the tag that is overwritten
   if (!changed_.empty()) {
     std::uint8_t* const changed = changed_.data() + (way - tags_.data());
-    const auto place = last - way;
-    const std::uint8_t moves = present ? changed[place] : 0;
-    if (!present && changed[place] != 0) {
+    const auto index = last - way;
+    const std::uint8_t moves = present ? changed[index] : 0;
+    if (!present && changed[index] != 0) {
       evictions_.push_back(tile_at(static_cast<std::size_t>(last - tags_.data())));
       --changes_;
     }
-    std::copy_backward(changed, changed + place, changed + place + 1);
+    std::copy_backward(changed, changed + index, changed + index + 1);
     *changed = moves;
   }
   std::copy_backward(way, last, last + 1);

@@ -46,10 +46,8 @@ struct CacheCounters {
 };
 
 struct Misses {
-  static constexpr std::uint32_t kMax = 8;  // tiles that one neighbourhood reaches
-
-  std::uint32_t count = 0;                    // packets
-  std::array<std::uint32_t, kMax + 1> tiles;  // one more than there can be: the check writes before it counts
+  std::uint32_t count = 0;  // packets
+  std::array<std::uint32_t, 8> tiles;
 };
 
 class VolumeCache {
@@ -141,8 +139,8 @@ class VolumeCache {
   void changes_state(Archive& archive);
   void note_evictions(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   // Index in tags_ of a present tile.
-  std::size_t place_of(std::uint32_t block, std::uint32_t tile) const;
-  TileOfBlock tile_at(std::size_t place) const;
+  std::size_t index_of(std::uint32_t block, std::uint32_t tile) const;
+  TileOfBlock tile_at(std::size_t index) const;
 
   CacheShape shape_;
   bool plain_;           // direct mapped by the position in the block

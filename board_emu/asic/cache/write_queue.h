@@ -41,9 +41,9 @@ struct WriteCounters {
 class WriteQueue {
  public:
   // `tiles`: capacity. Requests are made once half of it is taken.
-  explicit WriteQueue(std::size_t tiles) : places_(tiles) {}
+  explicit WriteQueue(std::size_t tiles) : capacity_(tiles) {}
 
-  std::size_t room() const { return places_ - std::min(places_, size()); }
+  std::size_t room() const { return capacity_ - std::min(capacity_, size()); }
   bool empty() const { return size() == 0; }
   std::size_t size() const { return end_ - first_; }
 
@@ -56,11 +56,11 @@ class WriteQueue {
     }
     add(block, tile, in_cache);
   }
-  // Counts a change of a tile that stays in the cache and is written later. `anew`: its first change since it was
+  // Counts a change of a tile that stays in the cache and is written later. `is_first`: its first change since it was
   // written.
-  void change(bool anew) {
+  void change(bool is_first) {
     ++counters_.tiles;
-    counters_.combined += anew ? 0 : 1;
+    counters_.combined += is_first ? 0 : 1;
   }
   // Adds the read of a tile that is about to change in the cache.
   void fetch(std::uint32_t block, std::uint32_t tile) {
@@ -77,7 +77,7 @@ class WriteQueue {
   }
   // Requests all waiting writes if they fill half of the queue, or if `all`.
   void ask(Cycle now, bool all) {
-    if (waiting_ == end_ || (!all && 2 * (end_ - waiting_) < places_)) return;
+    if (waiting_ == end_ || (!all && 2 * (end_ - waiting_) < capacity_)) return;
     for (; waiting_ != end_; ++waiting_) at(waiting_).asked = now;
     maybe_waits_.reset();
   }
@@ -143,7 +143,7 @@ class WriteQueue {
     maybe_waits_.set(bit_of(write.block, write.tile));
   }
 
-  std::size_t places_;
+  std::size_t capacity_;
   std::vector<TileWrite> ring_ = std::vector<TileWrite>(1);  // its size is a power of two
   // Running numbers of writes: the oldest entry, the first that is not sent, the first that is not requested, and the
   // next to be added.

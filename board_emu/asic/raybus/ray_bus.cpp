@@ -172,7 +172,7 @@ void RayBus::runs_state(Archive& archive) {
       }
     }
     fits = fits && std::ranges::all_of(holders, [](std::uint32_t left) { return left == 0; });
-    record.expect(fits, "runs of the pool, and all of them", pool_.in_use());
+    record.expect(fits, "all runs of the pool", pool_.in_use());
   });
 }
 

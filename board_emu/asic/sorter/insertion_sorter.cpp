@@ -31,11 +31,11 @@ void InsertionSorter::wipe(Key key) {
       }
       catch_up_to(item->slot + steps_);
     } else {
-      const auto place = std::find(selected_.begin() + origin_, selected_.end(), key);
-      assert(place != selected_.end());
-      catch_up_to(static_cast<std::uint32_t>(place - selected_.begin()) + 1);
-      if (*place == key) {
-        *place = kHole;
+      const auto found = std::find(selected_.begin() + origin_, selected_.end(), key);
+      assert(found != selected_.end());
+      catch_up_to(static_cast<std::uint32_t>(found - selected_.begin()) + 1);
+      if (*found == key) {
+        *found = kHole;
         return;
       }
     }
@@ -85,14 +85,15 @@ void InsertionSorter::state(Archive& archive) {
   std::vector<Key> found;
   for (std::size_t at = 0; at < selected_.size(); ++at) {
     if (selected_[at] == kHole) continue;
-    archive.expect(at >= origin_ && at < origin_ + ranks_, "selected", "none but at a rank", at);
+    archive.expect(at >= origin_ && at < origin_ + ranks_, "selected", "items only at the positions of ranks", at);
     const std::uint32_t queue = queue_of(selected_[at]);
     const bool is_active = at == origin_ && queue < inserted_.size() && selected_[at] == key(queue, kInfinite);
     found.push_back(is_active ? inserted_[queue] : selected_[at]);
   }
   std::uint32_t before = origin_ + ranks_ + 1;
   for (Moving& item : moving_) {
-    archive.expect(item.at >= origin_ && item.at < before, "moving", "ranks from the lowest up", item.at);
+    archive.expect(item.at >= origin_ && item.at < before, "moving", "positions of ranks, the lowest rank first",
+                   item.at);
     item.slot = item.at - steps_;
     before = item.at;
     found.push_back(item.key);
@@ -100,12 +101,12 @@ void InsertionSorter::state(Archive& archive) {
   std::vector<Key> known;
   for (std::uint32_t queue = 0; queue < inserted_.size(); ++queue) {
     if (inserted_[queue] == kHole) continue;
-    archive.expect(queue_of(inserted_[queue]) == queue, "inserted", "the key of its queue", inserted_[queue]);
+    archive.expect(queue_of(inserted_[queue]) == queue, "inserted", "the key of the same queue", inserted_[queue]);
     known.push_back(inserted_[queue]);
   }
   std::ranges::sort(found);
   std::ranges::sort(known);
-  archive.expect(found == known && found.size() == size_, "size", "each inserted queue in one place", found.size());
+  archive.expect(found == known && found.size() == size_, "size", "one item of each inserted queue", found.size());
   archive.expect(!entering_ || (!moving_.empty() && moving_.back().at == origin_), "entering", "0", 1);
 }
 

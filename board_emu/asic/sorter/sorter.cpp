@@ -124,7 +124,7 @@ void Queues::state(Archive& archive) {
   archive.list("used", used, states_.size());
   for (const std::uint32_t queue : used) {
     const bool is_new = queue < states_.size() && (!archive.loads() || states_[queue].slots == 0);
-    archive.expect(is_new, "used", "queues, each once", queue);
+    archive.expect(is_new, "used", "numbers of queues, each once", queue);
     State& state = states_[queue];
     std::vector<RayToken> rays;
     std::uint32_t at = state.head;
@@ -159,7 +159,8 @@ void Sorter::state(Archive& archive) {
     const bool has_rays = active_ == kNone || (active_ < queues_.count() && queues_.waiting(active_) > 0);
     archive.expect(has_rays, "active", "a queue with rays", active_);
     archive.list("kept", reserved_);
-    for (const std::uint32_t queue : reserved_) archive.expect(queue < queues_.count(), "kept", "queues", queue);
+    for (const std::uint32_t queue : reserved_)
+      archive.expect(queue < queues_.count(), "kept", "numbers of queues", queue);
   }
   if (maximum_) {
     archive.expect_idle(maximum_->importance() == 0, "a sorter");
@@ -171,7 +172,7 @@ void Sorter::state(Archive& archive) {
   archive("ranks", *ranks_);
   archive.expect(active_ == kNone || ranks_->top() == active_, "ranks", "the active queue at the top", active_);
   for (std::uint32_t queue = 0; queue < queues_.count(); ++queue) {
-    archive.expect(!ranks_->has(queue) || queues_.waiting(queue) > 0, "ranks", "queues with rays", queue);
+    archive.expect(!ranks_->has(queue) || queues_.waiting(queue) > 0, "ranks", "items of queues with rays", queue);
   }
   std::vector<std::uint32_t> changed;  // in the order of their list
   for (std::uint32_t queue = dirty_head_; queue != kNone; queue = dirty_[queue].next) changed.push_back(queue);
