@@ -17,6 +17,9 @@ namespace gicube::emu {
 
 class PowerPeaks {
  public:
+  // Core cycles between two reports of the cycle level's machine. Chosen: some thousand reports per second of the host.
+  static constexpr std::uint64_t kReportCycles = 4096;
+
   PowerPeaks(const EnergyModel& model, std::uint64_t core_khz)
       : model_(model), core_khz_(core_khz), window_(kMilliseconds * core_khz) {}
 
@@ -52,9 +55,7 @@ class PowerPeaks {
   }
 
  private:
-  static constexpr std::uint64_t kReportCycles = 4096;  // as cycle/machine.cpp reports
-  static constexpr std::uint64_t kMilliseconds =
-      2;  // chosen: reading all counters takes 1% of simulating a millisecond
+  static constexpr std::uint64_t kMilliseconds = 2;  // chosen: a read of all counters takes 1% of a millisecond's time
 
   static std::uint64_t cycles_of(const std::vector<wire::Counter>& counters) {
     const auto found = std::ranges::find(counters, "asic.cycles", &wire::Counter::name);

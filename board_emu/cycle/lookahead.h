@@ -23,7 +23,7 @@ class Lookahead {
   // Processor `i` runs ahead until cycle `until`. `next`: the first cycle in which it has not ticked.
   void start(std::size_t i, Cycle next, Cycle until) {
     Part& part = parts_[i];
-    part.next = next;
+    part.started = part.next = next;
     part.ahead_until = until;
     part.has_many_rays = part.processor->holds_many_rays();
   }
@@ -38,6 +38,15 @@ class Lookahead {
       part.next = to;
     }
     return part.moved;
+  }
+  // After stop(): whether it has run ahead up to cycle `now`, and does so again, because it sends and receives nothing.
+  bool goes_on(std::size_t i, Cycle now) {
+    Part& part = parts_[i];
+    if (part.started == now || part.processor->has_input()) return false;
+    const Cycle until = part.processor->lookahead_until(now - 1);
+    if (until == now) return false;
+    start(i, now, until);
+    return true;
   }
   // Ends its running ahead, and catches up.
   Cycle stop(std::size_t i, Cycle to) {
@@ -61,6 +70,7 @@ class Lookahead {
     MemoryPort* memory = nullptr;
     bool has_many_rays = false;
     Cycle ahead_until = 0;
+    Cycle started = 0;  // the first cycle in which it ran ahead
     Cycle next = 0;
     Cycle moved = 0;
   };

@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "asic/memory_standards.h"
+#include "config/power_peaks.h"
 #include "datapath/jitter.h"
 #include "words/block_grid.h"
 
 namespace gicube::emu {
 
 namespace {
-constexpr Cycle kReportCycles = 4096;  // chosen: some thousand per second
+constexpr Cycle kReportCycles = PowerPeaks::kReportCycles;
 }
 
 Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
@@ -87,6 +88,7 @@ bool Machine::tick() {
       if ((asleep_since_[i] != kAwake || lookahead_.is_ahead(i, now_)) && !processors_[i]->has_input()) continue;
       wake(i);
       run_.moved_at = std::max(run_.moved_at, lookahead_.stop(i, now_));
+      if (lookahead_.goes_on(i, now_)) continue;
     }
     moved |= processors_[i]->tick_sorter(now_);
     moved |= processors_[i]->tick_pipeline(now_);
@@ -225,9 +227,10 @@ void Machine::stalled() const {
 // Saved and restored before the parts, which refer to rays and runs.
 void Machine::run_state(Archive& archive, TokenLimits& limits) {
   archive("run", run_);
-  archive.expect(run_.report_at <= now_ + kReportCycles, "run", "a report soon", run_.report_at);
+  archive.expect(run_.report_at <= now_ + kReportCycles, "run",
+                 "the next report in at most " + std::to_string(kReportCycles) + " cycles", run_.report_at);
   const bool is_past = run_.begin <= now_ && run_.moved_at <= now_;
-  archive.expect(is_past, "run", "a begin and a last move before cycle " + std::to_string(now_),
+  archive.expect(is_past, "run", "a begin and a last movement by cycle " + std::to_string(now_),
                  std::max(run_.begin, run_.moved_at));
   archive("rays", rays_);
   if (archive.loads()) {
@@ -274,17 +277,19 @@ void Machine::state(Archive& archive) {
   });
   archive.set_token_limits(nullptr);
   for (const auto& memory : memories_) {
-    archive.expect(memory->latest() <= now + kSeenSoon, "memory", "packets that are sent soon", memory->latest());
+    archive.expect(memory->latest() <= now + kSeenSoon, "memory",
+                   "requests sent at most " + std::to_string(kSeenSoon) + " cycles ahead", memory->latest());
   }
   if (!archive.in_run()) return;
-  archive.expect(run_.skips_to <= std::max(now, dsp_->free_at()), "run", "a skip to the DSP's next task",
+  archive.expect(run_.skips_to <= std::max(now, dsp_->free_at()), "run", "a skip that ends by the DSP's next task",
                  run_.skips_to);
   for (const auto& processor : processors_) {
     const Cycle asked = std::max(processor->misses().latest_asked(), processor->writes().latest_asked());
-    archive.expect(asked <= now, "run", "packets that were asked for by now", asked);
+    archive.expect(asked <= now, "run", "requests of the cycles until now", asked);
   }
   const std::uint64_t worked = dsp_->dsp().counters().busy() - run_.dsp_before;
-  archive.expect(worked <= dsp_->latest(now - run_.begin + kMostAhead), "run", "DSP cycles of the run", worked);
+  archive.expect(worked <= dsp_->latest(now - run_.begin + kMostAhead), "run",
+                 "at most the DSP's cycles since the run's begin", worked);
 }
 
 void Machine::set_out(const Frame& frame, bool has_trace) {

@@ -109,7 +109,7 @@ class Machine {
   };
 
   void set_out(const Frame& frame, bool has_trace);
-  // From then on the run is ticked part by part, and rays have their words in each cycle.
+  // Has the rest of the run observed: parts are ticked in every cycle, and rays have their words.
   void be_observed();
   // Computes the words of rays under way.
   void take_samples();
@@ -172,7 +172,7 @@ class Machine {
   Cycle now_ = 0;
   bool is_seen_ = false;  // the cycle is over, but not counted yet
   Run run_;
-  // Unused if the run is observed, or if two processors share a memory.
+  // Unused if the run is observed, if parts tick in a random order, or if two processors share a memory.
   Lookahead lookahead_;
   bool looks_ahead_ = false;
   std::vector<std::size_t> ticked_;  // processors of this cycle

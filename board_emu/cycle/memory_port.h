@@ -42,7 +42,7 @@ class MemoryPort {
     }
     return false;
   }
-  // Like tick(), but may send all requests so far ahead, each at its own cycle. Also to be called in every cycle. The
+  // Like tick(), and called as often, but may send all waiting requests at once, each for its own later cycle. The
   // counters may then be ahead of the cycle.
   bool tick_ahead(Cycle now) {
     if (clients_.size() > 1) return tick(now);

@@ -4,7 +4,6 @@
 #include <bit>
 #include <ostream>
 
-#include "cycle/traced_iteration.h"
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
 
@@ -162,6 +161,12 @@ inline std::uint8_t Processor::ask(Cycle now, const Misses& misses, std::uint32_
   return static_cast<std::uint8_t>(misses.count);
 }
 
+void Processor::skip(RayState& ray, const Point& low) {
+  const std::int32_t left = ray.steps_left();
+  const std::int32_t steps = skip_block(ray, low, grid_.size(), *frame_, counts_);
+  if (has_trace_) ray.set_steps_left(left - std::min(steps, left));
+}
+
 // One iteration of a ray: checks the tags, requests missing tiles, takes the sample, and determines the ray's next
 // queue. The sample can be taken here because values do not depend on the time.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
@@ -184,8 +189,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.sampled = carries || !is_skipped(ray.block, *frame_);
   Termination how = Termination::kActive;
   if (!entry.sampled) {
-    has_trace_ ? move_on(ray_state, low, grid_.size(), true, *frame_, counts_)
-               : void(skip_block(ray_state, low, grid_.size(), *frame_, counts_));
+    skip(ray_state, low);
   } else {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
@@ -197,7 +201,10 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
     if (has_trace_) {
-      move_on(ray_state, low, grid_.size(), false, *frame_, counts_);
+      jitter_step(ray_state, *frame_);
+      advance(ray_state, 1, *frame_);
+      ray_state.set_steps_left(std::max(ray_state.steps_left() - 1, 0));
+      ++counts_.samples;
     } else if (carries) {
       splat(ray.block, brought_by(ray_state, *frame_), ray_state, entry);
       how = Termination::kAbsorbed;

@@ -58,7 +58,7 @@ class Processor {
     counts_ = counts_ - values;
     return values;
   }
-  // From then on values are computed here.
+  // Computes the values of all further samples, although the frame's rays began with a trace.
   void take_samples() {
     if (!has_trace_) return;
     has_trace_ = false;
@@ -138,6 +138,8 @@ class Processor {
   bool fill(Cycle now);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
+  // Advances a ray past its empty block with the least corner `low`.
+  void skip(RayState& ray, const Point& low);
   Termination after(const Interaction& interaction, const Point& position, RayUnderWay& ray, InFlight& entry);
   void splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
   bool is_irradiance_at_host(std::size_t block) const {
@@ -246,7 +248,7 @@ inline void Processor::account(Cycle now, Cause upstream, std::size_t come) {
   const Cause unfed = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
   latest_ = bubble_ ? unfed : latest_;
   ++causes_[static_cast<std::size_t>(latest_)];
-  unfed_[now & unfed_mask_] = bubble(upstream, come);  // unused if a ray has entered
+  if (!fed_) unfed_[now & unfed_mask_] = bubble(upstream, come);
   holding_cycles_ += fed_ | holds_rays();
 }
 

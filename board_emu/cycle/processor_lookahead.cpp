@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "asic/sorter/sorter-inl.h"
-#include "cycle/traced_iteration.h"
+#include "datapath/interaction.h"
 #include "memory_port.h"
 #include "processor.h"
 
@@ -58,9 +58,10 @@ Cycle Processor::run_ahead(Cycle from, Cycle to, MemoryPort& memory) {
 }
 
 // In run_active_queue(), each FIFO between sorter and pipeline except `issue_` holds at most one item at the end of a
-// cycle.
+// cycle. With two rays or more, one of them is always in the queues or the pipeline.
 bool Processor::can_run_active_queue() const {
-  return returned_.size() <= 1 && released_.size() <= 1 && has_trace_ && !does_more_ && !two_ports_ && !ideal_memory_ &&
+  return sorter_.waiting() + issue_.size() + stages_.size() + returned_.size() > 1 && returned_.size() <= 1 &&
+         released_.size() <= 1 && has_trace_ && !does_more_ && !two_ports_ && !ideal_memory_ &&
          sorter_.may_tick_active_queue() && cache_.is_plain() && write_policy_ != v1::write_back && !frame_->jitter &&
          !frame_->wide;
 }
@@ -70,131 +71,120 @@ bool Processor::can_run_active_queue() const {
                                                       MemoryPort& memory) {
   RayUnderWay& ray = rays_[issued.ray];
   Point& position = ray.ray_state.position;
+  const Point before = position;
+  const std::uint32_t block = ray.block;
   entry.ready = now + stages_.prefetch_stages();
   entry.token = issued;
   entry.from = issued.queue;
-  entry.packets = 0;
   entry.splats = false;
-  entry.block = ray.block;
-  const Point low = grid_.low(position);
-  entry.sampled = !is_skipped(ray.block, *frame_);
-  if (entry.sampled) {
-    cache_.for_each_miss(ray.block, cell(position, low).voxel, [&](std::uint32_t tile) {
-      memory.fetch(now, partition_.home(ray.block).number, tile);
-      ++entry.packets;
+  entry.block = block;
+  std::uint8_t packets = 0;
+  std::int32_t left = ray.ray_state.steps_left();
+  entry.sampled = !is_skipped(block, *frame_);
+  if (entry.sampled) [[likely]] {
+    const auto voxel = [&](std::size_t axis) {
+      return static_cast<std::uint32_t>(before[axis] & (grid_.size() - 1)) >> wire::kPositionFractionBits;
+    };
+    cache_.for_each_miss(block, {voxel(0), voxel(1), voxel(2)}, [&](std::uint32_t tile) {
+      memory.fetch(now, issued.queue, tile);
+      ++packets;
     });
-    advance(ray.ray_state, 1, *frame_);
-    ray.ray_state.set_steps_left(std::max(ray.ray_state.steps_left() - 1, 0));
+    for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += ray.ray_state.step[axis];
+    left = std::max(left - 1, 0);
+    ray.ray_state.set_steps_left(left);
     ++counts_.samples;
   } else {
-    move_on(ray.ray_state, low, grid_.size(), true, *frame_, counts_);
+    skip(ray.ray_state, grid_.low(before));
+    left = ray.ray_state.steps_left();
   }
-  entry.token.has_reserved_slot = false;
-  if (ray.ray_state.steps_left() == 0) {
+  entry.packets = packets;
+  entry.token.has_reserved_slot = left != 0 && grid_.same(position, before);
+  if (entry.token.has_reserved_slot) [[likely]]
+    return;
+  if (left == 0) {
     entry.token.state = TokenStatus::kDone;
     count_end(ray.ray_state, Termination::kLeft, *frame_, counts_);
-  } else if (grid_.same(position, low)) {
-    entry.token.has_reserved_slot = true;
-  } else {
-    ray.block = static_cast<std::uint32_t>(grid_.block(position));
-    const Home& home = partition_.home(ray.block);
-    entry.token.processor = home.processor;
-    entry.token.queue = home.number;
-    entry.token.has_reserved_slot = home.processor == number_ && home.number == entry.from;
+    return;
   }
+  ray.block = static_cast<std::uint32_t>(grid_.block(position));
+  const Home& home = partition_.home(ray.block);
+  entry.token.processor = home.processor;
+  entry.token.queue = home.number;
 }
 
 Cycle Processor::run_active_queue(Cycle from, Cycle to, MemoryPort& memory) {
-  Cycle moved_at = 0;
   const std::size_t room = cells_ ? kMaxPackets + kMaxCells : kMaxPackets, slots = stages_.prefetch_stages();
   Stages::Line line = stages_.line();
   RayToken returned = returned_.front(), issue[kFifoPlaces + 1] = {issue_.front(), issue_.back()};
   std::uint32_t released = released_.front();
   bool has_returned = !returned_.empty(), has_released = !released_.empty();
   std::size_t issued = issue_.size();
-  auto returns = returned_.clock();
-  auto releases = released_.clock();
-  auto issues = issue_.clock();
-  Cycle clock = compute_clock_;
+  // The cycle in which the oldest computing ray leaves, and that from which on the oldest prefetched one may compute.
+  // Within the loop nothing stalls the compute stages, so their clock only lags by the cycles without rays.
+  Cycle lag = from - compute_clock_, moved_at = 0;
+  const auto next_leave = [&] { return line.out == line.middle ? kNoCycle : line[line.out].ready + lag; };
+  const auto next_start = [&] { return line.middle == line.in ? kNoCycle : line[line.middle].ready; };
+  Cycle leaves = next_leave(), starts = next_start();
   Cause latest = latest_;
-  bool fed = false, backed_up = false, bubble = false;
-  std::uint64_t held = 0;
   for (Cycle now = from; now < to; ++now) {
-    const Sorter::ActiveQueueTick tick = sorter_.tick_active_queue(
-        has_returned ? &returned : nullptr, has_released ? &released : nullptr, issued < kFifoPlaces, issue[issued]);
-    bool moved = tick.moved;
-    if (has_returned) returns.pop = now;
-    if (has_released) releases.pop = now;
     const std::size_t to_enter = issued;
-    if (tick.issued) {
-      __builtin_prefetch(&rays_[issue[issued].ray]);
-      ++issued;
-      issues.push = now;
+    bool moved = sorter_.tick_active_queue(has_returned ? &returned : nullptr, has_released ? &released : nullptr,
+                                           issue, issued);
+    if (issued > to_enter) __builtin_prefetch(&rays_[issue[to_enter].ray]);
+    if (issued == 0 && line.out == line.in) ++lag;
+    const bool bubble = starts > now;
+    has_returned = has_released = false;
+    if (leaves <= now) {
+      const InFlight& ray = line[line.out++];
+      returned = ray.token;
+      has_returned = moved = true;
+      released = ray.from;
+      has_released = !ray.token.has_reserved_slot;
+      leaves = next_leave();
     }
-    has_returned = has_released = fed = backed_up = false;
-    bubble = true;
-    if (issued != 0 || line.out != line.in) {
-      if (line.out != line.middle && line[line.out].ready <= clock) {
-        const InFlight& ray = line[line.out++];
-        returned = ray.token;
-        has_returned = moved = true;
-        returns.push = now;
-        if (!ray.token.has_reserved_slot) {
-          released = ray.from;
-          has_released = true;
-          releases.push = now;
-        }
-      }
+    if (!bubble) {
       InFlight& head = line[line.middle];
-      if (line.middle != line.in && head.ready <= now) {
-        bubble = false;
-        moved = true;
-        latest = head.sampled ? Cause::kBusy : Cause::kLeap;
-        if (head.packets > 0) {
-          const Packet& packet = misses_.oldest();
-          if (packet.arrival > now) {
-            latest = packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
-          } else {
-            misses_.take();
-            if (--head.packets > 0) latest = Cause::kFill;
-          }
-        }
-        if (head.packets == 0) {
-          head.ready = clock + stages_.compute_stages();
-          ++line.middle;
+      moved = true;
+      latest = head.sampled ? Cause::kBusy : Cause::kLeap;
+      if (head.packets > 0) {
+        const Packet& packet = misses_.oldest();
+        if (packet.arrival > now) {
+          latest = packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
+        } else {
+          misses_.take();
+          if (--head.packets > 0) latest = Cause::kFill;
         }
       }
-      ++clock;
-      if (to_enter > 0) {
-        fed = line.in - line.middle < slots && misses_.room() >= room;
-        backed_up = !fed;
-        if (fed) {
-          iterate(now, issue[0], line[line.in++], memory);
-          issue[0] = issue[1];
-          --issued;
-          issues.pop = now;
-          moved = true;
-        }
+      if (head.packets == 0) {
+        head.ready = now - lag + stages_.compute_stages();
+        ++line.middle;
+        starts = next_start();
+        leaves = std::min(leaves, head.ready + lag);
       }
+    }
+    const bool fed = to_enter > 0 && line.in - line.middle < slots && misses_.room() >= room;
+    if (fed) {
+      iterate(now, issue[0], line[line.in], memory);
+      ++line.in;
+      starts = std::min(starts, now + slots);
+      issue[0] = issue[1];
+      --issued;
+      moved = true;
     }
     // Equivalent to account() while the processor holds rays.
     if (bubble) latest = unfed_[(now - slots) & unfed_mask_];
     ++causes_[static_cast<std::size_t>(latest)];
-    const bool sorts = sorter_.waiting() + issued != 0;
-    unfed_[now & unfed_mask_] = backed_up ? Cause::kMiss : sorts ? Cause::kSorter : Cause::kLatency;
-    held += fed || sorts || line.out != line.in;
+    const Cause unfed = sorter_.waiting() != 0 || issued != 0 ? Cause::kSorter : Cause::kLatency;
+    if (!fed) unfed_[now & unfed_mask_] = to_enter > 0 ? Cause::kMiss : unfed;
     if (moved) moved_at = now;
   }
   stages_.put_back(line);
-  returned_.put_back(&returned, has_returned ? 1 : 0, returns);
-  released_.put_back(&released, has_released ? 1 : 0, releases);
-  issue_.put_back(issue, issued, issues);
-  compute_clock_ = clock;
+  returned_.put_back(&returned, has_returned ? 1 : 0);
+  released_.put_back(&released, has_released ? 1 : 0);
+  issue_.put_back(issue, issued);
+  compute_clock_ = to - lag;
   latest_ = latest;
-  fed_ = fed;
-  backed_up_ = backed_up;
-  bubble_ = bubble;
-  holding_cycles_ += held;
+  holding_cycles_ += to - from;
   return moved_at;
 }
 

@@ -24,13 +24,10 @@ RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, 
       store_(config.asic().processors() * lists_) {}
 
 void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which, FunctionalTrace* ahead) {
-  work_ = &work;
-  frame_ = &frame;
+  set_out(work, frame, which);
   ahead_ = ahead;
   begin_ = made_ = which.begin;
   end_ = which.end;
-  may_be_under_way_ = std::min<std::uint64_t>(slots_, work.max_under_way());
-  rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
   finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
   batch_ = 0;
@@ -39,10 +36,14 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
 
 void RayEngine::go_on(RaySource& work, const Frame& frame, RayRange which) {
   const bool fits = begin_ == which.begin && end_ == which.end && end_ <= work.count();
-  if (!fits) throw CheckpointFault("run", "rays of its command", std::to_string(end_));
+  if (!fits) throw CheckpointFault("run", "a range of the command's rays", std::to_string(end_));
+  set_out(work, frame, which);
+  ahead_ = nullptr;
+}
+
+void RayEngine::set_out(RaySource& work, const Frame& frame, RayRange which) {
   work_ = &work;
   frame_ = &frame;
-  ahead_ = nullptr;
   may_be_under_way_ = std::min<std::uint64_t>(slots_, work.max_under_way());
   rays_.make_room(std::min<std::uint64_t>(may_be_under_way_, which.end - which.begin));  // keeps references valid
 }
@@ -187,18 +188,14 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   return Scattered::kSentAgain;
 }
 
-std::optional<wire::Ray> RayEngine::make_ahead(std::uint64_t index, FunctionalTrace::Ray& values) {
-  const std::optional<FunctionalTrace::Ray> ray = ahead_->make(index, making_, counts_);
-  if (!ray) return std::nullopt;
-  values = *ray;
-  return values.made;
-}
-
 // Makes the next ray. Returns nothing if it does not go to the ASIC.
 std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint64_t index = made_++;
-  FunctionalTrace::Ray values;
-  const auto made = ahead_ == nullptr ? work_->make(index, making_) : make_ahead(index, values);
+  std::optional<FunctionalTrace::Ray> traced;
+  if (ahead_ != nullptr) traced = ahead_->make(index, making_, counts_);
+  const std::optional<wire::Ray> made = ahead_ == nullptr ? work_->make(index, making_)
+                                        : traced          ? std::optional(traced->made)
+                                                          : std::nullopt;
   if (!made) {
     ++finished_;
     return std::nullopt;
@@ -225,8 +222,8 @@ std::optional<RayToken> RayEngine::make(Cycle now) {
   index_of_[handle] = index;
   if (computes_ahead()) {
     rays_ahead_.resize(index_of_.size());
-    rays_ahead_[handle] = values;
-    rays_[handle].ray_state.set_steps_left(values.steps);
+    rays_ahead_[handle] = *traced;
+    rays_[handle].ray_state.set_steps_left(traced->steps);
   }
   ++under_way_;
   watch_.made(now, handle, index, *made);

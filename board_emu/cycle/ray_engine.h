@@ -101,6 +101,7 @@ class RayEngine {
   }
 
  private:
+  void set_out(RaySource& work, const Frame& frame, RayRange which);
   void run_state(Archive& archive);
   DspCycle dsp_cycle(Cycle now) const { return (now * dsp_khz_ + core_khz_ - 1) / core_khz_; }
   void carry_out(Cycle now, const DspTask& task) { free_at_ = dsp_.work(task, std::max(free_at_, dsp_cycle(now))); }
@@ -118,7 +119,6 @@ class RayEngine {
 
   bool send(Cycle now);
   std::optional<RayToken> make(Cycle now);
-  std::optional<wire::Ray> make_ahead(std::uint64_t index, FunctionalTrace::Ray& values);
   bool computes_ahead() const { return ahead_ != nullptr && !ahead_->has_stopped(); }
   void make_rays(Cycle now);
   void send_again(Cycle now);

@@ -16,7 +16,7 @@
 namespace gicube::emu {
 
 struct InFlight {
-  Cycle ready = 0;           // cycle in which it has passed its present stages
+  Cycle ready = 0;           // cycle, or clock of the compute stages, at which it has passed its present stages
   RayToken token;            // the ray's destination after the pipeline
   std::uint32_t from = 0;    // queue from which it was issued
   std::uint8_t packets = 0;  // packets that the sample still waits for

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 
+#include "asic/fifo_places.h"
 #include "asic/sorter/sorter.h"
 
 namespace gicube::emu {
@@ -84,24 +85,21 @@ inline bool Sorter::update_ranks() {
 }
 
 // Equivalent to work(), without the cases that its conditions exclude.
-[[gnu::always_inline]] inline Sorter::ActiveQueueTick Sorter::tick_active_queue(const RayToken* returned,
-                                                                                const std::uint32_t* released,
-                                                                                bool may_issue, RayToken& issued) {
-  ActiveQueueTick result;
-  if (returned == nullptr && released == nullptr && queues_.waiting() == 0) return result;
+[[gnu::always_inline]] inline bool Sorter::tick_active_queue(const RayToken* returned, const std::uint32_t* released,
+                                                             RayToken* issue, std::size_t& issued) {
+  bool moved = returned != nullptr || released != nullptr;
+  if (!moved && queues_.waiting() == 0) return false;
   ranks_->step();
   if (released != nullptr) queues_.release_slot(*released);
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
-  if (active_ != kNone && may_issue) {
-    issued = queues_.read(active_);
+  if (active_ != kNone && issued < kFifoPlaces) {
+    issue[issued++] = queues_.read(active_);
     ++counters_.issued;
     ++issued_since_active_;
-    result.issued = true;
+    moved = true;
   }
   if (returned != nullptr) write(returned->queue, *returned);
-  const bool ranks_moved = update_ranks();
-  result.moved = ranks_moved || result.issued || returned != nullptr || released != nullptr;
-  return result;
+  return update_ranks() || moved;
 }
 
 }  // namespace gicube::emu

@@ -104,14 +104,9 @@ class Sorter {
   }
 
   // Equivalent to tick_ahead() if each ray finds a slot, no slot is reserved and no ray is watched (sorter-inl.h). The
-  // caller replaces the FIFOs: `returned` and `released` can be popped in this cycle, or are null; `issued` receives
-  // the issued ray, if `may_issue`.
-  struct ActiveQueueTick {
-    bool moved = false;
-    bool issued = false;
-  };
-  ActiveQueueTick tick_active_queue(const RayToken* returned, const std::uint32_t* released, bool may_issue,
-                                    RayToken& issued);
+  // caller replaces the FIFOs: `returned` and `released` can be popped in this cycle, or are null; the issued ray is
+  // appended to the `issued` ones in `issue`.
+  bool tick_active_queue(const RayToken* returned, const std::uint32_t* released, RayToken* issue, std::size_t& issued);
   // Whether the configuration allows this.
   bool may_tick_active_queue() const { return ranks_.has_value() && !single_; }
 
