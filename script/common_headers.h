@@ -1,5 +1,5 @@
 // Precompiled for every library and program of this tree: headers that most sources include, and that rarely change.
-// A source still includes what it uses.
+// A source still includes what it uses; a test includes them by tests/support/test.h.
 #pragma once
 
 #include <fmt/format.h>

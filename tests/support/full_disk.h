@@ -2,22 +2,16 @@
 #pragma once
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 
 #include <csignal>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <functional>
 #include <iostream>
-#include <iterator>
-#include <map>
-#include <string>
 
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::reference {
 

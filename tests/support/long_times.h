@@ -1,17 +1,9 @@
 // Long times without packets, for tests of channels: refreshes are left out, and nothing may show it.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <random>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "asic/dram/memory.h"
 #include "gicube/archive.h"
+#include "test.h"
 
 namespace gicube::emu {
 

@@ -1,16 +1,10 @@
 // Base of the tests that run one of this build's programs as its users do, in a folder of the test's own.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <utility>
-
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 
@@ -24,12 +18,6 @@ class ProgramTest : public testing::Test {
   explicit ProgramTest(std::string program) : program_(std::move(program)) {}
 
   std::string path(const std::string& name) const { return folder_.file(name); }
-
-  static std::string text_of(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
 
   ProgramResult run(const std::string& arguments) const {
     const std::string command = GICUBE_BIN_DIR "/" + program_ + " " + arguments + " >" + path("stdout") + " 2>" +

@@ -2,10 +2,7 @@
 // but at least four. A failure names its seed.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
+#include "test.h"
 
 namespace gicube {
 

@@ -7,6 +7,7 @@
 
 #include "gicube/scene/scene.h"
 #include "scene/names.h"
+#include "voxels.h"
 
 namespace gicube::reference {
 
@@ -32,15 +33,11 @@ inline samples::SceneSetup setup_of(const Room& room) {
   const int edge = room.size + 2;
   setup.volume.dims = {edge, edge, edge};
   setup.volume.spacing = room.spacing;
-  for (int z = 0; z < edge; ++z) {
-    for (int y = 0; y < edge; ++y) {
-      for (int x = 0; x < edge; ++x) {
-        const std::uint8_t tag = room.tag ? room.tag(x, y, z) : room_tag(room, x, y, z);
-        setup.tags.push_back(tag);
-        setup.volume.samples.push_back(std::byte{tag == kAir ? std::uint8_t{0} : std::uint8_t{255}});
-      }
-    }
-  }
+  for_each_voxel({edge, edge, edge}, [&](int x, int y, int z) {
+    const std::uint8_t tag = room.tag ? room.tag(x, y, z) : room_tag(room, x, y, z);
+    setup.tags.push_back(tag);
+    setup.volume.samples.push_back(std::byte{tag == kAir ? std::uint8_t{0} : std::uint8_t{255}});
+  });
   const samples::TransferFunctionFile air{{{{0, {1, 1, 1}}}, {{0, 1 - std::exp(-room.kappa)}}}};
   const samples::TransferFunctionFile solid{{{{0, {1, 1, 1}}}, {{0, 0}, {255, 1}}}};
   setup.materials = {air, solid, solid, solid};
