@@ -30,7 +30,7 @@ Room = namedtuple("Room", "folders programs")
 ROOMS = {
     "datapath": Room(["board_emu/datapath"], ["datapath_test", "board_test", "routines_test",
                                               "lighting_accuracy_test"]),
-    "asic": Room(["board_emu/asic", "board_emu/asic/*"], ["asic_parts_test", "rdram_test", "ddr_test", "machine_test"]),
+    "asic": Room(["board_emu/asic", "board_emu/asic/*"], ["asic_parts_test", "dram_test", "machine_test"]),
     "firmware": Room(["board_emu/firmware", "board_emu/firmware/*", "board_emu/plug_ins"],
                      ["board_test", "lighting_rays_test", "routines_test",
                       "lighting_accuracy_test", "memory_error_test"]),

@@ -1,13 +1,9 @@
 #include "asic/partition.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 #include <compare>
-#include <set>
-#include <utility>
-#include <vector>
+
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::emu {
 namespace {
@@ -70,14 +66,10 @@ struct Imbalance {
 Imbalance imbalance(int grid, unsigned processors, const std::array<unsigned, 3>& skew) {
   const Partition partition(asic(v1::skewed_block, processors, skew), {grid, grid, grid});
   std::vector<std::vector<unsigned>> planes(static_cast<std::size_t>(3 * grid), std::vector<unsigned>(processors));
-  for (int z = 0; z < grid; ++z) {
-    for (int y = 0; y < grid; ++y) {
-      for (int x = 0; x < grid; ++x) {
-        const unsigned owner = partition.home(static_cast<std::size_t>(x + grid * (y + grid * z))).processor;
-        for (const int plane : {x, grid + y, 2 * grid + z}) ++planes[static_cast<std::size_t>(plane)][owner];
-      }
-    }
-  }
+  for_each_voxel({grid, grid, grid}, [&](int x, int y, int z) {
+    const unsigned owner = partition.home(static_cast<std::size_t>(x + grid * (y + grid * z))).processor;
+    for (const int plane : {x, grid + y, 2 * grid + z}) ++planes[static_cast<std::size_t>(plane)][owner];
+  });
   Imbalance found{static_cast<double>(partition.max_blocks()) * processors / (grid * grid * grid)};
   for (const auto& plane : planes) {
     found.plane = std::max(found.plane, static_cast<double>(std::ranges::max(plane)) * processors / (grid * grid));

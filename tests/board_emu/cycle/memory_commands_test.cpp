@@ -1,81 +1,56 @@
 // The commands that a machine's memories see.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
 #include <cstdio>
-#include <fstream>
-#include <memory>
-#include <string_view>
 
 #include "bare_board.h"
 #include "config/energy.h"
 #include "cycle/machine.h"
 #include "cycle/machine_counters.h"
+#include "dram_checkers.h"
 #include "machine_rig.h"
-#include "rank_checker.h"
-#include "rdram_checker.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-// Every command that the memories see in a whole frame is legal, by a judge that knows nothing of the controller.
-TEST(Machine, AWholeFramesMemoryCommandsAreLegalAndTight) {
+// Renders a frame on a board of these settings. No command of a channel breaks a rule, by a judge that knows nothing of
+// the controller. Returns the machine's counters.
+template <typename Rules>
+std::vector<wire::Counter> expect_legal_frame(std::vector<std::string> settings, Rules rules) {
   Scene scene({70, 70, 70}, 16);
   scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
   for (auto& entry : scene.segmentation) entry.opacity = 500;
+  settings.insert(settings.end(), {"asic.block_voxels=16", "asic.partition=skewed_block"});
+  Machine machine(config_with(settings), scene.volume.blocks());
+  std::vector<std::vector<dram::IssuedCommand>> traces(machine.memories().size());
+  for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
+  cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
+  for (std::size_t i = 0; i < traces.size(); ++i) {
+    const dram::ChannelCounters counters = machine.memories()[i]->channel().counters();
+    EXPECT_GT(counters.packets_read, 3000u);
+    rules.devices = machine.memories()[i]->devices();
+    const reference::TraceVerdict verdict = reference::check_trace(rules, traces[i]);
+    EXPECT_THAT(verdict.faults, IsEmpty());
+    EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
+    EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
+  }
+  std::vector<wire::Counter> counted;
+  count(machine, counted);
+  return counted;
+}
+
+TEST(Machine, AWholeFramesRdramCommandsAreLegalAndTight) {
   for (const char* sharing : {"rdram.processors_per_rdram=1", "rdram.processors_per_rdram=2"}) {
-    const v1::BoardConfig config =
-        config_with({"asic.block_voxels=16", "asic.partition=skewed_block", sharing, "rdram.device_mbit=144"});
-    Machine machine(config, scene.volume.blocks());
-    std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
-    for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
-    cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      const rdram::ChannelCounters counters = machine.memories()[i]->channel().counters();
-      ASSERT_GT(counters.packets_read, 3000u);
-      reference::RdramRules rules;
-      rules.refresh_interval = config.rdram().refresh_interval();
-      rules.devices = machine.memories()[i]->devices();
-      rules.refresh_slack = 2 * 32 * 28;  // two processors' packets under way, each of a row of its own: tRC
-      const reference::RdramVerdict verdict = reference::check_rdram_trace(rules, traces[i]);
-      EXPECT_THAT(verdict.faults, testing::IsEmpty());
-      EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
-      EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
-    }
+    // Two processors' packets are under way, each of a row of its own: tRC.
+    expect_legal_frame({sharing, "rdram.device_mbit=144"},
+                       reference::RdramRules{.refresh_interval = 781, .refresh_slack = 2 * 32 * 28});
   }
 }
 
 TEST(Machine, AWholeFramesDdrCommandsAreLegalAndTight) {
-  Scene scene({70, 70, 70}, 16);
-  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
-  for (auto& entry : scene.segmentation) entry.opacity = 500;
   for (const char* sharing : {"ddr.processors_per_channel=1", "ddr.processors_per_channel=2"}) {
-    const v1::BoardConfig config =
-        config_with({"memory=ddr", "asic.block_voxels=16", "asic.partition=skewed_block", sharing});
-    Machine machine(config, scene.volume.blocks());
-    std::vector<std::vector<dram::IssuedCommand>> traces(machine.memories().size());
-    for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
-    cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
-    for (std::size_t i = 0; i < traces.size(); ++i) {
-      const dram::ChannelCounters counters = machine.memories()[i]->channel().counters();
-      ASSERT_GT(counters.packets_read, 3000u);
-      reference::RankRules rules;
-      rules.refresh_interval = config.ddr().refresh_interval();
-      rules.ranks = machine.memories()[i]->devices();
-      const reference::RankVerdict verdict = reference::check_rank_trace(rules, traces[i]);
-      EXPECT_THAT(verdict.faults, testing::IsEmpty());
-      EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
-      EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
-    }
-    std::vector<wire::Counter> counted;
-    count(machine, counted);
-    const auto reads =
-        std::find_if(counted.begin(), counted.end(), [](const auto& c) { return c.name == "ddr.reads"; });
+    const auto counted = expect_legal_frame({"memory=ddr", sharing}, reference::RankRules{.refresh_interval = 1562});
+    const auto reads = std::ranges::find(counted, "ddr.reads", &wire::Counter::name);
     ASSERT_NE(reads, counted.end());
     EXPECT_GT(reads->value, 3000u);
   }
@@ -83,13 +58,13 @@ TEST(Machine, AWholeFramesDdrCommandsAreLegalAndTight) {
 
 // Joules of memory and memory_interface, as a script counts them from the commands alone.
 std::array<double, 2> recounted(const v1::BoardConfig& config, const Machine& machine, Picoseconds now,
-                                const std::vector<std::vector<rdram::IssuedCommand>>& traces) {
+                                const std::vector<std::vector<dram::IssuedCommand>>& traces) {
   const reference::TemporaryDirectory folder;
   std::ofstream out(folder.file("commands"));
   int devices = 0;
   for (std::size_t i = 0; i < traces.size(); ++i) {
     devices += static_cast<int>(machine.memories()[i]->devices());
-    for (const rdram::IssuedCommand& each : traces[i])
+    for (const dram::IssuedCommand& each : traces[i])
       out << i << ' ' << each.device << ' ' << dram::to_string(each.command) << '\n';
   }
   out.close();
@@ -113,10 +88,10 @@ TEST(Machine, AWholeFramesMemoryEnergyIsThatOfItsCommands) {
   Scene scene({70, 70, 70}, 16);
   scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
   for (auto& entry : scene.segmentation) entry.opacity = 500;
-  const v1::BoardConfig config = config_with({"fidelity=cycle", "asic.block_voxels=16", "asic.max_volume_voxels=128",
-                                              "rdram.refresh_interval=0"});
+  const v1::BoardConfig config =
+      config_with({"fidelity=cycle", "asic.block_voxels=16", "asic.max_volume_voxels=128", "rdram.refresh_interval=0"});
   Machine machine(config, scene.volume.blocks());
-  std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
+  std::vector<std::vector<dram::IssuedCommand>> traces(machine.memories().size());
   for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
   cycle_picture(scene, corner_view({70, 70, 70}, 64), machine);
   constexpr Picoseconds kNow =

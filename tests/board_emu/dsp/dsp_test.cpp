@@ -1,11 +1,8 @@
 // The DSP's time against hand-worked cases.
 #include "dsp/dsp.h"
 
-#include <gtest/gtest.h>
-
-#include <utility>
-
 #include "dsp/overflow_store.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

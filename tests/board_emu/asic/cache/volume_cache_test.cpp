@@ -1,10 +1,7 @@
 #include "asic/cache/volume_cache.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "asic/cache/miss_queue.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,10 +1,9 @@
 #include "asic/cache/write_queue.h"
 
-#include <gtest/gtest.h>
-
 #include "config/config.h"
 #include "cycle/memory_port.h"
 #include "cycle/splat_unit.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,47 +1,14 @@
 // The controller against hand-worked cases.
 #include "asic/ddr/channel.h"
 
-#include <gtest/gtest.h>
-
-#include <sstream>
-#include <stdexcept>
-
-#include "ddr_traffic.h"
+#include "../dram/channels.h"
 
 namespace gicube::emu::ddr {
 namespace {
 
-using test_traffic::at;
-using test_traffic::without_refresh;
+using dram::at;
 
-TEST(DdrChannel, ColdReadTakesRcdPlusCasLatency) {
-  Channel channel(without_refresh(), 1);
-  const Access access = channel.read(at(3, 9), 1000);
-  EXPECT_EQ(access.data_begin, 1000u + 2 + 2);
-  EXPECT_EQ(access.data_end, 1005u);
-  EXPECT_EQ(access.cause, Delay::kTransfer);
-}
-
-TEST(DdrChannel, ColdWriteTakesRcdPlusWriteLatency) {
-  Channel channel(without_refresh(), 1);
-  EXPECT_EQ(channel.write(at(3, 9), 1000).data_begin, 1000u + 2 + 1);
-}
-
-TEST(DdrChannel, OpenRowTakesCasLatency) {
-  Channel channel(without_refresh(), 1);
-  channel.read(at(3, 9), 0);
-  EXPECT_EQ(channel.read(at(3, 9, 1), 1000).data_begin, 1002u);
-  EXPECT_EQ(channel.counters().row_hits, 1u);
-}
-
-TEST(DdrChannel, OtherRowOfAnOpenBankTakesAPrechargeMore) {
-  Channel channel(without_refresh(), 1);
-  channel.read(at(3, 9), 0);
-  const Access access = channel.read(at(3, 10), 1000);
-  EXPECT_EQ(access.data_begin, 1000u + 2 + 2 + 2);
-  EXPECT_EQ(access.cause, Delay::kBank);
-  EXPECT_EQ(channel.counters().conflicts, 1u);
-}
+v1::DdrConfig without_refresh() { return dram::without_refresh<dram::Ddr>(); }
 
 TEST(DdrChannel, BanksBesideEachOtherAreOpenTogether) {
   Channel channel(without_refresh(), 1);
@@ -49,14 +16,6 @@ TEST(DdrChannel, BanksBesideEachOtherAreOpenTogether) {
   for (const unsigned bank : {0u, 1u, 2u, 3u}) channel.read(at(bank, 9, 1), 100);
   EXPECT_EQ(channel.counters().conflicts, 0u);
   EXPECT_EQ(channel.counters().row_hits, 4u);
-}
-
-TEST(DdrChannel, QueuedPacketsOfOpenRowsFollowOneAnother) {
-  Channel channel(without_refresh(), 1);
-  const Tcycle first = channel.read(at(3, 9), 0).data_begin;
-  const Access second = channel.read(at(3, 9, 1), 0);
-  EXPECT_EQ(second.data_begin, first + 1);
-  EXPECT_EQ(second.cause, Delay::kTransfer);
 }
 
 // ACT 0 and 2 (tRRD), RD 2 gives way to the ACT that is already asked for in no case: it is placed first. RD at 2, ACT
@@ -85,38 +44,6 @@ TEST(DdrChannel, TurnsTheDataWiresRound) {
   EXPECT_EQ(channel.counters().turnaround, 1u + 3);
 }
 
-TEST(DdrChannel, CallingOrderIsServiceOrder) {
-  Channel channel(without_refresh(), 1);
-  channel.read(at(3, 9), 0);
-  const Access slow = channel.read(at(3, 10), 0);
-  EXPECT_EQ(channel.read(at(3, 10, 1), 0).data_begin, slow.data_end);
-  EXPECT_GE(channel.read(at(1, 1), 0).data_begin, slow.data_end + 1);
-}
-
-TEST(DdrChannel, SameCallsGiveTheSameTimesWithOrWithoutATrace) {
-  std::vector<IssuedCommand> trace;
-  Channel a(v1::DdrConfig(), 2), b(v1::DdrConfig(), 2);
-  b.set_trace(&trace);
-  const auto first = test_traffic::random_traffic(a, 2, 5000, 1), second = test_traffic::random_traffic(b, 2, 5000, 1);
-  EXPECT_EQ(first, second);
-  EXPECT_EQ(a.counters(), b.counters());
-  const ChannelCounters counters = a.counters();
-  EXPECT_EQ(trace.size(), counters.packets_read + counters.packets_written + counters.activates + counters.precharges +
-                              counters.refreshes);
-}
-
-TEST(DdrChannel, CountsWhatItDid) {
-  Channel channel(without_refresh(), 1);
-  channel.read(at(2, 1), 0);      // miss
-  channel.read(at(2, 1, 5), 0);   // hit
-  channel.write(at(2, 2), 0);     // conflict
-  channel.write(at(0, 2), 1000);  // miss
-  const ChannelCounters expected{2, 2, 1, 3, 1, 3, 1, 0, 4, 0};
-  EXPECT_EQ(channel.counters(), expected);
-}
-
-TEST(DdrChannel, RefusesToBeEmpty) { EXPECT_THROW(Channel(v1::DdrConfig(), 0), std::invalid_argument); }
-
 TEST(DdrChannel, DescribesItself) {
   Channel channel(v1::DdrConfig(), 1);
   std::ostringstream text;
@@ -126,11 +53,6 @@ TEST(DdrChannel, DescribesItself) {
 
 // Calibration: the share of the data wires over whole periods in the steady state, all packets asked for at once.
 
-double use(const std::vector<Access>& accesses, std::size_t skip) {
-  const Tcycle begin = accesses[skip].data_begin, end = accesses.back().data_begin;
-  return static_cast<double>(accesses.size() - 1 - skip) / static_cast<double>(end - begin);
-}
-
 // `run` packets of a row, then the next bank's.
 double use_of_runs(unsigned run) {
   Channel channel(without_refresh(), 1);
@@ -138,7 +60,7 @@ double use_of_runs(unsigned run) {
   for (unsigned i = 0; i < 4000; ++i) {
     for (unsigned column = 0; column < run; ++column) accesses.push_back(channel.read(at(i % 4, i / 4, column), 0));
   }
-  return use(accesses, 100 * run);
+  return dram::use_of_data_wires<dram::Ddr>(accesses, 100 * run);
 }
 
 TEST(DdrCalibration, OpenRowsUseAllOfTheDataWires) { EXPECT_GT(use_of_runs(512), 0.99); }
@@ -153,7 +75,7 @@ TEST(DdrCalibration, OneBankAgainAndAgainUsesASeventh) {
   Channel channel(without_refresh(), 1);
   std::vector<Access> accesses;
   for (unsigned i = 0; i < 1000; ++i) accesses.push_back(channel.read(at(2, i), 0));
-  EXPECT_DOUBLE_EQ(use(accesses, 10), 1.0 / 7);
+  EXPECT_DOUBLE_EQ(dram::use_of_data_wires<dram::Ddr>(accesses, 10), 1.0 / 7);
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 #include "asic/ddr/layout.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-#include <tuple>
+#include "test.h"
 
 namespace gicube::emu::ddr {
 namespace {

@@ -1,9 +1,8 @@
 #include "asic/ddr/channel.h"
 
-#include <gtest/gtest.h>
-
 #include "gicube/v1/board_config.pb.h"
 #include "probed_device.h"
+#include "test.h"
 
 namespace gicube::emu::ddr {
 namespace {

@@ -1,12 +1,7 @@
 // The ring of neighbour links: time on a link, ways round, bubbles, back-pressure.
 #include "asic/link/ring.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-#include <random>
-#include <sstream>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,13 +1,7 @@
 // The merge tree: depth, fairness, conservation.
 #include "asic/raybus/merge_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <numeric>
-#include <random>
-#include <sstream>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

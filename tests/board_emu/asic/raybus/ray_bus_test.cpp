@@ -1,12 +1,7 @@
 // The ray bus: one packet a cycle in all, runs of two packets, turns and waits.
 #include "asic/raybus/ray_bus.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-#include <random>
-#include <sstream>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,6 +1,6 @@
 #include "asic/rdram/channel.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
 
 #include "probed_device.h"
 

@@ -1,13 +1,7 @@
 #include "asic/rdram/layout.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-#include <stdexcept>
-#include <tuple>
-
 #include "asic/rdram/channel.h"
+#include "test.h"
 
 namespace gicube::emu::rdram {
 namespace {

@@ -1,11 +1,7 @@
 // Every row of the timing table, alone: the later command is blocked at n - 1 and ready at n.
 #include "asic/rdram/channel.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <stdexcept>
-
+#include "../dram/channels.h"
 #include "asic/dram/wires.h"
 #include "probed_device.h"
 
@@ -47,20 +43,7 @@ TEST(RdramTiming, RefusesARowThatTheModelWouldIgnore) {
   EXPECT_THROW(table({"tX", kPrecharge, kActivate, kDevice, 3}), std::invalid_argument);
 }
 
-TEST(RdramTiming, HonoursThePairsOfItsTableAndNoOthers) {
-  for (std::size_t scope = 0; scope < dram::kScopes; ++scope) {
-    for (std::size_t from = 0; from < dram::kCommands; ++from) {
-      for (std::size_t to = 0; to < dram::kCommands; ++to) {
-        const Constraint row{"tX", static_cast<Command>(from), static_cast<Command>(to), static_cast<Scope>(scope), 3};
-        const bool known = std::ranges::any_of(kExpected, [&row](const Constraint& each) {
-          return each.from == row.from && each.to == row.to && each.scope == row.scope;
-        });
-        EXPECT_EQ(Rules::enforced(row.scope, row.from, row.to), known)
-            << to_string(row.from) << ' ' << to_string(row.to) << ' ' << to_string(row.scope);
-      }
-    }
-  }
-}
+TEST(RdramTiming, HonoursThePairsOfItsTableAndNoOthers) { dram::expect_enforced<Rules>(kExpected); }
 
 // A packet at 200 takes its four clocks; of those before, a machine word of places up to 206 is known.
 TEST(GapWires, GiveTheFirstGapFromTheirHorizonOn) {
@@ -141,12 +124,7 @@ TEST_P(RdramConstraint, BlocksOneCycleEarlierAndNotAtItsTime) {
   EXPECT_EQ(ready_in_device(row, kStart), kStart + row.cycles);
 }
 
-INSTANTIATE_TEST_SUITE_P(Row, RdramConstraint, testing::ValuesIn(kExpected), [](const auto& row) {
-  std::string name = std::to_string(row.index) + row.param.name + to_string(row.param.from) + to_string(row.param.to) +
-                     to_string(row.param.scope);
-  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Row, RdramConstraint, testing::ValuesIn(kExpected), dram::name_of_row);
 
 }  // namespace
 }  // namespace gicube::emu::rdram

@@ -1,10 +1,7 @@
 // The registered FIFO: nothing that happens in a cycle is seen before the edge that ends it.
 #include "asic/sim/fifo.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,10 +1,7 @@
 // Sorters, ray bus, ring and merge tree in a closed loop.
 #include "toy_board.h"
 
-#include <gtest/gtest.h>
-
-#include <sstream>
-#include <string>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

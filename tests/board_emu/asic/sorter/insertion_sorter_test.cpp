@@ -1,13 +1,8 @@
 // The insertion sorter against the plain machine of Figure 7, a plain sort, and hand-worked cycles.
 #include "asic/sorter/insertion_sorter.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <vector>
-
 #include "rank_model.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,13 +1,7 @@
 // Queues: order, slots and importance.
 #include "asic/sorter/queues.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <deque>
-#include <random>
-#include <stdexcept>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

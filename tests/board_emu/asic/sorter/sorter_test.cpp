@@ -1,11 +1,8 @@
 // The sorter cycle by cycle: two rays in, one out, slots, overflow, and which queue is active.
 #include "asic/sorter/sorter.h"
 
-#include <gtest/gtest.h>
-
-#include <sstream>
-
 #include "sorter_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
