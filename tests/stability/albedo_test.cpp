@@ -1,17 +1,11 @@
 // Low albedo where scattering matters, and high albedo with few photons.
-#include <gmock/gmock.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "stability.h"
+#include "test.h"
 
 namespace gicube::stability {
 namespace {
 
 using testing::Contains;
-using testing::HasSubstr;
 using testing::Not;
 
 // A lamp in the middle of fog of `thickness` free paths a voxel.
@@ -33,7 +27,7 @@ class StabilityOfAlbedo : public testing::Test {
   // What the words around the lamp could not hold was absorbed too.
   static double absorbed(const LightingReport& report) { return (report.deposited + report.clipped) / report.emitted; }
 
-  Board board_ = open_board(small_board("&set=asic.datapath=wide"));
+  Board board_ = Board::open(small_board("&set=asic.datapath=wide"));
   double middle_ = 0;
 };
 

@@ -1,14 +1,7 @@
 // Form factors of pairs that touch, overlap, hide each other or have no extent.
-#include <gmock/gmock.h>
-
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <span>
-#include <vector>
-
 #include "form_factors/exchange/box_factor.h"
 #include "stability.h"
+#include "test.h"
 
 namespace gicube::stability {
 namespace {
@@ -28,7 +21,7 @@ class StabilityOfFormFactors : public testing::Test {
     return board_.pair_factors(std::array{a, b}, std::array{ElementPair{0, 1, 7}}, {.rays = rays})[0];
   }
 
-  Board board_ = open_board(small_board());
+  Board board_ = Board::open(small_board());
 };
 
 // 1/r^2 has no bound at the common edge; the parts that the driver divides them into have.

@@ -24,7 +24,7 @@ class StabilityOfGradientCode : public testing::Test {
                         .range = ValueRange{0, 4095}});
   }
   Image picture(bool shade, double step = 0.5) {
-    View view = reference::front_view(kSize);
+    View view = front_view(kSize);
     view.shade = shade;
     view.step = step;
     return board_.render(view);
@@ -41,7 +41,7 @@ class StabilityOfGradientCode : public testing::Test {
     board_.set_shading(sideways);
   }
 
-  Board board_ = open_board(small_board());
+  Board board_ = Board::open(small_board());
 };
 
 TEST_F(StabilityOfGradientCode, FlatRegionsAreNotShaded) {

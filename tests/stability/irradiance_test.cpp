@@ -1,18 +1,12 @@
 // Irradiance words: saturation at 11 bits, and voxels that up to eight blocks have copies of.
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
 #include "lighting_rig.h"
 #include "stability.h"
+#include "test.h"
 
 namespace gicube::stability {
 namespace {
 
 using testing::Contains;
-using testing::HasSubstr;
 using testing::Not;
 
 struct Lit {
@@ -22,7 +16,7 @@ struct Lit {
 
 // A lamp in the middle of fog of that opacity a voxel.
 Lit lit(const char* datapath, double fog) {
-  Board board = open_board(small_board(std::string("&set=asic.datapath=") + datapath));
+  Board board = Board::open(small_board(std::string("&set=asic.datapath=") + datapath));
   load_fog(board, {32, 32, 32}, fog);
   const std::vector<Light> lamp{PointLight{{15.2, 16.1, 15.9}, 1000}};
   Lit lit{board.illuminate(lamp, {.rays_per_face_voxel = 8}), {}};
@@ -65,7 +59,7 @@ TEST(StabilityOfIrradiance, TheWideWordsSaturateInDenseFogAroundALampAndSaySo) {
 // Red, green and blue have the same unit, so a colour with a hundredth of the light has a hundredth of the units.
 TEST(StabilityOfIrradiance, AColourFarDarkerThanTheBrightestIsGrainyOnThePapersDatapathAndNotOnTheWideOne) {
   for (const std::string datapath : {"paper", "wide"}) {
-    Board board = open_board(small_board("&set=asic.irradiance_words=3&set=asic.datapath=" + datapath));
+    Board board = Board::open(small_board("&set=asic.irradiance_words=3&set=asic.datapath=" + datapath));
     load_fog(board, {32, 32, 32}, 0.02);
     const std::vector<Light> lamp{PointLight{{15.2, 16.1, -20}, 1000}};
     board.illuminate(lamp, {.rays_per_face_voxel = 8, .light_colours = {{1, 0.1, 0.01}}});

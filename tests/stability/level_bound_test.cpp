@@ -75,7 +75,7 @@ class StabilityOfLevelBounds : public testing::Test {
     return all;
   }
 
-  Board board_ = open_board(small_board());
+  Board board_ = Board::open(small_board());
   TransferFunction look_{{{0, {1, 1, 1}}}, {{0, 0}, {2500, 0}, {3000, 1}}};
 };
 

@@ -1,14 +1,9 @@
 // Paths of light: lamps within media, light that mirrors and glass alone bring, and the blur of photon densities.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "../samples/apps/light/path/light_scenes.h"
 #include "light/path/bidirectional.h"
 #include "light/photon_map/photon_map.h"
 #include "stability.h"
+#include "test.h"
 
 namespace gicube::stability {
 namespace {
@@ -36,7 +31,7 @@ Seen seen_of(const samples::RadiancePicture& picture) {
 struct Traced {
   explicit Traced(const std::string& text)
       : setup(samples::setup_of({"scene", text})),
-        board(open_board("emu:")),
+        board(Board::open("emu:")),
         medium(board, setup),
         lights(setup, medium) {}
   samples::SceneSetup setup;

@@ -49,7 +49,7 @@ class StabilityOfEquationOne : public testing::Test {
   }
   void SetUp() override { load_fog(board_, {kSize, kSize, kSize}, 0.01); }
 
-  Board board_ = open_board(small_board("&set=asic.datapath=wide"));
+  Board board_ = Board::open(small_board("&set=asic.datapath=wide"));
 };
 
 TEST_F(StabilityOfEquationOne, EmitsWhatGoesIntoTheVolumeWhereverTheLightStands) {

@@ -22,7 +22,7 @@ struct Expected {
 
 class StabilityOfMarching : public testing::TestWithParam<const char*> {
  protected:
-  StabilityOfMarching() : board_(open_board(small_board(std::string("&fidelity=") + GetParam()))) {
+  StabilityOfMarching() : board_(Board::open(small_board(std::string("&fidelity=") + GetParam()))) {
     load_fog(board_, {kSize[0], kSize[1], kSize[2]}, kAlpha);
   }
 

@@ -14,7 +14,7 @@ class StabilityOfOpacityCorrection : public testing::Test {
  protected:
   void fog(double alpha) { load_fog(board_, {256, 8, 8}, alpha); }
   void alpha(double alpha) { board_.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, alpha}}}); }
-  void widen() { board_ = open_board("emu:?set=asic.block_voxels=16&set=asic.datapath=wide"); }
+  void widen() { board_ = Board::open("emu:?set=asic.block_voxels=16&set=asic.datapath=wide"); }
   // Of rays side by side, which all see the same.
   double opacity(double length, double step) {
     constexpr std::uint32_t kRays = 24;
@@ -28,7 +28,7 @@ class StabilityOfOpacityCorrection : public testing::Test {
     return batch.rays.at(0).opacity;
   }
 
-  Board board_ = open_board("emu:?set=asic.block_voxels=16");
+  Board board_ = Board::open("emu:?set=asic.block_voxels=16");
 };
 
 TEST_F(StabilityOfOpacityCorrection, FullScaleStaysOneWhereOneUnitLessLetsMostLightThrough) {
@@ -146,7 +146,7 @@ TEST_F(StabilityOfOpacityCorrection, TheWideDatapathSeesFogBelowOneUnitOfTheTabl
 TEST_F(StabilityOfOpacityCorrection, TheWideDatapathTakesTheNoiseFromLightInThinFog) {
   const double thin = 2 / kAlphaOne, expected = -std::expm1(31 * std::log1p(-thin));
   const auto absorbed = [&](const char* datapath) {
-    Board board = open_board(small_board(std::string("&set=asic.datapath=") + datapath));
+    Board board = Board::open(small_board(std::string("&set=asic.datapath=") + datapath));
     EXPECT_EQ(board.info().wide, std::string_view(datapath) == "wide");
     load_fog(board, {32, 32, 32}, thin);
     const std::vector<Light> sun{DirectionalLight{{-1, 0, 0}, 1}};

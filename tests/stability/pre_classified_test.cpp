@@ -27,7 +27,7 @@ class StabilityOfPreClassifiedVolumes : public testing::Test {
       const double density = i / kSize / kSize * kStep;
       values.push_back(static_cast<float>(before ? 4095 * peak(density, kTop, half) : density));
     }
-    Board board = open_board(small_board(before ? "&set=asic.voxel_format=rgba" : ""));
+    Board board = Board::open(small_board(before ? "&set=asic.voxel_format=rgba" : ""));
     board.load_volume({.samples = std::as_bytes(std::span(values)),
                        .type = SampleType::kFloat32,
                        .dims = {kSize, kSize, kSize},
@@ -39,7 +39,7 @@ class StabilityOfPreClassifiedVolumes : public testing::Test {
       look.opacities = {{0, 0}, {kMiddle - half, 0}, {kMiddle, kTop}, {kMiddle + half, 0}};
     }
     board.set_transfer_function(look);
-    View view = reference::front_view(kSize);
+    View view = front_view(kSize);
     view.shade = false;
     view.step = 1.0 / 16;
     return board.render(view).at(16, 16).alpha / 4095.0;

@@ -24,7 +24,7 @@ class StabilityOfQueues : public testing::Test {
   static Board functional() { return loaded(""); }
   static Board cycle(const char* queues) { return loaded(std::string("&fidelity=cycle&set=") + queues); }
   static Board loaded(const std::string& options) {
-    Board board = open_board(small_board(options));
+    Board board = Board::open(small_board(options));
     load_fog(board, {kSize, kSize, kSize}, 0.02);
     Material mist;
     mist.scattering = 0.5;

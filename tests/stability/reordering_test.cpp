@@ -12,7 +12,7 @@ constexpr const char* kOneProcessor = "&fidelity=cycle&set=asic.processors=1";
 
 struct Machine {
   explicit Machine(const std::string& options, int size = 32)
-      : board(open_board(small_board(kOneProcessor + options))) {
+      : board(Board::open(small_board(kOneProcessor + options))) {
     load_fog(board, {size, size, size}, 0.001);
   }
   // Of what was done since the machine was last asked.
@@ -28,7 +28,7 @@ struct Machine {
 };
 
 View frame(int size, int image) {
-  View view = reference::front_view(size);
+  View view = front_view(size);
   view.eye = {-40, -30, -60};
   view.orthographic_height = 1.4 * size;
   view.width = view.height = image;
@@ -97,7 +97,7 @@ TEST(StabilityOfReordering, AVolumeTooFineForItsImagePaysInPacketsASample) {
   EXPECT_GT(packets_a_sample(few), 1.5 * packets_a_sample(many));
   record("packets_a_sample_rays_2.8_voxels_apart", packets_a_sample(few));
   record("packets_a_sample_rays_0.7_voxels_apart", packets_a_sample(many));
-  Board functional = open_board(small_board());
+  Board functional = Board::open(small_board());
   load_fog(functional, {64, 64, 64}, 0.001);
   EXPECT_EQ(functional.render(frame(64, 32)).pixels, coarse.pixels);
 }

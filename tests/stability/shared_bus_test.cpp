@@ -1,15 +1,8 @@
 // Several boards on one bus: when they are done by the even spread of each phase's transfers, and by a bus that serves
 // their bursts in turn.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <random>
-#include <vector>
-
 #include "board/group/shared_bus.h"
 #include "stability.h"
+#include "test.h"
 
 namespace gicube::stability {
 namespace {

@@ -2,21 +2,13 @@
 // the software does about it.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
 #include <cstdio>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include <gtest/gtest.h>
 
 #include "gicube/board.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::stability {
-
-using reference::open_board;
 
 // Small blocks, so that small volumes have many.
 inline constexpr std::string_view kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";

@@ -27,7 +27,7 @@ std::int64_t step_word(double component, double step) {
 }
 
 TEST(StabilityOfPositionStepping, LongRaysDriftWithinTheBoundThatRayHStates) {
-  Board board = open_board("emu:?set=asic.max_volume_voxels=512");
+  Board board = Board::open("emu:?set=asic.max_volume_voxels=512");
   load_wall(board);
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> slope(-0.025, 0.025);
@@ -63,8 +63,8 @@ TEST(StabilityOfPositionStepping, StepsThatDriftByMoreThanAVoxelOverTheVolumeAre
   const Dims dims{512, 60, 60};
   const std::vector<std::byte> samples(std::size_t{512} * 60 * 60);
   for (const bool wide : {false, true}) {
-    Board board = open_board(std::string("emu:?fidelity=functional&set=asic.max_volume_voxels=512") +
-                             (wide ? "&set=asic.datapath=wide" : ""));
+    Board board = Board::open(std::string("emu:?fidelity=functional&set=asic.max_volume_voxels=512") +
+                              (wide ? "&set=asic.datapath=wide" : ""));
     board.load_volume({.samples = samples, .dims = dims});
     board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{100, 0}, {255, 1}}});
     const auto refused = [&](const auto& call, const std::string& field) {
@@ -99,7 +99,7 @@ TEST(StabilityOfPositionStepping, StepsThatDriftByMoreThanAVoxelOverTheVolumeAre
 std::int64_t direction_word(double component) { return std::lround(component * kDirectionOne); }
 
 TEST(StabilityOfPositionStepping, OnTheWideDatapathLongRaysStayWithinHalfAUnitOfTheirWords) {
-  Board board = open_board("emu:?set=asic.max_volume_voxels=512&set=asic.datapath=wide");
+  Board board = Board::open("emu:?set=asic.max_volume_voxels=512&set=asic.datapath=wide");
   load_wall(board);
   std::mt19937 engine(8);
   std::uniform_real_distribution<double> slope(-0.025, 0.025);
@@ -146,7 +146,7 @@ double first_hit_error(Board& board, double step) {
 
 TEST(StabilityOfPositionStepping, OnTheWideDatapathShorterStepsPutFirstHitsNearerToTheirPlace) {
   constexpr const char* kWide = "emu:?set=asic.max_volume_voxels=512&set=asic.datapath=wide";
-  Board paper = open_board("emu:?set=asic.max_volume_voxels=512"), wide = open_board(kWide);
+  Board paper = Board::open("emu:?set=asic.max_volume_voxels=512"), wide = Board::open(kWide);
   load_wall(paper);
   load_wall(wide);
   double last = 1;
@@ -162,7 +162,7 @@ TEST(StabilityOfPositionStepping, OnTheWideDatapathShorterStepsPutFirstHitsNeare
 
 // What it costs: the way to the wall, by a ray's own count of samples, is wrong by at most the drift.
 TEST(StabilityOfPositionStepping, HalfVoxelStepsPutAWallInItsPlace) {
-  Board board = open_board("emu:?set=asic.max_volume_voxels=512");
+  Board board = Board::open("emu:?set=asic.max_volume_voxels=512");
   load_wall(board);
   std::vector<HostRay> rays;
   for (std::uint32_t i = 0; i < 200; ++i)

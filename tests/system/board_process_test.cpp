@@ -1,8 +1,6 @@
 // gicube-board as its user starts it.
 #include "board_process.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -10,30 +8,21 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "gicube/access.h"
 #include "gicube/wire/register_markdown.h"
 #include "gicube/wire/registers.h"
 #include "raw_client.h"
 #include "temporary_directory.h"
+#include "test.h"
+#include "unix_socket.h"
 
 namespace gicube::system_test {
 namespace {
 
 using reference::RawClient;
 using reference::TemporaryDirectory;
-using testing::HasSubstr;
-
-std::string contents(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 bool is_owner_only(const std::string& path) {
   struct stat status {};
@@ -82,7 +71,7 @@ TEST(BoardProcess, SeveralBoardsListenSideBySide) {
   const std::string path = folder.file("board");
   BoardProcess board({"--listen", "unix:" + path, "--boards", "3", "--set", "asic.processors=2", "--quiet"});
   for (const std::string suffix : {"", ".1", ".2"}) {
-    EXPECT_THAT(board.read_line(), testing::EndsWith("ready on unix:" + path + suffix));
+    EXPECT_THAT(board.read_line(), EndsWith("ready on unix:" + path + suffix));
   }
   std::vector<RawClient> clients;
   for (const std::string suffix : {"", ".1", ".2"}) {
@@ -124,9 +113,9 @@ TEST(BoardProcess, EachTokenThatIsGuessedLeavesALine) {
     }
     board.send_signal(SIGTERM);
     EXPECT_EQ(board.exit_code(), 0);
-    const std::string log = to_file ? contents(audit) : board.read_errors();
+    const std::string log = to_file ? text_of(audit) : board.read_errors();
     const std::string guess = "unknown: 127\\.0\\.0\\.1:[0-9]+: its token is wrong\n";
-    EXPECT_THAT(log, testing::ContainsRegex(guess + "(.*\n)*.*" + guess));
+    EXPECT_THAT(log, ContainsRegex(guess + "(.*\n)*.*" + guess));
     EXPECT_THAT(log, testing::Not(HasSubstr("a_guess"))) << "what was nearly right is not to be read there";
   }
 }
@@ -164,12 +153,7 @@ TEST(BoardProcess, APrivateOneEndsWithItsSession) {
 TEST(BoardProcess, ServesClientsOfASocketThatListensBeforeItRuns) {
   const TemporaryDirectory folder;
   const std::string path = folder.file("board");
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(::listen(socket, 8), 0);
+  const int socket = reference::bound_socket(path);
   const std::string fd = "fd:" + std::to_string(socket);
   for (int start = 0; start < 2; ++start) {
     RawClient client = RawClient::connect_unix(path);
@@ -229,7 +213,7 @@ TEST(BoardProcess, OfThousandsOfConfigurationFaultsItPrintsFiftyAndTheNumberOfTh
   EXPECT_EQ(board.exit_code(), 2);
   const std::string errors = board.read_errors();
   EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 51);
-  EXPECT_THAT(errors, testing::EndsWith("gicube-board: and 2950 more\n"));
+  EXPECT_THAT(errors, EndsWith("gicube-board: and 2950 more\n"));
 }
 
 TEST(BoardProcess, AHangUpEndsItAsItsTerminalWouldUnlessThatIsIgnored) {
@@ -273,8 +257,7 @@ TEST(BoardProcess, FailsIfWhatItPrintsGetsNowhere) {
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << flag;
     std::string text;
     std::getline(std::ifstream(folder.file("errors")), text);
-    EXPECT_THAT(text, testing::AllOf(testing::StartsWith("gicube-board: "), HasSubstr("No space left on device")))
-        << flag;
+    EXPECT_THAT(text, AllOf(StartsWith("gicube-board: "), HasSubstr("No space left on device"))) << flag;
   }
 }
 
@@ -299,7 +282,7 @@ TEST(BoardProcess, DoesNotStartWithARoutineThatItCannotLoad) {
   for (const std::string& file : {folder.file("none.so"), text}) {
     BoardProcess board({"--listen", "unix:" + folder.file("board"), "--bsdf", file});
     EXPECT_EQ(board.exit_code(), 2);
-    EXPECT_THAT(board.read_errors(), testing::AllOf(HasSubstr("gicube-board: --bsdf: "), HasSubstr(file)));
+    EXPECT_THAT(board.read_errors(), AllOf(HasSubstr("gicube-board: --bsdf: "), HasSubstr(file)));
   }
 }
 

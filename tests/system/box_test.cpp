@@ -1,29 +1,21 @@
 // gicube-board in its box: as the kernel sees it, and as the code of a scattering routine sees its own.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
 
 #include <cerrno>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
 
 #include "board_process.h"
 #include "gicube/board.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::system_test {
 namespace {
 
 using reference::TemporaryDirectory;
-using testing::AllOf;
 using testing::Each;
-using testing::HasSubstr;
 using testing::Not;
-using testing::ThrowsMessage;
 
 // A line of /proc/PID/status of each thread, as "Seccomp:\t2".
 std::vector<std::string> of_threads(pid_t process, const std::string& name) {
@@ -46,7 +38,7 @@ class BoxedBoard : public testing::Test {
     board.send_signal(SIGTERM);
     const std::string log = board.read_errors();
     if (log.find("no box") != std::string::npos || log.find("no limit") != std::string::npos) GTEST_SKIP() << log;
-    EXPECT_THAT(log, testing::ContainsRegex("box: files by Landlock [0-9]+; system calls by a filter\n"));
+    EXPECT_THAT(log, ContainsRegex("box: files by Landlock [0-9]+; system calls by a filter\n"));
   }
 
   const TemporaryDirectory folder_;
@@ -66,7 +58,7 @@ TEST_F(BoxedBoard, HoldsAllThreadsOfAServingProcess) {
 }
 
 TEST_F(BoxedBoard, HoldsTheBoardThatAnApplicationStarts) {
-  const reference::BoardProcess opened = reference::open_board_process();
+  const auto opened = open_board_process();
   EXPECT_THAT(of_threads(opened.id, "Seccomp"), Each("Seccomp:\t2"));
   EXPECT_THAT(of_threads(opened.id, "NoNewPrivs"), Each("NoNewPrivs:\t1"));
 }
@@ -83,9 +75,9 @@ class Trespasser : public BoxedBoard {
  protected:
   // Has the routine's parameters checked. What comes of it is the caller's.
   static void check_parameters(Board& board, std::vector<float> parameters) {
-    const reference::BoxVolume volume(8, 2, 5);
+    const BoxVolume volume(8, 2, 5);
     board.load_volume(volume.view());
-    board.set_transfer_function(reference::step_function(0.5));
+    board.set_transfer_function(step_function(0.5));
     board.set_material({.scattering = 1, .bsdf = Bsdf::kTrap, .routine = 8, .parameters = std::move(parameters)});
     const std::vector<Light> lights{PointLight{{4, 4, 0}}};
     board.illuminate(lights, {});
@@ -101,7 +93,7 @@ TEST_F(Trespasser, ReadsAndMakesNoFileAndReachesNobody) {
   Board board = Board::open("unix:" + folder_.file("board"));
   const std::string eperm = std::to_string(EPERM);
   const std::string refused = "read " + eperm + ", make " + eperm + ", reach " + eperm + ", signal " + eperm;
-  EXPECT_THAT([&] { check_parameters(board, {}); }, ThrowsMessage<Rejected>(HasSubstr(refused)));
+  EXPECT_THROWS(Rejected, refused, check_parameters(board, {}));
 }
 
 TEST_F(Trespasser, LosesItsProcessIfItStartsAProgram) {
@@ -110,8 +102,7 @@ TEST_F(Trespasser, LosesItsProcessIfItStartsAProgram) {
   BoardProcess process(arguments_);
   process.read_line();
   Board board = Board::open("unix:" + folder_.file("board"));
-  EXPECT_THAT([&] { check_parameters(board, {1}); },
-              ThrowsMessage<Rejected>(HasSubstr("its process was ended by signal " + std::to_string(SIGSYS))));
+  EXPECT_THROWS(Rejected, "its process was ended by signal " + std::to_string(SIGSYS), check_parameters(board, {1}));
   EXPECT_TRUE(board.counters().has("bus.down.bytes")) << "the board goes on";
 }
 

@@ -3,7 +3,6 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,17 +13,14 @@
 #include <string>
 #include <thread>
 
+#include "unix_socket.h"
+
 namespace gicube::system_test {
 
 class CutLink {
  public:
-  CutLink(const std::string& path, std::string board) : board_(std::move(board)) {
-    const sockaddr_un address = address_of(path);
-    listener_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-        ::listen(listener_, 8) != 0) {
-      throw std::runtime_error("no socket at " + path);
-    }
+  CutLink(const std::string& path, std::string board)
+      : board_(std::move(board)), listener_(reference::bound_socket(path)) {
     thread_ = std::thread([this] { serve(); });
   }
   // After the client.
@@ -44,17 +40,10 @@ class CutLink {
   int cuts() const { return cuts_; }
 
  private:
-  static sockaddr_un address_of(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    return address;
-  }
-
   void serve() {
     for (int client = 0; (client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;) {
       const int board = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-      const sockaddr_un address = address_of(board_);
+      const sockaddr_un address = reference::unix_address(board_);
       left_ = limit_.load();
       if (::connect(board, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
         while (carry(client, board)) continue;
@@ -88,7 +77,7 @@ class CutLink {
   }
 
   const std::string board_;
-  int listener_ = -1;
+  const int listener_;
   std::atomic<std::size_t> limit_ = 0, left_ = 0;
   std::atomic<int> cuts_ = 0;
   std::thread thread_;  // last: it uses all of the others

@@ -14,6 +14,7 @@
 #include "gicube/wire/checksum.h"
 #include "random_machine.h"
 #include "test_board.h"
+#include "voxels.h"
 
 namespace gicube::system_test {
 
@@ -57,20 +58,16 @@ class RandomProgram {
     std::vector<std::byte> samples;
     Dice dice(seed_);
     const Vec3 middle{dice.number(5, 14) * 1.0, 10, 9};
-    for (int z = 0; z < edge_; ++z) {
-      for (int y = 0; y < edge_; ++y) {
-        for (int x = 0; x < edge_; ++x) {
-          const double in = 8 - length(Vec3{x * 1.0, y * 1.0, z * 1.0} - middle);
-          samples.push_back(static_cast<std::byte>(std::clamp(100 + 20 * in, 0.0, 255.0)));
-        }
-      }
-    }
+    for_each_voxel({edge_, edge_, edge_}, [&](int x, int y, int z) {
+      const double in = 8 - length(Vec3{x * 1.0, y * 1.0, z * 1.0} - middle);
+      samples.push_back(static_cast<std::byte>(std::clamp(100 + 20 * in, 0.0, 255.0)));
+    });
     if (dice.chance(40)) {
       const std::vector<Vec3> codebook{{0, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 0.6, 0.8}, {-0.6, 0, 0.8}};
       board.set_gradient_codebook(codebook);
     }
     board.load_volume({.samples = samples, .dims = {edge_, edge_, edge_}});
-    board.set_transfer_function(reference::step_function(0.3));
+    board.set_transfer_function(step_function(0.3));
     hear(board, "loaded", 0);
   }
 
@@ -128,7 +125,7 @@ class RandomProgram {
       case 0: return hear(board, "picture", sum_of(board.render(view_of(seed_ + steps_))));
       case 1: return board.render_to_framebuffer(view_of(seed_ + steps_));
       case 2: return hear(board, "framebuffer", sum_of(board.read_framebuffer()));
-      case 3: return board.set_transfer_function(reference::step_function(dice.number(1, 9) / 10.0), dice.number(0, 1));
+      case 3: return board.set_transfer_function(step_function(dice.number(1, 9) / 10.0), dice.number(0, 1));
       case 4: {
         Shading shading;
         shading.phong.ambient = dice.number(0, 5) / 10.0;

@@ -1,29 +1,16 @@
 // Boards over a Unix socket whose connections break, whose processes die and whose owners change.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <fstream>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <thread>
-
 #include "board_process.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::system_test {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::step_function;
 using std::chrono::milliseconds;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 class Reopen : public testing::Test {
  protected:
@@ -45,10 +32,7 @@ class Reopen : public testing::Test {
     if (options.watchdog == OpenOptions().watchdog) options.watchdog = std::chrono::seconds(30);
     return Board::open("unix:" + path_, options);
   }
-  static void load(Board& board) {
-    board.load_volume(BoxVolume(32, 8, 23).view());
-    board.set_transfer_function(step_function(0.1));
-  }
+  static void load(Board& board) { load_box(board); }
   static std::vector<HostRay> rays(std::uint32_t count) {
     std::vector<HostRay> list;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -108,7 +92,7 @@ TEST_F(Reopen, ASessionThatResumesByItselfSeesNothingOfLostDamagedAndDoubledMess
 }
 
 TEST_F(Reopen, ManyRandomFaultsChangeNoRayAndNoPicosecond) {
-  Board quiet = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  Board quiet = Board::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
   load(quiet);
   start("random { seed: 5 kinds: [drop, corrupt, duplicate, link_loss, delay] mean_messages: 20 max_delay_ms: 2 }");
   OpenOptions options;
@@ -154,7 +138,7 @@ TEST_F(Reopen, ABatchThatWasNotSubmittedIsNotTracedWhenTheSessionGoesOn) {
     if (!lost_within) continue;
     EXPECT_EQ(board->receive(ticket).rays.size(), 40'000u);
     board->counters();  // after all that was sent
-    EXPECT_THAT(board->poll(), testing::IsEmpty());
+    EXPECT_THAT(board->poll(), IsEmpty());
   }
   EXPECT_TRUE(lost_within);
 }
@@ -283,8 +267,7 @@ TEST_F(Reopen, ABusyBoardNamesItsOwnerAndForceTakesIt) {
   start();
   Board owner = open();
   load(owner);
-  EXPECT_THAT([&] { open(); },
-              ThrowsMessage<BoardBusy>(HasSubstr("process " + std::to_string(::getpid()) + " since ")));
+  EXPECT_THROWS(BoardBusy, "process " + std::to_string(::getpid()) + " since ", open());
   OpenOptions options;
   options.force = true;
   Board thief = open(options);
@@ -317,7 +300,7 @@ TEST_F(Reopen, ClientsThatWaitGetTheBoardInTheirOrder) {
   }
   owner.reset();
   for (std::thread& client : clients) client.join();
-  EXPECT_THAT(order, testing::ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(order, ElementsAre(0, 1, 2, 3));
 }
 
 TEST_F(Reopen, AClientThatWaitsLongEnoughIsToldThatTheBoardIsBusy) {
@@ -329,13 +312,13 @@ TEST_F(Reopen, AClientThatWaitsLongEnoughIsToldThatTheBoardIsBusy) {
   EXPECT_THROW(open(options), BoardBusy);
   EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(400));
   options.wait_for_board = milliseconds(-1);
-  EXPECT_THAT([&] { open(options); }, ThrowsMessage<BadArgument>(HasSubstr("wait_for_board")));
+  EXPECT_THROWS(BadArgument, "wait_for_board", open(options));
 }
 
 TEST_F(Reopen, BoardsOfOneProcessAreStrangersToEachOther) {
   start("", {"--boards", "2"});
   Board first = open(), second = Board::open("unix:" + path_ + ".1");
-  Board alone = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  Board alone = Board::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
   load(first);
   EXPECT_THROW(second.render(front_view(32)), Rejected);
   load(second);
@@ -396,7 +379,7 @@ TEST_F(Reopen, BoardsInRealTimeAnswerNoEarlierThanTheirSimulatedTime) {
 }
 
 TEST_F(Reopen, APrivateBoardIsStartedAgain) {
-  Board board = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  Board board = Board::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
   EXPECT_TRUE(board.reopen().resumed) << "it is not lost";
 }
 

@@ -1,19 +1,5 @@
 // Board::save() and restore(): a program that goes on in another process, or on another board, can't tell that it ever
 // stopped.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <bit>
-#include <fstream>
-#include <map>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "board_process.h"
 #include "cut_link.h"
 #include "gicube/board.h"
@@ -21,14 +7,13 @@
 #include "random_program.h"
 #include "seeds.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::system_test {
 namespace {
 
 using reference::TemporaryDirectory;
 using testing::ElementsAreArray;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 std::vector<std::string> draw_assignments(Dice& dice, const char* fidelity) {
   std::vector<std::string> all = emu::draw_machine(dice, kBlock);
@@ -68,12 +53,12 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
   std::ofstream(plan) << "random { seed: " << seed
                       << " kinds: [duplicate, memory_silent, memory_detected] mean_messages: 30 first_message: 40 }\n";
   const std::string faulty = dice.chance(60) ? "&faults=" + plan : "";
-  const auto never_stopped = all_of(RandomProgram(seed, edge), reference::open_board(uri + faulty));
+  const auto never_stopped = all_of(RandomProgram(seed, edge), Board::open(uri + faulty));
 
   RandomProgram program(seed, edge);
   const int stop = dice.number(0, kSteps);
   const auto begin = [&] {
-    Board board = reference::open_board(uri + faulty);
+    Board board = Board::open(uri + faulty);
     program.begin(board);
     for (int i = 0; i < stop; ++i) program.step(board);
     board.save(saved);
@@ -81,7 +66,7 @@ TEST_P(RandomSave, GoesOnInAnotherProcessAsIfItHadNeverStopped) {
     same.step(board);  // it lives on, and what it does then is not in the file
   };
   begin();
-  Board board = reference::open_board("emu:?restore=" + saved);
+  Board board = Board::open("emu:?restore=" + saved);
   for (int i = stop; i < kSteps; ++i) program.step(board);
   program.end(board);
   EXPECT_THAT(program.heard(), ElementsAreArray(never_stopped));
@@ -156,8 +141,8 @@ TEST(CutLink, OfAMegabyteEachTimeSavesAndRestores) {
   std::vector<std::uint8_t> voxels(128 * 128 * 128);
   for (std::uint8_t& voxel : voxels) voxel = static_cast<std::uint8_t>(dice.number(0, 255));
   board.load_volume({.samples = std::as_bytes(std::span(voxels)), .dims = {128, 128, 128}});
-  board.set_transfer_function(reference::step_function(0.4));
-  const Image image = board.render(reference::front_view(20));
+  board.set_transfer_function(step_function(0.4));
+  const Image image = board.render(front_view(20));
   const std::vector<std::byte> whole = board.save();
   ASSERT_GT(whole.size(), 4'000'000u);
   link.cut_after(1'000'000);
@@ -169,21 +154,21 @@ TEST(CutLink, OfAMegabyteEachTimeSavesAndRestores) {
   EXPECT_GE(link.cuts(), 8);
   link.cut_after(0);
   EXPECT_EQ(board.read_framebuffer(), image);
-  EXPECT_EQ(board.render(reference::front_view(20)), image);
+  EXPECT_EQ(board.render(front_view(20)), image);
 }
 
 // ---- one board
 
 Board small_board(const std::string& options = "") {
-  Board board = reference::open_board(std::string(reference::kSmallBlocks) + options);
-  board.load_volume(reference::BoxVolume(20, 4, 15).view());
-  board.set_transfer_function(reference::step_function(0.4));
+  Board board = Board::open(std::string(kSmallBlocks) + options);
+  board.load_volume(BoxVolume(20, 4, 15).view());
+  board.set_transfer_function(step_function(0.4));
   return board;
 }
 
 TEST(SavedBoard, DamagedAnywhereIsRefusedByItsFieldAndTheBoardLivesOn) {
   Board board = small_board();
-  const Image before = board.render(reference::front_view(20));
+  const Image before = board.render(front_view(20));
   const std::vector<std::byte> saved = board.save();
   const Picoseconds now = board.now();
   Dice dice(3);
@@ -191,9 +176,9 @@ TEST(SavedBoard, DamagedAnywhereIsRefusedByItsFieldAndTheBoardLivesOn) {
     std::vector<std::byte> bytes = saved;
     const auto at = static_cast<std::size_t>(dice.number(0, static_cast<int>(saved.size()) - 1));
     bytes[at] ^= static_cast<std::byte>(1 << dice.number(0, 7));
-    EXPECT_THAT([&] { board.restore(bytes); }, ThrowsMessage<BadArgument>(HasSubstr("checkpoint."))) << at;
+    EXPECT_THROWS(BadArgument, "checkpoint.", board.restore(bytes)) << at;
     bytes.resize(at);
-    EXPECT_THAT([&] { board.restore(bytes); }, ThrowsMessage<BadArgument>(HasSubstr("checkpoint."))) << at;
+    EXPECT_THROWS(BadArgument, "checkpoint.", board.restore(bytes)) << at;
   }
   EXPECT_EQ(board.now(), now);
   EXPECT_EQ(board.read_framebuffer(), before);
@@ -202,7 +187,7 @@ TEST(SavedBoard, DamagedAnywhereIsRefusedByItsFieldAndTheBoardLivesOn) {
 // The driver's part with other bytes and the checksum of what it now is: no driver has written it.
 TEST(SavedBoard, MadeUpIsRefusedByItsFieldOrGoesOnAndNothingElse) {
   Board board = small_board();
-  const Image image = board.render(reference::front_view(20));
+  const Image image = board.render(front_view(20));
   board.submit(std::vector<HostRay>(9, ray_between(1, {2, 2, 2}, {18, 17, 16})));
   const std::vector<std::byte> saved = board.save();
   const auto find = [&saved](std::string_view name) {
@@ -227,7 +212,7 @@ TEST(SavedBoard, MadeUpIsRefusedByItsFieldOrGoesOnAndNothingElse) {
       board.restore(bytes);
       ++taken;
       board.poll();
-      board.render(reference::front_view(20));
+      board.render(front_view(20));
     } catch (const DeviceLost&) {
       throw;
     } catch (const Error&) {
@@ -244,10 +229,9 @@ TEST(SavedBoard, OfOtherQueuesIsRefusedInTheBoardsWords) {
   Board board = small_board(), other = small_board("&set=asic.queue_rays=17");
   const Picoseconds now = other.now();
   const auto saved = board.save();
-  EXPECT_THAT([&] { other.restore(saved); },
-              ThrowsMessage<Rejected>(HasSubstr("config.asic.queue_rays: expected 256, as in the checkpoint, got 17")));
+  EXPECT_THROWS(Rejected, "config.asic.queue_rays: expected 256, as in the checkpoint, got 17", other.restore(saved));
   EXPECT_EQ(other.now(), now);
-  EXPECT_NO_THROW(other.render(reference::front_view(20)));
+  EXPECT_NO_THROW(other.render(front_view(20)));
 }
 
 TEST(SavedBoard, CostsNoSimulatedTimeAndNoCounter) {
@@ -269,47 +253,47 @@ TEST(SavedBoard, ServesForksWithOtherBusesLevelsAndPolicies) {
   const std::string saved = folder.file("warm");
   Board board = small_board("&fidelity=cycle");
   board.save(saved);
-  const Image image = board.render(reference::front_view(20));
+  const Image image = board.render(front_view(20));
   std::map<std::string, Picoseconds> frames;
   for (const std::string bus : {"pci33", "agp1x", "agp4x"}) {
-    Board fork = reference::open_board("emu:?restore=" + saved + "&bus=" + bus);
+    Board fork = Board::open("emu:?restore=" + saved + "&bus=" + bus);
     EXPECT_EQ(fork.info().agp, bus != "pci33");
     const Picoseconds begin = fork.now();
-    EXPECT_EQ(fork.render(reference::front_view(20)), image);
+    EXPECT_EQ(fork.render(front_view(20)), image);
     frames[bus] = fork.now() - begin;
   }
   EXPECT_GT(frames["pci33"], frames["agp1x"]);
-  Board quick = reference::open_board("emu:?restore=" + saved + "&fidelity=functional");
+  Board quick = Board::open("emu:?restore=" + saved + "&fidelity=functional");
   EXPECT_EQ(quick.info().fidelity, Fidelity::kFunctional);
   EXPECT_NE(quick.info().config_hash, board.info().config_hash);
-  EXPECT_EQ(quick.render(reference::front_view(20)), image);
-  EXPECT_THAT([&] { reference::open_board("emu:?restore=" + saved + "&set=asic.processors=2"); },
-              ThrowsMessage<BadArgument>(HasSubstr("asic.processors: expected 4, as in the checkpoint, got 2")));
+  EXPECT_EQ(quick.render(front_view(20)), image);
+  EXPECT_THROWS(BadArgument, "asic.processors: expected 4, as in the checkpoint, got 2",
+                Board::open("emu:?restore=" + saved + "&set=asic.processors=2"));
 }
 
 TEST(SavedBoard, HasTheBlocksForReopenIfItWasToldToKeepThem) {
-  Board keeper = reference::open_board_process({.keep_volume = true}).board;
-  keeper.load_volume(reference::BoxVolume(20, 4, 15).view());
-  keeper.set_transfer_function(reference::step_function(0.4));
-  const Image image = keeper.render(reference::front_view(20));
+  Board keeper = open_board_process({.keep_volume = true}).board;
+  keeper.load_volume(BoxVolume(20, 4, 15).view());
+  keeper.set_transfer_function(step_function(0.4));
+  const Image image = keeper.render(front_view(20));
   const auto saved = keeper.save();
-  auto [board, id] = reference::open_board_process({.keep_volume = true});
+  auto [board, id] = open_board_process({.keep_volume = true});
   board.restore(saved);
   ::kill(id, SIGKILL);
   EXPECT_THROW(board.read_framebuffer(), DeviceLost);
   EXPECT_TRUE(board.reopen().volume);
-  EXPECT_EQ(board.render(reference::front_view(20)), image);
+  EXPECT_EQ(board.render(front_view(20)), image);
 }
 
 TEST(SavedBoard, HoldsAVolumeInBricks) {
   const std::string small = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32";
-  Board board = reference::open_board(small);
-  board.load_volume(reference::BoxVolume(64, 4, 59).view());
-  board.set_transfer_function(reference::step_function(0.4));
-  board.render(reference::front_view(64));
-  Board other = reference::open_board(small);
+  Board board = Board::open(small);
+  board.load_volume(BoxVolume(64, 4, 59).view());
+  board.set_transfer_function(step_function(0.4));
+  board.render(front_view(64));
+  Board other = Board::open(small);
   other.restore(board.save());
-  View view = reference::front_view(64);
+  View view = front_view(64);
   view.eye.x += 30;
   EXPECT_EQ(other.render(view), board.render(view));
   EXPECT_EQ(other.now(), board.now());
@@ -323,10 +307,10 @@ TEST(SavedBoard, GoesOnAtAServerThatBeganWithIt) {
   BoardProcess process({"--listen", "unix:" + folder.file("s"), "--quiet", "--restore", saved});
   process.read_line();
   const std::string uri = "unix:" + folder.file("s");
-  const Image image = board.render(reference::front_view(20));
+  const Image image = board.render(front_view(20));
   for (int session = 0; session < 2; ++session) {
     Board there = Board::open(uri, {.go_on = true});
-    EXPECT_EQ(there.render(reference::front_view(20)), image);
+    EXPECT_EQ(there.render(front_view(20)), image);
     EXPECT_EQ(there.now(), board.now());
   }
   Board fresh = Board::open(uri);  // resets it, as ever
@@ -335,11 +319,10 @@ TEST(SavedBoard, GoesOnAtAServerThatBeganWithIt) {
 
 TEST(SavedBoard, IsAskedForWhereThereIsNone) {
   Board board = small_board();  // after which the board's program is known
-  EXPECT_THAT([] { Board::open("emu:", {.go_on = true}); },
-              ThrowsMessage<OpenFailed>(HasSubstr("expected a board process with --restore")));
-  EXPECT_THAT([&] { board.restore("/nowhere/saved"); }, ThrowsMessage<BadArgument>(HasSubstr("file: expected a file")));
-  EXPECT_THAT([&] { board.save("/nowhere/saved"); }, ThrowsMessage<Error>(HasSubstr("/nowhere/saved")));
-  EXPECT_NO_THROW(board.render(reference::front_view(20)));
+  EXPECT_THROWS(OpenFailed, "expected a board process with --restore", Board::open("emu:", {.go_on = true}));
+  EXPECT_THROWS(BadArgument, "file: expected a file", board.restore("/nowhere/saved"));
+  EXPECT_THROWS(Error, "/nowhere/saved", board.save("/nowhere/saved"));
+  EXPECT_NO_THROW(board.render(front_view(20)));
 }
 
 }  // namespace

@@ -1,16 +1,9 @@
 // What the board says of the visibility of random pairs of points, against the march in double precision.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <random>
-#include <thread>
-
 #include "accuracy/measure.h"
 #include "accuracy/scenes.h"
 #include "gicube/board.h"
 #include "reference/transmittance.h"
+#include "test.h"
 
 namespace gicube::accuracy {
 namespace {
@@ -49,7 +42,6 @@ class Visibility : public testing::TestWithParam<Case> {
     const auto found = std::find_if(all.begin(), all.end(), [](const auto& s) { return s.name == GetParam().scene; });
     if (!found->available()) GTEST_SKIP() << found->scene.volume.file << " is not there";
     setup_ = samples::set_up(found->scene);
-    setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 0);
     board_ = std::make_unique<Board>(Board::open(uri_for(*found, "emu:")));
     board_->load_volume(setup_.volume_view());
     const ValueRange range = board_->value_range();

@@ -1,39 +1,15 @@
 // Deadlines, back-pressure, cancelling, and rays in the caller's own memory.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::kSmallBlocks;
-using reference::open_board;
-using reference::step_function;
-
 constexpr Picoseconds kSecond = 1'000'000'000'000;
 
-std::vector<HostRay> rays(std::uint32_t count) {
-  std::vector<HostRay> list;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    list.push_back({.id = i, .position = {i % 31 + 0.25, i / 31 % 31 + 0.25, 0}, .direction = {0, 0, 1}});
-  }
-  return list;
-}
-
-Board loaded_board(const OpenOptions& options = {}) {
-  open_board();  // sets where the board's program is
-  Board board = Board::open(kSmallBlocks, options);
-  board.load_volume(BoxVolume(32, 8, 23).view());
-  board.set_transfer_function(step_function(0.1));
-  return board;
-}
-
 TEST(Deadline, PassesWhenTheBatchIsStillUnderWayAndTheBatchArrivesLater) {
-  Board board = loaded_board();
-  const auto sent = rays(5000);
+  Board board = box_board();
+  const auto sent = front_rays(5000);
   const Picoseconds before = board.now();
   const Ticket ticket = board.submit(sent);
   const Picoseconds deadline = before + 1'000'000;  // 1 us: not even on the board
@@ -45,8 +21,8 @@ TEST(Deadline, PassesWhenTheBatchIsStillUnderWayAndTheBatchArrivesLater) {
 }
 
 TEST(Deadline, BetweenTheCommandsOfABatchLosesNoneOfThem) {
-  Board board = loaded_board();
-  const auto sent = rays(10'000);
+  Board board = box_board();
+  const auto sent = front_rays(10'000);
   const RayBatch whole = board.receive(board.submit(sent));
   const Picoseconds begin = board.now();
   const Ticket ticket = board.submit(sent);
@@ -56,15 +32,15 @@ TEST(Deadline, BetweenTheCommandsOfABatchLosesNoneOfThem) {
 }
 
 TEST(Deadline, DoesNotChangeWhenABatchArrives) {
-  Board board = loaded_board(), other = loaded_board();
-  const auto sent = rays(5000);
+  Board board = box_board(), other = box_board();
+  const auto sent = front_rays(5000);
   const Ticket ticket = board.submit(sent), plain = other.submit(sent);
   EXPECT_THROW(board.receive(ticket, board.now() + 1'000'000), DeadlinePassed);
   EXPECT_EQ(board.receive(ticket).completed, other.receive(plain).completed);
 }
 
 TEST(Deadline, OfARenderingLeavesABoardThatGoesOn) {
-  Board board = loaded_board();
+  Board board = box_board();
   const View view = front_view(32);
   const Image picture = board.render(view);
   board.set_time_limit(1'000'000);
@@ -76,8 +52,8 @@ TEST(Deadline, OfARenderingLeavesABoardThatGoesOn) {
 }
 
 TEST(BackPressure, WaitsInSimulatedTimeUntilRaysHaveComeBack) {
-  Board board = loaded_board({.max_rays = 8192});
-  const auto sent = rays(4096);
+  Board board = box_board(0.1, {.max_rays = 8192});
+  const auto sent = front_rays(4096);
   std::vector<Ticket> tickets;
   const Picoseconds before = board.now();
   tickets.push_back(board.submit(sent));
@@ -89,13 +65,12 @@ TEST(BackPressure, WaitsInSimulatedTimeUntilRaysHaveComeBack) {
 }
 
 TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
-  Board board = loaded_board({.max_rays = 8192, .back_pressure = BackPressure::kThrow});
-  const auto sent = rays(4096);
+  Board board = box_board(0.1, {.max_rays = 8192, .back_pressure = BackPressure::kThrow});
+  const auto sent = front_rays(4096);
   const Ticket first = board.submit(sent);
   board.submit(sent);
   const std::uint64_t under_way = board.counters().value("dsp.host_rays");
-  EXPECT_THAT([&] { board.submit(std::span(sent).first(1)); },
-              testing::ThrowsMessage<WouldBlock>(testing::HasSubstr("at most 8192 under way")));
+  EXPECT_THROWS(WouldBlock, "at most 8192 under way", board.submit(std::span(sent).first(1)));
   EXPECT_EQ(board.counters().value("dsp.host_rays"), under_way);
   board.receive(first);
   EXPECT_NO_THROW(board.submit(std::span(sent).first(1)));
@@ -103,8 +78,8 @@ TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
 }
 
 TEST(Cancel, TakesBackWhatTheDspHasNotBegun) {
-  Board board = loaded_board();
-  const auto sent = rays(4096);
+  Board board = box_board();
+  const auto sent = front_rays(4096);
   const Ticket first = board.submit(sent), second = board.submit(sent), third = board.submit(sent);
   EXPECT_TRUE(board.cancel(second));
   const RayBatch cancelled = board.receive(second);
@@ -117,8 +92,8 @@ TEST(Cancel, TakesBackWhatTheDspHasNotBegun) {
 }
 
 TEST(Cancel, SavesTheDspsAndTheBussTime) {
-  Board board = loaded_board(), other = loaded_board();
-  const auto sent = rays(4096);
+  Board board = box_board(), other = box_board();
+  const auto sent = front_rays(4096);
   const auto last_of_three = [&](Board& on, bool cancels) {
     const Picoseconds begin = on.now();
     on.submit(sent);
@@ -133,13 +108,13 @@ TEST(Cancel, SavesTheDspsAndTheBussTime) {
 }
 
 TEST(Cancel, IsTooLateForWhatHasBegun) {
-  Board board = loaded_board();
-  const Ticket ticket = board.submit(rays(100));
+  Board board = box_board();
+  const Ticket ticket = board.submit(front_rays(100));
   board.host_compute(kSecond);
   EXPECT_FALSE(board.cancel(ticket));
   EXPECT_EQ(board.receive(ticket).rays.size(), 100u);
   board.clear_irradiance(1);
-  auto deposits = rays(10);
+  auto deposits = front_rays(10);
   for (HostRay& ray : deposits) ray.energy = 1;
   const Ticket spent = board.submit(deposits, {.type = RayType::kDeposit});
   EXPECT_THROW(board.cancel(spent), Unsupported);
@@ -147,8 +122,8 @@ TEST(Cancel, IsTooLateForWhatHasBegun) {
 }
 
 TEST(CallersMemory, RaysFromSeveralPlacesComeBackAsOneBatchIntoTheRoomThatIsGiven) {
-  Board board = loaded_board();
-  const auto sent = rays(9000);
+  Board board = box_board();
+  const auto sent = front_rays(9000);
   const std::array<std::span<const HostRay>, 4> parts{
       std::span(sent).first(1), std::span(sent).subspan(1, 5000), {}, std::span(sent).subspan(5001)};
   std::vector<TracedRay> room(9000);

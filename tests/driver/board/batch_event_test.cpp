@@ -1,53 +1,17 @@
 // Batches that an event loop waits for, and their handles: what happens with several, without a board, and after the
 // end.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/epoll.h>
 
 #include <future>
-#include <thread>
 
+#include "test.h"
 #include "test_board.h"
 #include "transport/fd.h"
 
 namespace gicube {
 namespace {
-
-using reference::BoardProcess;
-using reference::BoxVolume;
-using reference::open_board;
-using reference::open_board_process;
-using reference::step_function;
-
-std::vector<HostRay> rays(std::uint32_t count) {
-  std::vector<HostRay> list;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    list.push_back({.id = i, .position = {i % 31 + 0.25, i / 31 % 31 + 0.25, 0}, .direction = {0, 0, 1}});
-  }
-  return list;
-}
-
-void load(Board& board) {
-  board.load_volume(BoxVolume(32, 8, 23).view());
-  board.set_transfer_function(step_function(0.1));
-}
-
-Board loaded_board() {
-  Board board = open_board(reference::kSmallBlocks);
-  load(board);
-  return board;
-}
-
-// A board with a volume, whose process does nothing until it gets SIGCONT or SIGKILL.
-BoardProcess stopped_board(const OpenOptions& options = {}) {
-  BoardProcess process = open_board_process(options);
-  load(process.board);
-  process.board.counters();  // it has taken all that was sent
-  ::kill(process.id, SIGSTOP);
-  return process;
-}
 
 bool readable(const Fd& descriptor) {
   pollfd waits{descriptor.get(), POLLIN, 0};
@@ -60,7 +24,7 @@ void wait_for(const Fd& descriptor) {
 
 TEST(Descriptor, IsReadableOnceTheBoardHasDoneTheWorkAndStaysSo) {
   auto [board, id] = stopped_board();
-  const Ticket ticket = board.submit(rays(5000));
+  const Ticket ticket = board.submit(front_rays(5000));
   const Fd descriptor(board.descriptor(ticket)), another(board.descriptor(ticket));
   EXPECT_FALSE(readable(descriptor));
   ::kill(id, SIGCONT);
@@ -73,13 +37,13 @@ TEST(Descriptor, IsReadableOnceTheBoardHasDoneTheWorkAndStaysSo) {
 }
 
 TEST(Descriptor, OfABatchWithoutRaysIsReadableToo) {
-  Board board = loaded_board();
+  Board board = box_board();
   wait_for(Fd(board.descriptor(board.submit(std::span<const HostRay>{}))));
 }
 
 TEST(Descriptor, OfEachOfSeveralBatchesCanBeWaitedForInAnyOrder) {
-  Board board = loaded_board(), plain = loaded_board();
-  const auto sent = rays(20'000);
+  Board board = box_board(), plain = box_board();
+  const auto sent = front_rays(20'000);
   constexpr std::size_t kBatches = 6;
   std::vector<Ticket> tickets;
   std::vector<Fd> descriptors;
@@ -107,8 +71,8 @@ TEST(Descriptor, OfEachOfSeveralBatchesCanBeWaitedForInAnyOrder) {
 
 TEST(Descriptor, MovesNoSimulatedTime) {
   const auto run = [](bool asks) {
-    Board board = loaded_board();
-    const auto sent = rays(9000);
+    Board board = box_board();
+    const auto sent = front_rays(9000);
     std::vector<Picoseconds> times;
     std::vector<Ticket> tickets;
     std::vector<Fd> descriptors;
@@ -136,7 +100,7 @@ TEST(Descriptor, MovesNoSimulatedTime) {
 
 TEST(Descriptor, IsReadableWhenTheBoardIsLostAndTheResultSaysSo) {
   auto [board, id] = stopped_board();
-  const auto sent = rays(100);
+  const auto sent = front_rays(100);
   const Ticket first = board.submit(sent), second = board.submit(sent);
   const Fd of_first(board.descriptor(first)), of_second(board.descriptor(second));
   EXPECT_FALSE(readable(of_first));
@@ -149,7 +113,7 @@ TEST(Descriptor, IsReadableWhenTheBoardIsLostAndTheResultSaysSo) {
 
 TEST(Descriptor, IsReadableWhenTheWatchdogEndsTheWait) {
   auto [board, id] = stopped_board({.watchdog = std::chrono::seconds(2)});  // a busy machine opens a board in less
-  const Ticket ticket = board.submit(rays(100));
+  const Ticket ticket = board.submit(front_rays(100));
   wait_for(Fd(board.descriptor(ticket)));
   try {
     board.receive(ticket);
@@ -162,7 +126,7 @@ TEST(Descriptor, IsReadableWhenTheWatchdogEndsTheWait) {
 
 TEST(Descriptor, OfABatchThatIsSentAgainIsANewOne) {
   auto [board, id] = stopped_board({.keep_volume = true});
-  const Ticket ticket = board.submit(rays(5000));
+  const Ticket ticket = board.submit(front_rays(5000));
   const Fd before(board.descriptor(ticket));
   ::kill(id, SIGKILL);
   wait_for(before);
@@ -177,7 +141,7 @@ TEST(Descriptor, IsReadableOnceTheBoardIsClosed) {
   std::thread other;
   {
     auto [board, id] = stopped_board();
-    descriptor = Fd(board.descriptor(board.submit(rays(5000))));
+    descriptor = Fd(board.descriptor(board.submit(front_rays(5000))));
     EXPECT_FALSE(readable(descriptor));
     other = std::thread([&descriptor, id = id] {
       wait_for(descriptor);
@@ -189,13 +153,13 @@ TEST(Descriptor, IsReadableOnceTheBoardIsClosed) {
 }
 
 TEST(Descriptor, OfAnUnknownTicketIsRefused) {
-  Board board = loaded_board();
+  Board board = box_board();
   EXPECT_THROW(board.descriptor({77}), BadArgument);
 }
 
 TEST(PendingBatch, IsTheBatchThatReceiveWouldGive) {
-  Board board = loaded_board(), plain = loaded_board();
-  const auto sent = rays(5000);
+  Board board = box_board(), plain = box_board();
+  const auto sent = front_rays(5000);
   auto first = board.rays().start(sent), second = board.rays().start(sent);
   const Ticket a = plain.submit(sent), b = plain.submit(sent);
   EXPECT_TRUE(second.wait(std::chrono::hours(1)));
@@ -210,15 +174,15 @@ TEST(PendingBatch, IsTheBatchThatReceiveWouldGive) {
 }
 
 TEST(PendingBatch, HasASimulatedDeadlineAndComesAfterIt) {
-  Board board = loaded_board();
-  auto batch = board.rays().start(rays(5000));
+  Board board = box_board();
+  auto batch = board.rays().start(front_rays(5000));
   EXPECT_THROW(batch.get(board.now() + 1), DeadlinePassed);
   EXPECT_EQ(batch.get().rays.size(), 5000u);
 }
 
 TEST(PendingBatch, IsNotReadyBeforeTheBoardHasDoneTheWork) {
   auto [board, id] = stopped_board();
-  auto batch = board.rays().start(rays(5000));
+  auto batch = board.rays().start(front_rays(5000));
   EXPECT_FALSE(batch.ready());
   EXPECT_FALSE(batch.wait(std::chrono::milliseconds(20)));
   const Fd descriptor(batch.descriptor());
@@ -229,8 +193,8 @@ TEST(PendingBatch, IsNotReadyBeforeTheBoardHasDoneTheWork) {
 }
 
 TEST(PendingBatch, ComesBackCancelled) {
-  Board board = loaded_board();
-  auto first = board.rays().start(rays(30'000)), second = board.rays().start(rays(5000));
+  Board board = box_board();
+  auto first = board.rays().start(front_rays(30'000)), second = board.rays().start(front_rays(5000));
   EXPECT_TRUE(second.cancel());
   EXPECT_TRUE(second.get().cancelled);
   EXPECT_FALSE(first.get().cancelled);
@@ -239,8 +203,8 @@ TEST(PendingBatch, ComesBackCancelled) {
 TEST(PendingBatch, OutlivesItsBoardAndSaysSo) {
   std::optional<Pending<RayBatch>> batch;
   {
-    Board board = loaded_board();
-    batch = board.rays().start(rays(10));
+    Board board = box_board();
+    batch = board.rays().start(front_rays(10));
   }
   try {
     batch->get();
@@ -254,7 +218,7 @@ TEST(PendingBatch, ThatIsWaitedForThrowsWhenItsBoardIsClosedOrReplaced) {
   for (const bool replaced : {false, true}) {
     BoardProcess process = stopped_board();
     auto board = std::make_unique<Board>(std::move(process.board));
-    auto batch = board->rays().start(rays(5000));
+    auto batch = board->rays().start(front_rays(5000));
     std::promise<void> begins;
     std::thread waits([&] {
       begins.set_value();
@@ -262,7 +226,7 @@ TEST(PendingBatch, ThatIsWaitedForThrowsWhenItsBoardIsClosedOrReplaced) {
     });
     begins.get_future().wait();
     if (replaced) {
-      *board = loaded_board();
+      *board = box_board();
       EXPECT_NO_THROW(board->counters());
     } else {
       board.reset();

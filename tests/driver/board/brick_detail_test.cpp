@@ -1,22 +1,13 @@
 // Blocks that are sent in cells of several voxels: a picture has the bits of a volume whose voxels have their cells'
 // means.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "brick_scenes.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/testing.h"
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::reference {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 struct Densities {
   Dims dims;
@@ -31,14 +22,10 @@ struct Densities {
 Densities waves(const Dims& dims) {
   Densities out{dims, {}};
   std::mt19937 random(3);
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x) {
-        const bool inside = (x / 16 + y / 16 + z / 16) % 3 != 0;
-        out.voxels.push_back(inside ? std::uniform_int_distribution<std::uint16_t>(500, 3000)(random) : 0);
-      }
-    }
-  }
+  for_each_voxel(dims, [&](int x, int y, int z) {
+    const bool inside = (x / 16 + y / 16 + z / 16) % 3 != 0;
+    out.voxels.push_back(inside ? std::uniform_int_distribution<std::uint16_t>(500, 3000)(random) : 0);
+  });
   return out;
 }
 
@@ -106,7 +93,7 @@ TEST(BrickDetail, GivesThePictureOfMeans) {
 }
 
 TEST(BrickDetail, DependsOnTheViewAloneAndNotOnWhatTheCardHad) {
-  Board board = open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32");
+  Board board = Board::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32");
   const Densities volume = waves({50, 44, 37});
   board.set_transfer_function(kFog);
   board.load_volume(volume.view());
@@ -134,7 +121,7 @@ TEST(BrickDetail, SendsFewerBytes) {
   std::array<std::uint64_t, 2> bytes{};
   std::array<Picoseconds, 2> time{};
   for (const std::size_t coarse : {0, 1}) {
-    Board board = open_board("emu:?set=asic.max_volume_voxels=64");
+    Board board = Board::open("emu:?set=asic.max_volume_voxels=64");
     board.set_transfer_function(kFog);
     board.load_volume(volume.view());
     board.set_brick_detail(coarse != 0 ? 1 : 0);
@@ -150,12 +137,12 @@ TEST(BrickDetail, SendsFewerBytes) {
 }
 
 TEST(BrickDetail, NamesWhatIsWrong) {
-  Board board = open_board("emu:");
-  EXPECT_THAT([&] { board.set_brick_detail(-1); }, ThrowsMessage<BadArgument>(HasSubstr("detail: expected 0..64")));
+  Board board = Board::open("emu:");
+  EXPECT_THROWS(BadArgument, "detail: expected 0..64", board.set_brick_detail(-1));
   EXPECT_THROW(board.brick_detail(), Rejected);
   const Densities volume = waves({20, 20, 20});
   board.load_volume(volume.view());
-  EXPECT_THAT([&] { board.brick_detail(); }, ThrowsMessage<Rejected>(HasSubstr("needs a picture")));
+  EXPECT_THROWS(Rejected, "needs a picture", board.brick_detail());
   board.render(from_afar(volume.dims, 1));
   EXPECT_FALSE(board.brick_detail());
 }

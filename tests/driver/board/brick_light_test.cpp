@@ -1,13 +1,8 @@
 // Light in volumes that the card does not store whole: its irradiance, its accounts and the pictures that it lights
 // have the same bits as on a card that stores them whole.
-#include <gtest/gtest.h>
-
-#include <random>
-#include <string>
-#include <vector>
-
 #include "brick_scenes.h"
 #include "gicube/testing.h"
+#include "test.h"
 
 namespace gicube::reference {
 namespace {
@@ -42,14 +37,7 @@ void expect_same_light(const std::string& base, const std::string& card, int sce
     view.irradiance = flip();
     ASSERT_EQ(small.render(view).pixels, large.render(view).pixels) << "scattered";
 
-    std::vector<HostRay> rays;
-    for (std::uint32_t i = 0; i < 50; ++i) {
-      const auto at = [&](std::size_t axis) {
-        return std::uniform_real_distribution(0.0, blobs.dims[axis] - 1.0)(random);
-      };
-      const Vec3 from{at(0), at(1), at(2)}, to{at(0), at(1), at(2)};
-      rays.push_back({.id = i, .position = from, .direction = to - from, .energy = 3});
-    }
+    const auto rays = random_rays(random, blobs.dims, 50);
     for (Board* board : boards.both()) board->clear_irradiance(1);
     const RayRequest deposits{
         .type = RayType::kDeposit, .albedo = settings.albedo, .rules = settings.rules, .sampling = sampling_of(view)};

@@ -1,14 +1,8 @@
 // Host rays of volumes that the card does not store whole have the same bits as on a card that does.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "brick_scenes.h"
 #include "gicube/pair.h"
 #include "gicube/testing.h"
+#include "test.h"
 
 namespace gicube::reference {
 namespace {

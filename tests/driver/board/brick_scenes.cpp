@@ -1,9 +1,7 @@
 #include "brick_scenes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::reference {
 
@@ -16,18 +14,14 @@ Blobs make_blobs(std::mt19937& random, int least, int most) {
     for (std::size_t axis = 0; axis < 3; ++axis) ball[axis] = within(0, out.dims[axis]);
     ball[3] = within(4, 16);
   }
-  for (int z = 0; z < out.dims[2]; ++z) {
-    for (int y = 0; y < out.dims[1]; ++y) {
-      for (int x = 0; x < out.dims[0]; ++x) {
-        double value = x % 32 < 20 ? 30 + 10 * std::sin(0.3 * y + 0.2 * z) : 0;
-        for (const auto& ball : balls) {
-          const double radius = length(Vec3{x - ball[0], y - ball[1], z - ball[2]});
-          value = std::max(value, 60 + 20 * (ball[3] - radius));
-        }
-        out.samples.push_back(static_cast<std::byte>(std::clamp(value, 0.0, 255.0)));
-      }
+  for_each_voxel(out.dims, [&](int x, int y, int z) {
+    double value = x % 32 < 20 ? 30 + 10 * std::sin(0.3 * y + 0.2 * z) : 0;
+    for (const auto& ball : balls) {
+      const double radius = length(Vec3{x - ball[0], y - ball[1], z - ball[2]});
+      value = std::max(value, 60 + 20 * (ball[3] - radius));
     }
-  }
+    out.samples.push_back(static_cast<std::byte>(std::clamp(value, 0.0, 255.0)));
+  });
   return out;
 }
 
@@ -60,6 +54,20 @@ View make_view(std::mt19937& random, const Dims& dims, int pixels) {
 TransferFunction fog_and_balls(double fog) {
   return {.colours = {{0, {0.2, 0.4, 1}}, {255, {1, 0.6, 0.2}}},
           .opacities = {{20, 0}, {21, fog}, {60, fog}, {200, 0.6}}};
+}
+
+std::vector<HostRay> random_rays(std::mt19937& random, const Dims& dims, std::uint32_t count, bool segments) {
+  const auto point = [&] {
+    const auto at = [&](int edge) { return std::uniform_real_distribution(0.0, edge - 1.0)(random); };
+    return Vec3{at(dims[0]), at(dims[1]), at(dims[2])};
+  };
+  std::vector<HostRay> rays;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 from = point(), to = point();
+    rays.push_back(segments ? ray_between(i, from, to) : HostRay{.id = i, .position = from, .direction = to - from});
+    rays.back().energy = 3;
+  }
+  return rays;
 }
 
 Light make_light(std::mt19937& random, const Dims& dims) {

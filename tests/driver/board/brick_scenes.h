@@ -25,6 +25,8 @@ View make_view(std::mt19937& random, const Dims& dims, int pixels);
 
 TransferFunction fog_and_balls(double fog);
 
+// From point to point of the volume, each with an energy of 3: segments, or rays that go on.
+std::vector<HostRay> random_rays(std::mt19937& random, const Dims& dims, std::uint32_t count, bool segments = false);
 Light make_light(std::mt19937& random, const Dims& dims);
 Material make_material(std::mt19937& random);
 Illumination make_illumination(std::mt19937& random, std::uint32_t seed);
@@ -37,8 +39,8 @@ struct BrickBoards {
 
   BrickBoards(const std::string& base, const std::string& card, const std::string& endless = "128",
               const OpenOptions& options = {})
-      : small(open_board(base + "&set=asic.max_volume_voxels=" + card, options)),
-        large(open_board(base + "&set=asic.max_volume_voxels=" + endless)) {}
+      : small(Board::open(base + "&set=asic.max_volume_voxels=" + card, options)),
+        large(Board::open(base + "&set=asic.max_volume_voxels=" + endless)) {}
   std::array<Board*, 2> both() { return {&small, &large}; }
 };
 

@@ -1,22 +1,14 @@
 // Pairs of elements that the driver proves to see each other, against the same pairs by rays.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::kSmallBlocks;
-using reference::open_board;
-
 void load(Board& board) {
   const BoxVolume volume(40, 16, 22);  // fills part of the blocks 2 of each axis, and touches those before them
   board.load_volume(volume.view());
-  board.set_transfer_function(reference::step_function(0.3));
+  board.set_transfer_function(step_function(0.3));
 }
 
 struct Problem {
@@ -48,7 +40,7 @@ std::vector<PairFactor> unmarked(std::vector<PairFactor> factors) {
 }
 
 TEST(ClearPairs, AreTheSameBitsAsWithRaysWhoeverMakesThem) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   load(board);
   const Problem given = problem();
   for (const PairRays made : {PairRays::kByBoard, PairRays::kByHost}) {
@@ -72,7 +64,7 @@ TEST(ClearPairs, AreTheSameBitsAsWithRaysWhoeverMakesThem) {
 }
 
 TEST(ClearPairs, CostNeitherRaysNorBytesNorSimulatedTime) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   load(board);
   const Element low{ElementKind::kBox, {1, 1, 1}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element high{ElementKind::kBox, {1, 1, 36}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
@@ -91,7 +83,7 @@ TEST(ClearPairs, CostNeitherRaysNorBytesNorSimulatedTime) {
 }
 
 TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   load(board);
   const Element low{ElementKind::kBox, {18, 18, 1}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element high{ElementKind::kBox, {18, 18, 36}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
@@ -108,7 +100,7 @@ TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
 }
 
 TEST(ClearPairs, CountAsDoneInTheProgress) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   load(board);
   const Problem given = problem();
   std::uint32_t done = 0, all = 0;

@@ -1,18 +1,9 @@
 // Volumes whose voxels have colours of their own.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::reference {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 constexpr int kSize = 36;  // 125 blocks of 8^3
 // That stores 64 blocks of 8^3 voxels.
@@ -65,28 +56,28 @@ View flat_view() {
 
 Image picture(const std::string& where, const VolumeView& volume, const TransferFunction& look,
               const View& view = front_view(kSize)) {
-  Board board = open_board(where);
+  Board board = Board::open(where);
   board.set_transfer_function(look);
   board.load_volume(volume);
   return board.render(view);
 }
 
 TEST(Colours, TheCardSaysItsFormat) {
-  EXPECT_EQ(open_board().info().voxel_format, VoxelFormat::kDensity);
-  EXPECT_EQ(open_board(uri("rgb")).info().voxel_format, VoxelFormat::kRgb);
-  EXPECT_EQ(open_board(uri("rgba")).info().voxel_format, VoxelFormat::kRgba);
+  EXPECT_EQ(Board::open("emu:").info().voxel_format, VoxelFormat::kDensity);
+  EXPECT_EQ(Board::open(uri("rgb")).info().voxel_format, VoxelFormat::kRgb);
+  EXPECT_EQ(Board::open(uri("rgba")).info().voxel_format, VoxelFormat::kRgba);
 }
 
 TEST(Colours, AreRefusedByACardWithoutThemAndInAWrongNumber) {
   const auto samples = ball(200);
   const auto colours = painted(1, 2, 3);
-  Board plain = open_board(kSmallBlocks);
-  EXPECT_THAT([&] { plain.load_volume(view_of(samples, colours)); },
-              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none, since the card's voxels have none")));
-  Board board = open_board(uri("rgb"));
+  Board plain = Board::open(kSmallBlocks);
+  EXPECT_THROWS(BadArgument, "colours: expected none, since the card's voxels have none",
+                plain.load_volume(view_of(samples, colours)));
+  Board board = Board::open(uri("rgb"));
   std::vector<std::uint8_t> few(colours.begin(), colours.end() - 1);
-  EXPECT_THAT([&] { board.load_volume(view_of(samples, few)); },
-              ThrowsMessage<BadArgument>(HasSubstr("colours: expected none or 139968 bytes, 3 per voxel, got 139967")));
+  EXPECT_THROWS(BadArgument, "colours: expected none or 139968 bytes, 3 per voxel, got 139967",
+                board.load_volume(view_of(samples, few)));
 }
 
 TEST(Colours, NoneOrAllWhiteGiveTheBitsOfACardWithoutThem) {
@@ -144,14 +135,14 @@ TEST(Colours, OfVoxelsWithoutAlphaDoNotBleedIntoTheirNeighbours) {
     colours[3 * i] = 255;
     colours[3 * i + 1] = 0;
   }
-  Board board = open_board(uri("rgba"));
+  Board board = Board::open(uri("rgba"));
   board.set_transfer_function(ramp(0.5));
   board.load_volume(view_of(alpha, colours));
   View view = flat_view();
   view.width = view.height = 4 * kSize;
   for (const Pixel& pixel : board.render(view).pixels) EXPECT_EQ(pixel.green, 0);
 
-  Board straight = open_board(uri("rgb"));
+  Board straight = Board::open(uri("rgb"));
   straight.set_transfer_function(ramp(0.5));
   straight.load_volume(view_of(alpha, colours));
   int green = 0;
@@ -182,7 +173,7 @@ TEST(Colours, OfAStreamAreThoseOfAVolumeInMemory) {
   stream.dims = {kSize, kSize, kSize};
   stream.read = [&](int first, int, std::span<std::byte> out) { copy_planes(samples, first, out); };
   stream.read_colours = [&](int first, int, std::span<std::byte> out) { copy_planes(colours, first, out); };
-  Board board = open_board(kSmallCard + "&set=asic.voxel_format=rgb");
+  Board board = Board::open(kSmallCard + "&set=asic.voxel_format=rgb");
   board.set_transfer_function(ramp(0.3));
   board.load_volume(stream);
   EXPECT_EQ(board.render(front_view(kSize)), picture(uri("rgb"), view_of(samples, colours), ramp(0.3)));
@@ -191,7 +182,7 @@ TEST(Colours, OfAStreamAreThoseOfAVolumeInMemory) {
 TEST(Colours, StayWhenValuesAreOverwrittenAndAreVerified) {
   const auto samples = ball(255), thinner = ball(120);
   const auto colours = varied();
-  Board board = open_board(uri("rgb"));
+  Board board = Board::open(uri("rgb"));
   board.set_transfer_function(ramp(0.3));
   board.load_volume(view_of(samples, colours));
   EXPECT_TRUE(board.verify_volume().empty());
@@ -200,7 +191,7 @@ TEST(Colours, StayWhenValuesAreOverwrittenAndAreVerified) {
   board.write_volume({{0, 0, 0}, {kSize, kSize, kSize}}, values);
   EXPECT_TRUE(board.verify_volume().empty());
   // Gradients are those of densities then, which the other board has found in the same way.
-  Board other = open_board(uri("rgb"));
+  Board other = Board::open(uri("rgb"));
   other.set_transfer_function(ramp(0.3));
   other.load_volume(view_of(thinner, colours));
   other.write_volume({{0, 0, 0}, {kSize, kSize, kSize}}, values);
@@ -211,11 +202,11 @@ TEST(Colours, GoToTheNextBoardWithTheVolumeAndIntoACheckpoint) {
   const auto samples = ball(255);
   const auto colours = varied();
   const Image expected = picture(uri("rgba"), view_of(samples, colours), ramp(0.3));
-  Board board = open_board(uri("rgba"));
+  Board board = Board::open(uri("rgba"));
   board.set_transfer_function(ramp(0.3));
   board.load_volume(view_of(samples, colours));
   const std::vector<std::byte> saved = board.save();
-  Board other = open_board(uri("rgba"));
+  Board other = Board::open(uri("rgba"));
   other.restore(saved);
   EXPECT_EQ(other.render(front_view(kSize)), expected);
   EXPECT_TRUE(other.verify_volume().empty());
@@ -224,7 +215,7 @@ TEST(Colours, GoToTheNextBoardWithTheVolumeAndIntoACheckpoint) {
 TEST(Colours, CostABlockTheirPartOfTheBus) {
   const std::vector<std::byte> samples(kVoxels, std::byte{9});
   const auto bytes = [&](const char* where, const std::vector<std::uint8_t>& colours) {
-    Board board = open_board(where);
+    Board board = Board::open(where);
     board.load_volume(view_of(samples, colours));
     return board.counters().value("bus.volume.bytes");
   };

@@ -1,12 +1,7 @@
 // docs/reference/counters.csv names what boards of all levels count, with unit and level.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
 #include <regex>
-#include <string>
-#include <vector>
 
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
@@ -72,14 +67,14 @@ TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
       EXPECT_EQ(std::ranges::any_of(counters.list(), is_it), is_kept(row)) << row.name << ' ' << when;
     }
   };
-  const reference::BoxVolume volume(16, 4, 11);
+  const BoxVolume volume(16, 4, 11);
   for (const std::string name : {"functional", "cycle"}) {
-    Board board = reference::open_board(reference::kSmallBlocks + ("&fidelity=" + name));
+    Board board = Board::open(kSmallBlocks + ("&fidelity=" + name));
     const Fidelity level = board.info().fidelity;
     board.load_volume(volume.view());
-    board.set_transfer_function(reference::step_function(0.5));
+    board.set_transfer_function(step_function(0.5));
     board.set_material({.scattering = 0.5, .bsdf = Bsdf::kIsotropic});
-    board.render(reference::front_view(16));
+    board.render(front_view(16));
     const std::vector<Element> patches{{.origin = {1, 1, 1}, .u = {9, 0, 0}, .v = {0, 9, 0}},
                                        {.origin = {1, 1, 14}, .u = {0, 9, 0}, .v = {9, 0, 0}}};
     board.pair_factors(patches, std::vector<ElementPair>{{0, 1, 0}}, {.rays = 16});

@@ -1,16 +1,15 @@
 // The cycle level's fast way on boards as users have them: processes of gicube-board, whose debugger nobody uses.
-#include <gtest/gtest.h>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
 TEST(CyclesAhead, MostCyclesOfAServedBoardGoTheFastWay) {
-  Board board = reference::open_board("emu:?fidelity=cycle");
-  board.load_volume(reference::BoxVolume(96, 4, 91).view());
-  board.set_transfer_function(reference::step_function(0.01));
-  View view = reference::front_view(96);
+  Board board = Board::open("emu:?fidelity=cycle");
+  board.load_volume(BoxVolume(96, 4, 91).view());
+  board.set_transfer_function(step_function(0.01));
+  View view = front_view(96);
   view.width = view.height = 128;
   board.render(view);
   const Counters counters = board.counters();

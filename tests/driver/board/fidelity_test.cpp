@@ -1,26 +1,14 @@
 // The report of fidelity levels, held against what a board did and what the documents say.
 #include "gicube/fidelity.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
-#include <iterator>
 #include <regex>
-#include <string>
-#include <vector>
 
 #include "gicube/fidelity_levels.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
-
-std::string page(std::string_view name) {
-  std::ifstream file(GICUBE_SOURCE_DIR "/" + std::string(name));
-  EXPECT_TRUE(file) << name;
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::string levels_of(unsigned bits) {
   if (bits == kAtEveryLevel) return "all";
@@ -37,18 +25,19 @@ TEST(FidelityReport, HasTheTableOfTheHardwarePage) {
   for (const LeftOut& each : kLeftOut) {
     expected += "| " + std::string(each.what) + " | " + levels_of(each.levels) + " |\n";
   }
-  EXPECT_NE(page("docs/reference/hardware.md").find(expected + '\n'), std::string::npos) << expected;
+  EXPECT_NE(text_of(GICUBE_SOURCE_DIR "/docs/reference/hardware.md").find(expected + '\n'), std::string::npos)
+      << expected;
 }
 
 TEST(FidelityReport, HasTheCommandsOfItsWindowAlone) {
-  Board board = open_board("emu:?fidelity=cycle");
-  board.set_transfer_function(reference::step_function(0.5));
+  Board board = Board::open("emu:?fidelity=cycle");
+  board.set_transfer_function(step_function(0.5));
   EXPECT_TRUE(fidelity_report(board.counters()).empty());
-  board.load_volume(reference::BoxVolume(16, 4, 12).view());
-  board.render(reference::front_view(16));
-  board.render(reference::front_view(16));
+  board.load_volume(BoxVolume(16, 4, 12).view());
+  board.render(front_view(16));
+  board.render(front_view(16));
   const Counters before = board.counters();
-  board.render(reference::front_view(16));
+  board.render(front_view(16));
   for (const auto& [window, renders] : {std::pair{board.counters(), 3u}, std::pair{board.counters() - before, 1u}}) {
     const std::vector<LevelReport> report = fidelity_report(window);
     ASSERT_EQ(report.size(), 1u);

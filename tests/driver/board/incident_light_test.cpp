@@ -1,21 +1,15 @@
 // Pictures of a field that holds what falls on a sample, as a solution of radiosity writes it.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::open_board;
-
 constexpr int kSize = 24;
 constexpr const char* kUri = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32";
 
 View view_of_field(double exposure) {
-  View view = reference::front_view(kSize);
+  View view = front_view(kSize);
   view.width = view.height = 24;
   view.irradiance = view.incident = true;
   view.exposure = exposure;
@@ -39,7 +33,7 @@ void fill(Board& board, double opacity, double unit) {
 
 TEST(IncidentLight, IsShownAsColourTimesIrradianceTimesExposureWhateverTheOpacity) {
   for (const char* set : {"", "&set=asic.datapath=wide"}) {
-    Board board = open_board(std::string(kUri) + set);
+    Board board = Board::open(std::string(kUri) + set);
     for (const double opacity : {0.05, 0.4, 1.0}) {
       const double unit = board.info().wide ? 1.0 / 2048 / 65536 : 1.0 / 2048;
       fill(board, opacity, unit);
@@ -59,7 +53,7 @@ TEST(IncidentLight, IsShownAsColourTimesIrradianceTimesExposureWhateverTheOpacit
 }
 
 TEST(IncidentLight, InAFieldThatIsTheSameEverywhereIsKnownExactly) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   for (const double opacity : {0.05, 1.0}) {
     fill(board, opacity, 1.0 / 1024);
     board.write_irradiance({{0, 0, 0}, {kSize, kSize, kSize}}, std::vector<float>(kSize * kSize * kSize, 0.75F));
@@ -79,7 +73,7 @@ TEST(IncidentLight, InAFieldThatIsTheSameEverywhereIsKnownExactly) {
 TEST(IncidentLight, IsTheSameBitsOnEveryLevel) {
   std::vector<Pixel> expected;
   for (const char* level : {"functional", "cycle"}) {
-    Board board = open_board(std::string(kUri) + "&fidelity=" + level);
+    Board board = Board::open(std::string(kUri) + "&fidelity=" + level);
     fill(board, 0.3, 1.0 / 2048);
     const Image image = board.render(view_of_field(1));
     if (expected.empty()) expected = image.pixels;

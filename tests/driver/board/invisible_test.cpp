@@ -1,16 +1,9 @@
 // Pictures in which nothing is visible say so, with what was done to them here.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::reference {
 namespace {
-
-using testing::AllOf;
-using testing::EndsWith;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 class Invisible : public testing::Test {
  protected:
@@ -21,7 +14,7 @@ class Invisible : public testing::Test {
   }
   std::string why(const View& view) { return board_.why_invisible(board_.render(view)); }
 
-  Board board_ = open_board(kSmallBlocks);
+  Board board_ = Board::open(kSmallBlocks);
   BoxVolume box_{32, 8, 23};
   View view_ = front_view(32);
 };

@@ -1,24 +1,9 @@
 // Lamps in a mirror, held against geometry.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <numeric>
-#include <optional>
-#include <string>
-#include <vector>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
-
-using reference::kSmallBlocks;
-using reference::open_board;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 constexpr int kSize = 48;
 constexpr int kFloor = 10;         // the last layer of voxels that are solid
@@ -124,7 +109,7 @@ class Lamps : public testing::TestWithParam<const char*> {
   }
 
   std::vector<std::byte> voxels_ = floor_voxels();
-  Board board_ = open_board(std::string(kSmallBlocks) + GetParam());
+  Board board_ = Board::open(std::string(kSmallBlocks) + GetParam());
 };
 
 TEST_P(Lamps, AMirrorShowsARectangleWhereGeometrySays) {
@@ -276,10 +261,10 @@ TEST_P(Lamps, AreSeenByRaysThatTheApplicationScatters) {
 INSTANTIATE_TEST_SUITE_P(Boards, Lamps, testing::Values("", "&set=asic.datapath=wide", "&set=fidelity=cycle"));
 
 TEST(LampCheck, NamesWhatIsWrong) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   const std::vector<std::byte> voxels = floor_voxels();
   board.load_volume({.samples = voxels, .type = SampleType::kUint8, .dims = {kSize, kSize, kSize}});
-  View view = reference::front_view(kSize);
+  View view = front_view(kSize);
   const auto refused = [&](const std::vector<Lamp>& lamps) {
     view.lamps = lamps;
     return [&] { board.render(view); };

@@ -1,31 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numeric>
-#include <tuple>
-
 #include "reference/photons.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::kSmallBlocks;
-using reference::open_board;
-using reference::step_function;
-using testing::HasSubstr;
-
 class Lighting : public ::testing::Test {
  protected:
   void SetUp() override { load(board_); }
   static void load(Board& board) {
-    board.load_volume(BoxVolume(32, 8, 23).view());
-    board.set_transfer_function(step_function(0.5));
+    load_box(board, 0.5);
     Material chalk;
     chalk.scattering = 0.6;
     chalk.bsdf = Bsdf::kDiffuse;
@@ -45,7 +29,7 @@ class Lighting : public ::testing::Test {
     return view;
   }
 
-  Board board_ = open_board(kSmallBlocks);
+  Board board_ = Board::open(kSmallBlocks);
   const std::vector<Light> lamp_{PointLight{{16, 16, -20}, 1000}};
 };
 
@@ -83,7 +67,7 @@ constexpr const char* kWideBoard =
     "emu:?set=asic.datapath=wide&set=asic.block_voxels=16&set=asic.max_volume_voxels=128";
 
 TEST(LightingReport, TellsTheTransmittanceOfASlabThatAbsorbsWhicheverWayItLies) {
-  Board board = open_board(kWideBoard);
+  Board board = Board::open(kWideBoard);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double depth : {0.3, 2.0}) {
       const auto shares = slab_shares(board, axis, depth, 0, {});
@@ -97,7 +81,7 @@ TEST(LightingReport, TellsTheTransmittanceOfASlabThatAbsorbsWhicheverWayItLies) 
 }
 
 TEST(LightingReport, TellsReflectanceAndTransmittanceOfASlabThatScatters) {
-  Board board = open_board(kWideBoard);
+  Board board = Board::open(kWideBoard);
   for (const auto& [axis, depth, albedo, rays] :
        {std::tuple{2, 4.0, 0.95, Albedo::kLow}, {0, 1.0, 0.5, Albedo::kHigh}, {1, 0.5, 0.9, Albedo::kLow}}) {
     const reference::Fates expected = reference::slab(depth, albedo, 1'000'000, 7);
@@ -189,7 +173,7 @@ TEST_F(Lighting, SeedsAreIndependentExperimentsOfOneMean) {
 }
 
 TEST_F(Lighting, TheWideDatapathAgreesWithThePapersWithinItsNoise) {
-  Board wide = open_board(std::string(kSmallBlocks) + "&set=asic.datapath=wide");
+  Board wide = Board::open(std::string(kSmallBlocks) + "&set=asic.datapath=wide");
   EXPECT_TRUE(wide.info().wide);
   load(wide);
   Illumination settings;
@@ -291,7 +275,7 @@ TEST_F(Lighting, RaysThatBounceForEverAreGivenUpAfterTheirLifetime) {
 }
 
 TEST_F(Lighting, IrradianceIsAskedForOnlyAfterAPass) {
-  Board fresh = open_board(kSmallBlocks);
+  Board fresh = Board::open(kSmallBlocks);
   EXPECT_THROW(fresh.illuminate(lamp_, {}), Rejected);
   fresh.load_volume(BoxVolume(32, 8, 23).view());
   EXPECT_THROW(fresh.read_irradiance(), Rejected);
@@ -319,7 +303,7 @@ TEST_F(Lighting, FidelityBusAndThreadsChangeNoWordAndNoPixel) {
   const std::vector<float> words = board_.read_irradiance();
   const Image image = board_.render(view);
   for (const char* other : {"&fidelity=cycle", "&fidelity=cycle&bus=agp4x&set=asic.processors=3", "&threads=1"}) {
-    Board board = open_board(std::string(kSmallBlocks) + other);
+    Board board = Board::open(std::string(kSmallBlocks) + other);
     load(board);
     board.illuminate(lamp_, {});
     EXPECT_EQ(board.read_irradiance(), words) << other;

@@ -1,28 +1,14 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numeric>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::kSmallBlocks;
-using reference::open_board;
-using reference::step_function;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
-
 int sum(const std::vector<std::uint8_t>& flags) { return std::accumulate(flags.begin(), flags.end(), 0); }
 
 TEST(Load, CallsThatNeedAVolumeSaySo) {
-  Board board = open_board();
-  EXPECT_THAT([&] { board.value_range(); }, ThrowsMessage<Rejected>(HasSubstr("load_volume")));
+  Board board = Board::open("emu:");
+  EXPECT_THROWS(Rejected, "load_volume", board.value_range());
   EXPECT_THROW(board.blocks(), Rejected);
   EXPECT_THROW(board.empty_flags(), Rejected);
   EXPECT_THROW(board.set_empty_flags({}), Rejected);
@@ -31,16 +17,14 @@ TEST(Load, CallsThatNeedAVolumeSaySo) {
 }
 
 TEST(Load, GivesTheValueRangeAndTheBlocks) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   board.load_volume(BoxVolume(20, 8, 12).view());
   EXPECT_EQ(board.value_range(), (ValueRange{0, 255}));
   EXPECT_EQ(board.blocks(), (Dims{3, 3, 3}));
 }
 
 TEST(Load, ABadVolumeLeavesTheFormerOne) {
-  Board board = open_board(kSmallBlocks);
-  board.set_transfer_function(step_function(0.5));
-  board.load_volume(BoxVolume(32, 8, 23).view());
+  Board board = box_board(0.5);
   const Image before = board.render(front_view(32));
   std::vector<float> samples(8, 0.0f);
   samples[5] = std::numeric_limits<float>::quiet_NaN();
@@ -55,7 +39,7 @@ TEST(Load, ABadVolumeLeavesTheFormerOne) {
 }
 
 TEST(Load, ProgressTellsOfEachBlockThatIsSent) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
   board.load_volume(BoxVolume(32, 9, 14).view(),
                     [&](std::uint32_t done, std::uint32_t all) { heard.emplace_back(done, all); });
@@ -68,7 +52,7 @@ TEST(Load, ProgressTellsOfEachBlockThatIsSent) {
 }
 
 TEST(Load, AProgressCallbackMustNotCallItsBoardButMayAskTheTime) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   const BoxVolume volume(32, 8, 15);
   EXPECT_THAT([&] { board.load_volume(volume.view(), [&](std::uint32_t, std::uint32_t) { board.counters(); }); },
               ThrowsMessage<Error>(HasSubstr("callback")));
@@ -77,7 +61,7 @@ TEST(Load, AProgressCallbackMustNotCallItsBoardButMayAskTheTime) {
 
 TEST(Load, ZeroBlocksCostNoBusTime) {
   const auto load_time = [](int size) {
-    Board board = open_board(kSmallBlocks);
+    Board board = Board::open(kSmallBlocks);
     const Picoseconds before = board.now();
     board.load_volume(BoxVolume(size, 8, 15).view());
     return board.now() - before;
@@ -87,7 +71,7 @@ TEST(Load, ZeroBlocksCostNoBusTime) {
 }
 
 TEST(Load, TheTransferTimeOfACubeIsItsPackedVoxelsOverTheBus) {
-  Board board = open_board();
+  Board board = Board::open("emu:");
   BoxVolume volume(64, 0, 63);
   board.load_volume(volume.view());  // also sends the gradient LUT
   const Picoseconds before = board.now();
@@ -99,7 +83,7 @@ TEST(Load, TheTransferTimeOfACubeIsItsPackedVoxelsOverTheBus) {
 }
 
 TEST(Flags, AreFoundFromVolumeAndTransferFunctionAndAgainAfterEachEdit) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   board.load_volume(BoxVolume(32, 8, 15).view());
   EXPECT_EQ(sum(board.empty_flags()), 64);  // nothing is visible without a transfer function
   board.set_transfer_function(step_function(0.5));
@@ -109,7 +93,7 @@ TEST(Flags, AreFoundFromVolumeAndTransferFunctionAndAgainAfterEachEdit) {
 }
 
 TEST(Flags, SetByHandHoldUntilTheNextEdit) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   board.load_volume(BoxVolume(32, 8, 15).view());
   board.set_transfer_function(step_function(0.5));
   const Image seen = board.render(front_view(32));
@@ -125,17 +109,15 @@ TEST(Flags, SetByHandHoldUntilTheNextEdit) {
 }
 
 TEST(Tables, ATransferFunctionMayComeBeforeTheVolume) {
-  Board early = open_board(kSmallBlocks);
+  Board early = Board::open(kSmallBlocks);
   early.set_transfer_function(step_function(0.5));
   early.load_volume(BoxVolume(32, 8, 23).view());
-  Board late = open_board(kSmallBlocks);
-  late.load_volume(BoxVolume(32, 8, 23).view());
-  late.set_transfer_function(step_function(0.5));
+  Board late = box_board(0.5);
   EXPECT_EQ(early.render(front_view(32)), late.render(front_view(32)));
 }
 
 TEST(Tables, TheTransferFunctionFollowsTheVolumesRange) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   board.set_transfer_function(step_function(0.5));
   BoxVolume volume(32, 8, 23);
   board.load_volume(volume.view());
@@ -150,7 +132,7 @@ TEST(Tables, TheTransferFunctionFollowsTheVolumesRange) {
 }
 
 TEST(Tables, BadArgumentsAreRefusedByName) {
-  Board board = open_board();
+  Board board = Board::open("emu:");
   EXPECT_THROW(board.set_transfer_function({}, 0), BadArgument);
   EXPECT_THROW(board.set_transfer_function(step_function(0.5), 4), BadArgument);
   EXPECT_THROW(board.set_shading({.phong = {.ambient = -1}, .light = {}}), BadArgument);
@@ -158,7 +140,7 @@ TEST(Tables, BadArgumentsAreRefusedByName) {
 }
 
 TEST(Tables, TheCodebookIsFixedOnceAVolumeHoldsItsCodes) {
-  Board board = open_board(kSmallBlocks);
+  Board board = Board::open(kSmallBlocks);
   const std::vector<Vec3> axes{{}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   EXPECT_NO_THROW(board.set_gradient_codebook(axes));
   board.load_volume(BoxVolume(32, 8, 23).view());

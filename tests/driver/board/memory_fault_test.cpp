@@ -1,31 +1,17 @@
 // RDRAM errors that the board detects, and those that only verify_volume() finds.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "temporary_directory.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::kSmallBlocks;
-using reference::open_board;
-using reference::step_function;
 using reference::TemporaryDirectory;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
-using testing::ThrowsMessage;
 
 // A board with 4^3 blocks, of which the box touches the middle ones.
 Board loaded(const std::string& uri) {
-  Board board = open_board(uri);
-  board.set_transfer_function(step_function(0.5));
-  board.load_volume(BoxVolume(32, 8, 23).view());
+  Board board = Board::open(uri);
+  load_box(board, 0.5);
   return board;
 }
 
@@ -58,7 +44,7 @@ TEST(MemoryFault, OfADetectedErrorIsThrownOnceAndHarmsNothing) {
   const Image expected = sound.render(front_view(32));
   Board board = loaded(faulty.uri());
   board.counters();
-  EXPECT_THAT([&] { board.render(front_view(32)); }, ThrowsMessage<MemoryFault>(HasSubstr("word 1")));
+  EXPECT_THROWS(MemoryFault, "word 1", board.render(front_view(32)));
   EXPECT_EQ(board.render(front_view(32)), expected);
   EXPECT_THAT(board.verify_volume(), IsEmpty());
 }
@@ -94,8 +80,8 @@ TEST(VerifyVolume, TheSimulatedHostWaitsForTheReading) {
 }
 
 TEST(VerifyVolume, NeedsAVolume) {
-  Board board = open_board();
-  EXPECT_THAT([&] { board.verify_volume(); }, ThrowsMessage<Rejected>(HasSubstr("load_volume")));
+  Board board = Board::open("emu:");
+  EXPECT_THROWS(Rejected, "load_volume", board.verify_volume());
 }
 
 }  // namespace

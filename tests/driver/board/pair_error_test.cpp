@@ -1,12 +1,6 @@
 // Whether PairFactor::standard_error is one, over many geometries: independent experiments against references that find
 // the light by directions, where nothing is unbounded.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <numbers>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
@@ -212,7 +206,7 @@ int beyond_three(Board& board, const Geometry& geometry, double truth, std::uint
 }
 
 void expect_at_most_one_of_a_hundred_beyond_three(const std::vector<Geometry>& geometries) {
-  Board board = reference::open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
+  Board board = Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
   for (const Geometry& geometry : geometries) {
     fill(board, geometry.medium);
     const double truth = reference_of(geometry);
@@ -231,7 +225,7 @@ TEST(PairErrors, OfDiscsAndTrianglesAtMostOneOfAHundredIsBeyondThree) {
 }
 
 TEST(PairErrors, FallWithMoreRays) {
-  Board board = reference::open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
+  Board board = Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
   fill(board, Medium::kThin);
   for (const Element& other : {kWall, above(20)}) {
     double before = 1e9;

@@ -1,18 +1,9 @@
 // Light between pairs of elements, against closed forms; rays made by the board and by the host.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <tuple>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
-
-using reference::open_board;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 constexpr int kSize = 40;
 constexpr double kSide = 20;  // voxels, of the squares
@@ -45,7 +36,7 @@ class FormFactors : public testing::TestWithParam<Medium> {};
 // Clear: the closed forms of parallel unit squares a side apart, and of perpendicular ones with a common edge. In a
 // medium: converged sums in double precision (shared design's table).
 TEST_P(FormFactors, AreThoseOfTwoSquares) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, GetParam().kappa);
   const auto factors = board.pair_factors(kElements, kPairs, {.rays = 65'536});
   EXPECT_NEAR(form_factor(factors[0]), GetParam().parallel, 0.002 * GetParam().parallel + GetParam().digit);
@@ -70,7 +61,7 @@ double coaxial_discs(double radius_1, double radius_2, double height) {
 }
 
 TEST(DiscFactors, AreThoseOfCoaxialDiscs) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0);
   board.set_empty_flags(std::vector<std::uint8_t>(board.empty_flags().size(), 0));
   for (const auto& [radius_1, radius_2, height] :
@@ -86,7 +77,7 @@ TEST(DiscFactors, AreThoseOfCoaxialDiscs) {
 }
 
 TEST(DiscFactors, OfRingsAndSectorsSumToThatOfTheirDisc) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0.5);
   const Element other = disc({24, 18, 12}, 8, false);
   const Element whole = disc({20, 20, 5}, 12, true);
@@ -114,7 +105,7 @@ TEST(DiscFactors, OfRingsAndSectorsSumToThatOfTheirDisc) {
 }
 
 TEST(DiscFactors, OfASmallPatchBelowThemIsThatOfADifferentialOne) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0);
   const Element patch{ElementKind::kPatch, {19.9, 19.9, 5}, {0.2, 0, 0}, {0, 0.2, 0}, {}};
   const Element above = disc({20, 20, 13}, 6, false);
@@ -124,7 +115,7 @@ TEST(DiscFactors, OfASmallPatchBelowThemIsThatOfADifferentialOne) {
 }
 
 TEST(DiscFactors, OfEllipsesInSpaceAreThoseOfDiscs) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   const std::vector<std::byte> samples(std::size_t{kSize} * kSize * 20, std::byte{0});
   board.load_volume({.samples = samples, .dims = {kSize, kSize, 20}, .spacing = {1, 1, 2}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 0}}});
@@ -137,7 +128,7 @@ TEST(DiscFactors, OfEllipsesInSpaceAreThoseOfDiscs) {
 }
 
 TEST(TriangleFactors, OfBothHalvesOfARectangleSumToThatOfTheRectangle) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0.5);
   const Vec3 o{5, 5, 5}, x{kSide, 0, 0}, y{0, kSide, 0};
   const std::vector<Element> elements{kFloor, triangle(o, o + x, o + y), triangle(o + x + y, o + y, o + x), kCeiling,
@@ -156,7 +147,7 @@ TEST(TriangleFactors, OfBothHalvesOfARectangleSumToThatOfTheRectangle) {
 
 // Every face sees the three others alone, and touches them.
 TEST(TriangleFactors, OfATetrahedronAreMutualAndClose) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0);
   const std::array<Vec3, 4> corner{{{6, 7, 5}, {33, 9, 8}, {12, 34, 6}, {16, 15, 31}}};
   std::vector<Element> faces;
@@ -189,7 +180,7 @@ TEST(TriangleFactors, OfATetrahedronAreMutualAndClose) {
 
 // Parts of near pairs end where the volume does, but for a rounding.
 TEST(PairFactors, OfElementsAtTheVolumesFacesAreMeasured) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   const double third = 1.0 / 3;
   const std::vector<Element> elements{
@@ -211,7 +202,7 @@ TEST(PairFactors, AreTheSameBitsWhoeverMakesTheRaysAndOnWhateverLevel) {
   const std::array<ElementPair, 4> pairs{{{0, 1, 1}, {0, 2, 2}, {4, 5, 3}, {0, 4, 4}}};
   std::vector<PairFactor> expected;
   for (const char* level : {"functional", "cycle"}) {
-    Board board = open_board(std::string(kUri) + "&fidelity=" + level);
+    Board board = Board::open(std::string(kUri) + "&fidelity=" + level);
     fill(board, 1);
     for (const PairRays made : {PairRays::kByBoard, PairRays::kByHost}) {
       const auto factors = board.pair_factors(elements, pairs, {.rays = 500, .first = 3, .seed = 9, .made = made});
@@ -224,7 +215,7 @@ TEST(PairFactors, AreTheSameBitsWhoeverMakesTheRaysAndOnWhateverLevel) {
 }
 
 TEST(PairFactors, SpareTheBusWhenTheBoardMakesTheRays) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   const auto bus_bytes = [&](std::span<const ElementPair> pairs, PairRays made) {
     const Counters before = board.counters();
@@ -240,7 +231,7 @@ TEST(PairFactors, SpareTheBusWhenTheBoardMakesTheRays) {
 }
 
 TEST(PairFactors, ElementsThatLookAwayGetNothingAndSendNoRay) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   const Counters before = board.counters();
   const auto factors = board.pair_factors(kElements, std::array{ElementPair{0, 3, 1}, ElementPair{0, 0, 2}}, {});
@@ -254,7 +245,7 @@ TEST(PairFactors, ElementsThatLookAwayGetNothingAndSendNoRay) {
 }
 
 TEST(PairFactors, BoxesSeeEachOtherOverTheSquareOfTheirDistance) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 0);
   const Element near{ElementKind::kBox, {5, 5, 5}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element far{ElementKind::kBox, {5, 5, 33}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
@@ -269,7 +260,7 @@ TEST(PairFactors, BoxesSeeEachOtherOverTheSquareOfTheirDistance) {
 }
 
 TEST(PairFactors, MoreSamplesGoOnWhereTheFirstEnded) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   const auto all = board.pair_factors(kElements, kPairs, {.rays = 64});
   const auto first = board.pair_factors(kElements, kPairs, {.rays = 40});
@@ -278,7 +269,7 @@ TEST(PairFactors, MoreSamplesGoOnWhereTheFirstEnded) {
 }
 
 TEST(PairFactors, ThoseOfNearPairsAreFreshToo) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   const auto first = board.pair_factors(kElements, kPairs, {.rays = 64});
   const auto rest = board.pair_factors(kElements, kPairs, {.rays = 64, .first = 64});
@@ -287,12 +278,12 @@ TEST(PairFactors, ThoseOfNearPairsAreFreshToo) {
 }
 
 TEST(PairFactors, StepAndLeapAreTheRequestsWhateverWasRenderedBefore) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   fill(board, 1);
   for (const PairRays made : {PairRays::kByBoard, PairRays::kByHost}) {
     const PairRequest request{.rays = 64, .step = 0.25, .made = made};
     const auto before = board.pair_factors(kElements, kPairs, request);
-    View view = reference::front_view(kSize);
+    View view = front_view(kSize);
     view.step = 2, view.leap = false;
     board.render_to_framebuffer(view);
     EXPECT_EQ(board.pair_factors(kElements, kPairs, request), before);
@@ -305,7 +296,7 @@ TEST(PairFactors, StepAndLeapAreTheRequestsWhateverWasRenderedBefore) {
 }
 
 TEST(PairFactors, AnisotropicVoxelsAreMeasuredInSpace) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   const std::vector<std::byte> samples(std::size_t{kSize} * kSize * 20, std::byte{0});
   board.load_volume({.samples = samples, .dims = {kSize, kSize, 20}, .spacing = {1, 1, 2}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 0}}});
@@ -316,32 +307,27 @@ TEST(PairFactors, AnisotropicVoxelsAreMeasuredInSpace) {
 }
 
 TEST(PairFactors, WhatIsWrongIsNamed) {
-  Board board = open_board(kUri);
+  Board board = Board::open(kUri);
   EXPECT_THROW(board.pair_factors(kElements, kPairs), Rejected);
   fill(board, 1);
   auto elements = kElements;
   elements[1].origin.z = 39.5;
-  EXPECT_THAT([&] { board.pair_factors(elements, kPairs); },
-              ThrowsMessage<BadArgument>(HasSubstr(
-                  "elements[1]: expected an element in the volume, got one from (5, 5, 39.5) to (25, 25, 39.5)")));
+  EXPECT_THROWS(BadArgument,
+                "elements[1]: expected an element in the volume, got one from (5, 5, 39.5) to (25, 25, 39.5)",
+                board.pair_factors(elements, kPairs));
   elements[1] = {ElementKind::kDisc, {20, 20, 20}, {5, 0, 0}, {0, 5, 0}, {0, 1, 0}};
-  EXPECT_THAT(
-      [&] { board.pair_factors(elements, kPairs); },
-      ThrowsMessage<BadArgument>(HasSubstr("elements[1].w: expected a disc's shares of 0 or more and below 1, got 1")));
+  EXPECT_THROWS(BadArgument, "elements[1].w: expected a disc's shares of 0 or more and below 1, got 1",
+                board.pair_factors(elements, kPairs));
   elements[1] = {ElementKind::kDisc, {20, 20, 35}, {5, 0, 0}, {0, 3, 4}, {}};
   EXPECT_NO_THROW(board.pair_factors(elements, kPairs)) << "it touches z = 39";
   elements[1].origin.z = 35.5;
-  EXPECT_THAT([&] { board.pair_factors(elements, kPairs); },
-              ThrowsMessage<BadArgument>(HasSubstr("got one from (15, 17, 31.5) to (25, 23, 39.5)")));
-  EXPECT_THAT(
-      [&] {
-        board.pair_factors(kElements, std::array{ElementPair{0, 9, 0}});
-      },
-      ThrowsMessage<BadArgument>(HasSubstr("pairs[0]: expected elements below 4, got 9")));
-  EXPECT_THAT([&] { board.pair_factors(kElements, kPairs, {.rays = 0}); },
-              ThrowsMessage<BadArgument>(HasSubstr("request.rays: expected 1..65536, got 0")));
-  EXPECT_THAT([&] { board.pair_factors(kElements, kPairs, {.step = 0}); },
-              ThrowsMessage<BadArgument>(HasSubstr("request.step: expected 0.015625..16, got 0")));
+  EXPECT_THROWS(BadArgument, "got one from (15, 17, 31.5) to (25, 23, 39.5)", board.pair_factors(elements, kPairs));
+  EXPECT_THROWS(BadArgument, "pairs[0]: expected elements below 4, got 9",
+                board.pair_factors(kElements, std::array{ElementPair{0, 9, 0}}));
+  EXPECT_THROWS(BadArgument, "request.rays: expected 1..65536, got 0",
+                board.pair_factors(kElements, kPairs, {.rays = 0}));
+  EXPECT_THROWS(BadArgument, "request.step: expected 0.015625..16, got 0",
+                board.pair_factors(kElements, kPairs, {.step = 0}));
   EXPECT_TRUE(board.pair_factors(kElements, {}).empty());
 }
 

@@ -1,22 +1,12 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
 
-using reference::BoxVolume;
-using reference::front_view;
-using reference::open_board;
-using reference::step_function;
-
 class RayBatches : public ::testing::Test {
  protected:
-  void SetUp() override {
-    board_.load_volume(BoxVolume(32, 8, 23).view());
-    board_.set_transfer_function(step_function(0.1));
-  }
+  void SetUp() override { load_box(board_); }
 
   // Rays along +z through a square of the front face.
   static std::vector<HostRay> rays(std::uint32_t count) {
@@ -27,7 +17,7 @@ class RayBatches : public ::testing::Test {
     return list;
   }
 
-  Board board_ = open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  Board board_ = Board::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
 };
 
 TEST_F(RayBatches, ComeBackInTheirOrderWithTheirIdsAndIntegrals) {
@@ -100,8 +90,7 @@ TEST_F(RayBatches, ABadRayIsNamedAndNothingIsSent) {
   auto list = rays(3);
   list[2].position.x = 99;
   const Counters before = board_.counters();
-  EXPECT_THAT([&] { board_.submit(list); },
-              ::testing::ThrowsMessage<BadArgument>(::testing::HasSubstr("rays[2].position.x")));
+  EXPECT_THROWS(BadArgument, "rays[2].position.x", board_.submit(list));
   EXPECT_EQ((board_.counters() - before).value("dsp.host_rays"), 0u);
 }
 

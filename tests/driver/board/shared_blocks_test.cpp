@@ -1,24 +1,13 @@
 // Boards that share a volume's blocks: pictures, host rays and light have the bits of one endless card.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 #include <exception>
-#include <memory>
-#include <random>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "brick_scenes.h"
 #include "gicube/testing.h"
+#include "test.h"
 #include "thread_exchange.h"
 
 namespace gicube::reference {
 namespace {
-
-using testing::HasSubstr;
 
 struct SharedBoards {
   ThreadRanks job;
@@ -26,7 +15,7 @@ struct SharedBoards {
 
   SharedBoards(int ranks, const std::string& uri) : job(ranks) {
     for (std::size_t rank = 0; rank < job.ranks(); ++rank) {
-      boards.push_back(open_board(uri));
+      boards.push_back(Board::open(uri));
       boards.back().share_blocks(job.exchange(rank));
     }
   }
@@ -51,7 +40,7 @@ void expect_same_pictures(const std::string& base, const std::string& card, int 
                           unsigned seed) {
   std::mt19937 random(seed);
   SharedBoards shared(ranks, base + "&set=asic.max_volume_voxels=" + card);
-  Board large = open_board(base + "&set=asic.max_volume_voxels=128");
+  Board large = Board::open(base + "&set=asic.max_volume_voxels=128");
   for (int scene = 0; scene < scenes; ++scene) {
     const Blobs blobs = make_blobs(random, 20, 70);
     const TransferFunction function = fog_and_balls(scene % 3 == 0 ? 0 : 0.02);
@@ -91,13 +80,13 @@ TEST(SharedBlocks, GivePicturesTheBitsOfAnEndlessCardAtTheCycleLevel) {
   expect_same_pictures("emu:?fidelity=cycle&set=asic.block_voxels=8", "32", 2, 2, 12, 6);
 }
 
-void expect_same_rays(const std::string& base, const std::string& card, int ranks, int scenes, std::size_t rays,
+void expect_same_rays(const std::string& base, const std::string& card, int ranks, int scenes, std::uint32_t rays,
                       unsigned seed) {
   constexpr std::array kTypes{RayType::kIntegrate, RayType::kFirstHit, RayType::kSegment, RayType::kOpacity,
                               RayType::kIntegral};
   std::mt19937 random(seed);
   SharedBoards shared(ranks, base + "&set=asic.max_volume_voxels=" + card);
-  Board large = open_board(base + "&set=asic.max_volume_voxels=128");
+  Board large = Board::open(base + "&set=asic.max_volume_voxels=128");
   for (int scene = 0; scene < scenes; ++scene) {
     const Blobs blobs = make_blobs(random, 20, 60);
     const TransferFunction function = fog_and_balls(0.02);
@@ -112,14 +101,7 @@ void expect_same_rays(const std::string& base, const std::string& card, int rank
       std::vector<RayBatch> got(sent.size());
       const bool between = type != RayType::kIntegrate && type != RayType::kFirstHit;
       for (std::size_t rank = 0; rank < sent.size(); ++rank) {
-        for (std::uint32_t i = 0; i < (rank == 2 ? 0 : rays); ++i) {  // a rank may have none
-          const auto at = [&](std::size_t axis) {
-            return std::uniform_real_distribution(0.0, blobs.dims[axis] - 1.0)(random);
-          };
-          const Vec3 from{at(0), at(1), at(2)}, to{at(0), at(1), at(2)};
-          sent[rank].push_back(between ? ray_between(i, from, to)
-                                       : HostRay{.id = i, .position = from, .direction = to - from});
-        }
+        sent[rank] = random_rays(random, blobs.dims, rank == 2 ? 0 : rays, between);  // a rank may have none
       }
       const RayRequest request{.type = type, .opacity = 0.6};
       shared.on_all(
@@ -141,7 +123,7 @@ void expect_same_light(const std::string& base, const std::string& card, int ran
                        unsigned seed) {
   std::mt19937 random(seed);
   SharedBoards shared(ranks, base + "&set=asic.max_volume_voxels=" + card);
-  Board large = open_board(base + "&set=asic.max_volume_voxels=128");
+  Board large = Board::open(base + "&set=asic.max_volume_voxels=128");
   for (int scene = 0; scene < scenes; ++scene) {
     SCOPED_TRACE(base + ", ranks " + std::to_string(ranks) + ", scene " + std::to_string(scene));
     const Blobs blobs = make_blobs(random, 20, 60);
@@ -155,14 +137,7 @@ void expect_same_light(const std::string& base, const std::string& card, int ran
     View scattered = view;
     scattered.scatter = true;
     scattered.high_albedo = std::bernoulli_distribution(0.5)(random);
-    std::vector<HostRay> rays;
-    for (std::uint32_t i = 0; i < 40; ++i) {
-      const auto at = [&](std::size_t axis) {
-        return std::uniform_real_distribution(0.0, blobs.dims[axis] - 1.0)(random);
-      };
-      const Vec3 from{at(0), at(1), at(2)}, to{at(0), at(1), at(2)};
-      rays.push_back({.id = i, .position = from, .direction = to - from, .energy = 3});
-    }
+    const auto rays = random_rays(random, blobs.dims, 40);
     const RayRequest deposits{.type = RayType::kDeposit,
                               .albedo = settings.albedo,
                               .rules = settings.rules,
@@ -226,7 +201,7 @@ TEST(SharedBlocks, GiveAPictureOfOneRow) {
   const Blobs blobs = make_blobs(random, 30, 40);
   View view = make_view(random, blobs.dims, 20);
   view.height = 1;
-  Board large = open_board("emu:?set=asic.block_voxels=8");
+  Board large = Board::open("emu:?set=asic.block_voxels=8");
   large.set_transfer_function(fog_and_balls(0.02));
   large.load_volume(blobs.view());
   const Image expected = large.render(view);
@@ -282,22 +257,14 @@ TEST(SharedBlocks, RefuseWhatNeedsAWholeVolume) {
     return make_blobs(random, 30, 40);
   }();
   board.load_volume(blobs.view());
-  const auto refused = [](const auto& call) {
-    try {
-      call();
-    } catch (const Unsupported& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
   const char* const text = " does not work on a board that shares its volume's blocks with other ranks";
-  EXPECT_EQ(refused([&] { board.verify_volume(); }), std::string("verify_volume()") + text);
-  EXPECT_EQ(refused([&] { board.pair_factors({}, {}); }), std::string("pair_factors()") + text);
-  EXPECT_EQ(refused([&] { board.save(); }), std::string("save()") + text);
+  EXPECT_EQ(message_of<Unsupported>([&] { board.verify_volume(); }), std::string("verify_volume()") + text);
+  EXPECT_EQ(message_of<Unsupported>([&] { board.pair_factors({}, {}); }), std::string("pair_factors()") + text);
+  EXPECT_EQ(message_of<Unsupported>([&] { board.save(); }), std::string("save()") + text);
   EXPECT_THROW(board.share_blocks(shared.job.exchange(0)), Rejected);
   EXPECT_THROW(board.share_blocks(nullptr), BadArgument);
-  EXPECT_THAT([&] { open_board("emu:?set=asic.max_volume_voxels=32").share_blocks(shared.job.exchange(0)); },
-              testing::ThrowsMessage<Unsupported>(HasSubstr("that stores 8 blocks or more")));
+  EXPECT_THROWS(Unsupported, "that stores 8 blocks or more",
+                Board::open("emu:?set=asic.max_volume_voxels=32").share_blocks(shared.job.exchange(0)));
 }
 
 }  // namespace

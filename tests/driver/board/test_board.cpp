@@ -1,22 +1,19 @@
 #include "test_board.h"
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
 #include "temporary_directory.h"
+#include "voxels.h"
 
-namespace gicube::reference {
-
-Board open_board(const std::string& uri, const OpenOptions& options) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
-  return Board::open(uri, options);
-}
+namespace gicube {
 
 // A script that says its id and becomes the board stands in for it.
 BoardProcess open_board_process(const OpenOptions& options) {
-  const TemporaryDirectory folder;
+  const reference::TemporaryDirectory folder;
   const std::string script = folder.file("board"), id_file = folder.file("id");
   std::ofstream(script) << "#!/bin/sh\necho $$ > " << id_file << "\nexec " GICUBE_BIN_DIR "/gicube-board \"$@\"\n";
   std::filesystem::permissions(script, std::filesystem::perms::owner_all);
@@ -30,13 +27,9 @@ BoardProcess open_board_process(const OpenOptions& options) {
 
 BoxVolume::BoxVolume(int edge, int first, int last) : size(edge), low(first), high(last) {
   const auto inside = [this](int i) { return i >= low && i <= high; };
-  for (int z = 0; z < size; ++z) {
-    for (int y = 0; y < size; ++y) {
-      for (int x = 0; x < size; ++x) {
-        samples.push_back(inside(x) && inside(y) && inside(z) ? std::byte{200} : std::byte{0});
-      }
-    }
-  }
+  for_each_voxel({size, size, size}, [&](int x, int y, int z) {
+    samples.push_back(inside(x) && inside(y) && inside(z) ? std::byte{200} : std::byte{0});
+  });
 }
 
 VolumeView BoxVolume::view() const {
@@ -45,6 +38,25 @@ VolumeView BoxVolume::view() const {
 
 TransferFunction step_function(double opacity) {
   return {.colours = {{0, {1, 0.5, 0.25}}}, .opacities = {{100, 0}, {100, opacity}}};
+}
+
+void load_box(Board& board, double opacity) {
+  board.load_volume(BoxVolume(32, 8, 23).view());
+  board.set_transfer_function(step_function(opacity));
+}
+
+BoardProcess stopped_board(const OpenOptions& options) {
+  BoardProcess process = open_board_process(options);
+  load_box(process.board);
+  process.board.counters();  // it has taken all that was sent
+  ::kill(process.id, SIGSTOP);
+  return process;
+}
+
+Board box_board(double opacity, const OpenOptions& options) {
+  Board board = Board::open(kSmallBlocks, options);
+  load_box(board, opacity);
+  return board;
 }
 
 View front_view(int size) {
@@ -59,4 +71,12 @@ View front_view(int size) {
   return view;
 }
 
-}  // namespace gicube::reference
+std::vector<HostRay> front_rays(std::uint32_t count) {
+  std::vector<HostRay> rays;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    rays.push_back({.id = i, .position = {i % 31 + 0.25, i / 31 % 31 + 0.25, 0}, .direction = {0, 0, 1}});
+  }
+  return rays;
+}
+
+}  // namespace gicube

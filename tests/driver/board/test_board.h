@@ -1,28 +1,28 @@
-// A private board and a small volume for the tests of the public interface.
+// A small volume, its rays and its board, for the tests of the public interface.
 #pragma once
 
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "gicube/board.h"
 
-namespace gicube::reference {
+namespace gicube {
 
 // Small volumes then have several blocks.
 constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
-// Opens `uri` with the gicube-board of this build tree.
-Board open_board(const std::string& uri = "emu:", const OpenOptions& options = {});
-
-// A board like open_board(kSmallBlocks)'s with the id of its process, which may be stopped or killed.
+// A board of kSmallBlocks and the id of its process, which may be stopped or killed.
 struct BoardProcess {
   Board board;
   pid_t id;
 };
 BoardProcess open_board_process(const OpenOptions& options = {});
+// The same with load_box(); the process does nothing until it gets SIGCONT or SIGKILL.
+BoardProcess stopped_board(const OpenOptions& options = {});
 
 // A cube of `size`^3 bytes, 0 but for a box of 200 in the voxels low..high, both included, on each axis.
 struct BoxVolume {
@@ -38,7 +38,14 @@ struct BoxVolume {
 // Invisible below 100, opacity `opacity` a voxel above.
 TransferFunction step_function(double opacity);
 
+// Loads BoxVolume(32, 8, 23), and sets step_function(opacity).
+void load_box(Board& board, double opacity = 0.1);
+Board box_board(double opacity = 0.1, const OpenOptions& options = {});
+
 // Along +z onto the middle of a volume of `size`^3.
 View front_view(int size);
 
-}  // namespace gicube::reference
+// Along +z from the face z = 0 of a volume of 32^3; ids 0, 1, ...
+std::vector<HostRay> front_rays(std::uint32_t count);
+
+}  // namespace gicube

@@ -1,12 +1,7 @@
 // The boxes of blocks that ranks are dealt.
 #include "board/bricks/volume_parts.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <random>
-#include <vector>
+#include "test.h"
 
 namespace gicube::reference {
 namespace {

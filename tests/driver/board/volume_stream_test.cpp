@@ -1,33 +1,18 @@
 // Volumes that are read in planes while they are loaded are the same as those that are in memory.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <new>
-#include <numeric>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "gicube/testing.h"
+#include "test.h"
 #include "test_board.h"
+#include "voxels.h"
 
 namespace gicube::reference {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 using Planes = std::pair<int, int>;  // first, count
 
 // Stores 8 blocks of 16^3.
@@ -39,13 +24,9 @@ struct Ramp {
   std::vector<T> values;
 
   Ramp(SampleType of, Dims size) : dims(size), type_(of) {
-    for (int z = 0; z < dims[2]; ++z) {
-      for (int y = 0; y < dims[1]; ++y) {
-        for (int x = 0; x < dims[0]; ++x) {
-          values.push_back(static_cast<T>(70 + 60 * std::sin(0.2 * x) * std::sin(0.3 * y) + 0.5 * z * (y % 3)));
-        }
-      }
-    }
+    for_each_voxel(dims, [&](int x, int y, int z) {
+      values.push_back(static_cast<T>(70 + 60 * std::sin(0.2 * x) * std::sin(0.3 * y) + 0.5 * z * (y % 3)));
+    });
   }
   VolumeView view() const {
     return {.samples = std::as_bytes(std::span(values)), .type = type_, .dims = dims, .spacing = {1, 1.5, 1}};
@@ -79,7 +60,7 @@ TransferFunction look() { return {.colours = {{0, {1, 0.5, 0.2}}}, .opacities = 
 template <typename T>
 void expect_same(const char* uri, SampleType type, Dims dims) {
   const Ramp<T> ramp(type, dims);
-  Board memory = open_board(uri), stream = open_board(uri);
+  Board memory = Board::open(uri), stream = Board::open(uri);
   std::vector<Planes> asked;
   memory.load_volume(ramp.view());
   stream.load_volume(ramp.stream(asked));
@@ -114,7 +95,7 @@ TEST(VolumeStream, GivesTheBitsOfOneInMemoryOnACardThatDoesNot) {
 
 TEST(VolumeStream, IsAskedForFewPlanesAtATime) {
   const Ramp<std::uint8_t> ramp(SampleType::kUint8, {40, 50, 67});
-  Board board = open_board(kSmall);
+  Board board = Board::open(kSmall);
   std::vector<Planes> asked;
   std::vector<std::uint32_t> done;
   board.load_volume(ramp.stream(asked), [&](std::uint32_t so_far, std::uint32_t all) {
@@ -131,7 +112,7 @@ TEST(VolumeStream, IsAskedForFewPlanesAtATime) {
 // Somebody else has cut the driver's file of blocks off.
 TEST(VolumeStream, NamesTheFolderIfABlockCannotBeReadAndTheBoardLivesOn) {
   const Ramp<std::uint8_t> ramp(SampleType::kUint8, {40, 50, 67});
-  Board board = open_board(kSmall);
+  Board board = Board::open(kSmall);
   board.set_transfer_function(look());
   std::vector<Planes> asked;
   board.load_volume(ramp.stream(asked));
@@ -155,7 +136,7 @@ TEST(VolumeStream, NamesTheFolderIfABlockCannotBeReadAndTheBoardLivesOn) {
 
 TEST(VolumeStream, LeavesTheFormerVolumeIfItCannotBeRead) {
   const Ramp<float> ramp(SampleType::kFloat32, {40, 50, 67});
-  Board board = open_board(kSmall);
+  Board board = Board::open(kSmall);
   board.set_transfer_function(look());
   board.load_volume(ramp.view());
   const Image before = board.render(picture());
@@ -172,12 +153,12 @@ TEST(VolumeStream, LeavesTheFormerVolumeIfItCannotBeRead) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     if (first == 34) std::memcpy(out.data() + 4 * (40 * 50 + 3 * 40 + 7), &nan, 4);
   };
-  EXPECT_THAT([&] { board.load_volume(broken); },
-              testing::ThrowsMessage<BadArgument>(
-                  testing::StrEq("samples at voxel (7, 3, 35): expected a finite number, got nan")));
+  EXPECT_THAT(
+      [&] { board.load_volume(broken); },
+      ThrowsMessage<BadArgument>(testing::StrEq("samples at voxel (7, 3, 35): expected a finite number, got nan")));
   broken.read = nullptr;
   EXPECT_THAT([&] { board.load_volume(broken); },
-              testing::ThrowsMessage<BadArgument>(testing::StrEq("read: expected a function, got null")));
+              ThrowsMessage<BadArgument>(testing::StrEq("read: expected a function, got null")));
   EXPECT_EQ(board.render(picture()).pixels, before.pixels);
 }
 
@@ -203,7 +184,7 @@ class AddressSpace {
 
 // 512 MiB in planes that are alike.
 TEST(VolumeStream, NeedsLessThanAQuarterOfTheVolumesMemory) {
-  Board board = open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
+  Board board = Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 0}, {200, 1}}});
   VolumeStream stream;
   stream.dims = {1024, 1024, 512};
@@ -224,13 +205,13 @@ TEST(VolumeStream, NeedsLessThanAQuarterOfTheVolumesMemory) {
 
 TEST(VolumeStream, NamesTheFolderThatCannotKeepIt) {
   const Ramp<std::uint8_t> ramp(SampleType::kUint8, {40, 50, 67});
-  Board board = open_board(kSmall);
+  Board board = Board::open(kSmall);
   std::vector<Planes> asked;
   ASSERT_EQ(::setenv("TMPDIR", "/there/is/none", 1), 0);
   EXPECT_THAT([&] { board.load_volume(ramp.stream(asked)); },
-              testing::ThrowsMessage<Error>(testing::StrEq("volume: expected a folder /there/is/none that can keep a "
-                                                           "volume larger than the card (TMPDIR), got No such file or "
-                                                           "directory")));
+              ThrowsMessage<Error>(testing::StrEq("volume: expected a folder /there/is/none that can keep a "
+                                                  "volume larger than the card (TMPDIR), got No such file or "
+                                                  "directory")));
   ::unsetenv("TMPDIR");
   board.load_volume(ramp.stream(asked));
   EXPECT_EQ(board.dims(), ramp.dims);

@@ -22,19 +22,6 @@ void expect(bool is_so, const std::string& what) {
   if (!is_so) throw std::runtime_error(what);
 }
 
-std::vector<HostRay> make_rays(std::mt19937& random, const Dims& dims, std::uint32_t count) {
-  std::vector<HostRay> rays;
-  const auto place = [&] {
-    const auto at = [&](int edge) { return std::uniform_real_distribution(0.0, edge - 1.0)(random); };
-    return Vec3{at(dims[0]), at(dims[1]), at(dims[2])};
-  };
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Vec3 from = place();
-    rays.push_back({.id = i, .position = from, .direction = place() - from, .energy = 3});
-  }
-  return rays;
-}
-
 struct Results {
   Image picture, lit;
   std::vector<TracedRay> rays;
@@ -50,7 +37,7 @@ void compare(MpiExchange& ranks, Board& shared, Board& endless, std::uint32_t sc
   const Illumination settings = make_illumination(random, scene);
   const View view = make_view(random, blobs.dims, 24);
   std::mt19937 own(scene * 100 + static_cast<unsigned>(ranks.rank()));
-  const auto rays = make_rays(own, blobs.dims, 40);
+  const auto rays = random_rays(own, blobs.dims, 40);
   const auto results = [&](Board& board) {
     board.set_transfer_function(fog_and_balls(0.02));
     board.set_material(material);
@@ -76,7 +63,7 @@ void compare(MpiExchange& ranks, Board& shared, Board& endless, std::uint32_t sc
 void run(std::uint32_t scenes) {
   const std::string base = "emu:?set=asic.block_voxels=8&threads=1&set=asic.max_volume_voxels=";
   const std::shared_ptr<MpiExchange> ranks = MpiExchange::open();
-  Board shared = open_board(base + "32"), endless = open_board(base + "64");
+  Board shared = Board::open(base + "32"), endless = Board::open(base + "64");
   shared.share_blocks(ranks);
   for (std::uint32_t scene = 0; scene < scenes; ++scene) compare(*ranks, shared, endless, scene);
   const std::uint64_t sent = ranks->sum(shared.counters().value("dsp.forwarded_rays"));

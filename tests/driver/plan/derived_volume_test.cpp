@@ -1,13 +1,9 @@
 // Parts of volumes, coarser ones, and how far these are from what they stand for.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <random>
-
 #include "../encode/test_volume.h"
 #include "gicube/error.h"
 #include "gicube/level_of_detail.h"
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube {
 namespace {
@@ -131,16 +127,12 @@ TEST(CroppedVolume, HasTheSameVoxelsAndSaysWhereTheyWere) {
   EXPECT_EQ(part.dims, (Dims{3, 2, 4}));
   EXPECT_EQ(part.placement.low, (Vec3{2, 1, 3}));
   EXPECT_EQ(part.range, (ValueRange{0, 255}));
-  for (int z = 0; z < 4; ++z) {
-    for (int y = 0; y < 2; ++y) {
-      for (int x = 0; x < 3; ++x) {
-        const auto at = static_cast<std::size_t>(x + 3 * (y + 2 * z));
-        const std::size_t from = volume.index(x + 2, y + 1, z + 3);
-        EXPECT_EQ(std::to_integer<int>(part.samples[at]), volume.samples[from]);
-        EXPECT_EQ(part.tags[at], tags[from]);
-      }
-    }
-  }
+  for_each_voxel({3, 2, 4}, [&](int x, int y, int z) {
+    const auto at = static_cast<std::size_t>(x + 3 * (y + 2 * z));
+    const std::size_t from = volume.index(x + 2, y + 1, z + 3);
+    EXPECT_EQ(std::to_integer<int>(part.samples[at]), volume.samples[from]);
+    EXPECT_EQ(part.tags[at], tags[from]);
+  });
   EXPECT_THROW(cropped(view, {{2, 1, 3}, {5, 2, 4}}), BadArgument);
 }
 

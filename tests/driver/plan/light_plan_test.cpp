@@ -1,18 +1,11 @@
 #include "gicube/light_plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "plan/pilot.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube {
 namespace {
-
-using reference::BoxVolume;
-using reference::open_board;
 
 // A block of fog that scatters most of a lamp's light.
 struct Lamp {
@@ -20,9 +13,9 @@ struct Lamp {
   std::vector<Light> lights{PointLight{{11.5, 11.5, -8}, 60}};
 
   Board board(const std::string& uri = "emu:?fidelity=functional") const {
-    Board board = open_board(uri);
+    Board board = Board::open(uri);
     board.load_volume(box.view());
-    board.set_transfer_function(reference::step_function(0.3));
+    board.set_transfer_function(step_function(0.3));
     board.set_material({.scattering = 0.5, .bsdf = Bsdf::kIsotropic});
     return board;
   }
@@ -30,7 +23,7 @@ struct Lamp {
     LightPlanRequest request;
     request.lights = lights;
     request.settings.rays_per_face_voxel = 32;
-    request.view = reference::front_view(24);
+    request.view = front_view(24);
     request.view.width = request.view.height = 96;
     request.view.irradiance = true;
     request.view.exposure = 20;
@@ -88,7 +81,7 @@ TEST(LightPlan, SaysSoWhereNoNumberOfRaysThatItMayTakeIsEnough) {
   const LightPlan plan = plan_light(board, request);
   EXPECT_FALSE(plan.kept);
   EXPECT_EQ(plan.chosen.rays_per_face_voxel, 12);
-  EXPECT_THAT(plan.explain().front(), testing::HasSubstr("NOT REACHED"));
+  EXPECT_THAT(plan.explain().front(), HasSubstr("NOT REACHED"));
 }
 
 TEST(LightPlan, WithThePrintedRulesKeepsTheAlbedoWhichIsAnotherPictureThere) {

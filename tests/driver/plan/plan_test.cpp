@@ -1,19 +1,12 @@
 #include "gicube/plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "plan/pilot.h"
+#include "test.h"
 #include "test_board.h"
+#include "voxels.h"
 
 namespace gicube {
 namespace {
-
-using reference::open_board;
 
 // A ball of soft shells in noise that nothing shows, in a corner of its volume.
 struct Shells {
@@ -23,15 +16,11 @@ struct Shells {
       {{{0, {0.9, 0.5, 0.2}}, {255, {0.3, 0.6, 1}}}, {{90, 0}, {130, 0.2}, {255, 0.5}}}};
 
   Shells() {
-    for (int z = 0; z < kSize; ++z) {
-      for (int y = 0; y < kSize; ++y) {
-        for (int x = 0; x < kSize; ++x) {
-          const double r = std::hypot(x - 22.0, y - 24.0, z - 21.0);
-          const double value = r > 17 ? 20 + (x * 7 + y * 13 + z * 29) % 40 : 128 + 120 * std::cos(0.7 * r);
-          samples.push_back(static_cast<std::byte>(static_cast<int>(value)));
-        }
-      }
-    }
+    for_each_voxel({kSize, kSize, kSize}, [&](int x, int y, int z) {
+      const double r = std::hypot(x - 22.0, y - 24.0, z - 21.0);
+      const double value = r > 17 ? 20 + (x * 7 + y * 13 + z * 29) % 40 : 128 + 120 * std::cos(0.7 * r);
+      samples.push_back(static_cast<std::byte>(static_cast<int>(value)));
+    });
   }
   VolumeView volume() const { return {.samples = samples, .type = SampleType::kUint8, .dims = {kSize, kSize, kSize}}; }
   static View view(int size) {
@@ -60,7 +49,7 @@ std::uint64_t samples_of(Board& board, const View& view) {
 
 TEST(Plan, LeavesThePlannedVolumeOnTheBoardAndNothingThatIsNotSeen) {
   const Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   PlanRequest request = shells.request(128);
   request.max_error = 0.02;
   const Plan plan = make_plan(board, request);
@@ -76,7 +65,7 @@ TEST(Plan, LeavesThePlannedVolumeOnTheBoardAndNothingThatIsNotSeen) {
 
 TEST(Plan, TakesMoreSamplesForLessErrorAndFewerForMore) {
   const Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   double last = 0;
   for (const double error : {0.1, 0.03, 0.005}) {
     PlanRequest request = shells.request(128);
@@ -90,7 +79,7 @@ TEST(Plan, TakesMoreSamplesForLessErrorAndFewerForMore) {
 
 TEST(Plan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
   Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   std::mt19937 random(3);
   const auto within = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -120,7 +109,7 @@ double difference(const Image& image, const Image& best) { return pilot_error(im
 
 TEST(Plan, ReachesBelowAQuarterOfAVoxelOnTheWideDatapathAlone) {
   const Shells shells;
-  Board paper = open_board(), wide = open_board("emu:?set=asic.datapath=wide");
+  Board paper = Board::open("emu:"), wide = Board::open("emu:?set=asic.datapath=wide");
   PlanRequest request = shells.request(128);
   request.max_error = 0.003;
   EXPECT_EQ(make_plan(paper, request).best.step, 1.0 / 4);
@@ -130,7 +119,7 @@ TEST(Plan, ReachesBelowAQuarterOfAVoxelOnTheWideDatapathAlone) {
   EXPECT_THAT(plan.points, testing::Contains(testing::Field(&PlanPoint::step, 1.0 / 8)));
   EXPECT_LT(plan.chosen.step, 1.0 / 4);
   EXPECT_LE(plan.chosen.error_bound, request.max_error);
-  EXPECT_THAT(plan.explain(), testing::Not(testing::Contains(testing::HasSubstr("from the best"))));
+  EXPECT_THAT(plan.explain(), testing::Not(testing::Contains(HasSubstr("from the best"))));
   const Image chosen = wide.render(plan.view(request.view));
   View view = plan.view(request.view);
   view.step = plan.best.step;
@@ -140,7 +129,7 @@ TEST(Plan, ReachesBelowAQuarterOfAVoxelOnTheWideDatapathAlone) {
 
 TEST(Plan, ShorterStepsComeNearerToTheFinestOfTheWideDatapath) {
   const Shells shells;
-  Board board = open_board("emu:?set=asic.datapath=wide");
+  Board board = Board::open("emu:?set=asic.datapath=wide");
   board.load_volume(shells.volume());
   board.set_transfer_function(shells.looks[0]);
   View view = Shells::view(96);
@@ -160,7 +149,7 @@ TEST(Plan, ShorterStepsComeNearerToTheFinestOfTheWideDatapath) {
 
 TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
   Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   PlanRequest request = shells.request(24);
   request.view.fov_degrees = 60;  // a ball of five pixels
   request.max_error = 0.2;
@@ -183,7 +172,7 @@ TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
 
 TEST(Plan, KeepsATimeBudgetOrSaysThatNothingDoes) {
   const Shells shells;
-  Board board = open_board("emu:?fidelity=cycle");
+  Board board = Board::open("emu:?fidelity=cycle");
   PlanRequest request = shells.request(128);
   request.time_budget = 8'000'000'000;  // 8 ms; the finest setting takes 18
   const Plan plan = make_plan(board, request);
@@ -196,12 +185,12 @@ TEST(Plan, KeepsATimeBudgetOrSaysThatNothingDoes) {
   request.time_budget = 1'000'000;  // one microsecond
   const Plan hopeless = make_plan(board, request);
   EXPECT_FALSE(hopeless.kept);
-  EXPECT_THAT(hopeless.explain().front(), testing::HasSubstr("NOT REACHED"));
+  EXPECT_THAT(hopeless.explain().front(), HasSubstr("NOT REACHED"));
 }
 
 TEST(Plan, ABudgetNeedsABoardThatKeepsTime) {
   const Shells shells;
-  Board board = open_board("emu:?fidelity=functional");
+  Board board = Board::open("emu:?fidelity=functional");
   PlanRequest request = shells.request(32);
   request.time_budget = 1'000'000'000;
   EXPECT_THROW(make_plan(board, request), BadArgument);
@@ -211,7 +200,7 @@ TEST(Plan, ABudgetNeedsABoardThatKeepsTime) {
 
 TEST(Plan, MakesNoGradientsForAPictureWithoutShading) {
   const Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   PlanRequest request = shells.request(64);
   request.view.shade = false;
   request.max_error = 0.05;
@@ -221,12 +210,12 @@ TEST(Plan, MakesNoGradientsForAPictureWithoutShading) {
   View shaded = plan.view(request.view);
   shaded.shade = true;
   EXPECT_EQ(board.render(shaded), flat);  // there is no gradient to shade by
-  EXPECT_THAT(plan.explain(), testing::Contains(testing::HasSubstr("gradients")));
+  EXPECT_THAT(plan.explain(), testing::Contains(HasSubstr("gradients")));
 }
 
 TEST(Plan, BringsAnotherBoardToTheSamePicture) {
   const Shells shells;
-  Board board = open_board(), other = open_board();
+  Board board = Board::open("emu:"), other = Board::open("emu:");
   PlanRequest request = shells.request(64);
   request.max_error = 0.1;
   const Plan plan = make_plan(board, request);
@@ -236,7 +225,7 @@ TEST(Plan, BringsAnotherBoardToTheSamePicture) {
 
 TEST(Plan, OfWhatTheBoardHoldsChangesNoVolume) {
   const Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   board.load_volume(shells.volume());
   board.set_transfer_function(shells.looks[0]);
   const auto before = board.read_volume({{0, 0, 0}, {64, 64, 4}});
@@ -252,7 +241,7 @@ TEST(Plan, OfWhatTheBoardHoldsChangesNoVolume) {
 
 TEST(Plan, APictureOfNothingKeepsTheBestSetting) {
   const Shells shells;
-  Board board = open_board();
+  Board board = Board::open("emu:");
   PlanRequest request = shells.request(64);
   request.view.look_at = {22, -400, 21};  // away from it
   request.max_error = 0.05;

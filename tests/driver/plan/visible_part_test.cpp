@@ -1,7 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "../encode/test_volume.h"
 #include "gicube/level_of_detail.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

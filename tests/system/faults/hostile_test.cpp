@@ -1,16 +1,8 @@
 // Hostile and broken clients beside a good one: it must not notice them.
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <fstream>
-#include <functional>
 #include <iostream>
-#include <thread>
 
 #include "board_process.h"
 #include "good_client.h"
@@ -18,6 +10,7 @@
 #include "hostile_client.h"
 #include "sanitizers.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::system_test {
 namespace {

@@ -1,17 +1,10 @@
 // SIGKILL at random moments: who survives says so and goes on.
-#include <gtest/gtest.h>
 #include <signal.h>
-
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <optional>
-#include <random>
-#include <thread>
 
 #include "board_process.h"
 #include "good_client.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::system_test {
 namespace {

@@ -1,16 +1,5 @@
 // A board process at its limits: of memory, the system's and its own; and when it is told to end while it can't.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
-
-#include <array>
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <optional>
-#include <thread>
-#include <utility>
 
 #include "board_process.h"
 #include "fickle_bsdf.h"
@@ -20,15 +9,13 @@
 #include "raw_client.h"
 #include "sanitizers.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::system_test {
 namespace {
 
 using reference::RawClient;
 using reference::RawFrame;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 using wire::ErrorCode;
 using wire::FrameType;
 namespace reg = wire::reg;
@@ -210,7 +197,7 @@ TEST(Ending, OfABoardThatIsKilledEndsItsRoutines) {
 TEST(ScatteringRoutine, ThatEndsItsProcessFailsItsCommandAndNeitherSessionNorBoard) {
   FickleBoard fickle;
   for (const emu::Whim whim : {emu::Whim::kSegfault, emu::Whim::kExit, emu::Whim::kEndless}) {
-    EXPECT_THAT([&] { fickle.illuminate(whim); }, ThrowsMessage<Rejected>(HasSubstr("routine 8 \"fickle\": ")));
+    EXPECT_THROWS(Rejected, "routine 8 \"fickle\": ", fickle.illuminate(whim));
     EXPECT_NO_THROW(fickle.illuminate(emu::Whim::kRetroreflect));
   }
   EXPECT_FALSE(fickle.process->has_ended());

@@ -1,18 +1,11 @@
 // Radiosity in closed rooms, where all light is accounted for.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <iostream>
-#include <numbers>
-#include <sstream>
 
 #include "form_factors/plan/plan.h"
 #include "form_factors/radiosity/radiosity.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "test_board.h"
 #include "test_room.h"
 
@@ -24,13 +17,11 @@ using reference::kLamp;
 using reference::kObstacle;
 using reference::kWall;
 using reference::Room;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 constexpr const char* kUri = "emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64";
 
 RadiosityResult solve(const SceneSetup& setup, const Emissions& emissions, const RadiositySettings& settings) {
-  Board board = reference::open_board(kUri);
+  Board board = Board::open(kUri);
   return solve_radiosity(board, setup, emissions, settings);
 }
 RadiosityResult solve(const Room& room, const Emissions& emissions, const RadiositySettings& settings) {
@@ -258,11 +249,10 @@ TEST(Radiosity, StandardErrorsAreOfTheSizeOfTheErrors) {
 }
 
 TEST(Radiosity, WhatIsWrongIsNamed) {
-  Board board = reference::open_board(kUri);
+  Board board = Board::open(kUri);
   const SceneSetup setup = reference::setup_of({.size = 4});
   const auto expect = [&](const Emissions& emissions, const RadiositySettings& settings, const char* text) {
-    EXPECT_THAT([&] { solve_radiosity(board, setup, emissions, settings); },
-                ThrowsMessage<InputError>(HasSubstr(text)));
+    EXPECT_THROWS(InputError, text, solve_radiosity(board, setup, emissions, settings));
   };
   expect({}, {}, "emissions: expected some power from an open face or medium, got none");
   expect({{{0, -1, 0}}}, {}, "emissions[0].surface: expected numbers from 0, got -1");
@@ -274,7 +264,7 @@ TEST(Radiosity, WhatIsWrongIsNamed) {
 }  // namespace
 TEST(Radiosity, OfAVolumeThatTheCardDoesNotStoreHasTheSameLight) {
   const std::string blocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=";
-  Board whole = reference::open_board(blocks + "64"), small = reference::open_board(blocks + "32");
+  Board whole = Board::open(blocks + "64"), small = Board::open(blocks + "32");
   const SceneSetup setup = reference::setup_of({.size = 38});  // 40 with walls: 125 blocks, of which one card stores 64
   const auto expected = solve_radiosity(whole, setup, kWalls, {}), got = solve_radiosity(small, setup, kWalls, {});
   EXPECT_EQ(got.statistics.energy.absorbed_by_faces, expected.statistics.energy.absorbed_by_faces);

@@ -1,11 +1,6 @@
 // Exchange between bodies that stand free, against closed forms and converged numbers.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "form_factors/exchange/box_factor.h"
+#include "test.h"
 #include "test_board.h"
 
 namespace gicube::samples {
@@ -16,7 +11,7 @@ constexpr double kSide = 20;  // voxels: the unit of the closed forms
 
 // A medium in which light falls by e^-kappa over a side.
 Board even_medium(double kappa) {
-  Board board = reference::open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
+  Board board = Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
   const std::vector<std::byte> samples(std::size_t{kSize} * kSize * kSize, std::byte{100});
   board.load_volume({.samples = samples, .dims = {kSize, kSize, kSize}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 1 - std::exp(-kappa / kSide)}}});

@@ -4,32 +4,21 @@
 // The tests share one guest with two functions. They run in this order, each also alone; the last two end what they
 // share.
 #include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <memory>
-#include <optional>
-#include <string>
-
 #include "board_process.h"
 #include "good_client.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::system_test {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::Not;
 

@@ -1,12 +1,7 @@
 // Pictures, rays and light of several boards have the bits of one.
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <random>
-#include <string>
-
-#include "../brick_scenes.h"
 #include "gicube/board_group.h"
+#include "../brick_scenes.h"
+#include "test.h"
 
 namespace gicube::reference {
 namespace {
@@ -14,7 +9,6 @@ namespace {
 const std::string kBoards = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64&threads=1";
 
 BoardGroup open_group(const std::string& base, int boards) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   return BoardGroup::open(base + "&boards=" + std::to_string(boards));
 }
 
@@ -39,7 +33,7 @@ std::vector<HostRay> make_rays(std::mt19937& random, const Dims& dims, std::size
 
 void expect_same_scenes(const std::string& base, int boards, int scenes, unsigned seed, int least, int most) {
   std::mt19937 random(seed);
-  Board one = open_board(base);
+  Board one = Board::open(base);
   BoardGroup group = open_group(base, boards);
   for (int scene = 0; scene < scenes; ++scene) {
     const Blobs blobs = make_blobs(random, least, most);
@@ -82,13 +76,9 @@ TEST(BoardGroup, GivesThePicturesOfOneAtEachLevelOnTheWideDatapathAndInRuns) {
 }
 
 TEST(BoardGroup, GivesThePictureOfOneInStripsOfOneRowAndLeavesBoardsWithoutRowsOut) {
-  Board one = open_board(kBoards);
+  Board one = Board::open(kBoards);
   BoardGroup group = open_group(kBoards, 4);
-  const BoxVolume volume(32, 8, 23);
-  const auto set_up = [&](Board& board) {
-    board.set_transfer_function(step_function(0.3));
-    board.load_volume(volume.view());
-  };
+  const auto set_up = [](Board& board) { load_box(board, 0.3); };
   set_up(one);
   group.on_all(set_up);
   for (const int height : {1, 2, 3, 5, 9}) {
@@ -101,7 +91,7 @@ TEST(BoardGroup, GivesThePictureOfOneInStripsOfOneRowAndLeavesBoardsWithoutRowsO
 }
 
 TEST(BoardGroup, OfDifferentLevelsAndBusesGivesThePictureOfOne) {
-  Board one = open_board(kBoards);
+  Board one = Board::open(kBoards);
   const std::vector<std::string> addresses{kBoards + "&fidelity=cycle&bus=agp2x", kBoards,
                                            kBoards + "&fidelity=cycle&set=asic.processors=8"};
   BoardGroup group = BoardGroup::open(addresses, {.buses = HostBuses::kOwn});
@@ -122,7 +112,7 @@ TEST_P(LitGroup, HasTheLightOfOneBoardAndItsPictures) {
   const std::string base = GetParam();
   std::mt19937 random(40);
   const Blobs blobs = make_blobs(random, 36, 48);
-  Board one = open_board(base);
+  Board one = Board::open(base);
   BoardGroup group = open_group(base, 3);
   const std::vector<Light> lights{DirectionalLight{.towards = {0.2, 1, 0.3}}};
   const auto set_up = [&](Board& board) {

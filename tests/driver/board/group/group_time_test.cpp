@@ -1,13 +1,8 @@
 // What time the calls of several boards take: closed forms of a shared bus, and where each board's time goes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <string>
-
 #include "../test_board.h"
 #include "board/group/shared_bus.h"
 #include "gicube/board_group.h"
+#include "test.h"
 
 namespace gicube::reference {
 namespace {
@@ -45,7 +40,6 @@ TEST(SharedBus, IsTakenByOneBoardWhileAnotherWorks) {
 }
 
 BoardGroup open_timed(int boards, const std::string& buses) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   return BoardGroup::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64&threads=1&boards=" +
                           std::to_string(boards) + "&buses=" + buses);
 }
@@ -87,11 +81,7 @@ TEST(GroupTime, OfNUploadsOnASharedBusIsNTimesThatOfOneAndOnOwnBusesThatOfOne) {
 TEST(GroupTime, OfEachBoardAddsUpToTheClockWhateverItHasDone) {
   for (const std::string buses : {"shared", "own"}) {
     BoardGroup group = open_timed(3, buses);
-    const BoxVolume volume(32, 8, 23);
-    group.on_all([&](Board& board) {
-      board.set_transfer_function(step_function(0.3));
-      board.load_volume(volume.view());
-    });
+    group.on_all([](Board& board) { load_box(board, 0.3); });
     group.render(front_view(32));
     group.board(1).host_compute(1'000'000);
     group.on_all([](Board& board, std::size_t index) { board.host_compute(index * 2'000'000); });
@@ -104,11 +94,7 @@ TEST(GroupTime, OfEachBoardAddsUpToTheClockWhateverItHasDone) {
 
 TEST(GroupTime, OfAPictureIsThatOfTheBoardWithMostWorkWhereEachHasItsBus) {
   BoardGroup group = open_timed(2, "own");
-  const BoxVolume volume(32, 8, 23);
-  group.on_all([&](Board& board) {
-    board.set_transfer_function(step_function(0.3));
-    board.load_volume(volume.view());
-  });
+  group.on_all([](Board& board) { load_box(board, 0.3); });
   const auto before = group.times();
   const Picoseconds begin = group.now();
   View view = front_view(32);
@@ -126,14 +112,9 @@ TEST(GroupTime, OfAPictureIsThatOfTheBoardWithMostWorkWhereEachHasItsBus) {
 
 TEST(GroupTime, IsTheSameHoweverTheProcessesTakeTheirTurns) {
   const auto run = [](unsigned threads) {
-    ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
     BoardGroup group = BoardGroup::open("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64&boards=3&threads=" +
                                         std::to_string(threads));
-    const BoxVolume volume(32, 8, 23);
-    group.on_all([&](Board& board) {
-      board.set_transfer_function(step_function(0.3));
-      board.load_volume(volume.view());
-    });
+    group.on_all([](Board& board) { load_box(board, 0.3); });
     for (int i = 0; i < 5; ++i) group.render(front_view(32));
     return group.times();
   };

@@ -1,13 +1,10 @@
 // Paths by the board against the double-precision path tracer of tests/support.
 #include "light/path/bidirectional.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "../../../../driver/board/test_board.h"
 #include "light_scenes.h"
 #include "reference/paths/path_tracer.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -52,7 +49,7 @@ class PathScenes : public testing::Test {
  protected:
   static Estimates by_board(const LightScene& scene, int light_scatterings, std::uint64_t pictures, int passes) {
     const SceneSetup setup = setup_of(scene);
-    Board board = reference::open_board();
+    Board board = Board::open("emu:");
     const Medium medium(board, setup);
     const Lights lights(setup, medium);
     std::vector<Parts> all;
@@ -110,7 +107,7 @@ TEST_F(PathScenes, HaveTheSameLightFromTheEyeAlone) { expect_alike(room_scene(),
 // Means of four passes that follow one another have a quarter of the variance of single ones.
 TEST_F(PathScenes, HaveAVarianceThatFallsWithTheNumberOfPaths) {
   const SceneSetup setup = setup_of(forward_scene());
-  Board board = reference::open_board();
+  Board board = Board::open("emu:");
   const Medium medium(board, setup);
   const Lights lights(setup, medium);
   Bidirectional paths(board, medium, lights, setup.view, {.light_scatterings = 1, .max_scatterings = 8, .seed = 5});

@@ -1,13 +1,8 @@
 // Paths at surfaces against closed forms: a furnace, a wall in a lamp's light, a mirror's light on a wall.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <numbers>
-
 #include "../../../../driver/board/test_board.h"
 #include "light/path/bidirectional.h"
 #include "light_scenes.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -37,7 +32,7 @@ struct Shown {
 
 // Of the whole picture.
 Shown shown(const SceneSetup& setup, int light_scatterings, int max_scatterings, int passes) {
-  Board board = reference::open_board();
+  Board board = Board::open("emu:");
   const Medium medium(board, setup);
   const Lights lights(setup, medium);
   Bidirectional paths(board, medium, lights, setup.view,
@@ -110,7 +105,7 @@ TEST(Furnace, ShowsNothingOfWhatAbsorbsNothing) {
 
 // The picture's mean of a radiance at the wall y = 15, by quadrature.
 double mean_on_wall(const SceneSetup& setup, const std::function<double(Vec3)>& radiance) {
-  Board board = reference::open_board();
+  Board board = Board::open("emu:");
   const Medium medium(board, setup);
   const Eye eye(setup.view, medium);
   constexpr int kPlaces = 240;

@@ -1,15 +1,10 @@
 // Photon maps by the board against the double-precision path tracer of tests/support.
 #include "light/photon_map/photon_map.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "../../../../driver/board/test_board.h"
 #include "../path/light_scenes.h"
 #include "reference/paths/path_tracer.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -80,7 +75,7 @@ struct Estimates {
 
 Estimates by_photons(const LightScene& scene, const PhotonSettings& settings, std::uint64_t pictures) {
   const SceneSetup setup = setup_of(scene);
-  Board board = reference::open_board();
+  Board board = Board::open("emu:");
   const Medium medium(board, setup);
   const Lights lights(setup, medium);
   std::vector<Halves> all;

@@ -1,17 +1,12 @@
 // The program itself, with a private emulated board.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "program_test.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class PathProgram : public ProgramTest {
  protected:
@@ -22,7 +17,7 @@ TEST_F(PathProgram, MakesAPictureWithItsNoiseAndItsCost) {
   const ProgramResult result = run("builtin:buckyball --volume-size 24 --size 12x8 --passes 3 -o " + path("x.png") +
                                    " --pixels " + path("x.csv") + " --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("288 paths"), HasSubstr("mean radiance"), HasSubstr("simulated")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("288 paths"), HasSubstr("mean radiance"), HasSubstr("simulated")));
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
   EXPECT_EQ(json.at("paths"), 288);
   EXPECT_GT(json.at("rays").get<int>(), 288);

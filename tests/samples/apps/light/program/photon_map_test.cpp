@@ -1,16 +1,12 @@
 // The program itself, with a private emulated board.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "program_test.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class PhotonMapProgram : public ProgramTest {
  protected:
@@ -21,7 +17,7 @@ TEST_F(PhotonMapProgram, MakesAPictureAndSaysWhereItsPhotonsWent) {
   const ProgramResult result = run("builtin:buckyball --volume-size 24 --size 12x8 --passes 2 --photons 500 -o " +
                                    path("x.png") + " --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("1000 photons sent"), HasSubstr("mean radiance")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("1000 photons sent"), HasSubstr("mean radiance")));
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
   EXPECT_EQ(json.at("photons"), 1000);
   EXPECT_GT(json.at("on_surfaces").get<int>(), 0);

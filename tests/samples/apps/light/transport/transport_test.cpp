@@ -1,16 +1,11 @@
 // Flights and visibility by the board against closed forms, and the lights that paths begin at.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "../../../../driver/board/test_board.h"
 #include "gicube/scene/scene.h"
 #include "light/transport/eye.h"
 #include "light/transport/flights.h"
 #include "light/transport/lights.h"
 #include "light/transport/paths.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -18,8 +13,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 struct Loaded {
-  explicit Loaded(const std::string& text)
-      : board(reference::open_board()), setup(set_up_of(text)), medium(board, setup) {}
+  explicit Loaded(const std::string& text) : board(Board::open("emu:")), setup(set_up_of(text)), medium(board, setup) {}
   static SceneSetup set_up_of(const std::string& text) {
     Scene scene = parse_scene(text, "scene", ".");
     scene.lighting.on = true;
