@@ -1,37 +1,10 @@
 // What no caller should pass: NULL everywhere, records of other versions, boards that are none.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "c_board.h"
 
-#include <cstddef>
-#include <cstdlib>
-#include <cstring>
-#include <string>
-#include <thread>
-#include <vector>
-
-#include "gicube/c_api.h"
-
+namespace gicube::c_api_test {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
-
-// The call was turned away, and the words begin with the argument's name.
-#define EXPECT_REFUSED(call, name)                                   \
-  do {                                                               \
-    EXPECT_EQ((call), GICUBE_BAD_ARGUMENT) << #call;                 \
-    EXPECT_STREQ(gicube_last_error_field(), name) << #call;          \
-    EXPECT_THAT(gicube_last_error(), StartsWith(name ": expected")); \
-  } while (false)
-
-class CArguments : public testing::Test {
- protected:
-  static void SetUpTestSuite() { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-  void SetUp() override { ASSERT_EQ(gicube_open("emu:", nullptr, &board_), GICUBE_OK) << gicube_last_error(); }
-  void TearDown() override { gicube_close(board_); }
-
-  gicube_board* board_ = nullptr;
-};
+class CArguments : public CApi {};
 
 TEST(CArgumentsWithoutABoard, AreRefusedAndWriteNothing) {
   std::uint64_t value = 7;
@@ -86,7 +59,7 @@ TEST(CArgumentsWithoutABoard, OpeningGivesNoBoardUnlessItSucceeds) {
   EXPECT_STREQ(gicube_last_error_field(), "");
   EXPECT_THAT(gicube_last_error(), HasSubstr("/there/is/no/board"));
   gicube_open_options options;
-  ASSERT_EQ(gicube_open_options_init(&options, sizeof options), GICUBE_OK);
+  ASSERT_OK(gicube_open_options_init(&options, sizeof options));
   options.back_pressure = 2;
   EXPECT_REFUSED(gicube_open("emu:", &options, &board), "options.back_pressure");
   options.back_pressure = GICUBE_BACK_PRESSURE_WAIT;
@@ -123,7 +96,7 @@ struct LaterView {
 TEST_F(CArguments, ALaterRecordIsTakenIfItsNewFieldsAreZero) {
   LaterView later;
   std::memset(static_cast<void*>(&later), 0xFF, sizeof later);
-  ASSERT_EQ(gicube_view_init(&later.view, sizeof later), GICUBE_OK);
+  ASSERT_OK(gicube_view_init(&later.view, sizeof later));
   EXPECT_EQ(later.view.size, sizeof later);
   EXPECT_EQ(later.more[2], 0u);
   EXPECT_EQ(gicube_render_to_framebuffer(board_, &later.view, nullptr, nullptr), GICUBE_BAD_ARGUMENT);  // no eye yet
@@ -137,7 +110,7 @@ TEST_F(CArguments, ALaterRecordIsTakenIfItsNewFieldsAreZero) {
   } info;
   std::memset(static_cast<void*>(&info), 0xFF, sizeof info);
   info.info.size = sizeof info;
-  ASSERT_EQ(gicube_get_info(board_, &info.info), GICUBE_OK);
+  ASSERT_OK(gicube_get_info(board_, &info.info));
   EXPECT_EQ(info.info.processors, 4);
   EXPECT_EQ(info.info.size, sizeof info);
   EXPECT_EQ(info.more, 0u);
@@ -145,7 +118,7 @@ TEST_F(CArguments, ALaterRecordIsTakenIfItsNewFieldsAreZero) {
 
 TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   gicube_volume volume;
-  ASSERT_EQ(gicube_volume_init(&volume, sizeof volume), GICUBE_OK);
+  ASSERT_OK(gicube_volume_init(&volume, sizeof volume));
   EXPECT_REFUSED(gicube_load_volume(board_, nullptr, nullptr, nullptr), "volume");
   EXPECT_REFUSED(gicube_load_volume(board_, &volume, nullptr, nullptr), "volume.samples");
   volume.type = 5;
@@ -153,7 +126,7 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   volume.type = -1;
   EXPECT_REFUSED(gicube_load_volume(board_, &volume, nullptr, nullptr), "volume.type");
   const std::uint8_t samples[8] = {};
-  ASSERT_EQ(gicube_volume_init(&volume, sizeof volume), GICUBE_OK);
+  ASSERT_OK(gicube_volume_init(&volume, sizeof volume));
   volume.samples = samples;
   volume.sample_bytes = 8;
   volume.dims[0] = volume.dims[1] = volume.dims[2] = 2;
@@ -166,7 +139,7 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   EXPECT_REFUSED(gicube_load_volume(board_, &volume, nullptr, nullptr), "volume.find_gradients");
 
   gicube_material material;
-  ASSERT_EQ(gicube_material_init(&material, sizeof material), GICUBE_OK);
+  ASSERT_OK(gicube_material_init(&material, sizeof material));
   material.parameter_count = 33;
   EXPECT_REFUSED(gicube_set_material(board_, 0, &material), "material.parameter_count");
   material.parameter_count = 1;
@@ -175,7 +148,7 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   EXPECT_REFUSED(gicube_set_material(board_, 0, &material), "material.bsdf");
 
   gicube_view view;
-  ASSERT_EQ(gicube_view_init(&view, sizeof view), GICUBE_OK);
+  ASSERT_OK(gicube_view_init(&view, sizeof view));
   view.cut_plane_count = 1;
   EXPECT_REFUSED(gicube_render_to_framebuffer(board_, &view, nullptr, nullptr), "view.cut_planes");
   view.cut_plane_count = 0xFFFFFFFF;
@@ -207,13 +180,13 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   const gicube_ray_span span{nullptr, 3};
   EXPECT_REFUSED(gicube_submit_gather(board_, &span, 1, nullptr, &ticket), "spans[0].rays");
   gicube_ray_request request;
-  ASSERT_EQ(gicube_ray_request_init(&request, sizeof request), GICUBE_OK);
+  ASSERT_OK(gicube_ray_request_init(&request, sizeof request));
   request.type = 7;
   const gicube_host_ray ray{};
   EXPECT_REFUSED(gicube_submit(board_, &ray, 1, &request, &ticket), "request.type");
   request.type = GICUBE_RAY_OPACITY;
   gicube_view sampled;
-  ASSERT_EQ(gicube_view_init(&sampled, sizeof sampled), GICUBE_OK);
+  ASSERT_OK(gicube_view_init(&sampled, sizeof sampled));
   sampled.cut_plane_count = 7;
   request.sampled_as = &sampled;
   EXPECT_REFUSED(gicube_submit(board_, &ray, 1, &request, &ticket), "request.sampled_as.cut_plane_count");
@@ -227,9 +200,10 @@ TEST_F(CArguments, WhatNeedsAVolumeIsRejectedWithoutOne) {
   EXPECT_EQ(gicube_read_framebuffer(board_, &pixel, 1), GICUBE_REJECTED);
   EXPECT_STREQ(gicube_last_error_field(), "");
   std::int32_t width = 5, height = 5;
-  EXPECT_EQ(gicube_get_framebuffer_size(board_, &width, &height), GICUBE_OK);
+  EXPECT_OK(gicube_get_framebuffer_size(board_, &width, &height));
   EXPECT_EQ(width, 0);
   EXPECT_EQ(height, 0);
 }
 
 }  // namespace
+}  // namespace gicube::c_api_test

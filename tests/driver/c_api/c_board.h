@@ -1,17 +1,22 @@
 // A board opened by the C ABI, a volume for it, and the same by the C++ API.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <cstring>
-#include <span>
-#include <vector>
-
 #include "gicube/board.h"
 #include "gicube/c_api.h"
+#include "test.h"
 
 namespace gicube::c_api_test {
+
+// The call was turned away, and the words begin with the argument's name.
+#define EXPECT_REFUSED(call, name)                                   \
+  do {                                                               \
+    EXPECT_EQ((call), GICUBE_BAD_ARGUMENT) << #call;                 \
+    EXPECT_STREQ(gicube_last_error_field(), name) << #call;          \
+    EXPECT_THAT(gicube_last_error(), StartsWith(name ": expected")); \
+  } while (false)
+
+#define EXPECT_OK(call) EXPECT_EQ((call), GICUBE_OK) << gicube_last_error()
+#define ASSERT_OK(call) ASSERT_EQ((call), GICUBE_OK) << gicube_last_error()
 
 inline constexpr int kEdge = 32;
 
@@ -29,15 +34,14 @@ template <typename Record>
 Record made(gicube_status (*init)(Record*, std::size_t)) {
   Record record;
   std::memset(static_cast<void*>(&record), 0xAA, sizeof record);
-  EXPECT_EQ(init(&record, sizeof record), GICUBE_OK);
+  EXPECT_OK(init(&record, sizeof record));
   EXPECT_EQ(record.size, sizeof record);
   return record;
 }
 
 class CApi : public testing::Test {
  protected:
-  static void SetUpTestSuite() { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-  void SetUp() override { ASSERT_EQ(gicube_open("emu:", nullptr, &board_), GICUBE_OK) << gicube_last_error(); }
+  void SetUp() override { ASSERT_OK(gicube_open("emu:", nullptr, &board_)); }
   void TearDown() override { gicube_close(board_); }
 
   gicube_volume volume() {
@@ -55,8 +59,8 @@ class CApi : public testing::Test {
   }
   void load() {
     const gicube_volume record = volume();
-    ASSERT_EQ(gicube_load_volume(board_, &record, nullptr, nullptr), GICUBE_OK) << gicube_last_error();
-    ASSERT_EQ(make_visible(), GICUBE_OK) << gicube_last_error();
+    ASSERT_OK(gicube_load_volume(board_, &record, nullptr, nullptr));
+    ASSERT_OK(make_visible());
   }
   gicube_view view() {
     gicube_view record = made(gicube_view_init);
@@ -89,6 +93,23 @@ inline Board twin(const std::vector<std::uint8_t>& voxels) {
   board.load_volume({.samples = std::as_bytes(std::span(voxels)), .dims = {kEdge, kEdge, kEdge}});
   board.set_transfer_function({.colours = {{0, {1, 0.5, 0.25}}}, .opacities = {{90, 0}, {250, 0.3}}});
   return board;
+}
+
+// The view of CApi::view().
+inline View twin_view() {
+  View view;
+  view.width = 40;
+  view.height = 30;
+  view.eye = {70, 50, -40};
+  view.look_at = {15.5, 15.5, 15.5};
+  return view;
+}
+
+inline void expect_same(const std::vector<gicube_pixel>& pixels, const Image& image) {
+  ASSERT_EQ(pixels.size(), image.pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    ASSERT_EQ((Pixel{pixels[i].red, pixels[i].green, pixels[i].blue, pixels[i].alpha}), image.pixels[i]) << i;
+  }
 }
 
 }  // namespace gicube::c_api_test

@@ -1,15 +1,9 @@
 // Commands, their completions and their progress.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <future>
-#include <stdexcept>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "fake_board.h"
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/link.h"
 
 namespace gicube {
@@ -20,19 +14,14 @@ using reference::FakeBoard;
 using reference::Frame;
 using wire::FrameType;
 
-// Without the questions of a call that waits long: the scripts count frames.
-const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
-
 TEST(Command, TheTicketIsTheFramesId) {
   std::uint32_t seen = 0;
   std::uint32_t ticket = 0;
   {
-    FakeBoard board([&seen](FakeBoard& self) {
-      self.shake_hands();
+    FakeBoard board(in_session([&seen](FakeBoard& self) {
       seen = self.receive()->header.id;
       self.respond(*self.receive(), 0);
-      self.drain();
-    });
+    }));
     Link link(board.take_socket(), kPatient);
     ticket = link.command(0, wire::share(bytes_of("draw")));
     link.request(FrameType::kPoll, 0, {});
@@ -44,14 +33,12 @@ TEST(Command, TheTicketIsTheFramesId) {
 TEST(Command, AWaitHasItsTicketAndADeadlineOnlyIfThereIsOne) {
   std::vector<Frame> waits;
   {
-    FakeBoard board([&waits](FakeBoard& self) {
-      self.shake_hands();
+    FakeBoard board(in_session([&waits](FakeBoard& self) {
       for (int i = 0; i < 2; ++i) {
         waits.push_back(*self.receive());
         self.respond(waits.back(), 0);
       }
-      self.drain();
-    });
+    }));
     Link link(board.take_socket(), kPatient);
     link.wait(0x01020304, 0, kNoDeadline, {});
     link.wait(5, 0, 0x1122334455667788, {});
@@ -61,16 +48,14 @@ TEST(Command, AWaitHasItsTicketAndADeadlineOnlyIfThereIsOne) {
 }
 
 TEST(Command, AResultIsKeptUntilItIsTakenOnce) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame first = *self.receive();
     const Frame second = *self.receive();
     const Frame poll = *self.receive();
     self.complete(second.header.id, 20, bytes_of("two"));
     self.complete(first.header.id, 30, bytes_of("one"));
     self.respond(poll, 40);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto first = link.command(0, wire::no_payload());
   const auto second = link.command(0, wire::no_payload());
@@ -84,27 +69,23 @@ TEST(Command, AResultIsKeptUntilItIsTakenOnce) {
 }
 
 TEST(Command, ACompletionTwiceIsAFault) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame command = *self.receive();
     self.complete(command.header.id, 20);
     self.complete(command.header.id, 20);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, wire::no_payload());
   EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
 }
 
 TEST(Command, AForgottenResultIsDroppedWhenItComes) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame command = *self.receive();
     const Frame poll = *self.receive();
     self.complete(command.header.id, 20, bytes_of("late"));
     self.respond(poll, 40);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, wire::no_payload());
   link.forget(ticket);
@@ -113,16 +94,14 @@ TEST(Command, AForgottenResultIsDroppedWhenItComes) {
 }
 
 TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame command = *self.receive();
     const Frame wait = *self.receive();
     self.progress(command.header.id + 7, 99, 99);  // of a command that nobody waits for
     self.progress(command.header.id, 3, 8);
     self.complete(command.header.id, 20);
     self.respond(wait, 20);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, wire::no_payload());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
@@ -131,13 +110,12 @@ TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
     EXPECT_EQ(std::this_thread::get_id(), caller);
     heard.emplace_back(done, all);
   });
-  EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(3u, 8u)));
+  EXPECT_THAT(heard, ElementsAre(std::pair(3u, 8u)));
 }
 
 TEST(Command, ProgressThatComesAfterACallbackHasReturnedIsHeardToo) {
   std::promise<void> returned;
-  FakeBoard board([&returned](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([&returned](FakeBoard& self) {
     const Frame command = *self.receive();
     const Frame wait = *self.receive();
     self.progress(command.header.id, 1, 2);
@@ -145,8 +123,7 @@ TEST(Command, ProgressThatComesAfterACallbackHasReturnedIsHeardToo) {
     self.progress(command.header.id, 2, 2);
     self.complete(command.header.id, 20);
     self.respond(wait, 20);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, wire::no_payload());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
@@ -154,7 +131,7 @@ TEST(Command, ProgressThatComesAfterACallbackHasReturnedIsHeardToo) {
     heard.emplace_back(done, all);
     if (heard.size() == 1) returned.set_value();
   });
-  EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(1u, 2u), std::pair(2u, 2u)));
+  EXPECT_THAT(heard, ElementsAre(std::pair(1u, 2u), std::pair(2u, 2u)));
 }
 
 TEST(Command, WhatIsThrownWhileItIsWaitedForLeavesTheWaitAndTheLinkGoesOn) {
@@ -193,8 +170,7 @@ TEST(Command, WhatIsThrownDuringTheHandshakeLeavesTheConstructor) {
 }
 
 TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame command = *self.receive();
     const Frame wait = *self.receive();
     self.progress(command.header.id, 1, 2);
@@ -202,8 +178,7 @@ TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
     self.complete(command.header.id, 20);
     self.respond(wait, 20);
     self.respond(next, 30, bytes_of("fine"));
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, wire::no_payload());
   EXPECT_THROW(

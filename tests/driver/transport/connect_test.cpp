@@ -1,26 +1,15 @@
 #include "transport/connect.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
-
-#include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "full_disk.h"
 #include "gicube/access.h"
 #include "gicube/error.h"
 #include "gicube/wire/capture.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "transport/frame_stream.h"
 #include "transport/link.h"
 #include "transport/tls_stream.h"
@@ -28,7 +17,6 @@
 namespace gicube {
 namespace {
 
-using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 constexpr std::chrono::seconds kLong{20};
 
@@ -77,15 +65,14 @@ TEST(Connect, WhereNobodyListensFailsWithThePlace) {
     nobody = listener.uri();
   }
   const std::string where = "cannot connect to tcp:127.0.0.1:" + std::to_string(nobody.port) + ": ";
-  EXPECT_THAT([&] { connect(nobody, kLong); }, ::testing::ThrowsMessage<OpenFailed>(HasSubstr(where)));
+  EXPECT_THROWS(OpenFailed, where, connect(nobody, kLong));
   Uri path;
   path.scheme = UriScheme::kUnix;
   path.path = "/nowhere/board";
-  EXPECT_THAT([&] { connect(path, kLong); },
-              ::testing::ThrowsMessage<OpenFailed>(HasSubstr("cannot connect to unix:/nowhere/board: ")));
+  EXPECT_THROWS(OpenFailed, "cannot connect to unix:/nowhere/board: ", connect(path, kLong));
   path.path = std::string(108, 'a');
   EXPECT_THAT([&] { connect(path, kLong); },
-              ::testing::ThrowsMessage<BadArgument>("URI path: expected at most 107 bytes, got 108"));
+              ThrowsMessage<BadArgument>("URI path: expected at most 107 bytes, got 108"));
   path.path = std::string(107, 'a');
   EXPECT_THROW(connect(path, kLong), OpenFailed);
 }
@@ -120,11 +107,11 @@ TEST(AccessToken, IsTheFirstOfTheNamedFileAndGoesToTcpAlone) {
   EXPECT_EQ(access_token(one.get(), true, {}), "");
   ::setenv("GICUBE_TOKEN_FILE", "/nowhere/token", 1);
   EXPECT_THAT([&] { access_token(socket.get(), false, {}); },
-              ::testing::ThrowsMessage<BadArgument>(
+              ThrowsMessage<BadArgument>(
                   "GICUBE_TOKEN_FILE: expected a file with a token, got /nowhere/token: No such file or directory"));
   ::unsetenv("GICUBE_TOKEN_FILE");
   EXPECT_THAT([&] { access_token(socket.get(), false, "/nowhere/token"); },
-              ::testing::ThrowsMessage<BadArgument>(
+              ThrowsMessage<BadArgument>(
                   "token_file: expected a file with a token, got /nowhere/token: No such file or directory"));
 }
 
@@ -142,7 +129,7 @@ TEST(TlsClient, NamesTheHostThatItWantsInItsFirstMessage) {
   LinkOptions options;
   options.tls = make_tls("board.example", {});
   EXPECT_THAT([&] { const Link link(std::move(driver_end), options); },
-              ::testing::ThrowsMessage<OpenFailed>(HasSubstr("no connection by TLS: ")));
+              ThrowsMessage<OpenFailed>(HasSubstr("no connection by TLS: ")));
   board.join();
   EXPECT_THAT(hello, HasSubstr("board.example"));
 }
@@ -218,10 +205,9 @@ TEST_F(CaptureFile, ThatHasFailedGivesTheDiskBackAtOnceAndIsWrittenNoMore) {
   const std::vector<std::uint8_t> payload(2 * reference::kDiskBlock);
   reference::on_full_disks("session", reference::kDiskBlock, [&](const std::string& at, const std::string& reason) {
     const FrameTap tap = capture_session(at + "/session", 0);
-    EXPECT_THAT([&] { tap(true, header, payload); }, ::testing::ThrowsMessage<std::runtime_error>(HasSubstr(reason)));
+    EXPECT_THROWS(std::runtime_error, reason, tap(true, header, payload));
     EXPECT_EQ(reference::files_in(at).size(), 1u) << "while the tap is still there";
-    EXPECT_THAT([&] { tap(true, header, {}); },
-                ::testing::ThrowsMessage<std::runtime_error>("capture: an earlier write failed"));
+    EXPECT_THAT([&] { tap(true, header, {}); }, ThrowsMessage<std::runtime_error>("capture: an earlier write failed"));
   });
 }
 

@@ -1,12 +1,7 @@
 // Credits of both directions as the wire sees them.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <thread>
-
 #include "fake_board.h"
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/link.h"
 
 namespace gicube {
@@ -16,9 +11,6 @@ using reference::bytes_of;
 using reference::FakeBoard;
 using reference::Frame;
 using wire::FrameType;
-
-// Without the questions of a call that waits long: the scripts count frames.
-const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
 
 wire::VersionInfo window(std::uint32_t slots, std::uint64_t bytes) {
   wire::VersionInfo info;
@@ -31,49 +23,49 @@ wire::VersionInfo window(std::uint32_t slots, std::uint64_t bytes) {
 TEST(Credit, TheDriverNeverHasMoreFramesInFlightThanTheBoardGranted) {
   std::vector<std::size_t> bursts;
   {
-    FakeBoard board([&bursts](FakeBoard& self) {
-      self.shake_hands(window(4, 1 << 20));
-      for (int burst = 0; burst < 3; ++burst) {
-        std::size_t frames = 0;
-        while (self.readable_within(100)) {
-          self.receive();
-          ++frames;
-        }
-        bursts.push_back(frames);
-        self.return_credit(static_cast<std::uint32_t>(frames), 8 * frames);
-      }
-      self.respond(*self.receive_until(FrameType::kCounters), 0);
-      self.drain();
-    });
+    FakeBoard board(in_session(
+        [&bursts](FakeBoard& self) {
+          for (int burst = 0; burst < 3; ++burst) {
+            std::size_t frames = 0;
+            while (self.readable_within(100)) {
+              self.receive();
+              ++frames;
+            }
+            bursts.push_back(frames);
+            self.return_credit(static_cast<std::uint32_t>(frames), 8 * frames);
+          }
+          self.respond(*self.receive_until(FrameType::kCounters), 0);
+        },
+        window(4, 1 << 20)));
     Link link(board.take_socket(), kPatient);
     for (int i = 0; i < 12; ++i) link.post(FrameType::kRegisterWrite, 0, bytes_of("12345678"));
     link.request(FrameType::kCounters, 0, {});
   }
-  EXPECT_THAT(bursts, ::testing::ElementsAre(4, 4, 4));
+  EXPECT_THAT(bursts, ElementsAre(4, 4, 4));
 }
 
 TEST(Credit, TheDriverNeverHasMoreBytesInFlightThanTheBoardGranted) {
   std::vector<std::size_t> bursts;
   {
-    FakeBoard board([&bursts](FakeBoard& self) {
-      self.shake_hands(window(100, 10'000));
-      for (int burst = 0; burst < 2; ++burst) {
-        std::size_t bytes = 0, frames = 0;
-        while (self.readable_within(100)) {
-          bytes += self.receive()->payload.size();
-          ++frames;
-        }
-        bursts.push_back(bytes);
-        self.return_credit(static_cast<std::uint32_t>(frames), bytes);
-      }
-      self.respond(*self.receive_until(FrameType::kCounters), 0);
-      self.drain();
-    });
+    FakeBoard board(in_session(
+        [&bursts](FakeBoard& self) {
+          for (int burst = 0; burst < 2; ++burst) {
+            std::size_t bytes = 0, frames = 0;
+            while (self.readable_within(100)) {
+              bytes += self.receive()->payload.size();
+              ++frames;
+            }
+            bursts.push_back(bytes);
+            self.return_credit(static_cast<std::uint32_t>(frames), bytes);
+          }
+          self.respond(*self.receive_until(FrameType::kCounters), 0);
+        },
+        window(100, 10'000)));
     Link link(board.take_socket(), kPatient);
     for (int i = 0; i < 6; ++i) link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(3000));
     link.request(FrameType::kCounters, 0, std::vector<std::uint8_t>(3000));
   }
-  EXPECT_THAT(bursts, ::testing::ElementsAre(9000, 9000));
+  EXPECT_THAT(bursts, ElementsAre(9000, 9000));
 }
 
 TEST(Credit, AWriterThatWaitsForCreditLearnsThatTheBoardVanished) {
@@ -91,10 +83,7 @@ TEST(Credit, AWriterThatWaitsForCreditLearnsThatTheBoardVanished) {
 }
 
 TEST(Credit, AWriterThatWaitsForCreditRunsIntoTheWatchdog) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands(window(2, 1 << 20));
-    self.drain();
-  });
+  FakeBoard board(in_session([](FakeBoard&) {}, window(2, 1 << 20)));
   Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(50)});
   link.post(FrameType::kRegisterWrite, 0, {});
   link.post(FrameType::kRegisterWrite, 0, {});
@@ -106,8 +95,7 @@ TEST(Credit, ACallThatWaitsLongAsksWhatTheBoardHasSent) {
   bool asked = false;
   FrameType type{};
   {
-    FakeBoard board([&](FakeBoard& self) {
-      self.shake_hands();
+    FakeBoard board(in_session([&](FakeBoard& self) {
       const Frame first = *self.receive();
       asked = self.readable_within(60'000);
       self.respond(first, 0);
@@ -115,8 +103,7 @@ TEST(Credit, ACallThatWaitsLongAsksWhatTheBoardHasSent) {
         type = second->header.type;
         self.respond(*second, 0);
       }
-      self.drain();
-    });
+    }));
     Link link(board.take_socket(), {.watchdog = std::chrono::seconds(60), .probe = std::chrono::milliseconds(1)});
     link.request(FrameType::kPoll, 0, {});
     link.request(FrameType::kCounters, 0, {});
@@ -189,8 +176,7 @@ TEST(Credit, ALargeWriteAndALargeAnswerDoNotWaitForEachOther) {
   // The board answers each write with more than a socket buffer holds and reads nothing meanwhile.
   constexpr int kCommands = 16;
   constexpr std::size_t kBytes = 1 << 20;
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const std::vector<std::uint8_t> answer(kBytes);
     for (int i = 0; i < kCommands; ++i) {
       const Frame command = *self.receive_until(FrameType::kCommand);
@@ -198,8 +184,7 @@ TEST(Credit, ALargeWriteAndALargeAnswerDoNotWaitForEachOther) {
       self.complete(command.header.id, 0, answer);
     }
     self.respond(*self.receive_until(FrameType::kWait), 0);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), kPatient);
   std::uint32_t last = 0;
   for (int i = 0; i < kCommands; ++i) last = link.command(0, wire::share(std::vector<std::uint8_t>(kBytes)));

@@ -2,12 +2,12 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 
 #include <array>
 #include <stdexcept>
 
 #include "gicube/wire/checksum.h"
+#include "unix_socket.h"
 
 namespace gicube::reference {
 
@@ -23,14 +23,7 @@ FakeBoard::FakeBoard(Script script) {
 }
 
 FakeBoard::FakeBoard(const std::string& path, Script script) {
-  Fd listening(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const auto* name = reinterpret_cast<const sockaddr*>(&address);
-  if (::bind(listening.get(), name, sizeof address) != 0 || ::listen(listening.get(), 1) != 0) {
-    throw std::runtime_error(path);
-  }
+  Fd listening(bound_socket(path, 1));
   thread_ = std::thread([this, listening = std::move(listening), script = std::move(script)] {
     board_end_ = Fd(::accept4(listening.get(), nullptr, nullptr, SOCK_CLOEXEC));
     script(*this);

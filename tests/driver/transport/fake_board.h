@@ -12,6 +12,7 @@
 
 #include "gicube/wire/frame.h"
 #include "transport/fd.h"
+#include "transport/link.h"
 
 namespace gicube::reference {
 
@@ -64,3 +65,20 @@ class FakeBoard {
 std::vector<std::uint8_t> bytes_of(std::string_view text);
 
 }  // namespace gicube::reference
+
+namespace gicube {
+
+// Without the questions of a call that waits long: scripts count frames.
+inline const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
+
+// Shakes hands, does what `script` says, and then receives until the driver closes.
+inline reference::FakeBoard::Script in_session(reference::FakeBoard::Script script,
+                                               const wire::VersionInfo& version = {}) {
+  return [script = std::move(script), version](reference::FakeBoard& self) {
+    self.shake_hands(version);
+    script(self);
+    self.drain();
+  };
+}
+
+}  // namespace gicube

@@ -1,10 +1,6 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-
 #include "fake_board.h"
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/link.h"
 
 namespace gicube {
@@ -12,7 +8,6 @@ namespace {
 
 using reference::bytes_of;
 using reference::FakeBoard;
-using ::testing::HasSubstr;
 
 std::string open_error(FakeBoard::Script script, std::chrono::milliseconds watchdog = std::chrono::seconds(30)) {
   FakeBoard board(std::move(script));
@@ -52,10 +47,7 @@ TEST(Handshake, KeepsTheDriversOwnLimitsWhenTheyAreSmaller) {
   theirs.minor = 9;
   theirs.max_payload_bytes = 1u << 30;
   theirs.window_bytes = std::uint64_t{1} << 31;
-  FakeBoard board([&theirs](FakeBoard& self) {
-    self.shake_hands(theirs);
-    self.drain();
-  });
+  FakeBoard board(in_session([](FakeBoard&) {}, theirs));
   const Link link(board.take_socket(), {});
   EXPECT_EQ(link.agreed().minor, driver_version().minor);
   EXPECT_EQ(link.agreed().max_payload_bytes, driver_version().max_payload_bytes);
@@ -88,7 +80,7 @@ TEST(Handshake, TheAccessTokenFollowsTheVersionAndNoTapSeesIt) {
       if (sent) tapped.push_back({*wire::decode_frame_header(header), {payload.begin(), payload.end()}});
     };
     EXPECT_THAT([&] { const Link link(board.take_socket(), options); },
-                ::testing::ThrowsMessage<OpenFailed>(HasSubstr("the board refuses access: nobody gets in")));
+                ThrowsMessage<OpenFailed>(HasSubstr("the board refuses access: nobody gets in")));
   }
   ASSERT_TRUE(heard.has_value());
   ASSERT_EQ(heard->payload.size(), wire::kVersionBytes + 16);

@@ -1,34 +1,22 @@
 #include "transport/launch.h"
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
-#include <array>
 #include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <optional>
-#include <sstream>
-#include <utility>
-#include <vector>
 
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/event.h"
 
 namespace gicube {
 namespace {
 
-using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 // A folder with shell scripts that stand in for gicube-board; the environment is as before afterwards.
@@ -87,7 +75,7 @@ TEST_F(Launch, TheEnvironmentVariableNamesTheProgram) {
 
 TEST_F(Launch, AnEnvironmentVariableThatNamesNothingIsAFaultAndNotPassedOver) {
   ::setenv("GICUBE_BOARD", "/nowhere/gicube-board", 1);
-  EXPECT_THAT([] { find_board_program(); }, ::testing::ThrowsMessage<OpenFailed>(HasSubstr("/nowhere/gicube-board")));
+  EXPECT_THROWS(OpenFailed, "/nowhere/gicube-board", find_board_program());
 }
 
 TEST_F(Launch, ThePathIsSearched) {
@@ -102,9 +90,9 @@ TEST_F(Launch, AMissingProgramNamesEveryPlaceLookedAt) {
   ::setenv("PATH", ("/nowhere:" + folder_.string()).c_str(), 1);
   const fs::path self = fs::read_symlink("/proc/self/exe").parent_path();
   EXPECT_THAT([] { find_board_program(); },
-              ::testing::ThrowsMessage<OpenFailed>(::testing::AllOf(
-                  HasSubstr("GICUBE_BOARD"), HasSubstr((self / "gicube-board").string()),
-                  HasSubstr("/nowhere/gicube-board"), HasSubstr((folder_ / "gicube-board").string()))));
+              ThrowsMessage<OpenFailed>(AllOf(HasSubstr("GICUBE_BOARD"), HasSubstr((self / "gicube-board").string()),
+                                              HasSubstr("/nowhere/gicube-board"),
+                                              HasSubstr((folder_ / "gicube-board").string()))));
 }
 
 TEST_F(Launch, TheChildGetsItsArgumentsAndTheSocketAsFileThree) {
@@ -142,7 +130,7 @@ TEST_F(Launch, LongLastWordsAreCutToTheirLastLines) {
   EXPECT_THAT(text, HasSubstr("line 2999"));
   EXPECT_LT(text.size(), 4200u);
   EXPECT_GT(text.size(), 4000u) << "four KiB, but for the line that is cut";
-  EXPECT_THAT(text, ::testing::StartsWith("gicube-board ended with exit code 1:\nline ")) << "whole lines";
+  EXPECT_THAT(text, StartsWith("gicube-board ended with exit code 1:\nline ")) << "whole lines";
 }
 
 TEST_F(Launch, AChildThatWasKilledSaysByWhichSignal) {
@@ -231,9 +219,8 @@ TEST(Event, WithoutADescriptorIsAnErrorWithItsReason) {
   EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
   // Only now: UndefinedBehaviorSanitizer needs a descriptor to look at an object.
   ASSERT_NE(thrown, nullptr);
-  EXPECT_THAT(
-      [&thrown] { std::rethrow_exception(thrown); },
-      testing::ThrowsMessage<Error>(std::string("cannot make a descriptor for an event: ") + std::strerror(EMFILE)));
+  EXPECT_THAT([&thrown] { std::rethrow_exception(thrown); },
+              ThrowsMessage<Error>(std::string("cannot make a descriptor for an event: ") + std::strerror(EMFILE)));
 }
 
 TEST_F(Launch, TheChildIsGoneWhenItsObjectIs) {

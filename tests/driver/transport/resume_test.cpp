@@ -1,17 +1,9 @@
 // Links whose connection breaks, against scripted boards: one for each connection.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <deque>
 #include <future>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "gicube/wire/checksum.h"
 #include "resuming_boards.h"
+#include "test.h"
 
 namespace gicube {
 namespace {
@@ -22,13 +14,7 @@ using reference::Frame;
 TEST(Resume, SendsAgainWhatTheBoardHasNotTakenAndNothingElse) {
   std::vector<Frame> again;
   wire::VersionInfo said;
-  Boards boards({[](FakeBoard& self) {
-                   self.shake_hands(board_with_session());
-                   self.receive();
-                   self.receive();
-                   self.receive();
-                 },
-                 [&](FakeBoard& self) {
+  Boards boards({hang_up_after(3), [&](FakeBoard& self) {
                    said = self.shake_hands(board_with_session(1, 1));
                    for (int i = 0; i < 3; ++i) again.push_back(*self.receive());
                    self.respond(again.back(), 5);
@@ -51,11 +37,7 @@ TEST(Resume, SendsAgainWhatTheBoardHasNotTakenAndNothingElse) {
 }
 
 TEST(Resume, ByItselfLetsTheCallGoOn) {
-  Boards boards({[](FakeBoard& self) {
-                   self.shake_hands(board_with_session());
-                   self.receive();
-                 },
-                 [](FakeBoard& self) {
+  Boards boards({hang_up_after(1), [](FakeBoard& self) {
                    self.shake_hands(board_with_session());
                    self.respond(*self.receive(), 9, bytes_of("four"));
                    self.drain();
@@ -64,12 +46,12 @@ TEST(Resume, ByItselfLetsTheCallGoOn) {
   LinkOptions options = boards.options(1);
   options.log = [&told](const std::string& text) { told.push_back(text); };
   Link link(boards.connect(), options);
-  EXPECT_THAT(told, testing::IsEmpty());
+  EXPECT_THAT(told, IsEmpty());
   const Response response = link.request(FrameType::kRegisterRead, 0, bytes_of("abcd"));
   EXPECT_EQ(response.time_ps, 9u);
   EXPECT_EQ(response.payload, bytes_of("four"));
-  EXPECT_THAT(told, testing::ElementsAre(
-                        testing::MatchesRegex("the connection to the board was lost \\(.+\\); the session continues")));
+  EXPECT_THAT(
+      told, ElementsAre(testing::MatchesRegex("the connection to the board was lost \\(.+\\); the session continues")));
 }
 
 TEST(Resume, IsOverOnceTheDriverHasGivenUp) {
@@ -98,11 +80,7 @@ TEST(Resume, ByItselfNeedsASession) {
 }
 
 TEST(Resume, ByItselfEndsAfterSoManyAttemptsWithoutProgress) {
-  const FakeBoard::Script hangs_up = [](FakeBoard& self) {
-    self.shake_hands(board_with_session());
-    self.receive();
-  };
-  Boards boards({hangs_up, hangs_up, hangs_up, hangs_up});
+  Boards boards(std::deque(4, hang_up_after(1)));
   Link link(boards.connect(), boards.options(2));
   EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
   EXPECT_NO_THROW(boards.connect()) << "the fourth was not asked for";
@@ -124,11 +102,7 @@ TEST(Resume, ByItselfEndsThoughTheBoardAnswersQuestions) {
 // What it has taken once is progress once.
 TEST(Resume, ByItselfEndsThoughTheBoardSaysEachTimeWhatItTook) {
   const FakeBoard::Script hangs_up = [](FakeBoard& self) { self.shake_hands(board_with_session(1, 0)); };
-  Boards boards({[](FakeBoard& self) {
-                   self.shake_hands(board_with_session());
-                   self.receive();
-                 },
-                 hangs_up, hangs_up, hangs_up, hangs_up});
+  Boards boards({hang_up_after(1), hangs_up, hangs_up, hangs_up, hangs_up});
   Link link(boards.connect(), boards.options(2));
   EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
   EXPECT_NO_THROW(boards.connect()) << "the fifth was not asked for";
@@ -136,11 +110,7 @@ TEST(Resume, ByItselfEndsThoughTheBoardSaysEachTimeWhatItTook) {
 
 TEST(Resume, ByItselfTriesAfterLongerAndLongerPausesAndTellsEveryCallerWhyInTheEnd) {
   using Clock = std::chrono::steady_clock;
-  Boards boards({[](FakeBoard& self) {
-    self.shake_hands(board_with_session());
-    self.receive();
-    self.receive();
-  }});
+  Boards boards({hang_up_after(2)});
   std::vector<Clock::time_point> attempts;
   LinkOptions options = boards.options(5);
   options.reconnect = [&] {
@@ -183,11 +153,7 @@ TEST(Resume, IsOverWhenTheApplicationClosesWhileTheDriverConnects) {
   bool asked = true;
   {
     std::promise<void> connecting, closed;
-    Boards boards({[](FakeBoard& self) {
-                     self.shake_hands(board_with_session());
-                     self.receive();
-                   },
-                   [&asked](FakeBoard& self) { asked = self.receive().has_value(); }});
+    Boards boards({hang_up_after(1), [&asked](FakeBoard& self) { asked = self.receive().has_value(); }});
     LinkOptions options = boards.options(1);
     options.reconnect = [&] {
       connecting.set_value();
@@ -253,12 +219,7 @@ TEST(Resume, WhatTheBrokenConnectionStillBringsNeitherDisturbsNorBlocksTheNextOn
 
 TEST(Resume, IsTheAffairOfOneOfSeveralCallers) {
   std::atomic<int> connections{0};
-  Boards boards({[](FakeBoard& self) {
-                   self.shake_hands(board_with_session());
-                   self.receive();
-                   self.receive();
-                 },
-                 [](FakeBoard& self) {
+  Boards boards({hang_up_after(2), [](FakeBoard& self) {
                    self.shake_hands(board_with_session());
                    while (const auto request = self.receive()) self.respond(*request, 7);
                  }});
@@ -332,8 +293,7 @@ TEST(Resume, ABoardThatSaysThatItSentMoreHasLostAFrame) {
   }});
   Link link(boards.connect(), boards.options());
   EXPECT_EQ(cause_of_loss(link), Loss::kCorrupted);
-  EXPECT_THAT(text_of_loss(link),
-              testing::HasSubstr("expected number 1, the board says that it has sent up to number 1"));
+  EXPECT_THAT(text_of_loss(link), HasSubstr("expected number 1, the board says that it has sent up to number 1"));
 }
 
 TEST(Resume, NeedsASessionThatTheBoardKnows) {
@@ -346,11 +306,7 @@ TEST(Resume, NeedsASessionThatTheBoardKnows) {
   EXPECT_EQ(cause_of_loss(first), Loss::kClosed);
   EXPECT_FALSE(first.resume());
 
-  Boards forgotten({[](FakeBoard& self) {
-                      self.shake_hands(board_with_session());
-                      self.receive();
-                    },
-                    [](FakeBoard& self) {
+  Boards forgotten({hang_up_after(1), [](FakeBoard& self) {
                       self.refuse(*self.receive(), wire::ErrorCode::kNoSession, "never heard of it");
                       self.drain();
                     }});
@@ -360,12 +316,7 @@ TEST(Resume, NeedsASessionThatTheBoardKnows) {
 }
 
 TEST(Resume, ACompletionThatCameBeforeTheBoardKnewOfTheSecondWaitCounts) {
-  Boards boards({[](FakeBoard& self) {
-                   self.shake_hands(board_with_session());
-                   self.receive();
-                   self.receive();
-                 },
-                 [](FakeBoard& self) {
+  Boards boards({hang_up_after(2), [](FakeBoard& self) {
                    self.shake_hands(board_with_session(2, 0));
                    self.complete(1, 50, bytes_of("rays"));
                    wire::FrameHeader answer;

@@ -1,17 +1,9 @@
 // Scripted boards for links whose connection breaks.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <deque>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "fake_board.h"
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/link.h"
 
 namespace gicube {
@@ -27,6 +19,14 @@ inline wire::VersionInfo board_with_session(std::uint32_t taken = 0, std::uint32
   info.taken = taken;
   info.consumed = consumed;
   return info;
+}
+
+// Breaks the connection after `frames` of a session that can be resumed.
+inline FakeBoard::Script hang_up_after(int frames) {
+  return [frames](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    for (int i = 0; i < frames; ++i) self.receive();
+  };
 }
 
 // Scripts for one connection after the other.
@@ -53,12 +53,7 @@ class Boards {
 };
 
 inline std::string text_of_loss(Link& link) {
-  try {
-    link.request(FrameType::kCounters, 0, {});
-  } catch (const DeviceLost& error) {
-    return error.what();
-  }
-  return "the link was not lost";
+  return message_of<DeviceLost>([&] { link.request(FrameType::kCounters, 0, {}); });
 }
 
 inline Loss cause_of_loss(Link& link) {

@@ -1,11 +1,7 @@
 // A link whose board does not answer for long.
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <thread>
-
 #include "fake_board.h"
 #include "gicube/error.h"
+#include "test.h"
 #include "transport/link.h"
 
 namespace gicube {
@@ -32,8 +28,7 @@ TEST(Link, WithoutAnAnswerTheWatchdogClosesTheLink) {
 }
 
 TEST(Link, ProgressKeepsTheWatchdogQuiet) {
-  FakeBoard board([](FakeBoard& self) {
-    self.shake_hands();
+  FakeBoard board(in_session([](FakeBoard& self) {
     const Frame command = *self.receive();
     const Frame wait = *self.receive();
     for (std::uint32_t i = 0; i < 10; ++i) {
@@ -42,8 +37,7 @@ TEST(Link, ProgressKeepsTheWatchdogQuiet) {
     }
     self.complete(command.header.id, 5);
     self.respond(wait, 5);
-    self.drain();
-  });
+  }));
   Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(800)});
   const auto ticket = link.command(0, wire::share(bytes_of("draw")));
   EXPECT_NO_THROW(link.wait(ticket, 0, kNoDeadline, {}));
