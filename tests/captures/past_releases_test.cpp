@@ -1,34 +1,16 @@
 // Drivers and boards of released versions with today's (docs/reference/protocol.md, Versions): what one side of theirs
 // sent in a captured session is sent to the other side of ours.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <vector>
-
 #include "fake_board.h"
 #include "past_board.h"
 #include "run_program.h"
 #include "session.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::captures {
 namespace {
 
-using testing::AllOf;
-using testing::ContainsRegex;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 constexpr const char* kFolder = GICUBE_SOURCE_DIR "/tests/captures/";
-
-std::string contents(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 struct Past {
   std::uint16_t minor;
@@ -72,7 +54,7 @@ TEST_P(PastRelease, ItsBoardsAnswersGiveThisDriverTheSameValues) {
     values = GetParam().session.use(board);
   }
   EXPECT_THAT(past.refused(), IsEmpty());
-  EXPECT_EQ(values, contents(GetParam().file(".txt")));
+  EXPECT_EQ(values, text_of(GetParam().file(".txt")));
 }
 
 TEST(LampsOfAView, NeedABoardThatKnowsThem) {
@@ -87,9 +69,7 @@ TEST(LampsOfAView, NeedABoardThatKnowsThem) {
   view.eye = {5, 6, -90};
   view.scatter = true;
   view.lamps = {{SphereLight{{0, 0, 90}, 5}, {1, 1, 1}}};
-  EXPECT_THAT(
-      [&] { board.render(view); },
-      testing::ThrowsMessage<Rejected>(HasSubstr("View::lamps needs a board of protocol 2.3, this one has 2.2")));
+  EXPECT_THROWS(Rejected, "View::lamps needs a board of protocol 2.3, this one has 2.2", board.render(view));
   EXPECT_THAT(past.refused(), IsEmpty()) << "nothing was sent";
 }
 

@@ -1,12 +1,5 @@
 // Sources and documents are at most 120 columns wide.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <string_view>
+#include "test.h"
 
 namespace {
 

@@ -1,18 +1,10 @@
 // The documents say what is there: the README's host program is the one that is built, links and anchors lead
 // somewhere, and no document names a file or folder that the tree does not have. And the tree is as
 // docs/ARCHITECTURE.md says.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cctype>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
-#include <set>
-#include <string>
-#include <string_view>
-#include <vector>
+
+#include "test.h"
 
 namespace {
 
@@ -20,11 +12,7 @@ namespace fs = std::filesystem;
 
 const fs::path kSource = GICUBE_SOURCE_DIR;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  EXPECT_TRUE(stream) << file;
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+using gicube::text_of;
 
 // Paths from the root, folders too, without what builds and programs leave there.
 std::set<std::string> tree() {

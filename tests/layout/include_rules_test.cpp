@@ -1,18 +1,10 @@
 // The tree's includes run one way; and the checker that says so can say otherwise.
 #include "include_rules.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include "test.h"
 
 namespace gicube::layout {
 namespace {
-
-using testing::ElementsAre;
-using testing::IsEmpty;
 
 const Files kTree{"proto/gicube/wire/ray.h",
                   "driver/include/gicube/board.h",
@@ -50,11 +42,6 @@ Files files_of(const std::filesystem::path& root, const std::string& folder) {
   return files;
 }
 
-std::string read(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST(IncludeRules, HoldForEverySourceFileOfTheTree) {
   const std::filesystem::path root = GICUBE_SOURCE_DIR;
   Files all;
@@ -64,7 +51,7 @@ TEST(IncludeRules, HoldForEverySourceFileOfTheTree) {
   for (const std::string& file : all) {
     if (file.starts_with("tests/")) continue;  // tests may include anything
     ++checked;
-    for (const std::string& fault : faults(all, file, read(root / file))) ADD_FAILURE() << fault;
+    for (const std::string& fault : faults(all, file, text_of(root / file))) ADD_FAILURE() << fault;
   }
   EXPECT_GT(checked, 20) << "the source tree was not found at " << root;
 }
@@ -95,8 +82,8 @@ TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
       faults(kTree, "board_emu/asic/link/ring.cpp", "#include <array>\n#include \"asic/sorter/sorter.h\"\n"),
       ElementsAre(
           "board_emu/asic/link/ring.cpp:2: board_emu/asic/link may not include board_emu/asic/sorter/sorter.h"));
-  EXPECT_THAT(faults(kTree, "board_emu/words/words.h", "#include \"firmware/framebuffer.h\""), testing::SizeIs(1));
-  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"board/timeline.h\""), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/words/words.h", "#include \"firmware/framebuffer.h\""), SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"board/timeline.h\""), SizeIs(1));
 }
 
 // words, config <- memory <- datapath <- asic <- levels <- functional, cycle <- firmware <- board <- observe,
@@ -126,8 +113,7 @@ TEST(IncludeRules, CatchEveryRoomOfTheBoardThatNamesARoomAboveIt) {
       {"board_emu/server/main.cpp", "cycle/machine.h"},
   };
   for (const Case& c : forbidden) {
-    EXPECT_THAT(faults(kTree, c.file, "#include \"" + c.include + "\"\n"), testing::SizeIs(1))
-        << c.file << " " << c.include;
+    EXPECT_THAT(faults(kTree, c.file, "#include \"" + c.include + "\"\n"), SizeIs(1)) << c.file << " " << c.include;
   }
 }
 
@@ -156,20 +142,19 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
       {"board_emu/firmware/framebuffer.h", "\"tests/support/scenes.h\""},
   };
   for (const Case& c : forbidden) {
-    EXPECT_THAT(faults(kTree, c.file, "#include " + c.include + "\n"), testing::SizeIs(1))
-        << c.file << " " << c.include;
+    EXPECT_THAT(faults(kTree, c.file, "#include " + c.include + "\n"), SizeIs(1)) << c.file << " " << c.include;
   }
 }
 
 TEST(IncludeRules, CatchThirdPartyHeadersWhereOnlyTheStandardLibraryIsAllowed) {
-  EXPECT_THAT(faults(kTree, "driver/include/gicube/board.h", "  #  include <boost/asio.hpp>\n"), testing::SizeIs(1));
-  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp", "#include <sys/socket.h>\n"), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "driver/include/gicube/board.h", "  #  include <boost/asio.hpp>\n"), SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp", "#include <sys/socket.h>\n"), SizeIs(1));
 }
 
 TEST(IncludeRules, CatchNamesThatNoFileHasAndFoldersThatNoRuleFits) {
   EXPECT_THAT(faults(kTree, "samples/apps/render/main.cpp", "#include \"gone.h\"\n"),
               ElementsAre("samples/apps/render/main.cpp:1: no file of ours is called gone.h"));
-  EXPECT_THAT(faults(kTree, "board_emu/novelty/part.h", ""), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/novelty/part.h", ""), SizeIs(1));
 }
 
 }  // namespace

@@ -1,22 +1,16 @@
 #include "gicube/access.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <fstream>
 #include <ios>
-#include <stdexcept>
-#include <string>
 
 #include "gicube/registry.h"
 #include "own_registry.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube {
 namespace {
-
-using testing::HasSubstr;
 
 class TokenFile : public testing::Test {
  protected:
@@ -26,12 +20,7 @@ class TokenFile : public testing::Test {
     return path_;
   }
   std::string refusal() const {
-    try {
-      read_tokens(path_);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
+    return message_of<std::runtime_error>([&] { read_tokens(path_); });
   }
 
   reference::TemporaryDirectory folder_;

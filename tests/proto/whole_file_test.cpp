@@ -1,28 +1,19 @@
 #include "gicube/whole_file.h"
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <string>
 #include <system_error>
 
 #include "full_disk.h"
+#include "test.h"
 
 namespace gicube {
 namespace {
 
 namespace fs = std::filesystem;
 using reference::files_in;
-using testing::EndsWith;
-using testing::StartsWith;
-using testing::ThrowsMessage;
 using Files = std::map<std::string, std::string>;
 
 class WholeFileTest : public testing::Test {
@@ -47,7 +38,7 @@ TEST_F(WholeFileTest, HasItsNameOnlyWhenItIsWhole) {
   const Files open = files();
   ASSERT_EQ(open.size(), 2u);
   EXPECT_EQ(open.at("a"), "before");
-  EXPECT_THAT(open.rbegin()->first, testing::AllOf(StartsWith("a."), EndsWith(".part")));
+  EXPECT_THAT(open.rbegin()->first, AllOf(StartsWith("a."), EndsWith(".part")));
   EXPECT_EQ(open.rbegin()->second, "what comes");
   whole.commit();
   EXPECT_EQ(files(), (Files{{"a", "what comes"}}));

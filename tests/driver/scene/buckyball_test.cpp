@@ -1,13 +1,8 @@
 #include "scene/buckyball.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <numbers>
-
 #include "gicube/scene/error.h"
 #include "scene/geometry/signed_distance.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

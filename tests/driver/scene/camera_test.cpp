@@ -1,10 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

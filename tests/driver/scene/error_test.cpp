@@ -1,13 +1,9 @@
 #include "gicube/scene/error.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <optional>
-
 #include "gicube/scene/scene.h"
 #include "gicube/scene/volume_file.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,9 +1,7 @@
 #include "scene/label_map.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <set>
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::scene {
 namespace {
@@ -12,15 +10,11 @@ namespace {
 SceneSetup checkers(int dims, int edge, int step) {
   SceneSetup setup;
   setup.volume.dims = {dims, dims, dims};
-  for (int z = 0; z < dims; ++z) {
-    for (int y = 0; y < dims; ++y) {
-      for (int x = 0; x < dims; ++x) {
-        const bool inside = std::min({x, y, z}) > 0 && std::max({x, y, z}) < dims - 1;
-        const int cell = (x / edge) + 4 * (y / edge) + 16 * (z / edge);
-        setup.volume.samples.push_back(static_cast<std::byte>(inside ? 1 + step * cell : 0));
-      }
-    }
-  }
+  for_each_voxel({dims, dims, dims}, [&](int x, int y, int z) {
+    const bool inside = std::min({x, y, z}) > 0 && std::max({x, y, z}) < dims - 1;
+    const int cell = (x / edge) + 4 * (y / edge) + 16 * (z / edge);
+    setup.volume.samples.push_back(static_cast<std::byte>(inside ? 1 + step * cell : 0));
+  });
   return setup;
 }
 
@@ -35,7 +29,7 @@ TEST(LabelMap, GivesFourLabelsAColourEach) {
   EXPECT_EQ(setup.tags, (std::vector<std::uint8_t>{2, 2, 0, 1, 3}));  // the background has that of its neighbour
   EXPECT_EQ(setup.volume.samples[0], std::byte{0});
   EXPECT_EQ(setup.volume.samples[4], std::byte{255});
-  EXPECT_THAT(setup.look_why, testing::HasSubstr("2 orange, 7 sky blue, 9 green, 40 purple"));
+  EXPECT_THAT(setup.look_why, HasSubstr("2 orange, 7 sky blue, 9 green, 40 purple"));
 }
 
 TEST(LabelMap, GivesLabelsThatTouchOtherColours) {
@@ -60,19 +54,15 @@ TEST(LabelMap, GivesLabelsThatTouchOtherColours) {
 TEST(LabelMap, ShowsALabelInsideOfAnother) {
   SceneSetup setup;
   setup.volume.dims = {9, 9, 9};
-  for (int z = 0; z < 9; ++z) {
-    for (int y = 0; y < 9; ++y) {
-      for (int x = 0; x < 9; ++x) {
-        const int out = std::max({std::abs(x - 4), std::abs(y - 4), std::abs(z - 4)});
-        setup.volume.samples.push_back(static_cast<std::byte>(out > 3 ? 0 : out > 1 ? 1 : 2));
-      }
-    }
-  }
+  for_each_voxel({9, 9, 9}, [&](int x, int y, int z) {
+    const int out = std::max({std::abs(x - 4), std::abs(y - 4), std::abs(z - 4)});
+    setup.volume.samples.push_back(static_cast<std::byte>(out > 3 ? 0 : out > 1 ? 1 : 2));
+  });
   colour_labels(setup);
   const auto opacity = [&](std::size_t tag) { return setup.built_in.materials[tag].function.opacity_at(255); };
   EXPECT_LT(opacity(0), 0.2);
   EXPECT_EQ(opacity(1), 1);
-  EXPECT_THAT(setup.look_why, testing::HasSubstr("1 orange (translucent), 2 sky blue"));
+  EXPECT_THAT(setup.look_why, HasSubstr("1 orange (translucent), 2 sky blue"));
 }
 
 TEST(LabelMap, KeepsNegativeAndFloatLabels) {

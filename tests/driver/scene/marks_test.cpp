@@ -1,9 +1,6 @@
 #include "gicube/scene/marks.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
@@ -38,9 +35,9 @@ long bright_near(const Image& image, double x, double y) {
 
 TEST(AxisMarks, AreThePatientsWhereThereIsOne) {
   WorldPlacement placement;
-  EXPECT_THAT(axis_marks(placement), testing::ElementsAre("-x", "x", "-y", "y", "-z", "z"));
+  EXPECT_THAT(axis_marks(placement), ElementsAre("-x", "x", "-y", "y", "-z", "z"));
   placement.axes = WorldAxes::kPatient;
-  EXPECT_THAT(axis_marks(placement), testing::ElementsAre("R", "L", "A", "P", "I", "S"));
+  EXPECT_THAT(axis_marks(placement), ElementsAre("R", "L", "A", "P", "I", "S"));
 }
 
 TEST(DrawMarks, PutsThemWhereTheAxesEnd) {

@@ -5,17 +5,13 @@
 
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::scene {
 
 // The faults of this text as the file "a.scene" in the folder /data, or "none".
 inline std::string faults_of(const std::string& text) {
-  try {
-    parse_scene(text, "a.scene", "/data");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { parse_scene(text, "a.scene", "/data"); });
 }
 
 }  // namespace gicube::scene

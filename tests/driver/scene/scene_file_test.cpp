@@ -1,20 +1,13 @@
 #include "gicube/scene/scene.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "gicube/scene/error.h"
 #include "scene_faults.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::HasSubstr;
 using testing::Not;
 
 TEST(SceneFile, FillsEveryPartOfTheScene) {

@@ -1,21 +1,12 @@
 // Volumes whose values have a known distribution: what a survey tells of them, and the look that follows.
 #include "gicube/scene/survey.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <functional>
-#include <numbers>
-#include <random>
-
 #include "gicube/scene/scene.h"
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr int kEdge = 48;
 
@@ -25,16 +16,12 @@ Volume made(SampleType type, const std::function<double(double, double, double)>
   volume.type = type;
   volume.dims = {kEdge, kEdge, kEdge};
   volume.source = "test";
-  for (int z = 0; z < kEdge; ++z) {
-    for (int y = 0; y < kEdge; ++y) {
-      for (int x = 0; x < kEdge; ++x) {
-        const auto at = [](int i) { return (i - 23.5) / 23.5; };
-        const auto sample = static_cast<Sample>(value(at(x), at(y), at(z)));
-        const auto* bytes = reinterpret_cast<const std::byte*>(&sample);
-        volume.samples.insert(volume.samples.end(), bytes, bytes + sizeof sample);
-      }
-    }
-  }
+  for_each_voxel({kEdge, kEdge, kEdge}, [&](int x, int y, int z) {
+    const auto at = [](int i) { return (i - 23.5) / 23.5; };
+    const auto sample = static_cast<Sample>(value(at(x), at(y), at(z)));
+    const auto* bytes = reinterpret_cast<const std::byte*>(&sample);
+    volume.samples.insert(volume.samples.end(), bytes, bytes + sizeof sample);
+  });
   return volume;
 }
 

@@ -1,23 +1,12 @@
 #include "gicube/scene/transfer_function_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::HasSubstr;
-
 std::string faults_of(std::string_view text) {
-  try {
-    parse_transfer_function(text, "a.tf");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { parse_transfer_function(text, "a.tf"); });
 }
 
 TEST(TransferFunctionFile, KeepsPointsInTheirOrder) {

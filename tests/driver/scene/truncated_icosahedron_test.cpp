@@ -1,9 +1,6 @@
 #include "scene/buckyball.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,10 +1,6 @@
 #include "gicube/scene/scene.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <limits>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,25 +1,23 @@
 // gicube-smi doctor: each reason why a board can't be opened is told from the others.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "board_process.h"
 #include "gicube/board.h"
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
+#include "unix_socket.h"
 
 namespace gicube::tools_test {
 namespace {
 
 using reference::TemporaryDirectory;
 using system_test::BoardProcess;
-using testing::HasSubstr;
 
 Finished doctor(const std::string& uri, const std::vector<std::string>& variables = {}) {
   return run_program("gicube-smi", {"doctor", uri}, variables);
@@ -28,13 +26,7 @@ Finished doctor(const std::string& uri, const std::vector<std::string>& variable
 // A Unix socket that nobody listens on, or that takes connections and is silent.
 class DeafSocket {
  public:
-  DeafSocket(const std::string& path, bool listens) : fd_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(listens ? ::listen(fd_, 4) : 0, 0);
-  }
+  DeafSocket(const std::string& path, bool listens) : fd_(reference::bound_socket(path, listens ? 4 : 0)) {}
   ~DeafSocket() { ::close(fd_); }
 
  private:

@@ -1,15 +1,7 @@
 // gicube-smi export, read as Prometheus reads it: the text format's grammar, and the rules that its `promtool check
 // metrics` holds.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <csignal>
-#include <iterator>
-#include <map>
 #include <regex>
-#include <set>
-#include <sstream>
 
 #include <boost/asio/ip/tcp.hpp>
 
@@ -18,17 +10,14 @@
 #include "own_registry.h"
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
 
 using reference::OwnRegistry;
 using system_test::BoardProcess;
-using testing::ContainsRegex;
-using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
-using testing::StartsWith;
 
 class Exporter {
  public:

@@ -1,13 +1,6 @@
 // gicube-smi without a command: the boards of this user on this machine; and where its options may stand.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
@@ -20,6 +13,7 @@
 #include "own_registry.h"
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
@@ -29,13 +23,7 @@ using nlohmann::json;
 using reference::OwnRegistry;
 using reference::TemporaryDirectory;
 using system_test::BoardProcess;
-using testing::AllOf;
-using testing::ContainsRegex;
-using testing::HasSubstr;
 using testing::Not;
-
-// For emu: boards.
-[[maybe_unused]] const int kBoardIsNamed = ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
 
 // A board process that listens.
 struct Listening {
@@ -83,7 +71,7 @@ TEST(LocalBoards, AreListedWithoutACommandWithAndWithoutAManagementPlane) {
 
 TEST(Enumerate, FindsTheBoardsThatListenAndTheyCanBeOpened) {
   const OwnRegistry registry;
-  EXPECT_THAT(enumerate(), testing::IsEmpty());
+  EXPECT_THAT(enumerate(), IsEmpty());
   const Listening two({"--boards", "2"}), plain;
   Listening killed;
   const Board owner = Board::open(plain.bus), alone = Board::open("emu:");
@@ -145,7 +133,7 @@ TEST(Log, IsToldOfASessionThatWasLostAndResumed) {
     gicube_counters_free(list);
   }
   gicube_close(board);
-  EXPECT_THAT(told, testing::ElementsAre(HasSubstr("the session continues")));
+  EXPECT_THAT(told, ElementsAre(HasSubstr("the session continues")));
 }
 
 // A listener that is no board may say anything: it is left out, and nobody waits for ever.

@@ -1,24 +1,19 @@
 // gicube-pci with this process in QEMU's place, byte by byte: its messages with their files, and KVM's side of the two
 // eventfds that carry INTx. A guest under TCG never gets one, and KVM is not everywhere. Records after QEMU 7.2,
 // include/hw/remote/mpqemu-link.h and include/hw/remote/proxy.h, written down here once more.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
-#include <array>
-#include <cstring>
 #include <initializer_list>
-#include <memory>
-#include <string>
 #include <type_traits>
 
 #include "board_process.h"
 #include "gicube/wire/pci_function.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "transport/fd.h"
 #include "transport/ring.h"
 
@@ -26,7 +21,6 @@ namespace gicube::system_test {
 namespace {
 
 namespace fn = wire::function;
-using testing::HasSubstr;
 
 constexpr int kPatience = 10'000;  // ms, far beyond what anything takes
 constexpr std::uint64_t kBar = 0xFEBF'0000, kMemory = 0x10'0000, kMemoryBytes = 1 << 20;

@@ -1,20 +1,14 @@
 // The bridge of gicube-pci as QEMU and a guest see it, without either; and what the driver asks of sysfs.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <future>
-#include <numeric>
 
 #include "bridge.h"
 #include "temporary_directory.h"
+#include "test.h"
 #include "transport/event.h"
 #include "transport/pci_devices.h"
 
@@ -22,8 +16,6 @@ namespace gicube::pci {
 namespace {
 
 namespace fn = wire::function;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 constexpr std::uint64_t kBar = 0xFEBF'0000, kMemory = 0x10'0000, kMemoryBytes = 1 << 20;
 constexpr std::uint32_t kRing = fn::kMinRingBytes;

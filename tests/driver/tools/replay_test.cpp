@@ -1,15 +1,5 @@
 // Sessions captured by the driver, and gicube-replay on them.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <zlib.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <map>
 
 #include "board_process.h"
 #include "full_disk.h"
@@ -18,26 +8,16 @@
 #include "gicube/wire/checksum.h"
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
 
 using reference::TemporaryDirectory;
-using testing::AllOf;
-using testing::ContainsRegex;
-using testing::HasSubstr;
-
-std::string contents(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 void write(const std::string& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
-Board open(const std::string& uri, const OpenOptions& options) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);  // this program stands in another folder
-  return Board::open(uri, options);
-}
+Board open(const std::string& uri, const OpenOptions& options) { return Board::open(uri, options); }
 
 // A volume, a picture, rays, counters: something of each kind of traffic.
 void use(const std::string& uri, const OpenOptions& options = {}) {
@@ -70,7 +50,7 @@ Finished replay(const std::string& file, const std::string& board = "emu:") {
 // Changes the frames that `change` wants to, and seals them anew.
 void alter(const std::string& file,
            const std::function<bool(wire::CaptureKind, wire::FrameHeader&, std::span<std::uint8_t>)>& change) {
-  const std::string text = contents(file);
+  const std::string text = text_of(file);
   std::vector<std::uint8_t> bytes(text.begin(), text.end());
   std::size_t at = wire::kCaptureHeaderBytes;
   while (at + wire::kCaptureRecordBytes + wire::kFrameHeaderBytes <= bytes.size()) {
@@ -144,8 +124,7 @@ TEST(Replay, ASessionWhoseCaptureCannotBeWrittenEndsWithTheReason) {
     OpenOptions options;
     options.capture = folder + "/session.cap";
     options.reopen_attempts = 3;
-    EXPECT_THAT([&] { use("emu:", options); },
-                testing::ThrowsMessage<DeviceLost>(HasSubstr("capture: " + options.capture + ": " + reason)));
+    EXPECT_THROWS(DeviceLost, "capture: " + options.capture + ": " + reason, use("emu:", options));
     EXPECT_EQ(reference::files_in(folder).size(), 1u);
   });
 }
@@ -187,7 +166,7 @@ TEST(Replay, ReadsWhatIsThereOfACaptureWithoutAnEnd) {
 
 TEST(Replay, ReadsGzippedCaptures) {
   const TemporaryDirectory folder;
-  const std::string bytes = contents(captured(folder)), file = folder.file("session.cap.gz");
+  const std::string bytes = text_of(captured(folder)), file = folder.file("session.cap.gz");
   const gzFile gz = ::gzopen(file.c_str(), "wb");
   ASSERT_EQ(::gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size())), static_cast<int>(bytes.size()));
   ::gzclose(gz);
@@ -198,7 +177,7 @@ TEST(Replay, ReadsGzippedCaptures) {
 TEST(Replay, DamageIsNamedByItsByte) {
   const TemporaryDirectory folder;
   const std::string file = captured(folder);
-  std::string bytes = contents(file);
+  std::string bytes = text_of(file);
   bytes[wire::kCaptureHeaderBytes + wire::kCaptureRecordBytes + wire::kFrameHeaderBytes] ^= 1;
   write(file, bytes);
   const Finished run = replay(file);

@@ -2,11 +2,8 @@
 
 #include <sys/wait.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
@@ -16,11 +13,6 @@ std::string quoted(const std::string& word) {
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
   text += '\'';
   return text;
-}
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace

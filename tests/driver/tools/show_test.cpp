@@ -1,19 +1,16 @@
 // gicube-smi show: where a file came from, of files that the programs wrote.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
 
 using reference::TemporaryDirectory;
-using testing::HasSubstr;
 
 nlohmann::json shown(const std::string& file) {
   const Finished run = run_program("gicube-smi", {"show", "--json", file}, {});

@@ -1,18 +1,14 @@
 // gicube-smi as its users run it.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "board_process.h"
 #include "gicube/board.h"
 #include "run_program.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::tools_test {
 namespace {
@@ -20,10 +16,6 @@ namespace {
 using nlohmann::json;
 using reference::TemporaryDirectory;
 using system_test::BoardProcess;
-using testing::AllOf;
-using testing::ContainsRegex;
-using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 // A board process with its management plane.
@@ -48,11 +40,6 @@ struct Boards {
   const std::string bus = "unix:" + folder.file("bus"), management = "unix:" + folder.file("mgmt");
   BoardProcess process;
 };
-
-std::string contents(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 TEST(Smi, ListsTheBoardsOfAProcess) {
   const Boards boards({"--boards", "2", "--set", "bus.model=agp2x"});
@@ -118,7 +105,7 @@ TEST(Smi, TopSendsNoCodesToATerminalThatHasNone) {
     const std::string top = GICUBE_BIN_DIR "/gicube-smi top -i 20ms -m " + boards.management;
     const std::string command = "TERM=" + std::string(terminal) + " timeout 3 script -qfec '" + top + "' " + log;
     [[maybe_unused]] const int code = std::system((command + " >/dev/null 2>&1 </dev/null").c_str());
-    const std::string shown = contents(log);
+    const std::string shown = text_of(log);
     EXPECT_THAT(shown, HasSubstr("bus down")) << terminal;
     EXPECT_EQ(shown.find("\033[H") != std::string::npos, terminal == std::string("xterm")) << shown;
   }
@@ -183,8 +170,8 @@ TEST(Smi, TracesTheSessionsBetweenStartAndStop) {
   Finished stop = boards.smi({"trace", "stop"});
   for (int i = 0; i < 50 && stop.code != 0; ++i) stop = boards.smi({"trace", "stop"});  // while the session ends
   EXPECT_THAT(stop.out, HasSubstr(file + " is complete"));
-  EXPECT_TRUE(json::accept(contents(file))) << contents(file);
-  EXPECT_THAT(contents(file), HasSubstr("access register"));
+  EXPECT_TRUE(json::accept(text_of(file))) << text_of(file);
+  EXPECT_THAT(text_of(file), HasSubstr("access register"));
 }
 
 TEST(Smi, ATraceOverwritesNothingAndNeedsAFreeBoard) {
@@ -193,7 +180,7 @@ TEST(Smi, ATraceOverwritesNothingAndNeedsAFreeBoard) {
   const std::string file = traces.file("there");
   std::ofstream(file) << "mine";
   EXPECT_THAT(boards.smi({"trace", "start", file}).err, HasSubstr("expected the name of a new file"));
-  EXPECT_EQ(contents(file), "mine");
+  EXPECT_EQ(text_of(file), "mine");
   EXPECT_THAT(boards.smi({"trace", "start", boards.folder.file("elsewhere")}).err,
               HasSubstr("expected the name of a new file in " + traces.path() + ", got"));
   const Board board = Board::open(boards.bus);

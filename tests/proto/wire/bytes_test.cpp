@@ -1,13 +1,10 @@
 #include "gicube/wire/bytes.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 #include "hex.h"
 #include "records.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,11 +1,8 @@
 // Credits of one direction (reliable_window.h).
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <deque>
-#include <string>
-
 #include "gicube/wire/reliable_window.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,11 +1,4 @@
 // The documents' tables and examples say what the code says.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-#include <sstream>
-#include <string>
-
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/pci_config.h"
@@ -13,15 +6,10 @@
 #include "gicube/wire/register_markdown.h"
 #include "gicube/wire/voxel.h"
 #include "hex.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {
-
-std::string read(const std::string& path) {
-  std::ifstream in(std::string(GICUBE_SOURCE_DIR) + "/" + path);
-  EXPECT_TRUE(in) << path;
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // What stands between the lines <!-- name --> and <!-- /name -->.
 std::string marked(const std::string& text, const std::string& name) {
@@ -71,13 +59,15 @@ std::string csv_of(const std::string& markdown) {
 }
 
 TEST(ProtocolDocument, HoldsTheRegisterTable) {
-  EXPECT_EQ(read("docs/reference/registers.csv"), csv_of(register_markdown()));
+  EXPECT_EQ(text_of(GICUBE_SOURCE_DIR "/docs/reference/registers.csv"), csv_of(register_markdown()));
 }
 
-TEST(ProtocolDocument, HoldsTheMemoryMap) { EXPECT_EQ(read("docs/reference/memory.csv"), csv_of(memory_markdown())); }
+TEST(ProtocolDocument, HoldsTheMemoryMap) {
+  EXPECT_EQ(text_of(GICUBE_SOURCE_DIR "/docs/reference/memory.csv"), csv_of(memory_markdown()));
+}
 
 TEST(ProtocolDocument, NamesThePciHeaderAsItIsAtReset) {
-  const std::string text = read("docs/reference/protocol.md");
+  const std::string text = text_of(GICUBE_SOURCE_DIR "/docs/reference/protocol.md");
   const PciConfigSpace space = pci_config_at_reset(0);
   for (std::uint32_t offset = 0; offset < kPciConfigBytes; offset += 4) {
     const std::string row = "\n| " + hex_text(offset, 2) + " | " + hex_text(space[offset / 4], 8) + " |";
@@ -104,7 +94,7 @@ TEST(WireReadme, ShowsTheBytesOfARegisterWrite) {
   store(std::span(payload), 4, kStepOne / 2);
   std::array<std::uint8_t, kFrameHeaderBytes> bytes{};
   encode_sealed(header, payload, bytes);
-  EXPECT_EQ(hex_column(marked(read("proto/gicube/wire/README.md"), "frame example")),
+  EXPECT_EQ(hex_column(marked(text_of(GICUBE_SOURCE_DIR "/proto/gicube/wire/README.md"), "frame example")),
             to_hex(bytes) + " " + to_hex(payload));
 }
 
@@ -114,14 +104,16 @@ TEST(WireReadme, ShowsTheBytesOfAHostRay) {
   ray.position = {kVoxel * 21 / 2, kVoxel * 20, kVoxel * 121 / 4};
   ray.direction = {0, 0, 1 << kDirectionFractionBits};
   ray.flags = kHostRay;
-  EXPECT_EQ(hex_column(marked(read("proto/gicube/wire/README.md"), "ray example")), hex_of<kRayBytes>(ray));
+  EXPECT_EQ(hex_column(marked(text_of(GICUBE_SOURCE_DIR "/proto/gicube/wire/README.md"), "ray example")),
+            hex_of<kRayBytes>(ray));
 }
 
 TEST(WireReadme, ShowsTheBytesOfTwoVoxels) {
   std::array<std::uint8_t, 9> bytes{};
   store36(bytes, 0, to_word(Voxel{1000, 5, 1, 0}));
   store36(bytes, 1, to_word(Voxel{}));
-  EXPECT_EQ(hex_column(marked(read("proto/gicube/wire/README.md"), "voxel example")), to_hex(bytes));
+  EXPECT_EQ(hex_column(marked(text_of(GICUBE_SOURCE_DIR "/proto/gicube/wire/README.md"), "voxel example")),
+            to_hex(bytes));
 }
 
 }  // namespace

@@ -1,14 +1,11 @@
 #include "gicube/wire/frame.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-
-#include <string_view>
-#include <vector>
 
 #include "gicube/wire/checksum.h"
 #include "hex.h"
 #include "records.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

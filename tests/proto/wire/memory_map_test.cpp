@@ -1,8 +1,6 @@
 #include "gicube/wire/memory_map.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,8 +1,6 @@
 #include "gicube/wire/pair.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,16 +1,10 @@
 #include "gicube/wire/pci_config.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "gicube/wire/memory_map.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {
-
-using testing::ElementsAre;
 
 std::uint32_t byte_at(const PciConfigSpace& space, std::uint32_t offset) {
   return space[offset / 4] >> (8 * (offset % 4)) & 0xFF;

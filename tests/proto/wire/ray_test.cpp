@@ -1,10 +1,10 @@
 #include "gicube/wire/ray.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "hex.h"
 #include "records.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

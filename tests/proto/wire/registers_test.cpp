@@ -1,12 +1,8 @@
 #include "gicube/wire/registers.h"
 
-#include <gtest/gtest.h>
-
-#include <set>
-#include <string>
-
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/ray.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

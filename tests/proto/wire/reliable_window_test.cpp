@@ -1,10 +1,8 @@
 #include "gicube/wire/reliable_window.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <deque>
-#include <vector>
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,10 +1,6 @@
 #include "gicube/wire/sobol.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <set>
-#include <vector>
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,12 +1,10 @@
 #include "gicube/wire/trap.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-
-#include <cmath>
 
 #include "hex.h"
 #include "records.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

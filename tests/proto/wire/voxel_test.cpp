@@ -1,12 +1,10 @@
 #include "gicube/wire/voxel.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-
-#include <vector>
 
 #include "hex.h"
 #include "records.h"
+#include "test.h"
 
 namespace gicube::wire {
 namespace {

@@ -1,11 +1,6 @@
 // Damage anywhere in a file ends in a FileError or in a volume, never in a crash or another exception.
-#include <gtest/gtest.h>
-
-#include <random>
-#include <string>
-#include <string_view>
-
 #include "../damage.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
@@ -21,7 +16,7 @@ int damage(const std::string& name, const std::string& whole) {
   std::mt19937 random(7);
   int refused = 0;
   for (int round = 0; round < kRounds; ++round) {
-    refused += read_error(folder.write(name, damaged(whole, kLikely, random))) != "no error" ? 1 : 0;
+    refused += read_error(folder.write(name, damaged(whole, kLikely, random))) != "none" ? 1 : 0;
   }
   return refused;
 }

@@ -1,19 +1,13 @@
 #include "gicube/scene/image_file.h"
 
 #include <OpenImageIO/imageio.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <random>
 
 #include "full_disk.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 // Opaque, half transparent, and empty.
 Image three_pixels() { return {3, 1, {{255, 128, 0, 4095}, {100, 64, 0, 2048}, {0, 0, 0, 0}}}; }
@@ -39,12 +33,7 @@ Stored load(const std::filesystem::path& path) {
 }
 
 std::string write_error(const std::function<void()>& write) {
-  try {
-    write();
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return message_of<FileError>([&] { write(); });
 }
 
 std::size_t files_in(const std::filesystem::path& folder) {

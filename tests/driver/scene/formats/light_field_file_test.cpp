@@ -1,18 +1,10 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <sstream>
-
 #include "gicube/scene/light_field.h"
 #include "gicube/scene/volume_file.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 LightField ramp_field(int channels) {
   LightField field{{2, 3, 4}, channels, {}};
@@ -73,11 +65,8 @@ TEST(LightFieldFile, WhatIsNoFieldIsNamed) {
   EXPECT_EQ(fault(head + "type: float\ndimension: 3\nsizes: 1 1 2\n\n1 -2\n"), "values");
   EXPECT_EQ(fault(head + "type: float\ndimension: 4\nsizes: 2 2 2 2\n\n1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8\n"), "sizes");
   EXPECT_EQ(fault(head + "type: float\ndimension: 4\nsizes: 3 1 1 2\n\n1 2 3 4 5 6\n"), "none");
-  EXPECT_THAT(
-      [&] {
-        write_light_field(ramp_field(1), {1, 1, 1}, {}, "/nowhere/field.nrrd");
-      },
-      ThrowsMessage<FileError>(HasSubstr("/nowhere/field.nrrd: file: expected a place to write to")));
+  EXPECT_THROWS(FileError, "/nowhere/field.nrrd: file: expected a place to write to",
+                write_light_field(ramp_field(1), {1, 1, 1}, {}, "/nowhere/field.nrrd"));
 }
 
 TEST(LightField, ItsExposureShowsNineInTenOfItsLitValuesBelowWhite) {

@@ -1,24 +1,16 @@
 // Files in a process of another locale, as applications with Qt or GTK are: a decimal comma, and a Turkish i.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <OpenImageIO/imageio.h>
 
-#include <array>
 #include <clocale>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "gicube/scene/scene.h"
 #include "gicube/scene/transfer_function_file.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 // Compiles the locale, since few machines have it.
 class LocaleTest : public testing::Test {
@@ -45,12 +37,6 @@ class LocaleTest : public testing::Test {
     std::array<char, 8> half{};
     std::snprintf(half.data(), half.size(), "%.1f", 0.5);
     ASSERT_STREQ(half.data(), "0,5");
-  }
-
-  std::string text_of(const std::string& name) const {
-    std::ostringstream text;
-    text << std::ifstream(folder_.path() / name, std::ios::binary).rdbuf();
-    return text.str();
   }
 
   const TemporaryFolder folder_;
@@ -109,9 +95,9 @@ TEST_F(DecimalComma, IsNotWritten) {
     write_volume(volume, folder_.path() / name);
     EXPECT_EQ(read_volume(folder_.path() / name).spacing, volume.spacing) << name;
   }
-  EXPECT_THAT(text_of("a.nrrd"), HasSubstr("space directions: (0.5,0,0) (0,1.25,0) (0,0,2)\n"));
-  EXPECT_THAT(text_of("a.nrrd"), HasSubstr("space origin: (-1.5,2,7.25)\n"));
-  EXPECT_THAT(text_of("a.mha"), HasSubstr("Offset = -1.5 2 7.25\nElementSpacing = 0.5 1.25 2\n"));
+  EXPECT_THAT(text_of(folder_.path() / "a.nrrd"), HasSubstr("space directions: (0.5,0,0) (0,1.25,0) (0,0,2)\n"));
+  EXPECT_THAT(text_of(folder_.path() / "a.nrrd"), HasSubstr("space origin: (-1.5,2,7.25)\n"));
+  EXPECT_THAT(text_of(folder_.path() / "a.mha"), HasSubstr("Offset = -1.5 2 7.25\nElementSpacing = 0.5 1.25 2\n"));
 }
 
 // tolower('I') is another letter than i there.

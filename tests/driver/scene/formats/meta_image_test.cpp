@@ -1,16 +1,8 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 std::string header(const std::string& type, const std::string& rest, const std::string& sizes = "2 3 4") {
   return "ObjectType = Image\nNDims = 3\nDimSize = " + sizes + "\nElementType = " + type +
@@ -167,8 +159,8 @@ TEST(MetaImageFile, WarnsOfDetachedDataThatAreLongerThanItSays) {
   const auto data = folder.write("v.raw", stored(ramp<std::uint8_t>()) + "more");
   const Warnings given;
   read_volume(folder.write("v.mhd", header("MET_UCHAR", "ElementDataFile = v.raw\n")));
-  EXPECT_THAT(given.texts, testing::ElementsAre(data.string() + ": data: expected 24 bytes by the header, got 28 (the "
-                                                                "rest is ignored, or the header is wrong)"));
+  EXPECT_THAT(given.texts, ElementsAre(data.string() + ": data: expected 24 bytes by the header, got 28 (the "
+                                                       "rest is ignored, or the header is wrong)"));
   read_volume(folder.write("v.mhd", header("MET_UCHAR", "HeaderSize = -1\nElementDataFile = v.raw\n")));
   read_volume(folder.write("v.mha", header("MET_UCHAR", kLocal) + stored(ramp<std::uint8_t>()) + "more"));
   EXPECT_EQ(given.texts.size(), 1u);

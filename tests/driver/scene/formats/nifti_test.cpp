@@ -1,17 +1,10 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include <nifti2_io.h>
 
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 nifti_1_header header_1(int datatype) {
   nifti_1_header header{};
@@ -133,7 +126,7 @@ TEST(NiftiFile, TakesTheFirstOfSeveralVolumesOrTheOneAskedFor) {
   source.file = folder.write("v.nii", file_of(header, std::string(24, 'a') + std::string(24, 'b')));
   const Warnings warnings;
   EXPECT_EQ(read_volume(source).samples.front(), std::byte{'a'});
-  EXPECT_THAT(warnings.texts, testing::ElementsAre(HasSubstr("volume: expected a part, 1..2, got none; 1 is taken")));
+  EXPECT_THAT(warnings.texts, ElementsAre(HasSubstr("volume: expected a part, 1..2, got none; 1 is taken")));
   source.part = "2";
   EXPECT_EQ(read_volume(source).samples.back(), std::byte{'b'});
   EXPECT_EQ(bytes_in_planes(open_volume(source), 1).front(), std::byte{'b'});

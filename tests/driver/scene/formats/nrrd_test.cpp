@@ -1,19 +1,10 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <sys/resource.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 std::string header(const std::string& type, const std::string& rest, const std::string& sizes = "2 3 4") {
   return "NRRD0004\n# a comment\ntype: " + type + "\ndimension: 3\nsizes: " + sizes + "\n" + rest;
@@ -203,14 +194,14 @@ TEST(NrrdFile, WarnsOfDetachedDataThatAreLongerThanItSays) {
   };
   const std::string why = " (the rest is ignored, or the header is wrong)";
   EXPECT_THAT(with("short", "encoding: raw\ndata file: v.raw\n"),
-              testing::ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 96" + why));
-  EXPECT_THAT(with("int", "encoding: raw\ndata file: v.raw\n"), testing::IsEmpty());
+              ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 96" + why));
+  EXPECT_THAT(with("int", "encoding: raw\ndata file: v.raw\n"), IsEmpty());
   EXPECT_THAT(with("short", "encoding: raw\nbyte skip: 4\ndata file: v.raw\n"),
-              testing::ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 92" + why));
-  EXPECT_THAT(with("short", "encoding: raw\nbyte skip: -1\ndata file: v.raw\n"), testing::IsEmpty());
+              ElementsAre(data.string() + ": data: expected 48 bytes by the header, got 92" + why));
+  EXPECT_THAT(with("short", "encoding: raw\nbyte skip: -1\ndata file: v.raw\n"), IsEmpty());
   EXPECT_THAT(with("short", "encoding: gzip\ndata file: v.gz\n"),
-              testing::ElementsAre(packed.string() + ": data: expected 48 bytes by the header, got more" + why));
-  EXPECT_THAT(with("float", "encoding: gzip\ndata file: v.gz\n"), testing::IsEmpty());
+              ElementsAre(packed.string() + ": data: expected 48 bytes by the header, got more" + why));
+  EXPECT_THAT(with("float", "encoding: gzip\ndata file: v.gz\n"), IsEmpty());
 }
 
 TEST(NrrdFile, DropsFurtherAxesOfOneSample) {

@@ -1,22 +1,12 @@
 // Files that store one object in different orders of axes become one volume.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include <fmt/format.h>
 #include <nifti2_io.h>
 
 #include "gicube/scene/scene.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
 
 // StoredObject axis i runs along the world's axis |order[i]|, backwards if negative; all eight signs and all orders of
 // axes.

@@ -1,15 +1,10 @@
 // Files that are read in planes have the samples of those that are read whole.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "gicube/scene/scene.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 VolumeSource source_of(const std::filesystem::path& file, const std::optional<RawLayout>& raw = {}) {
   VolumeSource source;
@@ -59,7 +54,7 @@ TEST(Planes, SayWhatIsWrongWhenItIsReached) {
   const TemporaryFolder folder;
   const RawLayout words{kRampDims, SampleType::kUint12, {1, 1, 1}, false, 0};
   const auto message = [](const Volume& volume, const char* text) {
-    EXPECT_THAT([&] { bytes_in_planes(volume, 1); }, ThrowsMessage<FileError>(HasSubstr(text)));
+    EXPECT_THROWS(FileError, text, bytes_in_planes(volume, 1));
   };
   const std::string bytes = stored(ramp<std::uint16_t>());
   const Volume damaged = open_volume(source_of(folder.write("damaged.gz", gzip(bytes).substr(0, 30)), words));
@@ -73,8 +68,7 @@ TEST(Planes, SayWhatIsWrongWhenItIsReached) {
           "sample 20: expected 0..4095, got 4096");
   const Volume good = open_volume(source_of(folder.write("good.raw", bytes), words));
   std::vector<std::byte> plane(12);
-  EXPECT_THAT([&] { good.planes(2, 1, plane); },
-              ThrowsMessage<FileError>(HasSubstr("planes: expected the next, 0, got 2")));
+  EXPECT_THROWS(FileError, "planes: expected the next, 0, got 2", good.planes(2, 1, plane));
   good.planes(0, 1, plane);
   good.planes(0, 1, plane);  // from the start again
 }

@@ -1,34 +1,20 @@
 #include "gicube/scene/provenance.h"
 
 #include <OpenImageIO/imageio.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nifti2_io.h>
-
-#include <array>
-#include <fstream>
-#include <memory>
-#include <sstream>
-#include <thread>
 
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/light_field.h"
 #include "gicube/scene/volume_file.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::HasSubstr;
 using testing::Not;
 
 const Provenance kProvenance{"gicube-render", "0.1.0", "gicube-render 'a b.scene' -o x", "00ff", "cycle", "1234"};
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 Image one_pixel() { return {1, 1, {{255, 128, 0, 4095}}}; }
 
@@ -59,7 +45,7 @@ TEST(Provenance, ACommandLineIsUtf8WhateverTheNamesOfItsFiles) {
   EXPECT_EQ(quoted("gr\u00fc\u00dfe \u20ac \U0001f642"), "'gr\u00fc\u00dfe \u20ac \U0001f642'");
   // [RFC 3629] Cut short, longer than need be, a surrogate, above U+10FFFF.
   for (const char* none : {"\xe2\x82", "\xc0\xaf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\x80"})
-    EXPECT_THAT(quoted(none), testing::StartsWith("$'"));
+    EXPECT_THAT(quoted(none), StartsWith("$'"));
 }
 
 TEST(Provenance, PicturesCarryIt) {
@@ -78,9 +64,9 @@ TEST(Provenance, NrrdHasItAsKeysAndValues) {
   const TemporaryFolder folder;
   const std::vector<float> values(8, 1);
   write_volume(small(values), folder.path() / "a.nrrd", kProvenance);
-  EXPECT_THAT(bytes_of(folder.path() / "a.nrrd"), HasSubstr("\ngicube.command:=gicube-render 'a b.scene' -o x\n"));
+  EXPECT_THAT(text_of(folder.path() / "a.nrrd"), HasSubstr("\ngicube.command:=gicube-render 'a b.scene' -o x\n"));
   write_light_field({{2, 2, 2}, 1, values}, {1, 1, 1}, {}, folder.path() / "b.nrrd", kProvenance);
-  EXPECT_THAT(bytes_of(folder.path() / "b.nrrd"), HasSubstr("\ngicube.scene_hash:=1234\n"));
+  EXPECT_THAT(text_of(folder.path() / "b.nrrd"), HasSubstr("\ngicube.scene_hash:=1234\n"));
   EXPECT_EQ(values_of(read_volume(folder.path() / "a.nrrd")), values);
 }
 
@@ -112,7 +98,7 @@ TEST(Provenance, TheSameInputsGiveTheSameBytesLater) {
     } else {
       write_image(one_pixel(), file, {}, kProvenance);
     }
-    return bytes_of(file);
+    return text_of(file);
   };
   std::vector<std::string> first;
   for (const char* name : names) first.push_back(write(name));

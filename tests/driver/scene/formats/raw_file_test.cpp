@@ -1,13 +1,8 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 TEST(RawFile, ReadsEveryTypeInBothByteOrders) {
   const TemporaryFolder folder;

@@ -1,7 +1,4 @@
-#include <gtest/gtest.h>
-
-#include <array>
-
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {

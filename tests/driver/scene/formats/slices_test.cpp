@@ -1,9 +1,8 @@
 #include "scene/formats/readers.h"
 
 #include <OpenImageIO/imageio.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
+#include "test.h"
 #include "written_files.h"
 
 // libpng jumps out of OpenImageIO's read callback over a string when a PNG is truncated.
@@ -17,9 +16,6 @@ extern "C" const char* __asan_default_options() { return "fast_unwind_on_malloc=
 
 namespace gicube::scene {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 OIIO::TypeDesc type_of(const std::vector<std::uint8_t>&) { return OIIO::TypeDesc::UINT8; }
 OIIO::TypeDesc type_of(const std::vector<std::uint16_t>&) { return OIIO::TypeDesc::UINT16; }
@@ -321,11 +317,10 @@ std::filesystem::path write_ome(const TemporaryFolder& folder, const std::string
 
 TEST(OmeTiff, IsReadWholeOrInPlanesWithItsSpacing) {
   const TemporaryFolder folder;
-  const auto file = write_ome(
-      folder,
-      R"(SizeX="20" SizeY="18" SizeZ="4" SizeC="1" SizeT="1" )"
-      R"(PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2")",
-      R"(<ome:TiffData IFD="0" FirstZ="0"/><ome:TiffData IFD="3" FirstZ="3"/>)");
+  const auto file = write_ome(folder,
+                              R"(SizeX="20" SizeY="18" SizeZ="4" SizeC="1" SizeT="1" )"
+                              R"(PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2")",
+                              R"(<ome:TiffData IFD="0" FirstZ="0"/><ome:TiffData IFD="3" FirstZ="3"/>)");
   const Volume whole = read_volume(file);
   EXPECT_EQ(whole.dims, (Dims{20, 18, 4}));
   EXPECT_EQ(whole.spacing.x, 0.5);

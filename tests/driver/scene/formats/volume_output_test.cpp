@@ -1,36 +1,19 @@
 #include "gicube/scene/volume_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nifti2_io.h>
-
-#include <array>
-#include <cstring>
-#include <fstream>
-#include <memory>
-#include <random>
-#include <sstream>
 
 #include "full_disk.h"
 #include "gicube/scene/light_field.h"
+#include "test.h"
 #include "written_files.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::HasSubstr;
-using testing::ThrowsMessage;
-
 std::vector<float> ramp(int count) {
   std::vector<float> values;
   for (int i = 0; i < count; ++i) values.push_back(0.5F * static_cast<float>(i) - 3);
   return values;
-}
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 TEST(VolumeOutput, ReadsBackWithItsSpacingInEveryFormat) {
@@ -92,22 +75,13 @@ TEST(VolumeOutput, RefusesWhatItCannotWrite) {
   const TemporaryFolder folder;
   const std::vector<float> values = ramp(8);
   EXPECT_FALSE(is_volume_output("a.png"));
-  EXPECT_THAT(
-      [&] {
-        write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, folder.write("a.png", ""));
-      },
-      ThrowsMessage<FileError>(HasSubstr("extension: expected .nrrd")));
-  EXPECT_THAT(
-      [&] {
-        write_volume({{2, 2, 3}, {1, 1, 1}, {}, values}, folder.write("a.nrrd", ""));
-      },
-      ThrowsMessage<FileError>(HasSubstr("values: expected 2 x 2 x 3, got 8")));
+  EXPECT_THROWS(FileError, "extension: expected .nrrd",
+                write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, folder.write("a.png", "")));
+  EXPECT_THROWS(FileError, "values: expected 2 x 2 x 3, got 8",
+                write_volume({{2, 2, 3}, {1, 1, 1}, {}, values}, folder.write("a.nrrd", "")));
   for (const char* name : {"a.nrrd", "a.mha", "a.nii"}) {
-    EXPECT_THAT(
-        [&] {
-          write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, std::filesystem::path("/nowhere") / name);
-        },
-        ThrowsMessage<FileError>(HasSubstr("expected a place to write to")))
+    EXPECT_THROWS(FileError, "expected a place to write to",
+                  write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, std::filesystem::path("/nowhere") / name))
         << name;
   }
 }

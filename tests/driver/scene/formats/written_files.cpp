@@ -1,11 +1,8 @@
 #include "written_files.h"
 
-#include <unistd.h>
 #include <zlib.h>
 
-#include <atomic>
-#include <fstream>
-#include <stdexcept>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
@@ -27,35 +24,11 @@ std::string deflated(const std::string& bytes, int window_bits) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  static std::atomic<int> count = 0;
-  path_ = std::filesystem::temp_directory_path() /
-          ("gicube-files-" + std::to_string(getpid()) + "-" + std::to_string(count++));
-  std::filesystem::create_directory(path_);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::filesystem::path TemporaryFolder::write(const std::string& name, const std::string& bytes) const {
-  std::ofstream file(path_ / name, std::ios::binary);
-  file << bytes;
-  if (!file.flush()) throw std::runtime_error("can't write " + name);
-  return path_ / name;
-}
-
 std::string gzip(const std::string& bytes) { return deflated(bytes, MAX_WBITS + 16); }
 std::string zlib(const std::string& bytes) { return deflated(bytes, MAX_WBITS); }
 
 std::string read_error(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {
-  try {
-    read_volume(path, layout);
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
+  return message_of<FileError>([&] { read_volume(path, layout); });
 }
 
 }  // namespace gicube::scene

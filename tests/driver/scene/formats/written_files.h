@@ -13,23 +13,12 @@
 #include <vector>
 
 #include "gicube/scene/volume_file.h"
+#include "temporary_directory.h"
 
 namespace gicube::scene {
 
-// A folder of its own, gone with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  // Writes a file and returns its path.
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
-
- private:
-  std::filesystem::path path_;
+struct TemporaryFolder : reference::TemporaryDirectory {
+  std::filesystem::path path() const { return TemporaryDirectory::path(); }
 };
 
 enum class Order { kLittle, kBig };
@@ -96,7 +85,7 @@ class Warnings {
   std::vector<std::string> texts{};
 };
 
-// The text of the FileError that reading the file throws; "no error" if it throws none.
+// The text of the FileError that reading the file throws; "none" if it throws none.
 std::string read_error(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
 
 }  // namespace gicube::scene

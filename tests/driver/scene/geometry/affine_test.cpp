@@ -1,8 +1,6 @@
 #include "gicube/scene/affine.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

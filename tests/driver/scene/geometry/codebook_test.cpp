@@ -1,11 +1,6 @@
 #include "gicube/scene/voxeliser.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,15 +1,9 @@
 // Damage anywhere in a mesh's file ends in an error that names it, or in a mesh, never in a crash.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <string>
-#include <string_view>
-
 #include "../damage.h"
 #include "gicube/scene/error.h"
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/mesh_file.h"
+#include "test.h"
 #include "test_meshes.h"
 
 namespace gicube::scene {

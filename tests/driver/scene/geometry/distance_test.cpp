@@ -1,10 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/shape.h"
 #include "scene/geometry/signed_distance.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

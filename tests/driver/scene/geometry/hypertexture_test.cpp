@@ -1,13 +1,8 @@
 #include "gicube/scene/hypertexture.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/voxeliser.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
@@ -138,14 +133,8 @@ TEST(Hypertexture, OfAFlameIsDrawnOutUpwardsAndTornByRisingNoise) {
 }
 
 TEST(Hypertexture, RefusesNumbersWithoutAMeaningByTheirNames) {
-  using testing::HasSubstr;
   const auto refusal = [](const Hypertexture& texture) -> std::string {
-    try {
-      check(texture);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<InputError>([&] { check(texture); });
   };
   EXPECT_EQ(refusal({}), "none");
   EXPECT_THAT(refusal({.shape = SphereShape{-1}}), HasSubstr("radius"));

@@ -1,25 +1,14 @@
 #include "scene/geometry/mesh_distance.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 #include "test_meshes.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::HasSubstr;
-
 std::string fault_of(const Mesh& mesh) {
-  try {
-    MeshDistance(mesh, "a.obj");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { MeshDistance(mesh, "a.obj"); });
 }
 
 TEST(MeshDistance, IsThatOfTheBoxForACube) {

@@ -1,19 +1,10 @@
 #include "scene/geometry/mesh_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstring>
-#include <fstream>
-#include <string>
-
+#include "test.h"
 #include "test_meshes.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr const char* kHeaderEnd =
     "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
@@ -54,21 +45,11 @@ void expect_the_plys_mesh(const Mesh& mesh) {
   EXPECT_EQ(mesh.triangles, expected);
 }
 
-template <typename Call>
-std::string fault_of(const Call& call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {  // FileError or InputError
-    return error.what();
-  }
-  return "none";
-}
-
 std::string ply_fault(const std::string& bytes) {
-  return fault_of([&] { parse_ply(bytes, "a.ply"); });
+  return message_of<std::runtime_error>([&] { parse_ply(bytes, "a.ply"); });
 }
 std::string obj_fault(const std::string& text) {
-  return fault_of([&] { parse_obj(text, "a.obj"); });
+  return message_of<std::runtime_error>([&] { parse_obj(text, "a.obj"); });
 }
 
 TEST(PlyFile, IsReadFromTextAndFromBytesOfEitherOrder) {
@@ -171,9 +152,9 @@ TEST(MeshFile, IsChosenByItsExtensionAndNeedsTriangles) {
   std::ofstream(folder / "a.PLY", std::ios::binary) << binary_ply(true);
   expect_the_plys_mesh(read_mesh(folder / "a.PLY"));
   std::ofstream(folder / "empty.obj") << "v 0 0 0\n";
-  EXPECT_THAT(fault_of([&] { read_mesh(folder / "empty.obj"); }), HasSubstr("faces"));
-  EXPECT_THAT(fault_of([&] { read_mesh(folder / "a.stl"); }), HasSubstr(".obj or .ply"));
-  EXPECT_THAT(fault_of([&] { read_mesh(folder / "none.obj"); }), HasSubstr("no such file"));
+  EXPECT_THAT(message_of<std::runtime_error>([&] { read_mesh(folder / "empty.obj"); }), HasSubstr("faces"));
+  EXPECT_THAT(message_of<std::runtime_error>([&] { read_mesh(folder / "a.stl"); }), HasSubstr(".obj or .ply"));
+  EXPECT_THAT(message_of<std::runtime_error>([&] { read_mesh(folder / "none.obj"); }), HasSubstr("no such file"));
 }
 
 }  // namespace

@@ -1,15 +1,8 @@
 // Distances from solids that are scaled unequally, against references that find the nearest point in other ways.
 #include "scene/geometry/placed_field.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "scene/geometry/signed_distance.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,9 +1,7 @@
 #include "gicube/scene/voxeliser.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::scene {
 namespace {
@@ -14,16 +12,12 @@ Volume linear_scan(const Dims& dims, Vec3 spacing) {
   scan.type = SampleType::kFloat32;
   scan.dims = dims;
   scan.spacing = spacing;
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x) {
-        const float value = static_cast<float>(x + 10 * y + 100 * z);
-        const std::size_t at = scan.samples.size();
-        scan.samples.resize(at + sizeof value);
-        std::memcpy(&scan.samples[at], &value, sizeof value);
-      }
-    }
-  }
+  for_each_voxel(dims, [&](int x, int y, int z) {
+    const float value = static_cast<float>(x + 10 * y + 100 * z);
+    const std::size_t at = scan.samples.size();
+    scan.samples.resize(at + sizeof value);
+    std::memcpy(&scan.samples[at], &value, sizeof value);
+  });
   return scan;
 }
 

@@ -1,13 +1,8 @@
 #include "gicube/scene/voxeliser.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <numbers>
-
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/placed_field.h"
+#include "test.h"
 #include "test_meshes.h"
 
 namespace gicube::scene {

@@ -1,15 +1,11 @@
 #include "gicube/scene/engine.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 Scene example() {
   Scene scene;
@@ -124,12 +120,7 @@ TEST(Engine, IsCheckedByField) {
                                                   {{"x", {{0, 1}}, 0, 2}, "both"},
                                                   {{"x", {}, std::nan(""), 0}, "start"}};
   for (const auto& [engine, fault] : cases) {
-    try {
-      check(engine);
-      ADD_FAILURE() << fault;
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(fault));
-    }
+    EXPECT_THROWS(InputError, fault, check(engine));
   }
 }
 

@@ -1,14 +1,6 @@
 // Fog beside solids, as rays through the voxels see it, against lengths in the scene's own shapes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <numbers>
-#include <random>
-
 #include "gicube/scene/world.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {

@@ -1,16 +1,10 @@
 #include "gicube/scene/light.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::StartsWith;
 
 std::string fault_of(const Light& light) {
   try {

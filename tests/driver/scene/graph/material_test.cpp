@@ -1,26 +1,14 @@
 #include "gicube/scene/material.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/voxeliser.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
 
-using testing::StartsWith;
-
 std::string fault_of(const SceneMaterial& material) {
-  try {
-    check(material);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { check(material); });
 }
 
 SceneMaterial with(const Material& optics) { return {"m", 0, {}, optics, {1, 1, 1}}; }

@@ -1,23 +1,12 @@
 // Worlds, materials, lights, illumination and engines as text.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <numbers>
-#include <random>
-
 #include "../damage.h"
 #include "../scene_faults.h"
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
   const Scene scene = parse_scene(R"(

@@ -1,20 +1,11 @@
 #include "gicube/scene/world.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <numbers>
-
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::scene {
 namespace {
-
-using testing::HasSubstr;
 
 double total(const BuiltWorld& built) {
   double sum = 0;
@@ -27,12 +18,7 @@ double total(const BuiltWorld& built) {
 }
 
 std::string fault_of(const World& world, const std::vector<SceneMaterial>& materials) {
-  try {
-    build(world, materials);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { build(world, materials); });
 }
 
 Node leaf(const std::string& name, const Content& content, const std::string& material,
@@ -202,12 +188,7 @@ TEST(World, NamesTheLightThatIsWrong) {
   scene.world->size = 16;
   scene.materials = kWhite;
   scene.lights = {{"panel", RectangleLight{{}, {1, 0, 0}, {1, 0, 0}, 1}, {1, 1, 1}}};
-  try {
-    set_up(scene);
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("light[panel].rectangle.edge_v"));
-  }
+  EXPECT_THROWS(InputError, "light[panel].rectangle.edge_v", set_up(scene));
 }
 
 }  // namespace
