@@ -37,11 +37,6 @@ BENCHMARK_CAPTURE(demo_frame, cycle, "emu:?threads=1&fidelity=cycle")
     ->Arg(512)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(demo_frame, cycle, "emu:?threads=1&fidelity=cycle")
-    ->Arg(256)
-    ->Arg(512)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace gicube::samples
