@@ -1,22 +1,12 @@
 #include "server/audit.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::EndsWith;
 using testing::MatchesRegex;
 
 std::vector<std::string> lines_of(const std::string& path) {
@@ -106,8 +96,7 @@ TEST(Audit, TheFileAndTheFormerOneStayWithinTheirBounds) {
 
 TEST(Audit, AFileThatCannotBeWrittenIsNamed) {
   EXPECT_THAT([] { const Audit audit(to_file("/proc/nowhere/audit")); },
-              testing::ThrowsMessage<std::runtime_error>(
-                  testing::AllOf(testing::StartsWith("--audit-log: "), testing::HasSubstr("/proc/nowhere"))));
+              ThrowsMessage<std::runtime_error>(AllOf(StartsWith("--audit-log: "), HasSubstr("/proc/nowhere"))));
 }
 
 }  // namespace

@@ -1,21 +1,12 @@
 #include "server/options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::AllOf;
 using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 CommandLine parse(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "gicube-board");
@@ -105,7 +96,7 @@ TEST(CommandLine, ReportsAllFaultsAtOnce) {
   std::ofstream(file) << "asic { processors: 99\n colour: 3 }\n";
   const CommandLine line = parse({"--listen", "tcp:0.0.0.0:1", "--boards", "65", "--private", "--config", file.c_str(),
                                   "--set", "dsp.clock=3", "--management", "tcp:0.0.0.0:2"});
-  EXPECT_THAT(line.errors, testing::SizeIs(7));
+  EXPECT_THAT(line.errors, SizeIs(7));
   EXPECT_THAT(line.errors, Contains(HasSubstr("--boards: expected 1 to 64, got 65")));
   EXPECT_THAT(line.errors,
               Contains(AllOf(HasSubstr("--listen: expected a loopback address"), HasSubstr("--tls-cert"))));
@@ -161,7 +152,7 @@ TEST(CommandLine, NeedsSomethingToDo) {
   EXPECT_THAT(parse({}).errors, ElementsAre(HasSubstr("--listen")));
   EXPECT_THAT(parse({"--registers"}).errors, IsEmpty());
   EXPECT_THAT(parse({"--hardware-cost", "--set", "asic.processors=8"}).errors, IsEmpty());
-  EXPECT_THAT(parse({"--listne", "fd:3"}).errors, testing::SizeIs(1));
+  EXPECT_THAT(parse({"--listne", "fd:3"}).errors, SizeIs(1));
   EXPECT_THAT(parse({"--listen", "fd:3", "--boards", "2"}).errors, ElementsAre(HasSubstr("--boards")));
   EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).errors, ElementsAre(HasSubstr("/nowhere")));
 }
@@ -264,7 +255,7 @@ TEST(CommandLine, ATracesWindowNeedsATrace) {
 
 TEST(CommandLine, HelpAndVersionAreTexts) {
   EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--token-file"));
-  EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));
+  EXPECT_THAT(parse({"--version"}).text.value_or(""), StartsWith("gicube-board "));
 }
 
 TEST(CommandLine, ReadsAFaultPlanAndNamesEveryFaultInIt) {

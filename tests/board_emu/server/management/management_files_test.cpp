@@ -1,21 +1,13 @@
 // What the management service writes, traces and checkpoints: into its folder for them, and nowhere else.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <iterator>
-#include <stdexcept>
-
 #include "managed_boards.h"
 #include "server/management/management.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using grpc::StatusCode;
 using reference::RawClient;
-using testing::AllOf;
-using testing::HasSubstr;
 
 grpc::Status set_trace(ManagedBoards& managed, const std::string& file) {
   Call call;

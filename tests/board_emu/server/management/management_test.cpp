@@ -1,22 +1,14 @@
 // The management service, called by a real client.
 #include "server/management/management.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <iterator>
-#include <stdexcept>
-
 #include "managed_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using grpc::StatusCode;
 using reference::RawClient;
-using testing::AllOf;
-using testing::HasSubstr;
 
 TEST(Management, ListsEveryBoardWithItsResolvedConfiguration) {
   ManagedBoards managed(2);
@@ -122,8 +114,8 @@ TEST(Management, ManyFaultsAreToldInAsManyWordsAsAnAnswerHolds) {
   v1::BoardInfo info;
   const grpc::Status status = managed.configure(text, info);
   EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), AllOf(HasSubstr("line 1: xxx"), HasSubstr("x...: expected one of fidelity"),
-                                            testing::EndsWith("\nand more")));
+  EXPECT_THAT(status.error_message(),
+              AllOf(HasSubstr("line 1: xxx"), HasSubstr("x...: expected one of fidelity"), EndsWith("\nand more")));
 }
 
 TEST(Management, ConfigureIsRefusedWhileASessionOwnsTheBoard) {

@@ -1,18 +1,9 @@
 // What a board process tells those who find its socket in the registry.
 #include "server/management/registration.h"
 
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <optional>
-#include <set>
-#include <stdexcept>
-#include <string>
 
 #include <boost/asio/local/stream_protocol.hpp>
 
@@ -20,6 +11,7 @@
 #include "gicube/registry.h"
 #include "gicube/v1/management.pb.h"
 #include "own_registry.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

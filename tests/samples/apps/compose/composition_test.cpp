@@ -1,28 +1,17 @@
 #include "compose/composition.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "../../../driver/scene/damage.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 const std::filesystem::path kScenes = GICUBE_SOURCE_DIR "/samples/scenes";
 
 Composition parsed_composition(const std::string& text) { return parse_composition(text, "x", kScenes); }
 
 std::string fault_of(const std::string& text) {
-  try {
-    parsed_composition(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { parsed_composition(text); });
 }
 
 TEST(Composition, PlacesVolumesAndSurfaces) {

@@ -1,12 +1,8 @@
 #include "compose/picture.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "../meshes/meshes.h"
 #include "small_stage.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -211,12 +207,7 @@ TEST(ComposedPicture, SaysWhichVolumeIsWrong) {
   flat.scene.volume.builtin = "buckyball";
   flat.scene.volume.size = 16;
   flat.to_space = scaling({1, 1e-200, 1e-200});
-  try {
-    set_up(composition);
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("flat: transform: expected one that keeps a volume"));
-  }
+  EXPECT_THROWS(InputError, "flat: transform: expected one that keeps a volume", set_up(composition));
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 #include "compose/ray_plan.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,15 +1,9 @@
 #include "compose/shell.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "../meshes/meshes.h"
 #include "gicube/scene/error.h"
 #include "small_stage.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -133,12 +127,7 @@ TEST(Shell, IsShadedByTheMeshsNormals) {
 
 TEST(Shell, NeedsTextureCoordinatesThatStayWithinBounds) {
   const auto refusal = [](const Mesh& mesh, const ShellSettings& settings) -> std::string {
-    try {
-      const Shell shell(mesh, settings, kTile);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<InputError>([&] { const Shell shell(mesh, settings, kTile); });
   };
   EXPECT_EQ(refusal(square(1, 0), {.thickness = 1}),
             "file: expected a mesh whose faces all have texture coordinates (.obj, vt), got others");

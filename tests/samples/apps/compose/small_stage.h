@@ -11,7 +11,6 @@
 namespace gicube::samples {
 
 inline std::vector<Board> open_boards(const std::string& options = "", int count = 1) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   std::vector<Board> boards;
   for (int i = 0; i < count; ++i) {
     boards.push_back(Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64" + options));

@@ -1,9 +1,6 @@
 #include "compose/program/options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <sstream>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -15,12 +12,7 @@ std::optional<ComposeOptions> parsed(std::vector<const char*> arguments) {
 }
 
 std::string refusal(const std::vector<const char*>& arguments) {
-  try {
-    parsed(arguments);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<UsageError>([&] { parsed(arguments); });
 }
 
 TEST(ComposeOptions, SetThePicture) {
@@ -37,7 +29,6 @@ TEST(ComposeOptions, SetThePicture) {
 }
 
 TEST(ComposeOptions, RefuseWhatCanNotBeDone) {
-  using testing::HasSubstr;
   EXPECT_THAT(refusal({}), HasSubstr("COMPOSITION"));
   EXPECT_THAT(refusal({"a", "-o", "a.gif"}),
               HasSubstr("--output: expected a name that ends in .png or .exr, got \"a.gif\""));

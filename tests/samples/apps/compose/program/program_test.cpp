@@ -1,16 +1,12 @@
 // The program itself, with private emulated boards.
 #include "program_test.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
+
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class ComposeProgram : public ProgramTest {
  protected:
@@ -28,7 +24,7 @@ TEST_F(ComposeProgram, WritesAPictureAndWhatItCost) {
   const ProgramResult result =
       run(path("a.composition") + " --allow-outside --boards 2 -o " + path("a.png") + " --stats " + path("a.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("ball: "), HasSubstr("other: "), HasSubstr("picture: ")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("ball: "), HasSubstr("other: "), HasSubstr("picture: ")));
   EXPECT_THAT(text_of(path("a.png")), HasSubstr("PNG"));
   const auto json = nlohmann::json::parse(text_of(path("a.json")));
   ASSERT_EQ(json.at("volumes").size(), 2u);
@@ -49,7 +45,7 @@ TEST_F(ComposeProgram, SaysWhatIsWrong) {
   EXPECT_EQ(run("").code, 2);
   const ProgramResult none = run(path("none.composition"));
   EXPECT_EQ(none.code, 1);
-  EXPECT_THAT(none.err, testing::AllOf(HasSubstr("gicube-compose: "), HasSubstr("none.composition")));
+  EXPECT_THAT(none.err, AllOf(HasSubstr("gicube-compose: "), HasSubstr("none.composition")));
   std::ofstream(path("b.composition")) << "volume { input: \"builtin:teapot\" }";
   EXPECT_THAT(run(path("b.composition")).err,
               HasSubstr("volume[0]: built-in volume: expected buckyball, got \"teapot\""));

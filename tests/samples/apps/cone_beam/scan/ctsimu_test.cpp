@@ -1,22 +1,15 @@
 #include "cone_beam/scan/formats.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
 using nlohmann::json;
-using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -72,12 +65,7 @@ class Ctsimu : public testing::Test {
     return read_ctsimu(folder_.file(name));
   }
   std::string error_of(const json& value, const std::string& name = "scenario.json") const {
-    try {
-      read(value, name);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<FileError>([&] { read(value, name); });
   }
 
   const reference::TemporaryDirectory folder_;
@@ -207,18 +195,11 @@ TEST_F(Ctsimu, MetadataAreRefusedWithTheKeyThatIsWrong) {
 
 TEST_F(Ctsimu, IsJson) {
   std::ofstream(folder_.file("a.json")) << "{ \"file\": ";
-  try {
-    read_ctsimu(folder_.file("a.json"));
-    FAIL();
-  } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("a.json: byte 11: expected JSON"));
-  }
+  EXPECT_THROWS(FileError, "a.json: byte 11: expected JSON", read_ctsimu(folder_.file("a.json")));
   std::ofstream(folder_.file("c.json")) << "[1e999]";
-  EXPECT_THAT([&] { read_ctsimu(folder_.file("c.json")); },
-              testing::ThrowsMessage<FileError>(HasSubstr("expected numbers that a double holds")));
+  EXPECT_THROWS(FileError, "expected numbers that a double holds", read_ctsimu(folder_.file("c.json")));
   std::ofstream(folder_.file("b.json")) << std::string(100'000, '[');
-  EXPECT_THAT([&] { read_ctsimu(folder_.file("b.json")); },
-              testing::ThrowsMessage<FileError>(HasSubstr("expected at most 100 levels of nesting")));
+  EXPECT_THROWS(FileError, "expected at most 100 levels of nesting", read_ctsimu(folder_.file("b.json")));
 }
 
 }  // namespace

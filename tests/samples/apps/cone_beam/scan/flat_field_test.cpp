@@ -1,24 +1,13 @@
 #include "cone_beam/scan/scan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
-using testing::HasSubstr;
-
 std::string error_of(Stack views, const Stack& flats, const Stack& darks, double full) {
-  try {
-    correct_flat_field(views, flats, darks, full);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { correct_flat_field(views, flats, darks, full); });
 }
 
 TEST(FlatField, TakesTheLogarithmOfWhatIsLeftOfTheMeanFlat) {
@@ -145,8 +134,7 @@ TEST(DeadPixels, ThatAMapNamesAreInterpolatedByTheirDistance) {
   EXPECT_EQ(repair_pixels(again, {}).stuck, 0u);
   EXPECT_EQ(again.values, whole.values);
   map.columns = 7, map.rows = 9;
-  EXPECT_THAT([&] { repair_pixels(stack, map); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr("dead: expected 9 x 7 pixels")));
+  EXPECT_THROWS(InputError, "dead: expected 9 x 7 pixels", repair_pixels(stack, map));
 }
 
 // What no view changes, as the air beside an object, is no fault.

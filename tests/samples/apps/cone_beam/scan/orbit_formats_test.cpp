@@ -1,39 +1,18 @@
 // RTK's geometries, Nikon's files and vectors of ASTRA: each by a place that an independent reading of the format's
 // documents puts in a certain pixel, off all axes, so that no mirror and no exchange of axes goes unseen.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
-#include <numbers>
-
 #include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/scan.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double kRadians = std::numbers::pi / 180;
 
 class OrbitFormats : public testing::Test {
  protected:
-  std::filesystem::path written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_.file(name)) << text;
-    return folder_.file(name);
-  }
-  template <typename Call>
-  static std::string error_of(const Call& call) {
-    try {
-      call();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
-  }
   static SeenAt seen_in_file(const ScanDescription& scan, std::size_t view, Vec3 place) {
     SeenAt seen = seen_at(pose(scan.geometry, view), place - scan.centre);
     if (scan.columns_reversed) seen.column = -seen.column;
@@ -49,7 +28,7 @@ class OrbitFormats : public testing::Test {
 // detector.
 TEST_F(OrbitFormats, RtkPutsPlacesWhereItsMatricesDo) {
   const double gantry = 35, out_of_plane = 4, in_plane = -7, sid = 500, sdd = 1000, sx = 3, sy = -2, px = 11, py = 5;
-  const auto file = written("g.xml", R"(<?xml version="1.0"?><!DOCTYPE RTKGEOMETRY>
+  const auto file = folder_.write("g.xml", R"(<?xml version="1.0"?><!DOCTYPE RTKGEOMETRY>
     <RTKThreeDCircularGeometry version="3"><SourceToIsocenterDistance>500</SourceToIsocenterDistance>
     <SourceToDetectorDistance> 1000 </SourceToDetectorDistance><SourceOffsetX>3</SourceOffsetX>
     <Projection><GantryAngle>35</GantryAngle><OutOfPlaneAngle>4</OutOfPlaneAngle><InPlaneAngle>-7</InPlaneAngle>
@@ -82,12 +61,12 @@ TEST_F(OrbitFormats, RtksCirclesAreCircles) {
       "<SourceToDetectorDistance>1000</SourceToDetectorDistance><ProjectionOffsetX>8</ProjectionOffsetX>";
   for (int i = 0; i < 8; ++i)
     text += "<Projection><GantryAngle>" + std::to_string(45 * i) + "</GantryAngle></Projection>";
-  const auto file = written("g.xml", text + "</RTKThreeDCircularGeometry>");
+  const auto file = folder_.write("g.xml", text + "</RTKThreeDCircularGeometry>");
   // The projections' header has the pixels, and where the first is: two off the middle.
   write_stack({10, 6, std::vector<float>(8 * 60), false}, folder_.file("p.mhd"));
-  written("p.mhd",
-          "ObjectType = Image\nNDims = 3\nDimSize = 10 6 8\nElementSpacing = 1.5 2 1\nOffset = -4.75 -5 0\n"
-          "ElementType = MET_FLOAT\nElementDataFile = p.raw\n");
+  folder_.write("p.mhd",
+                "ObjectType = Image\nNDims = 3\nDimSize = 10 6 8\nElementSpacing = 1.5 2 1\nOffset = -4.75 -5 0\n"
+                "ElementType = MET_FLOAT\nElementDataFile = p.raw\n");
   const ScanDescription scan = read_description(file, {{folder_.file("p.mhd")}, {}});
   ASSERT_TRUE(scan.geometry.circular());
   EXPECT_NEAR(scan.geometry.source_to_axis, 500, 1e-9);
@@ -112,9 +91,9 @@ TEST_F(OrbitFormats, ComeBackAsTheyWereWritten) {
   write_rtk(geometry, folder_.file("a.xml"));
   write_astra(geometry, folder_.file("a.txt"));
   write_stack({40, 30, std::vector<float>(6 * 1200), false}, folder_.file("p.mhd"));
-  written("p.mhd",
-          "ObjectType = Image\nNDims = 3\nDimSize = 40 30 6\nElementSpacing = 1.5 2 1\nElementType = MET_FLOAT\n"
-          "ElementDataFile = p.raw\n");
+  folder_.write("p.mhd",
+                "ObjectType = Image\nNDims = 3\nDimSize = 40 30 6\nElementSpacing = 1.5 2 1\nElementType = MET_FLOAT\n"
+                "ElementDataFile = p.raw\n");
   const Vec3 place{3, 40, -8};
   for (const char* name : {"a.xml", "a.txt"}) {
     const ScanDescription scan = read_description(folder_.file(name), {{folder_.file("p.mhd")}, {}});
@@ -129,11 +108,12 @@ TEST_F(OrbitFormats, ComeBackAsTheyWereWritten) {
 // CIL's: the source at the origin, the detector beyond it along y; the object turns about an axis beside y. In the
 // first view by 180 degrees less InitialAngle.
 TEST_F(OrbitFormats, NikonPutsPlacesWhereCilDoes) {
-  const auto file = written("s.xtekct",
-                            "[XTekCT]\r\nName=walnut\r\nVoxelsX=64\nVoxelsY=60\nVoxelsZ=50\nVoxelSizeX=3\n"
-                            "DetectorPixelsX=96\nDetectorPixelsY=16\nDetectorPixelSizeX=4\nDetectorPixelSizeY=4\n"
-                            "SrcToObject=500\nSrcToDetector=1000\nProjections=90\nInitialAngle=10\nAngularStep=4\n"
-                            "WhiteLevel=60000\nCentreOfRotationTop=0.5\nCentreOfRotationBottom=0.5\n[Other]\nName=x\n");
+  const auto file =
+      folder_.write("s.xtekct",
+                    "[XTekCT]\r\nName=walnut\r\nVoxelsX=64\nVoxelsY=60\nVoxelsZ=50\nVoxelSizeX=3\n"
+                    "DetectorPixelsX=96\nDetectorPixelsY=16\nDetectorPixelSizeX=4\nDetectorPixelSizeY=4\n"
+                    "SrcToObject=500\nSrcToDetector=1000\nProjections=90\nInitialAngle=10\nAngularStep=4\n"
+                    "WhiteLevel=60000\nCentreOfRotationTop=0.5\nCentreOfRotationBottom=0.5\n[Other]\nName=x\n");
   std::ofstream(folder_.file("walnut_0001.tif")) << "x";
   std::ofstream(folder_.file("other.tif")) << "x";
   const ScanDescription scan = read_description(file);
@@ -156,10 +136,10 @@ TEST_F(OrbitFormats, NikonPutsPlacesWhereCilDoes) {
 }
 
 TEST_F(OrbitFormats, NikonsTiltedAxesGivePoses) {
-  const auto file = written("s.xtekct",
-                            "[XTekCT]\nDetectorPixelsX=96\nDetectorPixelsY=96\nDetectorPixelSizeX=4\n"
-                            "DetectorPixelSizeY=4\nSrcToObject=500\nSrcToDetector=1000\nProjections=9\n"
-                            "AngularStep=40\nWhiteLevel=60000\nObjectTilt=2\nObjectRoll=0\n");
+  const auto file = folder_.write("s.xtekct",
+                                  "[XTekCT]\nDetectorPixelsX=96\nDetectorPixelsY=96\nDetectorPixelSizeX=4\n"
+                                  "DetectorPixelSizeY=4\nSrcToObject=500\nSrcToDetector=1000\nProjections=9\n"
+                                  "AngularStep=40\nWhiteLevel=60000\nObjectTilt=2\nObjectRoll=0\n");
   const ScanDescription scan = read_description(file);
   ASSERT_FALSE(scan.geometry.circular());
   // A place on the axis stays where it is seen.
@@ -173,8 +153,8 @@ TEST_F(OrbitFormats, NikonsTiltedAxesGivePoses) {
 
 TEST_F(OrbitFormats, AreRefusedWithWhatIsWrong) {
   const auto expect = [&](const std::string& name, const std::string& text, const std::string& part) {
-    const auto file = written(name, text);
-    EXPECT_THAT(error_of([&] { read_description(file, {}, {8, 8, 1}); }), HasSubstr(part)) << text;
+    const auto file = folder_.write(name, text);
+    EXPECT_THAT(message_of<InputError>([&] { read_description(file, {}, {8, 8, 1}); }), HasSubstr(part)) << text;
   };
   const std::string begin = "<RTKThreeDCircularGeometry>", end = "</RTKThreeDCircularGeometry>";
   expect("a.xml", "<a/>", "a.xml: root element: expected RTKThreeDCircularGeometry, got a");
@@ -195,8 +175,9 @@ TEST_F(OrbitFormats, AreRefusedWithWhatIsWrong) {
   expect("a.txt", "500 0 0 -500 0 0 0 1 0 0 0 1\n", "views: expected at least 2, got 1");
   expect("a.xtekct", "Name=x\n", "section: expected [XTekCT] with keys");
   expect("a.xtekct", "[XTekCT]\nDetectorPixelsX=8\nDetectorPixelsY=many\n", "DetectorPixelsY: expected a number");
-  const auto file = written("b.xml", begin + end);
-  EXPECT_THAT(error_of([&] { read_description(file); }), HasSubstr("or the detector's pixels (--detector), got none"));
+  const auto file = folder_.write("b.xml", begin + end);
+  EXPECT_THAT(message_of<InputError>([&] { read_description(file); }),
+              HasSubstr("or the detector's pixels (--detector), got none"));
 }
 
 TEST_F(OrbitFormats, OtherFilesAreNamedByWhatTheyAre) {
@@ -209,11 +190,11 @@ TEST_F(OrbitFormats, OtherFilesAreNamedByWhatTheyAre) {
                                     {"\x7f"
                                      "ELF\2\1\1"s,
                                      "a binary file of an unknown kind"}}) {
-    const auto file = written("scan.dat", bytes);
-    EXPECT_THAT(error_of([&] { read_description(file); }), HasSubstr(name));
+    const auto file = folder_.write("scan.dat", bytes);
+    EXPECT_THAT(message_of<InputError>([&] { read_description(file); }), HasSubstr(name));
   }
-  EXPECT_EQ(kind_of(written("a", "# vectors\n1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12\n")), ScanKind::kAstra);
-  EXPECT_EQ(kind_of(written("a", "source_to_axis: 5\n")), ScanKind::kScanFile);
+  EXPECT_EQ(kind_of(folder_.write("a", "# vectors\n1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12\n")), ScanKind::kAstra);
+  EXPECT_EQ(kind_of(folder_.write("a", "source_to_axis: 5\n")), ScanKind::kScanFile);
 }
 
 }  // namespace

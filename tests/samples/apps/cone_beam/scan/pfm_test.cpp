@@ -1,19 +1,11 @@
 #include "cone_beam/scan/description.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 class Pfm : public testing::Test {
  protected:
@@ -22,12 +14,7 @@ class Pfm : public testing::Test {
     return folder_.file("a.pfm");
   }
   std::string error_of(const std::string& bytes) const {
-    try {
-      read_pfm(written(bytes));
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<FileError>([&] { read_pfm(written(bytes)); });
   }
 
   const reference::TemporaryDirectory folder_;

@@ -1,23 +1,12 @@
 #include "cone_beam/scan/formats.h"
 
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <numbers>
-
 #include "cone_beam/scan/description.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -35,19 +24,6 @@ Extrinsic
 
 class Matrices : public testing::Test {
  protected:
-  std::filesystem::path written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_.file(name)) << text;
-    return folder_.file(name);
-  }
-  template <typename Call>
-  static std::string error_of(const Call& call) {
-    try {
-      call();
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "none";
-  }
   ConeGeometry geometry() const {
     ConeGeometry out;
     out.source_to_axis = 400;
@@ -71,7 +47,7 @@ class Matrices : public testing::Test {
 };
 
 TEST_F(Matrices, OfPlastimatchAreTurnedIntoPlaces) {
-  const auto file = written("a.txt", kSecondView);
+  const auto file = folder_.write("a.txt", kSecondView);
   const ViewPose view = pose_of(read_projection_matrix(file), 40, 60, file);
   const double half = std::sqrt(0.5);
   EXPECT_NEAR(length(view.source - Vec3{400 * half, -400 * half, 0}), 0, 1e-4);
@@ -85,7 +61,7 @@ double difference(const ViewPose& a, const ViewPose& b) {
 }
 
 TEST_F(Matrices, SayTheSameWhateverTheirFactorAndTheirNormalsSide) {
-  const auto file = written("a.txt", kSecondView);
+  const auto file = folder_.write("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);
   const ViewPose first = pose_of(matrix, 40, 60, file);
   for (double& value : matrix.matrix) value *= -3;
@@ -94,7 +70,7 @@ TEST_F(Matrices, SayTheSameWhateverTheirFactorAndTheirNormalsSide) {
 }
 
 TEST_F(Matrices, MayHoldTheDetectorsCentreThemselves) {
-  const auto file = written("a.txt", kSecondView);
+  const auto file = folder_.write("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);
   const ViewPose first = pose_of(matrix, 40, 60, file);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -108,7 +84,7 @@ TEST_F(Matrices, MayHoldTheDetectorsCentreThemselves) {
 // A matrix is what it says: a place's pixel by the matrix is where the pose sees it, however detector and pixels are
 // turned.
 TEST_F(Matrices, OfTiltedAndSkewedDetectorsSeePlacesWhereTheySay) {
-  const auto file = written("a.txt", kSecondView);
+  const auto file = folder_.write("a.txt", kSecondView);
   ProjectionMatrix matrix = read_projection_matrix(file);
   matrix.matrix[10] += 0.02 * matrix.matrix[8];  // tilted
   matrix.matrix[2] += 0.05 * matrix.matrix[0];   // rows that rise
@@ -154,7 +130,7 @@ TEST_F(Matrices, MayTurnAboutAnotherAxisThanTheOrigins) {
       text += fmt::format("{} {} {} {}\n", r[0], r[1], r[2], r[3] - (r[0] * shift.x + r[1] * shift.y + r[2] * shift.z));
     }
     const Vec3 n = matrix.normal;
-    written(name, text + fmt::format("400\n600\n{} {} {}\n", n.x, n.y, n.z));
+    folder_.write(name, text + fmt::format("400\n600\n{} {} {}\n", n.x, n.y, n.z));
   }
   const ScanDescription scan = read_matrix_folder(folder_.file(""), {});
   EXPECT_TRUE(scan.geometry.circular());
@@ -177,8 +153,8 @@ TEST_F(Matrices, ThatLieOnNoCircleKeepTheirPoses) {
 
 TEST_F(Matrices, AreRefusedWithTheNumberThatIsWrong) {
   const auto expect = [&](const std::string& text, const std::string& part) {
-    const auto file = written("a.txt", text);
-    EXPECT_THAT(error_of([&] { pose_of(read_projection_matrix(file), 4, 4, file); }), HasSubstr(part));
+    const auto file = folder_.write("a.txt", text);
+    EXPECT_THAT(message_of<FileError>([&] { pose_of(read_projection_matrix(file), 4, 4, file); }), HasSubstr(part));
   };
   expect("1 2 3", "a.txt: matrix 2: expected a number, got the end");
   expect("1 x", "a.txt: centre 2: expected a number, got \"x\"");
@@ -191,7 +167,8 @@ TEST_F(Matrices, AreRefusedWithTheNumberThatIsWrong) {
 TEST_F(Matrices, NeedAnImageBesideEachUnlessAStackIsNamed) {
   folder_of(geometry());
   std::filesystem::remove(folder_.file("v2.mha"));
-  EXPECT_THAT(error_of([&] { read_matrix_folder(folder_.file(""), {}); }), HasSubstr("v2.txt: image: expected one"));
+  EXPECT_THAT(message_of<FileError>([&] { read_matrix_folder(folder_.file(""), {}); }),
+              HasSubstr("v2.txt: image: expected one"));
   const Stack all{6, 4, std::vector<float>(72), false};
   const StackFiles stack{write_stack(all, folder_.file("all.nrrd")), {}};
   EXPECT_EQ(read_matrix_folder(folder_.file(""), stack).geometry.angles.size(), 3u);

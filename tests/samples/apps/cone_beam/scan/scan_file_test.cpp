@@ -1,17 +1,11 @@
 #include "cone_beam/scan/formats.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -24,12 +18,7 @@ constexpr const char* kScan = R"(
   intensities: true flat { file: "flat.mha" } dark { file: "dark.mha" })";
 
 std::string error_of(const std::string& text) {
-  try {
-    parse_scan(text, "x.textproto", "/data");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<InputError>([&] { parse_scan(text, "x.textproto", "/data"); });
 }
 
 TEST(ScanFile, SaysWhereEverythingIs) {
@@ -108,8 +97,8 @@ TEST(ScanFile, HasAPoseForEachViewAndTakesACircleForOne) {
 
 TEST(ScanFile, RefusesAPoseThatIsNoneAndACircleBesidePoses) {
   EXPECT_THAT(error_of("detector { columns: 8 rows: 4 } view { source: 1 } view {}"),
-              testing::AllOf(HasSubstr("view[0].source: expected three numbers, got 1"),
-                             HasSubstr("view[1].v: expected three numbers, got 0")));
+              AllOf(HasSubstr("view[0].source: expected three numbers, got 1"),
+                    HasSubstr("view[1].v: expected three numbers, got 0")));
   EXPECT_THAT(error_of(std::string(kViews) + "source_to_axis: 3"),
               HasSubstr("view: expected no distances, angles, pitches, offsets and reversals"));
   std::string text = kViews;

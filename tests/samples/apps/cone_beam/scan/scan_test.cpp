@@ -1,21 +1,13 @@
 #include "cone_beam/scan/scan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "cone_beam/scan/description.h"
 #include "gicube/error.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::SizeIs;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -38,12 +30,7 @@ class LoadedScan : public testing::Test {
     return out;
   }
   static std::string error_of(const ScanDescription& description) {
-    try {
-      load_scan(description);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<std::runtime_error>([&] { load_scan(description); });
   }
 
   const reference::TemporaryDirectory folder_;

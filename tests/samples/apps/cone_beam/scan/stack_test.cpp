@@ -1,21 +1,12 @@
 #include "cone_beam/scan/description.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <limits>
-
 #include "full_disk.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 Stack ramp(int columns, int rows, int views) {
   Stack stack{columns, rows, {}, false};
@@ -64,23 +55,14 @@ TEST_P(StackFormat, LeavesNothingOnAFullDisk) {
 
 class StackFile : public testing::Test {
  protected:
-  std::filesystem::path written(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_.file(name), std::ios::binary) << bytes;
-    return folder_.file(name);
-  }
   StackFiles raw(const std::string& bytes, SampleType type = SampleType::kUint16) const {
-    StackFiles files{{written("a.raw", bytes)}, RawLayout{}};
+    StackFiles files{{folder_.write("a.raw", bytes)}, RawLayout{}};
     files.raw->dims = {2, 1, 0};
     files.raw->type = type;
     return files;
   }
   static std::string error_of(const StackFiles& files) {
-    try {
-      read_stack(files);
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "none";
+    return message_of<FileError>([&] { read_stack(files); });
   }
 
   const reference::TemporaryDirectory folder_;
@@ -95,7 +77,7 @@ TEST_F(StackFile, HasAsManyRawViewsAsItsBytesHold) {
 
 TEST_F(StackFile, FollowsTheOnesBeforeIt) {
   StackFiles files = raw(std::string("\1\0\2\0", 4));
-  files.files.push_back(written("b.raw", std::string("\5\0\6\0\7\0\10\0", 8)));
+  files.files.push_back(folder_.write("b.raw", std::string("\5\0\6\0\7\0\10\0", 8)));
   EXPECT_THAT(read_stack(files).values, ElementsAre(1, 2, 5, 6, 7, 8));
 }
 

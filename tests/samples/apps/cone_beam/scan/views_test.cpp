@@ -1,15 +1,11 @@
 #include "cone_beam/scan/scan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numbers>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
 using testing::DoubleNear;
-using testing::ElementsAre;
 using testing::Pointwise;
 
 constexpr double kDegree = std::numbers::pi / 180;

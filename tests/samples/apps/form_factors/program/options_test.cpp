@@ -1,16 +1,9 @@
 #include "form_factors/program/options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <sstream>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 std::optional<FormFactorOptions> parsed(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "gicube-form-factors");
@@ -24,12 +17,7 @@ SolveOptions solve_options(std::vector<const char*> arguments) {
 }
 
 std::string refusal(const std::vector<const char*>& arguments) {
-  try {
-    parsed(arguments);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<UsageError>([&] { parsed(arguments); });
 }
 
 TEST(FormFactorOptions, OfASolutionSetItsMethodAndItsFiles) {

@@ -1,23 +1,14 @@
 // The program itself, with a private emulated board.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "full_disk.h"
 #include "gicube/scene/light_field.h"
 #include "program_test.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class FormFactorProgram : public ProgramTest {
  protected:
@@ -46,9 +37,9 @@ TEST_F(FormFactorProgram, PlansForAnErrorAndExplainsItself) {
           "/samples/scenes/radiosity/glowing_room.scene --volume-size 8 --max-error 40% --explain --stats " +
           path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("plan for an error of at most 40%"),
-                                         HasSubstr("links: divided where"), HasSubstr("error: "),
-                                         HasSubstr("where a full matrix takes"), HasSubstr("the plan itself")));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("plan for an error of at most 40%"), HasSubstr("links: divided where"),
+                    HasSubstr("error: "), HasSubstr("where a full matrix takes"), HasSubstr("the plan itself")));
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
   const auto &plan = json.at("plan"), &chosen = plan.at("chosen");
   EXPECT_TRUE(plan.at("kept").get<bool>());

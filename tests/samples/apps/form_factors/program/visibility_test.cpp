@@ -1,12 +1,7 @@
 #include "form_factors/program/options.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <set>
-
 #include "scene/program/board_run.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -33,7 +28,6 @@ TEST(RandomPairs, AreDrawnFromAllVoxelsAndNoneIsPairedWithItself) {
 Board fog_board(const std::string& options, double opacity) {
   BoardOptions board;
   board.board = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=32" + options;
-  setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   Board opened = open_board(board);
   const std::vector<std::byte> samples(24 * 24 * 24, std::byte{100});
   opened.load_volume({.samples = samples, .dims = {24, 24, 24}});
