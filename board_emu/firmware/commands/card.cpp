@@ -233,9 +233,8 @@ void Card::check_materials(bool host_answers) const {
       if (material.routine == wire::kHostRoutine) {
         if (!host_answers)
           refuse(
-              "routine",
-              "one of the board for a trace command, for light in three irradiance words, and while blocks are absent",
-              material.routine);
+              "routine 255 (the host's): expected one of the board for a trace command, for light in three irradiance "
+              "words, and while blocks are absent");
         return;
       }
       expect(routines != nullptr && routines->has(material.routine), "routine",

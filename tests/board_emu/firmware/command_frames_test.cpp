@@ -52,8 +52,8 @@ TEST(AbsentBlocks, RefuseAllThatDoesNotWait) {
   wire::Material host{.bsdf = wire::Bsdf::kTrap, .routine = wire::kHostRoutine};
   board.write_memory(wire::kMaterials.base, wire::encoded(host));
   EXPECT_EQ(refusal(board, wire::encoded(picture)),
-            "material 0: routine: expected one of the board for a trace command, for light in three irradiance words, "
-            "and while blocks are absent, got 255");
+            "material 0: routine 255 (the host's): expected one of the board for a trace command, for light in three "
+            "irradiance words, and while blocks are absent");
 }
 
 // 40^3 voxels in 125 blocks, on a card that stores 64.
