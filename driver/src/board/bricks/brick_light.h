@@ -72,7 +72,7 @@ class BrickLight {
   std::size_t words_;  // of a block
   std::uint32_t most_;
   BlockStore store_;                   // blocks whose words may differ from 0; outdated if changed_
-  std::vector<std::uint8_t> on_card_;  // one a block
+  std::vector<std::uint8_t> on_card_;  // one per block
   std::vector<std::uint8_t> changed_;  // on the card since send()
 };
 

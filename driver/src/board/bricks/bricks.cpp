@@ -12,7 +12,7 @@
 namespace gicube {
 namespace {
 
-// Sends one flag a block if they differ from those that were `sent` last.
+// Sends one flag per block if they differ from those that were `sent` last.
 void send_flags(Device& device, const wire::MemoryRegion& region, std::span<const std::uint8_t> flags,
                 std::vector<std::uint8_t>& sent) {
   std::vector<std::uint8_t> packed = pack_flags(flags);
@@ -44,8 +44,8 @@ void Bricks::state(Archive& archive) {
   archive.bytes("absent_flags", absent_, 0, (count + 7) / 8);
   archive.bytes("dark_flags", dark_, 0, (count + 7) / 8);
   if (!archive.loads()) return;
-  archive.expect(needed_in_.size() == count, "needed_in", "one a block", needed_in_.size());
-  archive.expect(error_.size() == count, "errors", "one a block", error_.size());
+  archive.expect(needed_in_.size() == count, "needed_in", "one per block", needed_in_.size());
+  archive.expect(error_.size() == count, "errors", "one per block", error_.size());
   for (std::size_t block = 0; block < count; ++block) {
     const bool fits = has_place_[block] <= 1 && on_card_[block] <= has_place_[block] * (1 + wire::kMaxCoarseLevel) &&
                       (on_card_[block] == 0 || store_.has(block)) && (has_place_[block] != 0 || !light_.on_card(block));

@@ -33,9 +33,9 @@ enum class LightUse { kNone, kSeen, kLeft };
 struct BrickNeeds {
   LightUse light = LightUse::kNone;
   std::span<const std::uint8_t>
-      leapt_over{};  // flags, one a block, or none: those blocks are not sent for their own sake
+      leapt_over{};  // flags, one per block, or none: blocks that are not sent for samples in them
   std::span<const std::uint8_t>
-      levels{};  // of detail, one a block: it is sent in cells of 2^level voxels; or none: as it is
+      levels{};  // of detail, one per block, which is sent in cells of 2^level voxels; or none
 
   int level(std::size_t block) const { return levels.empty() ? 0 : levels[block]; }
 };
@@ -90,7 +90,7 @@ class Bricks {
   // The blocks for one load().
   struct Choice {
     std::vector<std::uint8_t> chosen, voxels,
-        light;                        // one a block: it gets a place, its words and its irradiance are wanted
+        light;                        // one per block: it gets a slot, and needs its words and its irradiance
     std::vector<std::size_t> blocks;  // chosen ones, in order
   };
   template <typename Use>
