@@ -75,8 +75,8 @@ std::string Door::address() const {
   return fmt::format("{}://{}{}/?token={}", scheme(), is_v6 ? '[' + host + ']' : host, port_suffix(), token);
 }
 
-// Names that only this machine has, or that its certificate is for: a foreign page whose name was made to mean this
-// address says another Host.
+// Whether the name is local, or one of the certificate. A foreign page whose name resolves to this address has another
+// Host.
 bool Door::is_own(std::string_view named) const {
   if (!named.ends_with(port_suffix())) return false;
   named.remove_suffix(port_suffix().size());
@@ -86,15 +86,15 @@ bool Door::is_own(std::string_view named) const {
 }
 
 void Door::check(std::string_view named, std::string_view origin, bool changes) const {
-  if (!is_own(named)) throw Refusal{status::forbidden, "Host: expected that of the address that was printed"};
+  if (!is_own(named)) throw Refusal{status::forbidden, "Host: expected the one in the printed address"};
   if (origin.empty() && !changes) return;
   if (origin != scheme() + "://" + std::string(named))
-    throw Refusal{status::forbidden, "Origin: expected this page's own"};
+    throw Refusal{status::forbidden, "Origin: expected that of this page"};
 }
 
 void Door::check_token(const Target& target) const {
   if (!right_of({{Right::kUse, token}}, target.value("token")))
-    throw Refusal{status::forbidden, "token: expected that of the address that gicube-view has printed"};
+    throw Refusal{status::forbidden, "token: expected the one in the printed address"};
 }
 
 }  // namespace gicube::samples::view

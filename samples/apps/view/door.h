@@ -1,4 +1,4 @@
-// Who gets in: what a request must have, and by which address and certificate it comes.
+// Access control: the address, the certificate, and the checks of a request.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace gicube::samples::view {
 
-// An answer that is not a page's file; its text is one line.
+// A refusing answer, with one line of text.
 struct Refusal {
   boost::beast::http::status status;
   std::string text;
@@ -22,14 +22,14 @@ struct Target {
   std::string path;
   std::map<std::string, std::string> query;
 
-  // Empty: there is none.
+  // Empty if there is none.
   std::string value(const std::string& name) const {
     const auto found = query.find(name);
     return found == query.end() ? std::string() : found->second;
   }
 };
 
-// Throws Refusal: a % without two digits, or no / at its beginning.
+// Throws Refusal: a % without two digits, or no / at the beginning.
 Target target_of(std::string_view text);
 
 struct Door {
@@ -38,17 +38,18 @@ struct Door {
   std::uint16_t port = 0;
   std::unique_ptr<boost::asio::ssl::context> tls{};  // null: http
 
-  // With this certificate and its private key, PEM files. Throws FileError.
+  // Enables TLS with this certificate and its private key, PEM files. Throws FileError.
   void speak_tls(const std::string& certificate_file, const std::string& key_file);
   std::string address() const;
-  // `changes`: the request changes something, or gets what another page may not. Throws Refusal.
+  // Checks Host and Origin. `changes`: the request changes something, or gets data that other pages must not get.
+  // Throws Refusal.
   void check(std::string_view named, std::string_view origin, bool changes) const;
   void check_token(const Target& target) const;
 
  private:
   bool is_own(std::string_view named) const;
   std::string scheme() const { return tls ? "https" : "http"; }
-  // Behind a host; a browser leaves the scheme's own port out.
+  // The port after a host. Browsers omit the scheme's default port.
   std::string port_suffix() const { return port == (tls ? 443 : 80) ? "" : ':' + std::to_string(port); }
 };
 

@@ -1,4 +1,4 @@
-// A folder for files of this run, which nobody else can read and which ends with it.
+// A folder for files of this run, which no other user can read and which is removed at the end.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ class PrivateFolder {
   std::filesystem::path path_;
 };
 
-// All of a file; empty where it can't be read.
+// The contents of a file; empty if it cannot be read.
 std::string bytes_of(const std::filesystem::path& file);
 
 }  // namespace gicube::samples::view

@@ -17,7 +17,7 @@
 namespace gicube::samples::view {
 namespace {
 
-constexpr std::chrono::milliseconds kEvery{100};     // as protocol.h says
+constexpr std::chrono::milliseconds kEvery{100};     // as documented in protocol.h
 constexpr std::chrono::milliseconds kPatience{500};  // chosen: a running board answers within milliseconds
 
 std::optional<v1::BoardProcess> told_by(const std::string& path) try {
@@ -28,7 +28,7 @@ std::optional<v1::BoardProcess> told_by(const std::string& path) try {
   v1::BoardProcess process;
   return stream && process.ParseFromIstream(&stream) ? std::optional(std::move(process)) : std::nullopt;
 } catch (const boost::system::system_error&) {
-  return {};  // no path of a socket
+  return {};  // not a socket
 }
 
 bool is_child(const std::string& pid) {

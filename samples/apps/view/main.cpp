@@ -29,8 +29,8 @@ constexpr std::chrono::milliseconds kMaxEnding{900};  // chosen: as that of gicu
 
 bool has_desktop() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 
-// By xdg-open, which says by itself what is wrong; the address is printed anyway. It gets the name of a page that leads
-// there: all users see a program's command line, and the address holds the token.
+// Opens the browser by xdg-open, which prints its own errors. Its argument is a page that redirects to the address: the
+// address has the token, and all users can see command lines.
 void open_browser(const std::string& address, const std::filesystem::path& folder) {
   const std::filesystem::path page = folder / ".open.html";
   gicube::scene::write_whole(page,
@@ -46,14 +46,14 @@ void open_browser(const std::string& address, const std::filesystem::path& folde
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t child = -1;
   if (::posix_spawnp(&child, program.c_str(), nullptr, &attributes, argv, environ) != 0)
-    fmt::print(stderr, "gicube-view: no xdg-open here: open the address in a browser\n");
+    fmt::print(stderr, "gicube-view: xdg-open is not installed: open the address in a browser\n");
   ::posix_spawnattr_destroy(&attributes);
 }
 
 int run(int argc, char** argv) {
   auto options = view::parse_options(argc, argv, std::cout);
   if (!options) return 0;
-  ::signal(SIGPIPE, SIG_IGN);  // whoever reads what is printed may be gone
+  ::signal(SIGPIPE, SIG_IGN);  // the reader of standard output may be gone
   const PrivateFolder folder;
   PostedFiles files(folder.path());
   options->view.folder = folder.path();
@@ -73,7 +73,7 @@ int run(int argc, char** argv) {
   if (options->open.value_or(has_desktop() && ::isatty(STDOUT_FILENO) == 1))
     open_browser(server.address(), folder.path());
   server.run();
-  if (!own.end(kMaxEnding)) {  // what is still in work is broken off
+  if (!own.end(kMaxEnding)) {  // abort what is still running
     folder.remove();
     ::_exit(0);
   }

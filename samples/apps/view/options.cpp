@@ -14,7 +14,7 @@ namespace gicube::samples::view {
 namespace {
 
 const char* const kFooter =
-    "The address that is printed holds a token, without which nobody gets in. Ctrl-C ends the program.\n"
+    "The printed address has a token, which is required for access. Ctrl-C ends the program.\n"
     "Exit codes: 0 ended, 1 failed, 2 wrong usage.";
 
 // `text`: --listen.
@@ -48,9 +48,9 @@ std::optional<ProgramOptions> parse_options(int argc, const char* const* argv, s
       "INPUT", options.view.inputs,
       "scenes and volumes as gicube-render takes them, builtin:buckyball; the first is shown, and files may be "
       "dropped on the page");
-  app.add_option(
-         "--fix", fixed,
-         "an option of gicube-render without its dashes, as transfer-function=ct-bone (flags: on, off); repeatable")
+  app.add_option("--fix", fixed,
+                 "an option of gicube-render without its dashes, such as transfer-function=ct-bone (flags: on, off); "
+                 "repeatable")
       ->take_all()
       ->delimiter('\0')
       ->allow_extra_args(false)
@@ -58,18 +58,17 @@ std::optional<ProgramOptions> parse_options(int argc, const char* const* argv, s
   Listen& listen = options.listen;
   std::string text = "127.0.0.1:0";
   app.add_option("--listen", text,
-                 "where the page is; port 0 = any that is free; 0.0.0.0 or [::] = all of this machine's addresses, "
-                 "beyond loopback only by TLS")
+                 "address of the page; port 0 = any free one; 0.0.0.0 or [::] = all of this machine's addresses; other "
+                 "addresses than loopback need TLS")
       ->type_name("ADDRESS:PORT")
       ->capture_default_str();
-  app.add_option("--tls-cert", listen.certificate_file,
-                 "TLS certificate, PEM, for the names by which the page is opened")
+  app.add_option("--tls-cert", listen.certificate_file, "TLS certificate, PEM, for the host names of the page")
       ->type_name("FILE");
   app.add_option("--tls-key", listen.key_file, "its private key, PEM")->type_name("FILE");
   OptionGroup(app, "Options")
-      .flag("--open,!--no-open", options.open, "show the page in the default browser (where there is a desktop)");
+      .flag("--open,!--no-open", options.open, "open the page in the default browser (if there is a desktop)");
   add_board_options(app, options.view.board);
-  app.remove_option(app.get_option("--stats"));  // the page has them
+  app.remove_option(app.get_option("--stats"));  // the page offers them
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   read_listen(text, listen);
   for (const std::string& each : fixed) {

@@ -11,10 +11,10 @@ namespace gicube::samples::view {
 struct ProgramOptions {
   ViewOptions view;
   Listen listen;
-  std::optional<bool> open;  // a browser; not set: where there is a desktop
+  std::optional<bool> open;  // a browser; unset: if there is a desktop
 };
 
-// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+// Nothing if help or the version was requested and written to `out`. Throws UsageError with one line.
 std::optional<ProgramOptions> parse_options(int argc, const char* const* argv, std::ostream& out);
 
 }  // namespace gicube::samples::view

@@ -1,4 +1,4 @@
-// Messages that wait for a page that reads slowly, or not at all.
+// Messages waiting for a page that reads slowly, or not at all.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace gicube::samples::view {
 class Outbox {
  public:
   bool empty() const { return packets_.empty(); }
-  // False: the page is too slow, and to be left.
+  // False: the page is too slow, and should be disconnected.
   bool put(const Packet& packet) {
     if (!packet.kind.empty()) {
       std::erase_if(packets_, [&](const Packet& other) {
@@ -39,7 +39,7 @@ class Outbox {
   }
 
  private:
-  static constexpr std::size_t kMaxPackets = 256;                   // chosen: far more than a page asks for at once
+  static constexpr std::size_t kMaxPackets = 256;  // chosen: far more than a page requests at the same time
   static constexpr std::size_t kMaxBytes = std::size_t{128} << 20;  // chosen: the largest picture and its slices
 
   std::deque<Packet> packets_;

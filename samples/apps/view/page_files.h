@@ -1,4 +1,4 @@
-// The files of samples/apps/view/page, which CMake makes a part of the program.
+// The files of samples/apps/view/page, which CMake compiles into the program.
 #pragma once
 
 #include <span>

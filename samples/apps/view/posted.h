@@ -1,5 +1,5 @@
-// Files that pages post. A new one waits in a folder beside those that were opened, until it is opened itself: one that
-// can't be takes nothing from them, not even by their name.
+// Files posted by pages. A new file waits in another folder than the opened ones until it is opened. If that fails, the
+// opened files are unchanged, even one of the same name.
 #pragma once
 
 #include <atomic>
@@ -16,15 +16,15 @@
 
 namespace gicube::samples::view {
 
-// Calls from any thread, but Opening's from one.
+// May be used from any thread, Opening from one only.
 class PostedFiles {
  public:
-  // `folder` has those that were opened.
+  // `folder` has the opened files.
   explicit PostedFiles(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
 
-  // One that comes. Its bytes count from here on, and no longer if it goes before it is kept.
+  // A file being received. Its bytes count until it is destroyed without keep().
   class Part {
    public:
     Part(PostedFiles& all, const std::string& name);
@@ -32,11 +32,11 @@ class PostedFiles {
     Part(const Part&) = delete;
     Part& operator=(const Part&) = delete;
 
-    // Takes room for so many bytes. False: there is none; those that it will replace do not count.
+    // Reserves room for this many bytes. False: there is not enough; the bytes of a replaced file do not count.
     bool take(std::uint64_t bytes);
-    // Bytes that it has taken room for.
+    // Appends bytes, for which room is reserved.
     void write(std::string_view bytes) { stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); }
-    // It waits to be opened. False: the disk had no room.
+    // Completes the file, which then waits to be opened. False: the disk is full.
     bool keep();
 
    private:
@@ -47,10 +47,10 @@ class PostedFiles {
     std::ofstream stream_;
   };
 
-  // Gives waiting files their places in the folder; what had them comes back unless they are kept.
+  // Moves waiting files into the folder. Files that they replace come back unless keep() is called.
   class Opening {
    public:
-    // Throws InputError: there is none of such a name.
+    // Throws InputError: there is no file of such a name.
     Opening(PostedFiles& all, const std::vector<std::string>& names);
     ~Opening();
     Opening(const Opening&) = delete;
@@ -59,7 +59,7 @@ class PostedFiles {
     // Moves them into a new folder, whose name it returns.
     std::string into_folder();
     void keep();
-    void undo();  // what the destructor does, unless they are kept
+    void undo();  // called by the destructor unless they are kept
 
    private:
     PostedFiles& all_;
@@ -74,7 +74,7 @@ class PostedFiles {
   void remove(const std::filesystem::path& file);
 
   const std::filesystem::path folder_;
-  std::mutex mutex_;  // of what has which name
+  std::mutex mutex_;  // guards moving files
   std::atomic<std::uint64_t> bytes_ = 0;
   std::atomic<std::uint64_t> last_part_ = 0;
 };

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint64_t kMaxId = std::uint64_t{1} << 53;  // what JavaScript counts exactly
+constexpr std::uint64_t kMaxId = std::uint64_t{1} << 53;  // the integers that JavaScript represents exactly
 constexpr std::size_t kMaxSettings = 64;                  // chosen: gicube-render has fewer options
 constexpr std::size_t kMaxNames = 8192;                   // chosen: slices of a folder
 constexpr std::size_t kMaxNameBytes = 200;                // chosen: below what file systems take

@@ -16,7 +16,7 @@ struct Request {
   enum class Kind { kPicture, kSlice, kHistogram, kOpen, kMachine, kCompare, kBoard };
   Kind kind = Kind::kPicture;
   std::uint64_t id = 0;
-  bool on = false;  // kPicture: something moves; kMachine: counters are wanted
+  bool on = false;  // kPicture: something moves; kMachine: send counters
   Settings settings, other;
   enum class Projection { kNone, kMaximum, kMean };
   Projection projection = Projection::kNone;  // kPicture
@@ -25,7 +25,7 @@ struct Request {
   std::vector<std::string> names;
 };
 
-// Throws InputError: the text is none of protocol.h's messages.
+// Throws InputError: the text is not a message of protocol.h.
 Request parse_request(std::string_view text);
 
 // Whether a posted file may have this name: no slash, no control character, no leading dot, at most 200 bytes.

@@ -37,8 +37,8 @@ using Tls = beast::ssl_stream<beast::tcp_stream>;
 using HttpRequest = http::request<http::empty_body>;
 
 constexpr std::size_t kHeaderBytes = 8192;              // chosen: browsers' are below 2 KiB
-constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
-constexpr std::chrono::seconds kIdle{60};               // chosen: between requests of one who has the token
+constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until a descriptor may be free again
+constexpr std::chrono::seconds kIdle{60};               // chosen: between requests of a client with the token
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
@@ -49,8 +49,8 @@ constexpr const char* kPolicy =
 struct Server::State {
   struct Visitor {
     std::string address;
-    beast::tcp_stream* stream = nullptr;  // null: it is a page's
-    bool knows = false;                   // the token, and has a place in line
+    beast::tcp_stream* stream = nullptr;  // null: the WebSocket owns it
+    bool knows = false;                   // whether it has the token, and is in the queue of guests
     const std::string& host() const { return address; }
   };
   using Visiting = std::shared_ptr<Visitor>;
@@ -58,13 +58,13 @@ struct Server::State {
     Outbox out;
     asio::steady_timer wake;
     bool is_gone = false;
-    std::function<void()> close;  // ends what waits for the page itself
+    std::function<void()> close;  // ends pending operations on the connection
     explicit Client(asio::io_context& io) : wake(io, asio::steady_timer::time_point::max()) {}
   };
 
   Pages pages;
   Door door;
-  Guests<Visitor> guests{kMaxConnections, kMaxConnections};  // outlives io, whose end is theirs
+  Guests<Visitor> guests{kMaxConnections, kMaxConnections};  // must outlive io
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
   asio::signal_set signals{io};
@@ -88,7 +88,7 @@ struct Server::State {
   void put(Client& client, const Packet& packet);
 };
 
-// Whether the connection may have another request.
+// Returns whether the connection may send another request.
 template <typename S>
 awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Parser& parser, Visiting visitor) {
   const HttpRequest request = parser.get();  // take_file() empties the parser's
@@ -212,7 +212,7 @@ awaitable<void> Server::State::connection(S stream) {
       error_code error;
       Parser parser;
       parser.header_limit(kHeaderBytes);
-      parser.body_limit(~std::uint64_t{0});  // a file's is that of all files
+      parser.body_limit(~std::uint64_t{0});  // limited by PostedFiles
       plain.expires_after(visitor->knows && buffer.size() == 0 ? kIdle : std::chrono::seconds(kRequestTime));
       co_await http::async_read_header(stream, buffer, parser, into(error));
       if (error == http::error::header_limit) {
@@ -222,13 +222,13 @@ awaitable<void> Server::State::connection(S stream) {
       goes_on = co_await answer(stream, buffer, parser, visitor);
     }
   } catch (const std::exception&) {
-    // The other side has gone, or took too long.
+    // The client has disconnected, or took too long.
   }
 }
 
 template <typename S>
 awaitable<void> Server::State::page(S stream, HttpRequest request) {
-  beast::get_lowest_layer(stream).expires_never();  // the WebSocket has limits of its own
+  beast::get_lowest_layer(stream).expires_never();  // the WebSocket has its own limits
   websocket::stream<S> socket(std::move(stream));
   socket.read_message_max(kMaxMessageBytes);
   socket.auto_fragment(false);
@@ -269,8 +269,8 @@ awaitable<void> Server::State::page(S stream, HttpRequest request) {
   client->wake.cancel();
   if (!is_fault) beast::get_lowest_layer(socket).close();
   asio::steady_timer pause(io);
-  constexpr int kPatience = 1000;  // chosen: milliseconds for what is being written, before the reason is told
-  for (int i = 0; !*ended; ++i) {  // it uses the socket
+  constexpr int kPatience = 1000;  // chosen: milliseconds for a pending write, before the reason is sent
+  for (int i = 0; !*ended; ++i) {  // write_out() uses the socket
     if (i == kPatience) beast::get_lowest_layer(socket).close();
     pause.expires_after(std::chrono::milliseconds(1));
     co_await pause.async_wait(into(error));
@@ -294,7 +294,7 @@ awaitable<void> Server::State::write_out(S& socket, std::shared_ptr<Client> clie
   *ended = true;
 }
 
-// A page that is too slow is left, with all that waits for it.
+// A page that is too slow is disconnected, and its messages are dropped.
 void Server::State::put(Client& client, const Packet& packet) {
   if (client.is_gone) return;
   client.is_gone = !client.out.put(packet);
@@ -321,7 +321,7 @@ Server::Server(Pages pages, const Listen& listen, std::string token) : Server(st
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     ::sigaction(signal, nullptr, &before);
-    if (signal != SIGHUP || before.sa_handler != SIG_IGN) state_->signals.add(signal);  // nohup's stays ignored
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) state_->signals.add(signal);  // stays ignored with nohup
   }
   state_->signals.async_wait([this](const error_code& error, int) {
     if (!error) state_->io.stop();

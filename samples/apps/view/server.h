@@ -31,10 +31,10 @@ struct Pages {
 
 class Server {
  public:
-  // From here on signals that end programs end run(): SIGINT, SIGTERM, and SIGHUP unless it is ignored. Throws
-  // boost::system::system_error, and FileError for a certificate.
+  // From now on SIGINT, SIGTERM, and SIGHUP unless it is ignored, end run(). Throws boost::system::system_error, and
+  // FileError for a certificate.
   Server(Pages pages, const Listen& listen, std::string token);
-  // For connections that serve() is given; listens nowhere.
+  // Only for connections passed to serve(); does not listen.
   Server(Pages pages, std::string token);
   ~Server();
   Server(const Server&) = delete;
@@ -42,12 +42,12 @@ class Server {
 
   std::string address() const;  // with the token
 
-  // Until such a signal, or until what serve() was given has ended.
+  // Runs until such a signal, or until all connections passed to serve() have ended.
   void run();
-  // From any thread.
+  // May be called from any thread.
   void send(Page page, const Packet& packet);
 
-  // Serves a connected socket, which it then owns, until it is closed. For tests and fuzzers.
+  // Takes ownership of a connected socket and serves it until it is closed. For tests and fuzzers.
   void serve(int descriptor);
 
   std::size_t connections() const;

@@ -21,7 +21,7 @@
 namespace gicube::samples::view {
 namespace {
 
-// Settings that a page may give. Files, other outputs, plans and parts of a volume are for command lines.
+// Settings that a page may send. Files, other outputs, plans and parts of a volume need a command line.
 constexpr std::array kOptions{
     "ambient", "background", "big-endian",   "camera",     "colour-passes", "composite",
     "cut",     "diffuse",    "dims",         "exposure",   "eye",           "fidelity",
@@ -40,7 +40,7 @@ std::string names_of(const auto& map) {
   return text;
 }
 
-// Where gicube-render finds it.
+// The input's path for gicube-render.
 std::string path_of(const std::string& name, const Shelf& shelf) {
   const auto found = shelf.inputs.find(name);
   if (found == shelf.inputs.end())
@@ -48,14 +48,14 @@ std::string path_of(const std::string& name, const Shelf& shelf) {
   return found->second;
 }
 
-// The path as people would type it: files that came from a page have their own names.
+// The path as a user would type it: posted files have their own names.
 std::string shown_path(const std::string& name, const Shelf& shelf) {
   std::string path = path_of(name, shelf);
   if (!path.starts_with(shelf.folder.string())) return path;
   return name.starts_with("builtin:") ? "./" + name : name;
 }
 
-// A name that begins as an option is none.
+// Protects a name that begins like an option.
 std::string as_word(const std::string& path) { return path.starts_with('-') ? "./" + path : path; }
 
 bool is_written(const std::string& function) { return function.find('\n') != std::string::npos; }
@@ -65,11 +65,11 @@ std::string function_path(const std::string& value, const Shelf& shelf) {
   const auto found = shelf.functions.find(value);
   if (found != shelf.functions.end()) return found->second.string();
   if (value == kAutomatic) return value;
-  find_preset(value);  // says which there are
+  find_preset(value);  // throws for an unknown name
   return value;
 }
 
-// Arguments for gicube-render; `shown`: for people, with other names for files that exist only in this run.
+// Arguments for gicube-render; `shown`: for users, with other names for files that exist only in this run.
 std::vector<std::string> arguments_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board,
                                       bool shown) {
   const auto input = settings.find("input");
@@ -157,7 +157,7 @@ std::string python_of(const Settings& settings, const Shelf& shelf, const Render
   std::string scene = "gicube.read_scene(" + input + ")";
   if (!is_scene_path(options.input)) {
     const std::string builtin = "builtin:";
-    // Named in its own folder: a scene names no other.
+    // The scene is in the file's folder, since a scene names no file outside its own.
     std::filesystem::path file = shown_path(settings.at("input"), shelf);
     if (!file.has_filename()) file = file.parent_path();
     std::string volume = "file: " + nlohmann::json(file.filename().string()).dump(), folder;

@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMost = 4095;
 
-// The first window of the slices: soft tissue and bone for a CT, otherwise the range from background to the brightest.
+// The initial window of the slices: soft tissue and bone for a CT, otherwise the robust range.
 ValueRange window_of(const SceneSetup& setup, const ValueRange& range) {
   if (!setup.survey) return range;
   const Survey& survey = *setup.survey;
@@ -34,7 +34,7 @@ ValueRange window_of(const SceneSetup& setup, const ValueRange& range) {
   return window.low < window.high ? window : range;
 }
 
-// By tag; `labels` has places in label_values.
+// The labels with their values and colours.
 Json labels_of(const SceneSetup& setup) {
   std::vector<std::uint8_t> tags(setup.label_values.size());
   for (std::size_t i = 0; i < setup.labels.size(); ++i) tags[setup.labels[i]] = setup.tags[i];
@@ -97,7 +97,7 @@ class Slab {
   Slab(Board& board, int low, int planes) : dims_(board.dims()), low_(low), end_(low + planes) {
     values_ = board.read_volume({{0, 0, low}, {dims_[0], dims_[1], std::min(end_ + 1, dims_[2]) - low}});
   }
-  // Where the ray is in it and not cut away, from its origin on.
+  // The interval of the ray, from its origin on, that is within the slab and not cut away.
   std::pair<double, double> span(const Vec3& origin, const Vec3& direction, std::span<const CutPlane> cuts) const {
     double near = 0, far = std::numeric_limits<double>::infinity();
     const auto cut = [&](double from, double step, double low, double high) {
@@ -129,7 +129,7 @@ class Slab {
   }
 
  private:
-  // The voxel before it, counted from `low`, and how far it is on the way to the next one.
+  // The voxel below the coordinate, counted from `low`, and the fraction to the next one.
   static std::pair<std::size_t, float> cell(double at, int low, int end) {
     const double from = std::clamp(at, double{1.0 * low}, double{1.0 * (end - 1)}) - low;
     const auto voxel = static_cast<std::size_t>(from);

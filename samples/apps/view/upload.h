@@ -61,7 +61,7 @@ awaitable<void> take_file(S& stream, beast::flat_buffer& buffer, Parser& head, P
   if (!part.keep()) throw Refusal{http::status::insufficient_storage, "a file: expected a disk with room for it"};
 }
 
-// Reads and forgets what is left of a refused body, for a while: closing on unread bytes could lose the answer.
+// Reads and discards the rest of a refused body for a while: closing with unread bytes could lose the answer.
 template <typename S>
 awaitable<void> linger(S& stream) {
   std::vector<char> bytes(std::size_t{1} << 18);

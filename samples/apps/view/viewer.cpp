@@ -19,14 +19,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = Request::Kind;
 
-// Leaves a call that waits for a board: something newer was asked for.
+// Thrown from a call that waits for a board, because there is a newer request.
 struct Stopped {};
 
-constexpr const char* kGaveWay = "the comparison gave way to another picture";
-constexpr const char* kOpensAnother = "another file is opened in its place";
+constexpr const char* kGaveWay = "the comparison was stopped by another picture";
+constexpr const char* kOpensAnother = "another file is opened instead";
 constexpr const char* kNothingOpen = "nothing is open: name an input on the command line, or drop a file on the page";
 
-// Whether a newer request stops it.
+// Whether a newer request stops this one.
 bool is_picture(const std::optional<Request>& request) {
   return request && (request->kind == Kind::kPicture || request->kind == Kind::kCompare);
 }
@@ -63,7 +63,7 @@ Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet
   shelf_.folder = options_.folder;
   for (const std::string& input : options_.inputs) shelf_.inputs.emplace(name_of_input(input), input);
   const auto look = options_.settings.find("transfer-function");
-  std::error_code no_path;  // of a text that is too long for one
+  std::error_code no_path;  // a text may be too long for a path
   if (look != options_.settings.end() && std::filesystem::is_regular_file(look->second, no_path)) {
     const std::string name = std::filesystem::path(look->second).filename().string();
     shelf_.functions[name] = std::exchange(look->second, name);
@@ -112,8 +112,7 @@ void Viewer::ask(Page page, Request request) {
                (request.kind == Kind::kSlice && job.request->axis == request.axis))) ||
              (job.request->kind == Kind::kCompare && is_picture(request));
     });
-    // A page's own comparison takes long, and gives way to the page; a moving one does not wait for another page's
-    // whole picture.
+    // A page's new picture stops its comparison, and a moving picture stops another page's whole picture.
     if (is_picture(request) && now_ && is_picture(now_->request) &&
         (now_->page == page || (request.kind == Kind::kPicture && request.on && !now_->request->on))) {
       stop_ = true;
@@ -124,7 +123,7 @@ void Viewer::ask(Page page, Request request) {
   }
   wake_.notify_all();
   if (dropped) failed(*dropped, kGaveWay, "");
-  if (full) tell(page, {{"type", "error"}, {"text", "too much is asked for at once; ask again"}});
+  if (full) tell(page, {{"type", "error"}, {"text", "too many requests are waiting; try again"}});
 }
 
 void Viewer::work() {
@@ -202,7 +201,7 @@ void Viewer::failed(const Job& job, const std::string& text, const std::string& 
   if (job.request && job.request->id > 0) message["id"] = job.request->id;
   if (!field.empty()) message["field"] = field;
   message["text"] = text;
-  if (job.page == kAllPages) fault_ = text;  // at the start, when no page has come
+  if (job.page == kAllPages) fault_ = text;  // at the start, before any page has connected
   tell(job.page, message);
 }
 
@@ -226,12 +225,12 @@ void Viewer::open_files(const std::vector<std::string>& names) {
   PostedFiles::Opening opening(*options_.files, names);
   const std::filesystem::path& folder = options_.files->folder();
   if (names.size() == 1 && ends(names.front(), {".tf"})) {
-    // By its content, since another one may come by this name.
+    // The file is named by its content, since another one may have the same name.
     shelf_.functions[names.front()] = file_of(bytes_of(folder / names.front()), shelf_);
     opening.keep();
     return send_(kAllPages, hello());
   }
-  // A header or a scene with its files, or else slices, which are a folder of their own.
+  // The files are a header or a scene with its files, or slices, which get their own folder.
   const auto head = std::ranges::find_if(names, [&](const std::string& name) {
     return names.size() == 1 || is_scene_path(name) || ends(name, {".nhdr", ".mhd", ".hdr"});
   });
@@ -247,7 +246,7 @@ void Viewer::open_files(const std::vector<std::string>& names) {
     if (!goes_on()) throw;
     shelf_ = before;
     close_boards();
-    if (!open.empty()) open_input(open);  // what was there stays
+    if (!open.empty()) open_input(open);  // restore the previous input
     throw;
   }
   opening.keep();
@@ -279,7 +278,7 @@ void Viewer::open_input(const std::string& name) {
   box_ = {{"low", numbers(setup.grid.point_of(setup.box.low))}, {"high", numbers(setup.grid.point_of(setup.box.high))}};
   send_(kAllPages, hello());
   if (std::exchange(lost_, false)) {
-    tell(kAllPages, {{"type", "board"}, {"state", "ready"}, {"text", "a board is there"}});
+    tell(kAllPages, {{"type", "board"}, {"state", "ready"}, {"text", "the board is ready"}});
   }
 }
 
@@ -340,7 +339,7 @@ void Viewer::tell(Page page, const Json& header, const std::vector<std::uint8_t>
 }
 
 Progress Viewer::step(const std::string& what) {
-  static constexpr std::chrono::milliseconds kEvery{200};  // chosen: short steps are not told of
+  static constexpr std::chrono::milliseconds kEvery{200};  // chosen: short steps are not reported
   auto told = std::make_shared<std::chrono::steady_clock::time_point>(std::chrono::steady_clock::now());
   return [this, what, told](std::uint32_t done, std::uint32_t all) {
     const auto now = std::chrono::steady_clock::now();

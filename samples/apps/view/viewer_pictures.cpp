@@ -1,4 +1,4 @@
-// The viewer's boards, and what they make for the pages.
+// The viewer's boards, and their pictures for the pages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ double rays_of(const View& view) {
   return double(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
 }
 
-// The text of the transfer function that they name, or of the automatic one; empty: there is none.
+// The text of the named transfer function, or of the automatic one; empty: there is none.
 std::string function_of(const RenderOptions& options, const SceneSetup& setup) {
   if (options.transfer_function.empty() || options.transfer_function == kAutomatic)
     return setup.look_why.empty() || !setup.labels.empty() ? "" : tf_text(setup.materials.front());
@@ -45,7 +45,7 @@ Viewer::Desk Viewer::make_desk(const RenderOptions& options) {
 
 void Viewer::serve(Desk& desk, const RenderOptions& options) {
   desk.renderer->change(options);
-  // A board takes a world's own codebook of normals once.
+  // A board accepts a world's own codebook of normals only once.
   const bool is_world = desk.renderer->input().world && desk.renderer->loaded();
   if (is_world && !desk.renderer->holds(options.animation.start.value_or(0))) {
     desk = {};
@@ -65,7 +65,7 @@ Renderer& Viewer::volume_renderer() {
 
 Viewer::Desk& Viewer::desk(const RenderOptions& options) {
   const std::string uri = board_uri(options.board);
-  const bool is_quick = quick_.renderer && quick_.uri == uri;  // of another page, which shows it at another level
+  const bool is_quick = quick_.renderer && quick_.uri == uri;  // of another page with another level
   Desk& found = is_quick && main_.uri != uri ? quick_ : main_;
   if (found.renderer && found.uri == uri) {
     serve(found, options);
@@ -113,12 +113,12 @@ void Viewer::picture(const Job& job) {
   const bool is_same = quick.uri == board_uri(options.board);
   quick.renderer->prepare(options.animation.start.value_or(0));
   const View& view = quick.renderer->setup().view;
-  // While the whole picture's host time is unknown, it counts as too long.
+  // An unknown host time of the whole picture counts as too long.
   const double budget = std::chrono::duration<double>(kFrameBudget).count();
   const double seconds = quick.ray_seconds * rays_of(view) / view.step;
   const bool fits = is_same && quick.ray_seconds > 0 && seconds <= budget;
   if (!fits) {
-    // Steps twice as long first, which show least; then fewer pixels.
+    // Steps are doubled first, which is least visible; then pixels are reduced.
     double share = quick.ray_seconds > 0 ? budget / seconds : 1.0 / 16;
     RenderOptions coarse = options;
     coarse.samples = 1;

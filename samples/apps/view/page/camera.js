@@ -1,4 +1,4 @@
-// A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in
+// A camera that moves around its target. Positions are voxels of the file, or a scene's world units; rotations are in
 // physical lengths.
 /** @typedef {import("./protocol.js").Vector} Vector */
 
@@ -14,7 +14,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 /** @param {Vector} a @returns {Vector} */
 const unit = (a) => each((i) => a[i] / (Math.hypot(...a) || 1));
-/** Round the unit vector `axis`.
+/** Rotates around the unit vector `axis`.
  * @param {Vector} v @param {Vector} axis @param {number} angle */
 const turned = (v, axis, angle) =>
   plus(plus(each((i) => v[i] * Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis,
@@ -48,7 +48,7 @@ export class Camera {
     this.view.set({ eye: back(plus(target, offset)), "look-at": back(target), ...more }, true);
   }
 
-  /** By angles in radians; the camera stays off the poles.
+  /** Rotates by angles in radians; the camera does not reach the poles.
    * @param {number} across @param {number} over */
   orbit(across, over) {
     const { target, offset, up, right } = this.#pose();
@@ -57,7 +57,7 @@ export class Camera {
     this.#put(target, turned(turned(offset, right, -tilt), up, across));
   }
 
-  /** By shares of the picture's height.
+  /** Moves by shares of the picture's height.
    * @param {number} across @param {number} over */
   pan(across, over) {
     const { target, offset, right } = this.#pose();
@@ -68,14 +68,14 @@ export class Camera {
     this.#put(plus(plus(target, right, -across * height), upward, over * height), offset);
   }
 
-  /** Where the axes point in the picture: to the right, upwards, and towards the viewer. Physical unit vectors. */
+  /** The axes' directions in the picture: to the right, upwards, and towards the viewer. Physical unit vectors. */
   axes() {
     const { offset, right } = this.#pose();
     const towards = unit(offset), upward = unit(cross(offset, right)), across = unit(right);
     return [0, 1, 2].map((i) => ({ x: across[i], y: upward[i], near: towards[i] }));
   }
 
-  /** A voxel's place in the picture, as shares of its width and height from the upper left; null behind the eye.
+  /** A voxel's position in the picture, as shares of width and height from the upper left; null behind the eye.
    * @param {Vector} point @param {number} ratio width over height */
   project(point, ratio) {
     const { target, offset, right } = this.#pose();
@@ -89,7 +89,7 @@ export class Camera {
     return { x: 0.5 + dot(away, across) / (height * ratio), y: 0.5 - dot(away, upward) / height };
   }
 
-  /** A factor above 1 goes nearer.
+  /** A factor above 1 moves nearer.
    * @param {number} factor */
   zoom(factor) {
     const { target, offset } = this.#pose();

@@ -1,9 +1,9 @@
-// Shows a frame on boards of two configurations, side by side.
+// Compares a frame on boards of two configurations.
 /** @typedef {import("./protocol.js").ComparedFrame} ComparedFrame */
 import { by, element } from "./dom.js";
 import { cycles_of, figures, legend, stacked } from "./figures.js";
 
-/** Fields to begin with, and values worth a look.
+/** Suggested fields, with two values each.
  * @type {Record<string, [string, string]>} */
 const kFields = {
   "asic.processors": ["4", "8"], "asic.queue_rays": ["256", "64"], "asic.block_voxels": ["32", "16"],
@@ -54,7 +54,8 @@ export class Compare {
       ...this.view.own, fidelity: "cycle", size: this.#size.value, [this.#field.value.trim()]: value.trim(),
     }));
     this.#run.disabled = true;
-    this.#result.textContent = "Both boards work; at the cycle level that takes its time. Another picture ends it.";
+    this.#result.textContent =
+      "Both boards are rendering, which is slow at the cycle level. Another picture stops it.";
     this.connection.send({ do: "compare", id: this.#id, settings, other });
   }
 

@@ -9,7 +9,7 @@ import { by, save, shape } from "./dom.js";
 import { History, colour_at, format, from_hex, hex, parse } from "./transfer.js";
 
 const kWidth = 320, kHeight = 150, kStrip = 172, kTotal = 184, kEdge = 8;
-const kOwn = "own"; // of points that were moved
+const kOwn = "own"; // for edited points
 
 export class Editor {
   #history = new History();
@@ -69,7 +69,7 @@ export class Editor {
     this.load();
   }
 
-  /** Takes up what the view says. */
+  /** Updates the editor from the view. */
   load() {
     const value = this.view.get("transfer-function");
     const text = value === "" ? this.#look : value.includes("\n") ? value

@@ -67,7 +67,7 @@ export class Fields {
     this.load();
   }
 
-  /** Shows what the view says. */
+  /** Updates the form from the view. */
   load() {
     by("input").value = this.view.get("input");
     for (const [name, input] of this.#inputs) {

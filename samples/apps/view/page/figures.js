@@ -7,7 +7,7 @@ import { element, shape, short } from "./dom.js";
 /** @type {Groups} */
 export const kGroups = [
   { name: "samples", causes: ["busy"], colour: "#009e73", why: "a sample entered the pipeline" },
-  { name: "leaps", causes: ["leap"], colour: "#56b4e9", why: "a ray jumped over an empty block" },
+  { name: "leaps", causes: ["leap"], colour: "#56b4e9", why: "a ray skipped an empty block" },
   { name: "cache", causes: ["cache_fill", "cache_miss"], colour: "#e69f00", why: "waits for the volume cache" },
   { name: "memory", causes: ["memory_bank", "refresh"], colour: "#d55e00", why: "waits for the memory's banks" },
   { name: "latency", causes: ["latency"], colour: "#f0e442",
@@ -44,12 +44,12 @@ export const energy_of = (counters) =>
 export const cycles_of = (counters, part = "processor") =>
   kGroups.map(({ causes }) => causes.reduce((sum, cause) => sum + (counters[`${part}.cycles.${cause}`] ?? 0), 0));
 
-/** What was counted between two states.
+/** The differences of the counters of two states.
  * @param {Counters} end @param {Counters} begin @returns {Counters} */
 export const between = (end, begin) => Object.fromEntries(Object.entries(end).map(([name, value]) => [name,
   value - (begin[name] ?? 0)]));
 
-/** As many parts as the board has, by a counter that each has.
+/** The names of the board's parts of a kind, found by a counter that each has.
  * @param {Counters} counters @param {string} kind @param {string} counter */
 export function parts_of(counters, kind, counter) {
   const parts = [];
@@ -87,7 +87,7 @@ export const bars = (rows, title) => element("table", { class: "bars", "aria-lab
   element("tr", {}, element("td", {}, label), element("td", {},
     element("progress", { value: String(share || 0), "aria-label": label })), element("td", {}, text))));
 
-/** The groups that are there, with their shares.
+/** The groups with non-zero values, with their shares.
  * @param {number[]} cycles @param {Groups} [groups] */
 export function legend(cycles, groups = kGroups) {
   const sum = cycles.reduce((a, b) => a + b, 0);
@@ -102,7 +102,7 @@ export function legend(cycles, groups = kGroups) {
 /** @param {number} share */
 const percent = (share) => (Number.isFinite(share) ? `${(100 * share).toFixed(1)}%` : "–");
 
-/** Figures of what was counted: label, value, text. Empty where the level keeps nothing of the kind.
+/** Figures computed from counters: label, value, text. Those that the level does not model are omitted.
  * @param {Counters} d @returns {[string, number, string][]} */
 export function figures(d) {
   const memory = "rdram.cycles" in d ? "rdram" : "ddr";

@@ -1,19 +1,19 @@
-// The machine at work: ten looks a second at all that the board counts, while this panel is open.
+// The board's counters, updated ten times per second while this panel is open.
 /** @typedef {import("./protocol.js").Machine} Message */
 import { by, element, short } from "./dom.js";
 import { bars, between, cycles_of, energy_of, figures, kEnergy, legend, parts_of, stacked } from "./figures.js";
 import { banks_map, blocks_map, packets_between } from "./maps.js";
 import { TimeLine } from "./timeline.js";
 
-const kWindow = 10; // looks back of the figures, a second
+const kWindow = 10; // updates in the window of the figures, a second
 
 export class Machine {
   /** @type {Message[]} */ #looks = []; // of the last second
-  /** @type {Message | null} */ #begin = null; // before the frame that runs, or that was the last
+  /** @type {Message | null} */ #begin = null; // at the beginning of the current or last frame
   #most = 1; // rays of a block's queue in it
   /** @type {Record<string, string>} */ #units = {};
   #was_running = false;
-  #head = element("p", { class: "quiet", id: "machine-state" }, "Nothing was counted yet.");
+  #head = element("p", { class: "quiet", id: "machine-state" }, "No counters yet.");
   #charts = element("div");
   #table = element("table");
   #all = element("table");
@@ -29,7 +29,7 @@ export class Machine {
     connection.on("machine", (message) => this.#look(message));
   }
 
-  /** Has the program look at the board, if anyone looks at this. */
+  /** Requests counters while the panel is visible. */
   listen() {
     this.#looks = [];
     this.#was_running = false;
@@ -43,7 +43,7 @@ export class Machine {
     const last = this.#looks.at(-1);
     if (last && (message.simulated_ms < last.simulated_ms ||
       (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0))) {
-      this.#looks = []; // a new board, which has counted from nothing
+      this.#looks = []; // a new board, whose counters start from 0
       this.#begin = { ...message, counters: {}, look: undefined };
       this.#most = 1;
       this.#line.clear({});
@@ -111,7 +111,7 @@ export class Machine {
     ];
   }
 
-  /** Rays under way, and where they wait.
+  /** The number of rays in flight, and where they wait.
    * @param {Message["counters"]} counters @param {Message["look"]} look */
   #queues(counters, look) {
     if (!look) return [];

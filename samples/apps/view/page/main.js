@@ -1,4 +1,4 @@
-// Puts the page together: what is heard, what is shown, what is asked for.
+// Connects the parts of the page.
 /** @typedef {import("./protocol.js").Hello} Hello */
 /** @typedef {import("./protocol.js").Failure} Failure */
 /** @typedef {import("./protocol.js").PictureHeader} PictureHeader */
@@ -28,11 +28,11 @@ const compare = new Compare(connection, view);
 const files = new Files(connection, notice);
 steer(by("picture"), camera);
 
-/** One line over the page, with ways on. The same key has one line at a time; no text removes it.
+/** A line above the page, with buttons. A key has one line at a time; an empty text removes it.
  * @param {string} key @param {string} text @param {...[string, () => void]} ways */
 function notice(key, text, ...ways) {
   const before = document.querySelector(`[data-notice="${key}"]`);
-  if (text && before?.firstChild?.textContent === text) return; // someone may be about to press its buttons
+  if (text && before?.firstChild?.textContent === text) return; // the user may be about to press its buttons
   before?.remove();
   if (!text) return;
   const line = element("p", { "data-notice": key }, element("span", {}, text));

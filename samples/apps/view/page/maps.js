@@ -1,8 +1,8 @@
-// Where rays wait, by block of the volume, and which banks of the memory serve: a square for each number.
+// Maps of waiting rays by block of the volume, and of packets by memory bank, with a square for each number.
 /** @typedef {import("./protocol.js").Look} Look */
 import { element, short } from "./dom.js";
 
-// From few to many: cividis, which the colour-blind see as others do. Nothing is grey.
+// Colours from few to many: cividis, which suits colour-blind users. Zero is grey.
 const kRamp = [[0, 32, 77], [65, 77, 107], [124, 123, 120], [185, 172, 112], [255, 234, 70]];
 const kNothing = [128, 128, 128, 70];
 
@@ -55,7 +55,7 @@ export function blocks_map({ blocks_a_side, cells: [x, y, z], waiting }, most) {
     `${z} layers from z = 0 on, x across, y down. Rays wait in ${used} of ${waiting.length}, ${where}.`);
 }
 
-/** Packets of each bank between two looks; all, if the first is of another machine or none.
+/** Packets of each bank between two states; the total if the first is of another board or missing.
  * @param {Look} end @param {Look | undefined} begin @returns {number[][]} */
 export function packets_between(end, begin) {
   const window = end.memories.map((all, i) => all.map((packets, bank) => packets - (begin?.memories[i]?.[bank] ?? 0)));

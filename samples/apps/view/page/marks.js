@@ -1,4 +1,4 @@
-// Marks on the picture: which way the axes run, and the point of the slices.
+// Marks on the picture: the directions of the axes, and the point of the slices.
 /** @typedef {import("./camera.js").Camera} Camera */
 /** @typedef {import("./protocol.js").Vector} Vector */
 /** @typedef {import("./protocol.js").Volume} Volume */

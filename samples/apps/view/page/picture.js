@@ -1,13 +1,13 @@
-// The picture: hands move the camera, requests go out without waiting for old ones, pictures are shown as they come.
+// The picture: input moves the camera, new requests do not wait for old ones, and pictures are shown when they arrive.
 /** @typedef {import("./protocol.js").Failure} Failure */
 import { by } from "./dom.js";
 
-const kRest = 180; // milliseconds without a move after which the whole picture is asked for
-const kForgotten = 3000; // milliseconds after which an unanswered request no longer holds up the next
+const kRest = 180; // milliseconds without a move after which the whole picture is requested
+const kForgotten = 3000; // milliseconds after which an unanswered request no longer delays the next
 
 export class Picture extends EventTarget {
   #id = 0;
-  #flying = 0; // id of the moving picture under way
+  #flying = 0; // id of the requested moving picture
   #since = 0;
   #wanted = false;
   #rest = 0; // of the timer that asks for the whole picture after a move; 0: none waits
@@ -26,7 +26,7 @@ export class Picture extends EventTarget {
     });
   }
 
-  /** Asks for the picture of the view as it is.
+  /** Requests the picture of the current view.
    * @param {boolean} moving */
   ask(moving) {
     this.canvas.setAttribute("aria-busy", "true");
@@ -34,7 +34,7 @@ export class Picture extends EventTarget {
     if (moving) {
       this.#rest = setTimeout(() => this.ask(false), kRest);
       if (this.#flying && performance.now() - this.#since < kForgotten) {
-        this.#wanted = true; // one under way, and the newest after it
+        this.#wanted = true; // one is requested, and the newest follows
         return;
       }
       this.#since = performance.now();
@@ -47,7 +47,7 @@ export class Picture extends EventTarget {
     this.dispatchEvent(new CustomEvent("asked"));
   }
 
-  /** Nothing is under way any more: the board was lost. */
+  /** Forgets all requests, because the board was lost. */
   forget() {
     this.#stop();
     this.#flying = 0;
@@ -60,7 +60,7 @@ export class Picture extends EventTarget {
     this.#rest = 0;
   }
 
-  /** The newest request is answered: the picture stays as it is, unless another follows a move. */
+  /** Called when the newest request is answered: the picture is complete unless another follows a move. */
   #settle() {
     if (!this.#rest) this.canvas.setAttribute("aria-busy", "false");
   }

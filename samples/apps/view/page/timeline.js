@@ -1,4 +1,4 @@
-// The last frame as it was looked at: a column for what was counted between two looks, as wide as its core cycles.
+// Time line of the last frame: a column for each interval between two updates, as wide as its core cycles.
 /** @typedef {import("./protocol.js").Counters} Counters */
 import { element, shape, short } from "./dom.js";
 import { between, cycles_of, kGroups, parts_of } from "./figures.js";
@@ -22,7 +22,7 @@ export class TimeLine {
       row.append(button);
     }
     const note = element("p", { class: "quiet" },
-      "Ten looks a second; gicube-board --trace writes every cycle for ui.perfetto.dev.");
+      "Ten updates per second; gicube-board --trace writes every cycle for ui.perfetto.dev.");
     this.place.append(row, this.#svg, note);
     this.#part.addEventListener("change", () => this.#draw());
     this.#svg.addEventListener("wheel", (event) => {
@@ -59,7 +59,7 @@ export class TimeLine {
     this.#draw();
   }
 
-  /** What is `at` a share of the chart stays there.
+  /** Zooms around the position `at`, a share of the chart.
    * @param {number} factor @param {number} at */
   #zoom(factor, at) {
     const [low, high] = this.#shown;

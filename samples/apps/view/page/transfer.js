@@ -1,4 +1,4 @@
-// A transfer function as points, its text as gicube-render reads it, and its history.
+// A transfer function as points, its text in the format of gicube-render, and its history.
 
 /** @typedef {{at: number, colour: [number, number, number]}} ColourPoint */
 /** @typedef {{at: number, opacity: number}} OpacityPoint */
@@ -47,7 +47,7 @@ export function colour_at(transfer, at) {
   return /** @type {any} */ (a.colour.map((c, i) => c + t * (b.colour[i] - c)));
 }
 
-/** Texts that were, to go back and forth. */
+/** The previous texts, for undo and redo. */
 export class History {
   #texts = [""]; // the first is none
   #at = 0;

@@ -1,4 +1,4 @@
-// The state of a view: settings that differ from those the program chose. The address after # has the same.
+// The state of a view: the settings that differ from the program's. The address has them after #.
 /** @typedef {import("./protocol.js").Settings} Settings */
 
 export class ViewState extends EventTarget {
@@ -29,14 +29,14 @@ export class ViewState extends EventTarget {
     this.#tell(Object.keys(values).join(), moving);
   }
 
-  /** Only these are kept.
+  /** Removes all but these.
    * @param {string[]} names */
   keep(names) {
     for (const name of Object.keys(this.own)) if (!names.includes(name)) delete this.own[name];
     this.#tell("other", false);
   }
 
-  /** What another input keeps: a look by its name, whose values are found anew, and what is no place or size of this
+  /** The settings that are kept for another input: a look by its name, and others that are not specific to this
    * input. */
   kept() {
     const names = ["transfer-function", "background", "size", "samples", "step", "threshold", "no-shade", "fidelity"];
@@ -44,7 +44,7 @@ export class ViewState extends EventTarget {
       !value.includes("\n")));
   }
 
-  /** Of this page, with the view as it is. */
+  /** The address of this page with the current view. */
   address() {
     const text = new URLSearchParams(this.own).toString();
     return location.origin + location.pathname + location.search + (text && `#${text}`);
@@ -52,7 +52,7 @@ export class ViewState extends EventTarget {
 
   /** @param {string} what @param {boolean} moving */
   #tell(what, moving) {
-    // Browsers take few changes of an address a second.
+    // Browsers limit the rate of changes of the address.
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => history.replaceState(null, "", this.address()), 300);
     this.dispatchEvent(new CustomEvent("change", { detail: { what, moving } }));

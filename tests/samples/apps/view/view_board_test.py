@@ -140,7 +140,7 @@ def test_a_program_that_has_ended_is_told(chromium: webdriver.Chrome, ball: path
 def test_a_wrong_token_gets_one_line_and_no_page(page: Shown) -> None:
     page.picture()
     wrong = Shown(page.browser, page.program, page.program.address[:-4] + "0000")
-    assert wrong.text("body").startswith("token: expected that of the address")
+    assert wrong.text("body").startswith("token: expected the one in the printed address")
     with Page(page.program, token="0" * 32) as refused:
         assert refused.status == 403
     page.browser.get_log("browser")  # of the refusal
