@@ -166,7 +166,7 @@ TEST_F(Ctsimu, IsRefusedWithTheKeyThatIsWrong) {
   expect("/geometry/stage/center/x/unit", "inch", "geometry.stage.center.x.unit: expected one of mm");
   expect("/geometry/stage/center/x/value", "far",
          "geometry.stage.center.x.value: expected a finite number, got \"far\"");
-  expect("/geometry/stage/vector_w", along(0.1, 0, 1), "geometry.stage.vector_u: expected a direction square");
+  expect("/geometry/stage/vector_w", along(0.1, 0, 1), "geometry.stage.vector_u: expected a direction perpendicular");
   expect("/geometry/detector/vector_w", along(0, 0, 0), "geometry.detector.vector_w: expected a direction");
   expect("/detector/columns/value", 1.5, "detector.columns.value: expected a whole number from 1 to 65536, got 1.5");
   expect("/detector/pixel_pitch/u/value", 0, "detector.pixel_pitch.u: expected a length above 0");
