@@ -236,7 +236,7 @@ each(
         ),
         (
             "configuration beyond 256 bytes is 0",
-            lambda f, link: f.kind == 3 and link.to(f).word() >= 256,
+            lambda f, link: f.kind == 3 and (link.to(f).word() or 0) >= 256,
             put("I", 0, 0),
         ),
         ("another ID", at(0), put("I", 0, 0x42434948)),
