@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "asic/memory_standards.h"
-#include "config/hardware_cost.h"
 #include "gicube/fidelity_levels.h"
 #include "words/sdram_map.h"
 
@@ -106,7 +105,11 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
 
 void check_memory(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
   const dram::Standard memory = memory_standard(config);
-  const std::uint32_t devices = devices_of_channel(config);
+  const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
+  const std::uint32_t processors = config.asic().processors();
+  const std::uint32_t blocks =
+      (edge * edge * edge + processors - 1) / processors * std::min(memory.sharing, processors);
+  const auto devices = make_memory(config, static_cast<std::uint32_t>(blocks_in_memory(config, blocks)))->devices();
   if (devices <= memory.max_devices) return;
   found.push_back(
       {"asic.max_volume_voxels",

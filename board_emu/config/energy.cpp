@@ -7,6 +7,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "asic/memory_standards.h"
 #include "config/hardware_cost.h"
 #include "gicube/v1/field_range.pb.h"
 #include "gicube/wire/ray.h"
@@ -117,6 +118,12 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   memory = is_ddr ? "ddr" : "rdram";
   bus_byte = config.bus().model() == v1::pci33 ? "pci_byte_fj" : "agp_byte_fj";
   const std::uint32_t p = config.asic().processors();
+  const dram::Standard standard = memory_standard(config);
+  const std::uint32_t sharing = std::min(standard.sharing, p);
+  const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
+  channels = (p + sharing - 1) / sharing;
+  const std::uint32_t blocks = (edge * edge * edge + p - 1) / p * sharing;
+  devices = channels * make_memory(config, static_cast<std::uint32_t>(blocks_in_memory(config, blocks)))->devices();
   memory_khz = is_ddr ? config.ddr().clock_khz() : config.rdram().clock_khz();
   memory_interval = is_ddr ? config.ddr().refresh_interval() : config.rdram().refresh_interval();
   sdram_khz = config.sdram().clock_khz();
@@ -127,8 +134,6 @@ EnergyModel::Prices::Prices(const v1::BoardConfig& config) {
   link_bits = config.link().bits();
 
   const HardwareCost cost = hardware_cost(config);
-  channels = cost.memory_channels;
-  devices = channels * devices_of_channel(config);
   const auto format = static_cast<wire::VoxelFormat>(config.asic().voxel_format());
   voxel_bits = static_cast<std::uint64_t>(wire::voxel_bits(format, config.asic().irradiance_words()));
   register_bits = p * cost.registers.bits;

@@ -183,13 +183,6 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   return cost;
 }
 
-std::uint32_t devices_of_channel(const v1::BoardConfig& config) {
-  const auto all = static_cast<std::uint32_t>(blocks(config));
-  const std::uint32_t p = config.asic().processors(), sharing = std::min(memory_standard(config).sharing, p);
-  const auto stored = static_cast<std::uint32_t>(blocks_in_memory(config, (all + p - 1) / p * sharing));
-  return make_memory(config, stored)->devices();
-}
-
 std::string paper_units(std::uint64_t bits) {
   const std::uint64_t unit = bits < kMegabit ? kKilobit : kMegabit;
   const std::uint64_t tenths = (bits * 10 + unit / 2) / unit;

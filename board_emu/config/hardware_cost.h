@@ -47,9 +47,6 @@ struct HardwareCost {
 // Fields that are not set count with their defaults.
 HardwareCost hardware_cost(const v1::BoardConfig& config);
 
-// Devices of one memory channel that hold its share of the largest volume.
-std::uint32_t devices_of_channel(const v1::BoardConfig& config);
-
 // One item per line: its formula, bits, and Kb or Mb.
 std::string to_string(const HardwareCost& cost);
 
