@@ -50,6 +50,10 @@ class Fifo {
   std::size_t size() const { return size_; }
   // For the popping side, before it pops: the FIFO was full when the cycle began.
   bool was_full(Cycle now) const { return size_ - (last_push_ == now ? 1 : 0) == capacity_; }
+  struct Clock {
+    Cycle push, pop;  // cycles of the last push and pop
+  };
+  Clock clock() const { return {last_push_, last_pop_}; }
   // Replaces the items, for a caller that has held them in registers during some earlier cycles.
   void put_back(const T* items, std::size_t count) {
     for (size_ = 0; size_ < count; ++size_) items_[(head_ + size_) & mask_] = items[size_];
