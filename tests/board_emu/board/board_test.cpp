@@ -1,18 +1,10 @@
 // The board behind its connector: closed forms of value and time, what must not change a bit, and misuse.
 #include "board/board.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <random>
-#include <thread>
-#include <utility>
-
 #include "bare_board.h"
 #include "firmware/framebuffer.h"
 #include "firmware/viewing_rays.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -248,8 +240,7 @@ TEST(BoardTime, RendersInDspTimeAndSendsTheImageInBusTime) {
   board.read_register(reg::kId);
   const std::uint64_t begin = board.now_ps, viewing = board.counter("dsp.viewing_rays"),
                       rays = board.counter("pipeline.rays");
-  std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(view, payload);
+  const auto payload = wire::encoded(view);
   board.wait(board.command(payload));
   const std::uint64_t made = board.counter("dsp.viewing_rays") - viewing,
                       returned = board.counter("pipeline.rays") - rays;
@@ -299,8 +290,7 @@ TEST(BoardMisuse, RefusesCommandsByFieldAndKeepsServing) {
     return std::string(completion.payload.begin(), completion.payload.end());
   };
   const auto render_refusal = [&refusal](const wire::RenderCommand& view) {
-    std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-    wire::encode(view, payload);
+    const auto payload = wire::encoded(view);
     return refusal(payload);
   };
   wire::RenderCommand view = corner_view({33, 17, 17}, 32);

@@ -1,23 +1,12 @@
 // Checkpoints whose clocks were made up: what no command comes to is refused, and any other board goes on within a
 // short time.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <chrono>
 #include <condition_variable>
 #include <cstdio>
-#include <cstdlib>
-#include <mutex>
-#include <string>
-#include <thread>
-#include <tuple>
-#include <utility>
 
 #include "commands_rig.h"
 #include "random_session.h"
 #include "saved_board.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -73,12 +62,7 @@ struct SavedMachine {
 };
 
 std::string fault_of(const std::string& bytes) {
-  try {
-    restored(bytes);
-  } catch (const CheckpointFault& fault) {
-    return fault.what();
-  }
-  return "";
+  return message_of<CheckpointFault>([&] { restored(bytes); });
 }
 
 TEST(CheckpointClocks, WithAWriteOfTheDspAfterTheEndOfTimeAreRefusedByTheirField) {

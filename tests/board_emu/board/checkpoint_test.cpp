@@ -1,25 +1,16 @@
 // A checkpoint is all that a board is: who goes on from it can't tell that the board was ever another.
 #include "saved_board.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <functional>
-#include <memory>
-#include <string>
-
 #include "commands_rig.h"
 #include "random_session.h"
 #include "seeds.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using testing::ElementsAreArray;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 constexpr int kBlock = 8;
 
@@ -197,12 +188,7 @@ struct WarmBoard {
 };
 
 std::string refusal(const std::string& bytes, const v1::BoardConfig& config) {
-  try {
-    Checkpoint(bytes).restore(*board_of(config));
-  } catch (const CheckpointFault& fault) {
-    return fault.what();
-  }
-  return "";
+  return message_of<CheckpointFault>([&] { Checkpoint(bytes).restore(*board_of(config)); });
 }
 
 TEST(Checkpoint, IsAMessageThatProtobufReads) {

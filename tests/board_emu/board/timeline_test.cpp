@@ -1,6 +1,6 @@
 #include "board/timeline.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

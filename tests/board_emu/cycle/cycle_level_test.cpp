@@ -1,14 +1,6 @@
 // The cycle level behind the board's connector: time, counters and faults as a host sees them.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <numeric>
-#include <thread>
-
 #include "bare_board.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -43,8 +35,7 @@ TEST(CycleLevel, ACommandTakesAsLongAsItsCyclesOnTheAsic) {
   load_cloud(board, {30, 30, 30});
   board.read_register(wire::reg::kId);  // the bus is quiet
   const std::uint64_t begin = board.now_ps;
-  std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(corner_view({30, 30, 30}, 24), payload);
+  const auto payload = wire::encoded(corner_view({30, 30, 30}, 24));
   const TransactionResult outcome = board.wait(board.command(payload));
   const std::uint64_t cycles = board.counter("asic.cycles");
   EXPECT_GT(cycles, 3000u);
@@ -130,8 +121,7 @@ TEST(CycleLevel, ACancelledFrameLeavesAWorkingBoard) {
   load_cloud(board, {30, 30, 30});
   const auto image = board.render(corner_view({30, 30, 30}, 40));
   board.work.cancel = true;
-  std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(corner_view({30, 30, 30}, 40), payload);
+  const auto payload = wire::encoded(corner_view({30, 30, 30}, 40));
   EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
   board.work.cancel = false;
   EXPECT_EQ(board.render(corner_view({30, 30, 30}, 40)), image);

@@ -1,9 +1,4 @@
 // What rays cost the DSP and the memories in hand-worked sums: one cycle more or less of it fails.
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "bare_board.h"
 #include "cycle/machine.h"
 #include "firmware/framebuffer.h"
@@ -11,6 +6,7 @@
 #include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
 #include "machine_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,15 +1,10 @@
 // Hand-worked cycles of whole rays through the machine.
 #include "cycle/machine.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-
 #include "bare_board.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "machine_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -343,8 +338,8 @@ TEST(Machine, StopsWithADescriptionOfEveryPartWhenNothingMoves) {
     run(machine, scene, columns(4, 1));
     FAIL() << "a ray is lost: the machine can't come to an end";
   } catch (const Stall& stall) {
-    EXPECT_THAT(stall.what(), testing::HasSubstr("1 rays under way"));
-    EXPECT_THAT(stall.what(), testing::HasSubstr("processor 0"));
+    EXPECT_THAT(stall.what(), HasSubstr("1 rays under way"));
+    EXPECT_THAT(stall.what(), HasSubstr("processor 0"));
   }
   EXPECT_LE(machine.now(), Machine::kStallCycles + 2000);
 }

@@ -1,11 +1,8 @@
 // The memory's clock is its own: what a channel brings in a second follows from its pins, whatever the core's clock.
 #include "cycle/memory_port.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "machine_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

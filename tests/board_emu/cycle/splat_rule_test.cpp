@@ -1,11 +1,8 @@
 // Which samples of a lighting ray write their eight voxels, and when those go to memory: traffic and time alone depend
 // on it.
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "lighting_rig.h"
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::emu {
 namespace {
@@ -47,11 +44,7 @@ Pass light(const char* rule, int block_voxels, const char* policy = "combining",
     pass.tiles.fetches += processor->writes().counters().fetches;
   }
   for (const auto& memory : machine.memories()) pass.written += memory->channel().counters().packets_written;
-  for (int z = 0; z < 16; ++z) {
-    for (int y = 0; y < 16; ++y) {
-      for (int x = 0; x < 16; ++x) pass.irradiance.push_back(lit.irradiance_at(x, y, z));
-    }
-  }
+  for_each_voxel({16, 16, 16}, [&](int x, int y, int z) { pass.irradiance.push_back(lit.irradiance_at(x, y, z)); });
   return pass;
 }
 

@@ -1,15 +1,9 @@
 // Steps along a ray, their jitter, leaps, and where a ray leaves the volume.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "datapath/advance.h"
 #include "datapath/jitter.h"
 #include "datapath/ray_step.h"
 #include "gicube/wire/registers.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,16 +1,8 @@
 // Each BSDF of the hardware against its closed form: direction, width, evenness. All 4,096 random directions are tried
 // once, so that nothing here is left to chance; what remains are the lattice's steps and the rounding of the words.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <functional>
-#include <numbers>
-#include <utility>
-#include <vector>
-
-#include "datapath/scatter.h"
 #include "reference/bsdf.h"
+#include "datapath/scatter.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

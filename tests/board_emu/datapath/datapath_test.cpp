@@ -1,17 +1,11 @@
 // The pipeline's stages against plain double-precision arithmetic and hand-worked words.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "datapath/composite.h"
 #include "datapath/opacity_correction.h"
 #include "datapath/ray_step.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
 #include "gicube/wire/registers.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

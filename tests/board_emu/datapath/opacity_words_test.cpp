@@ -1,19 +1,12 @@
 // Opacity, depth, compositing and energy, on both datapaths, against tests/support/reference/words.h, over their whole
 // range or a million random words.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "datapath/composite.h"
 #include "datapath/opacity_correction.h"
 #include "datapath/ray_step.h"
 #include "datapath/wide.h"
 #include "random_words.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

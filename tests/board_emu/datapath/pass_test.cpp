@@ -1,12 +1,8 @@
 // One pass of a ray: what it counts, how far it goes, and what is left of the ray at its end.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-
 #include "datapath/composite.h"
 #include "fog.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,13 +1,8 @@
 // Where within its step a ray is absorbed or scattered, and which random numbers decide that.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "datapath/random_stream.h"
 #include "datapath/scatter.h"
 #include "fog.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

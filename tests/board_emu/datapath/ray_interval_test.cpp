@@ -1,17 +1,10 @@
 // The table of optical depths against plain sums over the segmentation LUT: what lies between two densities, and where.
 #include "datapath/ray_interval.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "datapath/interaction.h"
 #include "lighting_rig.h"
 #include "plain_interval.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

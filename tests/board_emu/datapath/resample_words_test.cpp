@@ -1,17 +1,11 @@
 // Products, interpolators and their reverse, splats, against tests/support/reference/words.h, over their whole range or
 // a million random words.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <random>
-
 #include "datapath/fixed.h"
 #include "datapath/resample.h"
 #include "datapath/trilinear_splat.h"
 #include "random_words.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

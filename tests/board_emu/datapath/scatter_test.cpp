@@ -1,12 +1,8 @@
 #include "datapath/scatter.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "datapath/jitter.h"
 #include "datapath/trilinear_splat.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,18 +1,11 @@
 // Shades by the reflectance map and by irradiance against tests/support/reference/words.h, over their whole range or a
 // million random words.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "datapath/illuminate.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
 #include "random_words.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,13 +1,9 @@
 // How a sample's opacity is shared between absorption and scattering, word by word: what a ray holds after one sample
 // of a uniform volume against tests/support/reference/words.h.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "datapath/random_stream.h"
 #include "fog.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,5 @@
 // Steps, places and the hashes that are drawn from them against tests/support/reference/words.h, over their whole range
 // or a million random words.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
-
 #include "datapath/advance.h"
 #include "datapath/jitter.h"
 #include "datapath/random_stream.h"
@@ -14,6 +7,7 @@
 #include "gicube/wire/mix64.h"
 #include "random_words.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,9 +1,7 @@
 // The colour of samples whose voxels have colours, against real numbers.
 #include "datapath/tint.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,16 +1,10 @@
 // Rays that are scattered at a surface, or wait there for a scattering routine or the host.
-#include <gtest/gtest.h>
-
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "datapath/host_traps.h"
 #include "datapath/random_stream.h"
 #include "datapath/scattering.h"
 #include "fog.h"
 #include "reference/words.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,7 @@
 // What a command takes from registers, tables and memory, whether it is what stands there now, and what it counts of
 // its rays.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <span>
-#include <vector>
-
 #include "commands_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,14 +1,7 @@
 // The DSP's commands through the board's connector: what each field may hold, what counts and what comes back, worked
 // by hand.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "commands_rig.h"
+#include "test.h"
 #include "words/vectors.h"
 
 namespace gicube::emu {
@@ -330,8 +323,7 @@ TEST(IlluminateCommand, SaysWhetherItsLightStandsInASolid) {
     command.u = u;
     command.v = v;
     command.rays_per_voxel = command.count = 1;
-    std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-    wire::encode(command, payload);
+    const auto payload = wire::encoded(command);
     const Completion done = carry_out(board, payload);
     EXPECT_EQ(done.error, wire::ErrorCode::kNone);
     return done.payload.at(56) != 0;  // after seven counts

@@ -1,12 +1,7 @@
 // Ray making, clipping and the framebuffer.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "firmware/framebuffer.h"
 #include "firmware/viewing_rays.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,9 @@
 // Rays that are taken off a card and given to one: what is refused, and that they go on as if they had stayed.
-#include <gtest/gtest.h>
-
-#include <functional>
-
 #include "commands_rig.h"
 #include "gicube/wire/forwarded_ray.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,8 @@
 // The lamps that scattered rays see: what is refused of their records, and what looking for them costs.
 #include "firmware/lamps.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "commands_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

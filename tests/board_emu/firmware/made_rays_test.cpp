@@ -1,15 +1,9 @@
 // The rays that the DSP makes of a picture and of a light, and the vectors for them.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include "commands_rig.h"
 #include "firmware/framebuffer.h"
 #include "firmware/lighting_rays.h"
 #include "firmware/ray_sources/image_rays.h"
+#include "test.h"
 #include "words/vectors.h"
 
 namespace gicube::emu {

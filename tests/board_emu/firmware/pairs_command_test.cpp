@@ -1,14 +1,7 @@
 // The DSP's command for pairs of elements: closed forms, seeds, and what its fields may hold.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "commands_rig.h"
 #include "gicube/wire/pair.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,16 +1,10 @@
 // Rays that processors extrapolate, against those that the DSP makes one by one.
 #include "firmware/viewing_runs.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <vector>
-
 #include "commands_rig.h"
 #include "firmware/framebuffer.h"
 #include "firmware/ray_sources/image_rays.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,8 @@
 #include "memory/block_decoder.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-#include <vector>
-
 #include "../functional/simd/instruction_sets.h"
 #include "gicube/wire/voxel.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

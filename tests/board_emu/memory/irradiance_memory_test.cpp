@@ -1,12 +1,7 @@
 #include "memory/irradiance_memory.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numeric>
-#include <thread>
-
 #include "gicube/wire/bytes.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,8 +1,6 @@
 #include "memory/large_array.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdint>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

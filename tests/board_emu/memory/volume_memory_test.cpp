@@ -1,11 +1,7 @@
 #include "memory/volume_memory.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "gicube/wire/voxel.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

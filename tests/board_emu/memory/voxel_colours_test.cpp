@@ -1,10 +1,6 @@
 // The colours of voxels, from their bytes to what the resampling unit reads.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <vector>
-
 #include "memory/volume_memory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

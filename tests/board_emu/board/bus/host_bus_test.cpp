@@ -1,11 +1,7 @@
 #include "board/bus/host_bus.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "firmware/register_file.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

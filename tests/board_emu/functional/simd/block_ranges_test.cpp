@@ -1,11 +1,7 @@
 #include "functional/simd/cell_ranges.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-#include <vector>
-
 #include "instruction_sets.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
