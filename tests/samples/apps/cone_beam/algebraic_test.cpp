@@ -1,25 +1,16 @@
 #include "cone_beam/algebraic.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
 using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::Lt;
-using testing::ThrowsMessage;
 
 const Phantom kHead = high_contrast_shepp_logan(42);
 

@@ -1,20 +1,13 @@
 // Detectors that are displaced to widen the field, short scans, and what is neither.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
 using std::numbers::pi;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 // The far side always reaches 100 at a detector of twice the magnification; the object has a radius of up to 44. 192
 // columns if the detector is not displaced. All views see the end slices; 24 rows miss parts of them from 31 on, where

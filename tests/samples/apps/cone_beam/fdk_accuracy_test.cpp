@@ -1,15 +1,10 @@
 // The board's reconstruction by its defaults and a double-precision one of the same projections, both judged by the
 // object's means in voxels.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <limits>
-#include <utility>
-
 #include "cone_beam/fdk.h"
 #include "open_board.h"
 #include "reference/fdk.h"
 #include "reference/fdk_phantoms.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,14 +1,9 @@
 #include "cone_beam/fdk.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <numeric>
-
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 #include "small_scan.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,16 +1,11 @@
 #include "cone_beam/geometry.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "gicube/error.h"
 #include "small_scan.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 TEST(ConeGeometry, SpaceAndVoxelsAreEachOthersInverse) {
   const Grid grid{{10, 21, 32}, {0.5, 0.25, 2}};

@@ -1,16 +1,10 @@
 #include "cone_beam/fdk.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "cone_beam/phantom/phantom.h"
 #include "cone_beam/view_rays.h"
 #include "open_board.h"
 #include "small_scan.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

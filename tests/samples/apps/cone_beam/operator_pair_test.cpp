@@ -1,20 +1,11 @@
 // gicube::Projector against double precision: any orbit, both directions, and that they are each other's transpose.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "gicube/projector.h"
 #include "open_board.h"
 #include "reference/tomography.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 // Long voxels; views from all sides and from above, tilted, turned, shifted, with skewed pixels.
 ProjectorSetup any_orbit() {

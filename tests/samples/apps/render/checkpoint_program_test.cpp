@@ -1,17 +1,11 @@
 // gicube-render: pictures that go on from a checkpoint.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "render_program.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class CheckpointProgram : public RenderProgram {
  protected:

@@ -1,8 +1,7 @@
 #include "render/colour_passes.h"
 
-#include <gtest/gtest.h>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,16 +1,11 @@
 // Global illumination as it is seen in pictures of gicube-render: the shipped scenes and small ones of their kind.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "render_program.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 class LitScenes : public RenderProgram {
  protected:

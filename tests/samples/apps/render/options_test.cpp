@@ -1,17 +1,10 @@
 #include "render/options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <sstream>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 std::optional<RenderOptions> parse(std::vector<const char*> arguments, std::ostream& out) {
   arguments.insert(arguments.begin(), "gicube-render");
@@ -25,12 +18,7 @@ RenderOptions parse(std::vector<const char*> arguments) {
 
 // What UsageError says, or "none".
 std::string fault_of(std::vector<const char*> arguments) {
-  try {
-    scene_of(parse(std::move(arguments)));
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "none";
+  return message_of<UsageError>([&] { scene_of(parse(std::move(arguments))); });
 }
 
 TEST(RenderOptions, MakeASceneOfTheBuiltinVolume) {

@@ -1,28 +1,19 @@
 // --explain-pixel: what the board tells of a pixel's rays is what made the pixel.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "render/renderer.h"
 #include "render_program.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using testing::HasSubstr;
 
 constexpr const char* kLevels[] = {"functional", "cycle"};
 
 class PixelLife : public RenderProgram {
  protected:
-  PixelLife() { ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-
   // The picture's frame, of gicube-render's options, and its board has small blocks.
   static Frame frame(std::vector<std::string> words) {
     words.insert(words.begin(), "gicube-render");
@@ -159,7 +150,7 @@ TEST_F(PixelLife, IsPrintedDrawnAndWritten) {
   std::size_t boxes = 0;
   for (std::size_t at = svg.find("processor "); at != svg.npos; at = svg.find("processor ", at + 1)) ++boxes;
   EXPECT_EQ(boxes, passes);
-  EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(svg, EndsWith("</svg>\n"));
 }
 
 TEST_F(PixelLife, RefusesWhatItCannotExplain) {

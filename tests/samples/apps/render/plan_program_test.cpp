@@ -1,20 +1,12 @@
 // --max-error, --time-budget and --explain.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "render_program.h"
 #include "scene/program/plan_options.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 constexpr const char* kBall = "builtin:buckyball --volume-size 64 --size 128x128 -o ";
 

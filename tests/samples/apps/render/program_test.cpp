@@ -1,12 +1,4 @@
 // The program itself, with a private emulated board.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "full_disk.h"
@@ -14,11 +6,10 @@
 #include "gicube/scene/light_field.h"
 #include "render_program.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
 
 TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
   const ProgramResult result =
@@ -47,8 +38,8 @@ TEST_F(RenderProgram, TakesAFileWhoseNameIsNoUtf8AndWarnsOfDataThatAreTooLong) {
   std::ofstream(path("v.raw")) << std::string(65, '\x80');
   const ProgramResult result = run(name + " --size 8x8 -o " + path("a.png") + " --stats " + path("a.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::StartsWith("gicube-render: warning: " + path("v.raw") +
-                                              ": data: expected 64 bytes by the header, got 65"));
+  EXPECT_THAT(result.err, StartsWith("gicube-render: warning: " + path("v.raw") +
+                                     ": data: expected 64 bytes by the header, got 65"));
   EXPECT_EQ(std::ranges::count(result.err, '\n'), 1);
   EXPECT_THAT(nlohmann::json::parse(text_of(path("a.json"))).at("provenance").at("command").get<std::string>(),
               HasSubstr("/gr\\xfc.nhdr' --size"));

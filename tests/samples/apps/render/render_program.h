@@ -2,14 +2,9 @@
 #pragma once
 
 #include <OpenImageIO/imageio.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "program_test.h"
+#include "test.h"
 
 namespace gicube::samples {
 

@@ -1,11 +1,8 @@
 #include "render/statistics.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "gicube/scene/error.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

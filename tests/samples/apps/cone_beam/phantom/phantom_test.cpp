@@ -1,11 +1,7 @@
 #include "cone_beam/phantom/phantom.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "../small_scan.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

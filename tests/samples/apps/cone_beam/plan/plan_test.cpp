@@ -1,14 +1,9 @@
 #include "cone_beam/plan/plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "../open_board.h"
 #include "../small_scan.h"
 #include "cone_beam/phantom/phantom.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -69,7 +64,7 @@ TEST(FdkPlan, SaysSoWhereNothingKeepsATimeBudget) {
   const ConeGeometry geometry = small_scan(24, 24);
   const FdkPlan plan = plan_fdk(board, geometry, project(head(), geometry), {}, {0, 1'000});
   EXPECT_FALSE(plan.kept);
-  EXPECT_THAT(plan.explain().front(), testing::HasSubstr("NOT REACHED"));
+  EXPECT_THAT(plan.explain().front(), HasSubstr("NOT REACHED"));
 }
 
 TEST(FdkPlan, NeedsOneTarget) {
@@ -102,14 +97,13 @@ TEST(FdkPlan, AReconstructedSlabIsThatPartOfTheVolume) {
 }
 
 TEST(FdkPlan, LeavesViewsOutSoThatTheOthersAreEven) {
-  EXPECT_THAT(strides_of(small_scan(8, 48), 8), testing::ElementsAre(2, 3, 4, 6));  // 8 would leave 6 views
-  EXPECT_THAT(strides_of(small_scan(8, 49, 3.8), 8), testing::ElementsAre(2, 3, 4, 6));
+  EXPECT_THAT(strides_of(small_scan(8, 48), 8), ElementsAre(2, 3, 4, 6));  // 8 would leave 6 views
+  EXPECT_THAT(strides_of(small_scan(8, 49, 3.8), 8), ElementsAre(2, 3, 4, 6));
   const ConeGeometry geometry = small_scan(8, 12), some = some_views(geometry, 3);
-  EXPECT_THAT(some.angles,
-              testing::ElementsAre(geometry.angles[0], geometry.angles[3], geometry.angles[6], geometry.angles[9]));
+  EXPECT_THAT(some.angles, ElementsAre(geometry.angles[0], geometry.angles[3], geometry.angles[6], geometry.angles[9]));
   Projections projections{1, 2, {}};
   for (int i = 0; i < 24; ++i) projections.values.push_back(static_cast<float>(i));
-  EXPECT_THAT(some_views(projections, 12, 5).values, testing::ElementsAre(0, 1, 10, 11, 20, 21));
+  EXPECT_THAT(some_views(projections, 12, 5).values, ElementsAre(0, 1, 10, 11, 20, 21));
 }
 
 }  // namespace
