@@ -83,7 +83,7 @@ Volume open_slices(const std::filesystem::path& folder);
 // ImageJ gives. They must be grey. Reduced pages (NewSubfileType) are skipped. `part`: which of several channels and
 // times, from 1: all channels of the first time, then of the next.
 Volume open_pages(const std::filesystem::path& file, const std::string& part = {});
-// The same with its samples.
+// Reads the samples too.
 Volume read_pages(const std::filesystem::path& file);
 
 }  // namespace gicube::scene

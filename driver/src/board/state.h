@@ -30,7 +30,7 @@
 
 namespace gicube {
 
-// What the driver keeps of a loaded volume, for instance to compute the empty flags again.
+// The part of a loaded volume that the driver keeps, for instance to compute the empty flags again.
 struct LoadedVolume {
   Dims dims{};
   Dims blocks{};

@@ -10,7 +10,7 @@
 namespace gicube::c_api {
 namespace {
 
-// What gicube_last_error() returns. `text` is empty or incomplete if there was no memory for it.
+// Returned by gicube_last_error(). `text` is empty or incomplete if there was no memory for it.
 struct LastError {
   std::string words, field;
   std::int32_t loss = GICUBE_LOSS_NONE;

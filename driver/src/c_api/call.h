@@ -127,7 +127,7 @@ void check_size(const std::string& name, const Record* record, std::size_t size)
   expect(size >= kFirstSize<Record> && size <= kLargestRecord, name + ".size",
          fmt::format("{}..{} (sizeof the record)", kFirstSize<Record>, kLargestRecord), size);
 }
-// The same for a record that may be NULL.
+// Accepts NULL as well.
 template <typename Record>
 void check_optional(const std::string& name, const Record* record) {
   if (record != nullptr) check_size(name, record, record->size);

@@ -32,7 +32,7 @@ void expect_within(const std::string& field, double value, double low, double hi
 void expect_finite(const std::string& field, double value);
 void expect_finite(const std::string& field, Vec3 value);  // names the component: "eye.x"
 
-// The same with name() in place of a name: called only on failure, for checks of millions of values.
+// Takes a function that returns the name, called only on failure: for checks of millions of values.
 template <std::invocable Name>
 void expect_within(const Name& name, double value, double low, double high) {
   if (!(value >= low && value <= high)) expect_within(std::string(name()), value, low, high);

@@ -63,7 +63,7 @@ std::string error_text(std::span<const std::uint8_t> payload);
 // True if the board closes the session with this error.
 bool ends_session(wire::ErrorCode code);
 
-// What this error in the board's last frame means for the session.
+// Returns the cause of the loss that this error in the board's last frame stands for.
 Loss cause_of(wire::ErrorCode last_word);
 
 // Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.

@@ -46,7 +46,7 @@ struct Composition {
   std::optional<Colour> background;
 };
 
-// As strict as read_scene(): throws InputError with all errors, each with its line or field. Reads the named scenes,
+// Strict like read_scene(): throws InputError with all errors, each with its line or field. Reads the named scenes,
 // transfer functions and meshes, but no volumes. `allow_outside`: as for parse_scene().
 Composition parse_composition(const std::string& text, const std::string& name, const std::filesystem::path& folder,
                               bool allow_outside = false);

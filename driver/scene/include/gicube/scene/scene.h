@@ -102,8 +102,8 @@ struct SceneSetup : VoxelWorld {
 
   std::optional<Survey> survey;  // of a volume file's values
   std::string look_why;  // names the automatic look and its reason; empty: the look is the user's or the scene's
-  // Of a label map with automatic appearance, whose labelled voxels have the value 255 and the tag of their colour:
-  // each voxel's index in `label_values`, where 0 is the background. free_voxels() keeps them.
+  // Each voxel's index in `label_values`, where 0 is the background. Only for label maps with automatic appearance:
+  // labelled voxels have the value 255 and the tag of their colour. free_voxels() keeps them.
   std::vector<std::uint16_t> labels;
   std::vector<double> label_values;
 
