@@ -1,13 +1,8 @@
+#include "test.h"
 #include <gicube/testing.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstdlib>
 
 namespace gicube::test {
 namespace {
-
-using ::testing::HasSubstr;
 
 class Environment : public ::testing::Test {
  protected:
@@ -93,7 +88,6 @@ TEST(TestCheck, GivesGoogleTestItsMessageAndThrowsItElsewhere) {
 }
 
 TEST(TestWindow, MeasuresTimeAndCountersBetweenItsEnds) {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   Board board = BoardSetup{.bus = "agp2x"}.open();
   board.host_compute(1000);
   const Window window(board);

@@ -1,14 +1,6 @@
 // Plays every target's corpus without a fuzzer: what once was a finding stays mended.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <vector>
-
 #include "targets.h"
+#include "test.h"
 
 namespace gicube::fuzz {
 namespace {

@@ -1,10 +1,7 @@
 // RDRAM bit errors, and the command that reads the volume's blocks back.
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "bare_board.h"
 #include "gicube/wire/checksum.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,17 +1,11 @@
 // What a board may take of the host's memory, and what it holds for a host that does not fetch it.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "bare_board.h"
 #include "firmware/aperture.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
 using wire::ErrorCode;
 using wire::FrameType;
 namespace reg = wire::reg;
@@ -40,8 +34,7 @@ void set_size(BareBoard& board, std::uint32_t x, std::uint32_t y, std::uint32_t 
 std::uint64_t address_of(std::uint64_t block) { return wire::kVolume.base + block * kBytesOfBlock; }
 
 std::vector<std::uint8_t> render_of(const std::array<int, 3>& size, int image_size) {
-  std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(corner_view(size, image_size), payload);
+  const auto payload = wire::encoded(corner_view(size, image_size));
   return payload;
 }
 

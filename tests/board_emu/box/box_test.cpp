@@ -3,8 +3,6 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -19,17 +17,11 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <functional>
 #include <future>
-#include <random>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "server/audit.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,22 +1,14 @@
 // Nothing is ignored: for every field of the board's configuration a table says what each level makes of it, and each
 // claim is tried on a board. A field that is not in the table fails the test.
-#include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <map>
 #include <ostream>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "bare_board.h"
 #include "config/config.h"
 #include "gicube/fidelity_levels.h"
 #include "machine_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -196,8 +188,7 @@ Outcome carry_out(const v1::BoardConfig& config, int image_size = 28) {
   command.energy = 30'000;
   command.position = {19, 12, 13};
   command.rays_per_voxel = command.count = 1;
-  std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-  wire::encode(command, payload);
+  const auto payload = wire::encoded(command);
   const Completion lit = board.wait(board.command(payload)).completions.at(0);
   EXPECT_EQ(lit.error, wire::ErrorCode::kNone) << std::string(lit.payload.begin(), lit.payload.end());
   lap(kLight);

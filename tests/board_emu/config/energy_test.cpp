@@ -1,14 +1,9 @@
 // What a card's energy is made of, against the currents of data sheets and sums by hand.
 #include "config/energy.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <map>
-#include <string>
-
 #include "config/config.h"
 #include "config/power_peaks.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -19,9 +14,9 @@ constexpr Picoseconds kMs = 1'000'000'000;
 v1::BoardConfig small(const std::vector<std::string>& fields = {}) {
   v1::BoardConfig config;
   for (const char* field : {"fidelity=cycle", "asic.processors=1", "asic.max_volume_voxels=32"}) {
-    EXPECT_THAT(apply_override(config, field), testing::IsEmpty());
+    EXPECT_THAT(apply_override(config, field), IsEmpty());
   }
-  for (const std::string& field : fields) EXPECT_THAT(apply_override(config, field), testing::IsEmpty()) << field;
+  for (const std::string& field : fields) EXPECT_THAT(apply_override(config, field), IsEmpty()) << field;
   return resolve(config);
 }
 

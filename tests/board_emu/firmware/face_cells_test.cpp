@@ -1,11 +1,7 @@
 // What a light sees of the volume's faces, against closed forms.
 #include "firmware/face_cells.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <set>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

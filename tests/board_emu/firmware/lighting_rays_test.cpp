@@ -1,18 +1,9 @@
 // Lighting rays carry what a light sends into the volume, start on its faces and run inward.
 #include "firmware/lighting_rays.h"
 
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "firmware/low_discrepancy.h"
 #include "gicube/wire/registers.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

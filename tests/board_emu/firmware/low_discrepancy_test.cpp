@@ -1,14 +1,9 @@
 // The scrambled points keep the evenness of the plain ones, and are independent between seeds.
 #include "firmware/low_discrepancy.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
 #include <bitset>
-#include <cmath>
-#include <set>
-#include <utility>
-#include <vector>
+
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

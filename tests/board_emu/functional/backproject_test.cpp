@@ -2,17 +2,14 @@
 // commands and on any number of threads.
 #include "functional/backproject.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-#include <vector>
-
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
 #include "gicube/wire/voxel.h"
 #include "machine_rig.h"
 #include "memory/accumulator_memory.h"
 #include "simd/instruction_sets.h"
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::emu {
 namespace {
@@ -47,20 +44,14 @@ std::vector<std::int64_t> words_of(AccumulatorMemory& accumulators) {
   std::vector<std::uint8_t> bytes(accumulators.bytes());
   accumulators.read(0, bytes);
   std::vector<std::int64_t> words;
-  for (int z = 0; z < kSize[2]; ++z) {
-    for (int y = 0; y < kSize[1]; ++y) {
-      for (int x = 0; x < kSize[0]; ++x) {
-        const std::size_t at[] = {static_cast<std::size_t>(x), static_cast<std::size_t>(y),
-                                  static_cast<std::size_t>(z)};
-        const auto nx = static_cast<std::size_t>(accumulators.blocks()[0]),
-                   ny = static_cast<std::size_t>(accumulators.blocks()[1]);
-        const std::size_t block = at[0] / n + nx * (at[1] / n + ny * (at[2] / n));
-        const std::uint64_t bits =
-            wire::load36(bytes, block * n * n * n + at[0] % n + n * (at[1] % n + n * (at[2] % n)));
-        words.push_back(static_cast<std::int64_t>(bits << 28) >> 28);
-      }
-    }
-  }
+  for_each_voxel(kSize, [&](int x, int y, int z) {
+    const std::size_t at[] = {static_cast<std::size_t>(x), static_cast<std::size_t>(y), static_cast<std::size_t>(z)};
+    const auto nx = static_cast<std::size_t>(accumulators.blocks()[0]),
+               ny = static_cast<std::size_t>(accumulators.blocks()[1]);
+    const std::size_t block = at[0] / n + nx * (at[1] / n + ny * (at[2] / n));
+    const std::uint64_t bits = wire::load36(bytes, block * n * n * n + at[0] % n + n * (at[1] % n + n * (at[2] % n)));
+    words.push_back(static_cast<std::int64_t>(bits << 28) >> 28);
+  });
   return words;
 }
 

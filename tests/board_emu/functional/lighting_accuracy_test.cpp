@@ -1,17 +1,9 @@
 // The lighting pass against closed forms and converged numbers.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <tuple>
-#include <utility>
-
 #include "lighting_rig.h"
 #include "reference/photons.h"
 #include "reference/point_source.h"
 #include "reference/slab_table.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,16 +1,8 @@
 // Shares of a sun's light that come through layers and back from them, wherever their faces lie, against closed forms
 // and a Monte Carlo method without voxels.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <tuple>
-#include <utility>
-
 #include "lighting_rig.h"
 #include "reference/photons.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,23 +1,12 @@
 // Where lighting rays leave their energy: every unit of it, and the same in every copy of a voxel.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <numeric>
-#include <random>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "bare_board.h"
 #include "config/config.h"
 #include "lighting_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::HasSubstr;
 using wire::Albedo;
 using wire::Bsdf;
 using wire::EnergyRules;
@@ -97,8 +86,7 @@ v1::BoardConfig functional(bool wide, int block_voxels) {
 }
 
 Completion illuminate(BareBoard& board, const IlluminateCommand& command) {
-  std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-  wire::encode(command, payload);
+  const auto payload = wire::encoded(command);
   return board.wait(board.command(payload)).completions.at(0);
 }
 
@@ -121,8 +109,7 @@ std::uint64_t irradiance_sum(BareBoard& board, const std::array<int, 3>& size, i
 }
 
 void write_material(BareBoard& board, unsigned tag, const wire::Material& material) {
-  std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-  wire::encode(material, bytes);
+  const auto bytes = wire::encoded(material);
   board.write_memory(wire::kMaterials.base + tag * wire::kMaterialBytes, bytes);
 }
 

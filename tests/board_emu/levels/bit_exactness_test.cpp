@@ -1,13 +1,9 @@
 // The board's strongest check: values never depend on the machine. Random scenes through random machines give the bits
 // of the functional level, every ray comes back, every cycle has a cause, and nothing locks up.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numeric>
-
 #include "asic/sorter/policies.h"
 #include "random_machine.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,20 +1,12 @@
 // Bit exactness of global illumination: the irradiance that lighting rays leave, its copies on block faces, the energy
 // ledger, and pictures that are lit by it and see scattered rays, are those of the functional level on every machine.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <numeric>
-#include <optional>
-#include <span>
-#include <string>
-#include <utility>
-
 #include "asic/sorter/policies.h"
 #include "datapath/scattering.h"
 #include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
 #include "random_machine.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,12 +1,9 @@
 // Host rays of every type through random machines give the bits of the functional level: the rays that come back, the
 // ledgers of those that deposit, and the irradiance and the sums that they leave.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "gicube/wire/material.h"
 #include "random_machine.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -34,8 +31,7 @@ void load(BareBoard& board, Dice& dice, int n) {
     material.bsdf = dice.one_of({wire::Bsdf::kNone, wire::Bsdf::kIsotropic, wire::Bsdf::kDiffuse});
     material.scattering = static_cast<std::uint16_t>(dice.one_of({0, 30'000, 60'000}));
     material.flags = wire::kScattersRenderingRays;
-    std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, bytes);
+    const auto bytes = wire::encoded(material);
     board.write_memory(wire::kMaterials.base + tag * wire::kMaterialBytes, bytes);
   }
   std::vector<std::uint8_t> flags(wire::kEmptyFlags.bytes);

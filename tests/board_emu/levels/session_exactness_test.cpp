@@ -1,13 +1,8 @@
 // A host that does anything with a board gets the same bits from every level, on every machine and bus, by any number
 // of threads.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "random_session.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,15 +1,10 @@
 #include "memory/accumulator_memory.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-#include <numeric>
-#include <utility>
-
 #include "bare_board.h"
 #include "datapath/trilinear_splat.h"
 #include "gicube/wire/voxel.h"
 #include "machine_rig.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,11 +1,4 @@
 // A whole board under observation: what its files say against its counters, and that they change nothing.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <memory>
-#include <stdexcept>
-
 #include "config/config.h"
 #include "full_disk.h"
 #include "observe/observation.h"
@@ -13,6 +6,7 @@
 #include "read_trace.h"
 #include "read_vcd.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -75,7 +69,7 @@ TEST(BoardObservation, CommandsAreTheDspsTurns) {
   const ReadTrace trace = trace_of(observed_config(), counters);
   std::vector<std::string> names;
   for (const ReadSlice& slice : trace.slices.at("DSP/commands")) names.push_back(slice.name);
-  EXPECT_THAT(names, testing::ElementsAre("render", "trace", "render"));
+  EXPECT_THAT(names, ElementsAre("render", "trace", "render"));
   EXPECT_EQ(trace.sum("DSP/commands", "core_cycles"), value(counters, "asic.cycles"));
   EXPECT_EQ(trace.sum("DSP/commands", "dsp_cycles"), value(counters, "dsp.busy_cycles"));
   EXPECT_FALSE(trace.slices.at("host/waits for the board").empty());
@@ -128,8 +122,7 @@ TEST(BoardObservation, RefusedAndCancelledCommandsLeaveAReadableTrace) {
     board.wait(board.command({1, 2, 3}));
     board.load_volume(kObservedSize, observed_voxel);
     board.work.cancel = true;
-    std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-    wire::encode(corner_view(kObservedSize, 64), payload);
+    const auto payload = wire::encoded(corner_view(kObservedSize, 64));
     EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
     board.work.cancel = false;
     board.render(corner_view(kObservedSize, 8));
@@ -221,7 +214,7 @@ TEST(BoardObservation, NamesTheFileThatCannotBeOpened) {
 TEST(BoardObservation, TellsThatTheDiskIsFull) {
   Observation observation({"/dev/full", "", {}});
   BareBoard board(functional_config(), &observation);
-  EXPECT_THAT(observation.fault(), testing::HasSubstr("/dev/full"));
+  EXPECT_THAT(observation.fault(), HasSubstr("/dev/full"));
 }
 
 // What was written of it would end in the middle of a record.

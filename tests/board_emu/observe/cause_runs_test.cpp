@@ -1,10 +1,6 @@
 #include "observe/cause_runs.h"
 
-#include <gtest/gtest.h>
-
-#include <numeric>
-#include <random>
-#include <vector>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

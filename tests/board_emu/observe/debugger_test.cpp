@@ -1,22 +1,13 @@
 // A board that is stopped, looked into and told to go on, by another thread than the one that works on its command.
 #include "observe/debugger.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "observe/observation.h"
 #include "observed_scene.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::HasSubstr;
 constexpr int kImage = 24;
 
 // A board with a scene, whose pictures another thread renders.
@@ -112,7 +103,7 @@ TEST(Debugger, StopsWhereAQueueHasSoManyRays) {
   for (int queue = 0; queue < 9; ++queue) board.say("break queue 1 " + std::to_string(queue) + " 3");
   board.render();
   const std::string why = board.say("continue 20");
-  EXPECT_THAT(why, testing::ContainsRegex("queue [0-8] of processor 1 has 3 rays"));
+  EXPECT_THAT(why, ContainsRegex("queue [0-8] of processor 1 has 3 rays"));
   EXPECT_THAT(board.say("queue 1"), HasSubstr(": 3 rays"));
 }
 
@@ -149,8 +140,7 @@ TEST(Debugger, ShowsARaysWordsAndHistoryAndSetsAWord) {
   const std::string why = board.say("continue 20");
   ASSERT_TRUE(board.is_paused) << why;
   const std::string ray = why.substr(why.find("ray ") + 4, why.find(" reads") - why.find("ray ") - 4);
-  EXPECT_THAT(board.say("history " + ray),
-              testing::AllOf(HasSubstr("made"), HasSubstr("queued"), HasSubstr("sampled")));
+  EXPECT_THAT(board.say("history " + ray), AllOf(HasSubstr("made"), HasSubstr("queued"), HasSubstr("sampled")));
   EXPECT_THAT(board.say("ray " + ray), HasSubstr("opacity"));
   EXPECT_THAT(board.say("set ray " + ray + " opacity 16777215"), HasSubstr("opacity 16777215"));
   EXPECT_THAT(board.refused("set ray " + ray + " opacity 16777216"), HasSubstr("expected 0 to 16777215"));
@@ -185,8 +175,7 @@ TEST(Debugger, StopsWhereTheDspGetsARayToScatter) {
   material.scattering = wire::kScatteringOne;
   material.flags = wire::kScattersRenderingRays;
   material.routine = wire::kHostRoutine;
-  std::vector<std::uint8_t> record(wire::kMaterialBytes);
-  wire::encode(material, record);
+  const auto record = wire::encoded(material);
   board.board.write_memory(wire::kMaterials.base, record);
   board.board.write_register(wire::reg::kPipeline, wire::kPipelineScatter);
   board.board.write_register(wire::reg::kLifetime, 4);
@@ -206,7 +195,7 @@ TEST(Debugger, ShowsASetOfACache) {
   board.render();
   board.say("continue 20");
   const std::string set = board.say("cache 0 set 1");
-  EXPECT_THAT(set, testing::ContainsRegex("way 0: (empty|block [0-9]+ [0-9]+ [0-9]+, tile [0-9]+)"));
+  EXPECT_THAT(set, ContainsRegex("way 0: (empty|block [0-9]+ [0-9]+ [0-9]+, tile [0-9]+)"));
   EXPECT_THAT(set, HasSubstr("way 1: "));
   EXPECT_THAT(board.refused("cache 0 set 100000"), HasSubstr("set: expected 0 to "));
 }
@@ -249,7 +238,7 @@ TEST(Debugger, SaysWhatEachPartWaitsFor) {
   board.say("break cycle 1");
   board.render();
   board.say("continue 20");
-  EXPECT_THAT(board.say("why"), testing::AllOf(HasSubstr("processor 2 ("), HasSubstr("DSP: ")));
+  EXPECT_THAT(board.say("why"), AllOf(HasSubstr("processor 2 ("), HasSubstr("DSP: ")));
   EXPECT_THAT(board.say("parts"), HasSubstr("ring: "));
   EXPECT_THAT(board.say("link"), HasSubstr("rays on links"));
   EXPECT_THAT(board.say("bank 0 0 1"), HasSubstr("bank 1: "));

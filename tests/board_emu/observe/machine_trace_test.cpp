@@ -1,14 +1,10 @@
 #include "observe/machine_trace.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <set>
-
 #include "observe/observation.h"
 #include "observed_scene.h"
 #include "read_trace.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,25 +1,17 @@
 #include "observe/observer_process.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <cstdlib>
-#include <stdexcept>
-#include <string>
-#include <thread>
-
 #include "read_trace.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::HasSubstr;
 const std::string kObserver = GICUBE_TEST_OBSERVER;
 
 // Sends so many events to the observer of tests; returns what the board would say of it.
@@ -41,7 +33,7 @@ TEST(ObserverProcess, HasAllEventsInTheirOrderAndMayWriteToFilesThatItOpenedBefo
   const reference::TemporaryDirectory folder;
   EXPECT_EQ(send(10'001, folder.file("seen"), "counts"), "");
   // "boxed" or "free": where the kernel has no Landlock, or a build has sanitizers, there is no box.
-  EXPECT_THAT(read_text(folder.file("seen")), testing::StartsWith("10001 50005000 in order "));
+  EXPECT_THAT(read_text(folder.file("seen")), StartsWith("10001 50005000 in order "));
 }
 
 TEST(ObserverProcess, ThatEndsByItselfGetsNoMoreAndHoldsNothingUp) {

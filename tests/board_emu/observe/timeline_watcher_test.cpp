@@ -1,11 +1,7 @@
 // The timeline tells what it decides, and knows a turn at the DSP ahead of its time.
-#include <gtest/gtest.h>
-
-#include <map>
-#include <random>
-
 #include "board/timeline.h"
 #include "config/config.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,15 +1,8 @@
 #include "observe/trace_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <string>
-
 #include "read_trace.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
@@ -96,12 +89,7 @@ TEST(TraceFile, ANewOneTakesNoNameThatIsThereAndFollowsNoLink) {
 }
 
 TEST(TraceFile, NamesTheFileThatCannotBeOpened) {
-  try {
-    TraceFile trace("/nowhere/at/all.json");
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("/nowhere/at/all.json"));
-  }
+  EXPECT_THROWS(std::runtime_error, "/nowhere/at/all.json", TraceFile trace("/nowhere/at/all.json"));
 }
 
 TEST(TraceFile, AFullDiskIsSeen) {

@@ -1,12 +1,9 @@
 #include "observe/vcd_file.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-
 #include "read_trace.h"
 #include "read_vcd.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,14 +1,11 @@
 #include "observe/waveform.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-
 #include "observe/observation.h"
 #include "observed_scene.h"
 #include "read_trace.h"
 #include "read_vcd.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

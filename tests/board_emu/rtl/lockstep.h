@@ -2,28 +2,14 @@
 // registers of the part in every cycle. The part lists its registers itself, as for a checkpoint.
 #pragma once
 
-#include <gtest/gtest.h>
 #include <verilated.h>
 #include <verilated_sym_props.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdint>
-#include <cstdlib>
-#include <cstring>
-#include <functional>
-#include <map>
-#include <memory>
-#include <random>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "asic/sim/fifo.h"
 #include "gicube/archive.h"
+#include "test.h"
 #include "words/words.h"
 
 namespace gicube::emu::lockstep {

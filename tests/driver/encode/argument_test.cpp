@@ -1,10 +1,7 @@
 #include "encode/argument.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

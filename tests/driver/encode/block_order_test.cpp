@@ -1,18 +1,10 @@
 #include "encode/volume/block_order.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "encode/camera.h"
+#include "test.h"
 
 namespace gicube {
 namespace {
-
-using testing::ElementsAre;
 
 constexpr int kEdge = 8;  // voxels of a block
 

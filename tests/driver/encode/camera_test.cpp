@@ -1,9 +1,6 @@
 #include "encode/camera.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,10 +1,7 @@
 // What the empty flags prove of pairs of elements, against points on many rays between them.
 #include "encode/pairs.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,8 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "encode/camera.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,10 +1,6 @@
 #include "encode/volume/samples.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-
+#include "test.h"
 #include "test_volume.h"
 
 namespace gicube {

@@ -1,12 +1,10 @@
 #include "encode/volume/voxel_blocks.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck.h>
-
-#include <random>
 
 #include "gicube/wire/voxel.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,13 +1,7 @@
 // Light between two elements against the closed forms of the textbooks, and against plain sums over many small parts.
 #include "encode/geometric_factor.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
+#include "test.h"
 
 namespace gicube {
 namespace {

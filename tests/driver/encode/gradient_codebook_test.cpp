@@ -1,13 +1,7 @@
 #include "encode/volume/gradients.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

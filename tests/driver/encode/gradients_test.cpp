@@ -1,10 +1,6 @@
 #include "encode/volume/gradients.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
+#include "test.h"
 #include "test_volume.h"
 
 namespace gicube {

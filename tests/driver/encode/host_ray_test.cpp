@@ -1,15 +1,10 @@
 #include "encode/host_ray.h"
 #include "encode/camera.h"
 
-#include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include <cmath>
-#include <limits>
-#include <random>
-#include <utility>
-
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

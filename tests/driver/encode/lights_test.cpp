@@ -1,13 +1,8 @@
 // Materials, lights and the unit of energy, worked by hand.
 #include "encode/lights.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,14 +1,9 @@
 // Near pairs: what is near, how it is divided and summed up; and pairs as the board's words.
 #include "encode/near_pairs.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <set>
-
 #include "encode/pairs.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

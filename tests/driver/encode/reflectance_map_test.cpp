@@ -1,14 +1,8 @@
 #include "encode/look_up_tables.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "gicube/wire/lut.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,6 +1,6 @@
 #include "encode/look_up_tables.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
 
 namespace gicube {
 namespace {

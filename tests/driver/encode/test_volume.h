@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gicube/volume.h"
+#include "voxels.h"
 
 namespace gicube {
 
@@ -18,11 +19,7 @@ struct TestVolume {
   // value(x, y, z) of each voxel, cast to T.
   template <typename Value>
   TestVolume(Dims size, SampleType sample_type, Value&& value) : dims(size), type(sample_type) {
-    for (int z = 0; z < dims[2]; ++z) {
-      for (int y = 0; y < dims[1]; ++y) {
-        for (int x = 0; x < dims[0]; ++x) samples.push_back(static_cast<T>(value(x, y, z)));
-      }
-    }
+    for_each_voxel(dims, [&](int x, int y, int z) { samples.push_back(static_cast<T>(value(x, y, z))); });
   }
 
   VolumeView view() const {

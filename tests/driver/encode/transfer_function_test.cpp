@@ -1,11 +1,8 @@
 #include "gicube/transfer_function.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "encode/look_up_tables.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

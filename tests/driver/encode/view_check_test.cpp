@@ -1,9 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "encode/camera.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,10 +1,7 @@
 #include "encode/volume/samples.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "refusal.h"
+#include "test.h"
 #include "test_volume.h"
 
 namespace gicube {

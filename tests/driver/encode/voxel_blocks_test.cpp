@@ -1,13 +1,9 @@
 #include "encode/volume/voxel_blocks.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "encode/volume/samples.h"
 #include "gicube/wire/voxel.h"
 #include "refusal.h"
+#include "test.h"
 
 namespace gicube {
 namespace {

@@ -1,10 +1,7 @@
 // The board's fixed-point pictures against the reference, through the public driver: PSNR at least 40 dB.
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-
 #include "measure.h"
 #include "reference/march.h"
+#include "test.h"
 
 namespace gicube::accuracy {
 namespace {
@@ -26,10 +23,7 @@ StudyScene find(const std::string& name) {
 }
 
 // A private board with what the scene needs. This program does not stand beside gicube-board.
-Board open_for(const StudyScene& study) {
-  setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 0);
-  return Board::open(uri_for(study, "emu:"));
-}
+Board open_for(const StudyScene& study) { return Board::open(uri_for(study, "emu:")); }
 
 class FixedPointPicture : public testing::TestWithParam<std::string> {};
 

@@ -1,15 +1,11 @@
 // Plans of light on scenes that plan_light() was not written with: the measured error stays under the bound.
-#include <gtest/gtest.h>
-
 #include <cctype>
-#include <cstdlib>
-#include <cstring>
-#include <vector>
 
 #include "gicube/level_of_detail.h"
 #include "gicube/scene/volume_file.h"
 #include "lit_study.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::plan_study {
 namespace {
@@ -18,8 +14,6 @@ constexpr int kSize = 192;  // pixels
 
 class HeldOutLight : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-
   static LitScene scene(const std::string& name) {
     for (const LitScene& lit : lit_scenes(GICUBE_SOURCE_DIR "/../shared/data", GICUBE_SOURCE_DIR)) {
       if (lit.study.name == name) return lit;

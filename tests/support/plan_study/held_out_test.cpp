@@ -1,13 +1,10 @@
 // --max-error 1% on scenes that make_plan() was not written with: the measured error stays under the bound, and the
 // cost falls at least three times. And plans for several errors over real scans take the cheapest setting that they
 // found.
-#include <gtest/gtest.h>
-
 #include <cctype>
-#include <cstdlib>
-#include <optional>
 
 #include "study.h"
+#include "test.h"
 
 namespace gicube::plan_study {
 namespace {
@@ -24,8 +21,6 @@ std::string words_of(const char* name) {
 
 class HeldOut : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-
   static StudyScene scene(const std::string& name) {
     for (const StudyScene& study : study_scenes(GICUBE_SOURCE_DIR "/../shared/data", GICUBE_SOURCE_DIR)) {
       if (study.name == name) return study;

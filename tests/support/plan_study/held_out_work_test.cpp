@@ -1,12 +1,8 @@
 // Plans of radiosity and of filtered backprojection on what they were not written with: the measured error stays under
 // the bound. gicube-plan-study --radiosity and --fdk have more of them, which take minutes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-
 #include "fdk_study.h"
 #include "radiosity_study.h"
+#include "test.h"
 
 namespace gicube::plan_study {
 namespace {
@@ -22,7 +18,6 @@ auto named(const Cases& cases, const std::string& name) {
 
 class HeldOutWork : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
 };
 using HeldOutRadiosity = HeldOutWork;
 using HeldOutScan = HeldOutWork;

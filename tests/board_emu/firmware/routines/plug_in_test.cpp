@@ -1,24 +1,16 @@
 // Shared objects that the board is given: what they answer is checked, and none of them stops it.
 #include "firmware/routines/plug_in.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
 
-#include <atomic>
-#include <chrono>
-#include <thread>
-#include <vector>
-
 #include "fickle_bsdf.h"
 #include "firmware/routines/routine_table.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
 using testing::Optional;
 
 const std::string kFickle = GICUBE_TEST_DIR "/fickle_bsdf.so";
@@ -39,21 +31,11 @@ RoutineTable fickle_table(bool is_boxed = true) {
 
 std::string fault_of(const RoutineTable& table, Whim whim, float second = 1) {
   const std::vector<float> parameters{static_cast<float>(whim), second};
-  try {
-    table.scatter(kFirstUserRoutine, event_with(parameters));
-  } catch (const RoutineFault& fault) {
-    return fault.what();
-  }
-  return "no fault";
+  return message_of<RoutineFault>([&] { table.scatter(kFirstUserRoutine, event_with(parameters)); });
 }
 
 std::string load_fault(const std::string& file) {
-  try {
-    PlugIn::load(file);
-  } catch (const PlugInFault& fault) {
-    return fault.what();
-  }
-  return "no fault";
+  return message_of<PlugInFault>([&] { PlugIn::load(file); });
 }
 
 ScatterAnswer answer_of(const PlugIn& plug_in, ScatterEvent event, std::vector<float> parameters) {
@@ -111,7 +93,7 @@ TEST(PlugIn, AnswersAsItsCodeSays) {
   const RoutineTable table = fickle_table();
   const std::vector<float> parameters{static_cast<float>(Whim::kRetroreflect), 0.25f};
   const ScatterAnswer answer = table.scatter(kFirstUserRoutine, event_with(parameters));
-  EXPECT_THAT(answer.direction, testing::ElementsAre(0, -0.6, 0.8));
+  EXPECT_THAT(answer.direction, ElementsAre(0, -0.6, 0.8));
   EXPECT_EQ(answer.passes, 0.25);
   EXPECT_EQ(answer.cycles, kFickleCycles) << "declared";
   const std::vector<float> costly{static_cast<float>(Whim::kCostly), kFickleBudget};
@@ -130,7 +112,7 @@ TEST(PlugIn, WhatItMustNotAnswerIsAFaultWithItsNameAndTheValue) {
   EXPECT_THAT(fault_of(table, Whim::kCostly, 1001), HasSubstr(title + "cycles: expected 1..1000, got 1001"));
   EXPECT_THAT(fault_of(table, Whim::kCostly, 0), HasSubstr("got 0"));
   EXPECT_THAT(fault_of(table, Whim::kThrow), HasSubstr(title + "threw an exception: no mood"));
-  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault") << "and the routine is asked again";
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "none") << "and the routine is asked again";
 }
 
 // What ends a call, and what the next one says of it.
@@ -142,14 +124,14 @@ TEST(PlugIn, ThatEndsItsProcessHasANewOneForTheNextCall) {
     EXPECT_EQ(fault_of(table, Whim::kAbort), title + "its process was ended by signal 6 (Aborted)");
     EXPECT_EQ(fault_of(table, Whim::kExit, 0), title + "it ended its process, with exit code 0");
     EXPECT_EQ(fault_of(table, Whim::kExit, 3), title + "it ended its process, with exit code 3");
-    EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
+    EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "none");
   }
 }
 
 TEST(PlugIn, ThatNeverReturnsIsEndedAndHasANewProcessForTheNextCall) {
   const RoutineTable table = fickle_table();
   EXPECT_EQ(fault_of(table, Whim::kEndless), "routine 8 \"fickle\": did not return within 1000 ms of processor time");
-  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "none");
   EXPECT_EQ(table.fault(kFirstUserRoutine, {}), std::nullopt);
 }
 
@@ -160,7 +142,7 @@ TEST(PlugIn, ThatNeverReturnsHoldsUpOnlyTheThreadThatCallsIt) {
   std::vector<std::jthread> threads;
   for (std::string& fault : faults) threads.emplace_back([&] { fault = fault_of(table, Whim::kEndless); });
   threads.emplace_back([&](const std::stop_token& stop) {
-    while (!stop.stop_requested()) answered += fault_of(table, Whim::kRetroreflect) == "no fault" ? 1 : -1'000'000;
+    while (!stop.stop_requested()) answered += fault_of(table, Whim::kRetroreflect) == "none" ? 1 : -1'000'000;
   });
   for (std::size_t i = 0; i < faults.size(); ++i) threads[i].join();
   threads.back().request_stop();
@@ -213,7 +195,7 @@ TEST(PlugIn, MayTakeItsTimeForEachEventOfACallAndEndsAtTheFirstThatDoesNotReturn
   events.assign(kMaxEvents, event_with(endless));
   answers.resize(events.size());
   EXPECT_THROW(table.scatter_all(kFirstUserRoutine, events, answers), RoutineFault);
-  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "none");
 }
 
 TEST(PlugIn, ThatKillsTheProcessThatItCameFromIsNotCalledAgain) {
@@ -222,15 +204,15 @@ TEST(PlugIn, ThatKillsTheProcessThatItCameFromIsNotCalledAgain) {
   EXPECT_THAT(fault_of(table, Whim::kKillParent), lost);
   EXPECT_THAT(fault_of(table, Whim::kRetroreflect), lost);
   EXPECT_THAT(table.fault(kFirstUserRoutine, {}), Optional(lost));
-  EXPECT_EQ(fault_of(other, Whim::kRetroreflect), "no fault");
+  EXPECT_EQ(fault_of(other, Whim::kRetroreflect), "none");
 }
 
 TEST(PlugIn, CannotReadTheProcessThatCallsIt) {
   const RoutineTable free = fickle_table(false), boxed = fickle_table(true);
   const int before = ::prctl(PR_GET_DUMPABLE);
   ::prctl(PR_SET_DUMPABLE, 0);  // as gicube-board
-  EXPECT_EQ(fault_of(free, Whim::kReadBoard), "no fault");
-  EXPECT_EQ(fault_of(boxed, Whim::kReadBoard), "no fault");
+  EXPECT_EQ(fault_of(free, Whim::kReadBoard), "none");
+  EXPECT_EQ(fault_of(boxed, Whim::kReadBoard), "none");
   ::prctl(PR_SET_DUMPABLE, before);
 }
 
@@ -238,7 +220,7 @@ TEST(PlugIn, GetsNoVariableThatMayHoldASecret) {
   ::setenv("GICUBE_TOKEN_FILE", "/secret", 1);
   const RoutineTable table = fickle_table();
   ::unsetenv("GICUBE_TOKEN_FILE");
-  EXPECT_EQ(fault_of(table, Whim::kLookAround), "no fault");
+  EXPECT_EQ(fault_of(table, Whim::kLookAround), "none");
 }
 
 // Many short calls take longer than any one may.
@@ -249,7 +231,7 @@ TEST(PlugIn, MayBeCalledForAsLongAsItReturns) {
   while (Clock::now() < end) {
     for (int i = 0; i < 100; ++i) table.scatter(kFirstUserRoutine, event_with({}));
   }
-  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "none");
   EXPECT_THAT(fault_of(table, Whim::kEndless), HasSubstr("did not return"));
 }
 

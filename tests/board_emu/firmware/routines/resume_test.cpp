@@ -1,21 +1,13 @@
 // Rays that wait for the host, as commands of the bus: how they are handed out, and which answers are refused.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "bare_board.h"
 #include "config/config.h"
 #include "datapath/host_traps.h"
 #include "datapath/scattering.h"
 #include "gicube/wire/trap.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
-
-using testing::HasSubstr;
 
 v1::BoardConfig config_of(unsigned threads, v1::FidelityLevel fidelity = v1::functional) {
   v1::BoardConfig config;
@@ -51,8 +43,7 @@ class HostFog {
     material.bsdf = wire::Bsdf::kTrap;
     material.routine = wire::kHostRoutine;
     material.scattering = wire::kScatteringOne;
-    std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, bytes);
+    const auto bytes = wire::encoded(material);
     board.write_memory(wire::kMaterials.base + 2 * wire::kMaterialBytes, bytes);
   }
 
@@ -62,8 +53,7 @@ class HostFog {
     command.rules = rules;
     command.energy = 100;
     command.u = {0, 0, -1};
-    std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-    wire::encode(command, payload);
+    const auto payload = wire::encoded(command);
     return run(payload);
   }
 

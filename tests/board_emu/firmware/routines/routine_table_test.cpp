@@ -1,14 +1,10 @@
 #include "firmware/routines/routine_table.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "fickle_bsdf.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
-
-using testing::HasSubstr;
 
 std::unique_ptr<PlugIn> plug_in() { return PlugIn::load(GICUBE_TEST_DIR "/fickle_bsdf.so"); }
 

@@ -1,23 +1,15 @@
 // Rays that trap on the DSP, through whole commands: what is wrong with a routine ends its command and nothing else,
 // and no energy is lost.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "bare_board.h"
 #include "config/config.h"
 #include "fickle_bsdf.h"
 #include "firmware/routines/routine_table.h"
 #include "sanitizers.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::HasSubstr;
 using wire::LightingLedger;
 
 v1::BoardConfig functional(bool wide = false) {
@@ -58,8 +50,7 @@ class Fog {
   }
 
   void set(const wire::Material& material) {
-    std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, bytes);
+    const auto bytes = wire::encoded(material);
     board.write_memory(wire::kMaterials.base, bytes);
   }
 
@@ -69,8 +60,7 @@ class Fog {
     command.energy = energy;
     command.position = {11, 12, 13};
     command.rays_per_voxel = command.count = 2;
-    std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-    wire::encode(command, payload);
+    const auto payload = wire::encoded(command);
     return board.wait(board.command(payload)).completions.at(0);
   }
 

@@ -3,10 +3,9 @@
 
 #include "words/vector_targets.h"
 
-#include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <cstdint>
+#include "test.h"
 
 namespace gicube::emu {
 

@@ -1,16 +1,12 @@
 // Lighting rays and scattered rays side by side in vectors give the bits of the plain way: rays, irradiance and
 // ledgers, on every instruction set that this host has.
-#include <gtest/gtest.h>
-
-#include <optional>
-#include <tuple>
-
 #include "datapath/scattering.h"
 #include "functional/functional.h"
 #include "functional/simd/simd_tracer.h"
 #include "instruction_sets.h"
 #include "random_machine.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

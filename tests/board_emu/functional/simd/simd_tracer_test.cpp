@@ -2,14 +2,11 @@
 // that this host has.
 #include "functional/simd/simd_tracer.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "functional/functional.h"
 #include "instruction_sets.h"
 #include "random_machine.h"
 #include "seeds.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

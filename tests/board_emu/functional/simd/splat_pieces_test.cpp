@@ -1,14 +1,8 @@
 #include "functional/simd/splat_pieces.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <memory>
-#include <random>
-#include <vector>
-
 #include "gicube/wire/ray.h"
 #include "instruction_sets.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/bus/back_off.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

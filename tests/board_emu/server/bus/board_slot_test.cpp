@@ -1,20 +1,14 @@
 // The slot is where sessions and management meet: no gRPC here, so that ThreadSanitizer sees every access.
 #include "server/bus/board_slot.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
 #include <ctime>
-#include <functional>
 #include <new>
-#include <thread>
-#include <vector>
 
 #include "served_boards.h"
+#include "test.h"
 
 namespace {
 std::atomic<std::time_t> clock_was_set_by = 0;  // seconds
@@ -123,7 +117,7 @@ TEST(BoardSlot, ABoardThatCannotBeBuiltAnewIsNobodysUntilItCan) {
     const auto answer = refused.handshake();
     ASSERT_TRUE(answer.has_value());
     EXPECT_EQ(answer->header.error, wire::ErrorCode::kInternal);
-    EXPECT_THAT(answer->text(), testing::HasSubstr("board 0: the system has no memory left for the board"));
+    EXPECT_THAT(answer->text(), HasSubstr("board 0: the system has no memory left for the board"));
     EXPECT_FALSE(slot.has_board());
     EXPECT_TRUE(slot.counters().counters.empty());
   }
@@ -143,7 +137,7 @@ TEST(BoardSlot, WhatManagementCannotBuildLeavesTheBoardAsItWas) {
   slot.fails = true;
   std::string reason;
   EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kFailed);
-  EXPECT_THAT(reason, testing::HasSubstr("no memory left"));
+  EXPECT_THAT(reason, HasSubstr("no memory left"));
   EXPECT_TRUE(slot.has_board());
   EXPECT_EQ(slot.info().config.asic().processors(), 4u);
   EXPECT_EQ(slot.power_reset(reason), BoardSlot::Configured::kFailed);
@@ -244,7 +238,7 @@ TEST(BoardSlot, SaysWhichTraceFileItCouldNotWrite) {
   BoardSlot slot(0, {});
   std::string reason;
   EXPECT_EQ(slot.set_trace_file(folder.file("none/trace"), reason), BoardSlot::Configured::kFaulty);
-  EXPECT_THAT(reason, testing::HasSubstr(folder.file("none/trace")));
+  EXPECT_THAT(reason, HasSubstr(folder.file("none/trace")));
   EXPECT_EQ(slot.trace_file(), "");
 }
 
@@ -256,7 +250,7 @@ TEST(BoardSlot, IsTheManagementsWhileThatBuildsOrResetsTheBoard) {
   std::string reason;
   EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kDone);
   EXPECT_EQ(slot.power_reset(reason), BoardSlot::Configured::kDone);
-  EXPECT_THAT(answers, testing::ElementsAre(Claim::kSoonFree, Claim::kSoonFree));
+  EXPECT_THAT(answers, ElementsAre(Claim::kSoonFree, Claim::kSoonFree));
   EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
   slot.release();
 }

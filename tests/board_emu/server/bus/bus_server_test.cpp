@@ -1,39 +1,22 @@
 // The server around its sessions: which sockets it takes, and how it stops.
 #include "server/bus/bus_server.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
-#include <filesystem>
-#include <thread>
-
 #include <boost/asio/post.hpp>
 
 #include "served_boards.h"
+#include "test.h"
+#include "unix_socket.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
-using testing::HasSubstr;
 using wire::ErrorCode;
-
-int listening_socket(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
-  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  EXPECT_EQ(::listen(fd, 8), 0);
-  return fd;
-}
 
 void expect_shutdown(const std::optional<reference::RawFrame>& last) {
   ASSERT_TRUE(last.has_value());
@@ -85,7 +68,7 @@ TEST(BusServer, AdoptsConnectedStreamSocketsOnly) {
 TEST(BusServer, ListensAtASocketThatItWasGivenAndLeavesItsFile) {
   const reference::TemporaryDirectory folder;
   const std::string path = folder.file("board");
-  const int fd = listening_socket(path);
+  const int fd = reference::bound_socket(path, 8, 0);
   BoardSlot slot(0, {});
   BusServer server(patient());
   const Endpoint endpoint = server.listen(slot, {EndpointKind::kFd, "", "", 0, fd});
@@ -114,7 +97,7 @@ TEST(BusServer, ListensAtListeningUnixStreamSocketsOnly) {
         [&] {
           server.listen(slot, {EndpointKind::kFd, "", "", 0, fd});
         },
-        testing::ThrowsMessage<std::runtime_error>("fd:" + std::to_string(fd) + ": expected a listening Unix socket"));
+        ThrowsMessage<std::runtime_error>("fd:" + std::to_string(fd) + ": expected a listening Unix socket"));
   }
   ::close(of_network);
   ::close(idle);
@@ -129,7 +112,7 @@ TEST(BusServer, SaysWhereItCouldNotListenAndWhy) {
       [&] {
         server.listen(slot, {EndpointKind::kUnix, path, "", 0, -1});
       },
-      testing::ThrowsMessage<std::runtime_error>("unix:" + path + ": No such file or directory"));
+      ThrowsMessage<std::runtime_error>("unix:" + path + ": No such file or directory"));
 }
 
 TEST(BusServer, ReturnsOnlyWhenTheBoardOfASocketThatItAdoptedHasNoMoreWork) {

@@ -1,18 +1,12 @@
 #include "server/bus/endpoint.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "temporary_directory.h"
+#include "test.h"
+#include "unix_socket.h"
 
 namespace gicube::emu {
 namespace {
@@ -78,25 +72,19 @@ TEST(Endpoint, EachBoardHasItsOwn) {
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:0"), 3)), "tcp:127.0.0.1:0");
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:65534"), 1)), "tcp:127.0.0.1:65535");
   EXPECT_THAT([] { for_board(parse_endpoint("tcp:127.0.0.1:65534"), 3); },
-              testing::ThrowsMessage<std::invalid_argument>("expected ports up to 65535, got 65537 for board 3"));
+              ThrowsMessage<std::invalid_argument>("expected ports up to 65535, got 65537 for board 3"));
   EXPECT_THROW(for_board(parse_endpoint("fd:3"), 1), std::invalid_argument);
 }
 
 class Socket {
  public:
-  explicit Socket(const std::string& path) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(::listen(fd_, 1), 0);
-  }
+  explicit Socket(const std::string& path) : fd_(reference::bound_socket(path, 1)) {}
   ~Socket() { ::close(fd_); }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
  private:
-  int fd_ = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  int fd_;
 };
 
 TEST(Endpoint, ASocketFileIsRemovedOnlyIfNobodyAnswers) {
@@ -117,9 +105,7 @@ TEST(Endpoint, ASocketWhoseBacklogIsFullIsInUse) {
   const reference::TemporaryDirectory folder;
   const std::string path = folder.file("board");
   const Socket busy(path);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const sockaddr_un address = reference::unix_address(path);
   std::vector<int> waiting;
   int connected = 0;
   while (connected == 0 && waiting.size() < 100) {

@@ -1,25 +1,19 @@
 // Connections that own no board: whoever is silent, waits or uses force keeps nobody else out.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <iomanip>
-#include <sstream>
-#include <thread>
-#include <vector>
 
 #include "served_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
 using reference::RawFrame;
-using testing::HasSubstr;
 using wire::ErrorCode;
 
 constexpr const char* kToken = "token_of_these_guests";

@@ -1,16 +1,13 @@
 // Before a client owns the board: what it may send, and what it is told.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "gicube/wire/checksum.h"
 #include "served_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
 using reference::RawFrame;
-using testing::HasSubstr;
 using wire::ErrorCode;
 using wire::FrameType;
 

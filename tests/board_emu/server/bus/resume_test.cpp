@@ -1,19 +1,15 @@
 // Sessions that outlive their connections, frame by frame.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <thread>
 
 #include "gicube/wire/registers.h"
 #include "served_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
 using reference::RawFrame;
-using testing::HasSubstr;
 using wire::ErrorCode;
 using wire::FrameType;
 namespace reg = wire::reg;

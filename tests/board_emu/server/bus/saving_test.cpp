@@ -1,18 +1,11 @@
 // A board is saved in the middle of a command, and another process's board ends it.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
 #include <boost/asio/post.hpp>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "bare_board.h"
 #include "board/checkpoint.h"
 #include "server/bus/board_slot.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {

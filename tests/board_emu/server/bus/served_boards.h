@@ -80,8 +80,7 @@ inline void post_long_command(reference::RawClient& client, std::uint32_t ticket
   client.write_register(wire::reg::kStep, wire::kStepOne / 4);
   wire::RenderCommand view = corner_view({256, 256, 256}, 1024);
   view.samples_per_axis = 4;
-  std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(view, payload);
+  const auto payload = wire::encoded(view);
   client.send(wire::FrameType::kCommand, ticket, wire::kPosted, payload);
 }
 

@@ -1,17 +1,12 @@
 // What clients ask of checkpoints over the data plane, right and wrong. What a driver does with them:
 // tests/system/save_test.cpp.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-
 #include "session_frames.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
-using testing::HasSubstr;
 using wire::CheckpointStep;
 using wire::ErrorCode;
 using wire::FrameType;

@@ -1,14 +1,8 @@
 // Payloads that tests of sessions send, and the last word that ends one.
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "served_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 
@@ -39,7 +33,7 @@ inline void expect_ended(reference::RawClient& client, wire::ErrorCode error, st
   EXPECT_EQ(last->header.flags, wire::kResponse);
   EXPECT_EQ(last->header.error, error);
   EXPECT_EQ(last->header.id, id);
-  EXPECT_THAT(last->text(), testing::HasSubstr(words));
+  EXPECT_THAT(last->text(), HasSubstr(words));
 }
 
 }  // namespace gicube::emu

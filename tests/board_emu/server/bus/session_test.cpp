@@ -1,20 +1,15 @@
 // A client that owns the board: transactions, faults, and how its session ends.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <sys/socket.h>
-
-#include <tuple>
 
 #include "gicube/wire/checksum.h"
 #include "served_boards.h"
 #include "session_frames.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
-using testing::HasSubstr;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;

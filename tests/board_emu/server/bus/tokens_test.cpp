@@ -1,15 +1,12 @@
 // Tokens of the data plane: asked of everyone who comes over TCP.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "served_boards.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using reference::RawClient;
 using reference::RawFrame;
-using testing::HasSubstr;
 using wire::ErrorCode;
 
 constexpr const char* kReader = "token_of_who_may_read";

@@ -1,16 +1,11 @@
 #include "server/faults/fault_plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/faults/fault_plan.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 using v1::PlannedFault;
 
 std::vector<std::string> faults_of(std::string_view text) {

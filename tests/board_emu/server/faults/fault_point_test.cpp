@@ -1,29 +1,18 @@
 #include "server/faults/fault_point.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-
 #include "server/faults/fault_plan.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::emu {
 namespace {
 
 using namespace std::chrono_literals;
-using testing::ElementsAre;
 
 std::vector<std::string> texts(const std::vector<v1::PlannedFault>& log) {
   std::vector<std::string> lines;
   for (const v1::PlannedFault& fault : log) lines.push_back(to_text(fault));
   return lines;
-}
-
-std::string read_file(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(FaultPoint, WithoutAPlanNothingHappensAndNothingIsCounted) {
@@ -116,7 +105,7 @@ TEST(FaultPoint, TheFileHasTheLogAsPlanTextAndIsAppendedTo) {
     point.append_log_to(path);
     point.sent(100);
   }
-  EXPECT_EQ(read_file(path), line + "\n" + line + "\n");
+  EXPECT_EQ(text_of(path), line + "\n" + line + "\n");
   FaultPoint point;
   EXPECT_THROW(point.append_log_to(folder.file("none/faults.log")), std::runtime_error);
 }
@@ -139,7 +128,7 @@ TEST(FaultPoint, TheLogHoldsTheFirstFaultsAndCountsTheOthers) {
   EXPECT_EQ(log.left_out, 4u);
   EXPECT_EQ(point.info().faults, 6u);
   EXPECT_EQ(point.log(false).left_out, 0u);
-  EXPECT_EQ(read_file(path), line(1) + line(2) + line(3) + "# more than 3 faults: those from here on are missing\n");
+  EXPECT_EQ(text_of(path), line(1) + line(2) + line(3) + "# more than 3 faults: those from here on are missing\n");
 }
 
 TEST(FaultPoint, AKillIsInTheFileBeforeItTakesEffect) {
@@ -150,7 +139,7 @@ TEST(FaultPoint, AKillIsInTheFileBeforeItTakesEffect) {
   point.set_plan(line);
   point.append_log_to(path);
   EXPECT_TRUE(point.taken(100).kill);
-  EXPECT_EQ(read_file(path), line + "\n");
+  EXPECT_EQ(text_of(path), line + "\n");
 }
 
 TEST(FaultPoint, GoesOnWhereASavedOneWas) {
@@ -178,12 +167,7 @@ TEST(FaultPoint, RefusesCountsThatItsPlanCannotHave) {
   point.set_plan("random { seed: 4 kinds: [drop] mean_messages: 5 }");
   const SavedFaults good = point.saved();
   const auto refusal = [&point](const SavedFaults& saved) -> std::string {
-    try {
-      point.restore(saved);
-    } catch (const CheckpointFault& fault) {
-      return fault.what();
-    }
-    return "";
+    return message_of<CheckpointFault>([&] { point.restore(saved); });
   };
   SavedFaults bad = good;
   bad.counts.hits.push_back(3);
@@ -194,8 +178,8 @@ TEST(FaultPoint, RefusesCountsThatItsPlanCannotHave) {
   EXPECT_EQ(refusal(bad), "checkpoint: host.faults.slow: expected 1 or more bytes a second, got 0");
   bad = good;
   bad.plan_text = "random { }";
-  EXPECT_THAT(refusal(bad), testing::HasSubstr("checkpoint: host.faults.plan: line 1: random[0].kinds: expected"));
-  EXPECT_EQ(refusal(good), "");
+  EXPECT_THAT(refusal(bad), HasSubstr("checkpoint: host.faults.plan: line 1: random[0].kinds: expected"));
+  EXPECT_EQ(refusal(good), "none");
 }
 
 }  // namespace

@@ -1,12 +1,7 @@
 #include "meshes/mesh_caster.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "meshes.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

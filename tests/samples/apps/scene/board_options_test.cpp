@@ -1,12 +1,7 @@
 #include "scene/program/board_options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <sstream>
-#include <vector>
-
 #include "scene/program/option_group.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -44,8 +39,8 @@ TEST(BoardOptions, DoNotConfigureABoardThatRunsAlready) {
     board_uri(options);
     FAIL();
   } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("--set"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("own configuration"));
+    EXPECT_THAT(error.what(), HasSubstr("--set"));
+    EXPECT_THAT(error.what(), HasSubstr("own configuration"));
   }
 }
 
@@ -85,15 +80,12 @@ TEST(Options, ThatAreUnknownAreNamedInTheirOrderWithTheNearestThatThereAre) {
     app.add_option("--transfer-function", function);
     OptionGroup(app, "Camera").vector("--eye", eye, "");
     words.insert(words.begin(), "gicube-render");
-    try {
+    return message_of<UsageError>([&] {
       std::ostringstream out;
       parsed(app, static_cast<int>(words.size()), words.data(), out);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "";
+    });
   };
-  EXPECT_EQ(fault({"a", "--step", "1", "--eye", "1,-2,3"}), "");
+  EXPECT_EQ(fault({"a", "--step", "1", "--eye", "1,-2,3"}), "none");
   EXPECT_EQ(fault({"a", "--stpe", "1"}), "--stpe: no such option, the nearest is --step");  // a transposition
   EXPECT_EQ(fault({"--steps=1"}), "--steps: no such option, the nearest is --step");        // though INPUT is missing
   EXPECT_EQ(fault({"a", "--transfer", "x"}), "--transfer: no such option, the nearest is --transfer-function");
@@ -101,7 +93,7 @@ TEST(Options, ThatAreUnknownAreNamedInTheirOrderWithTheNearestThatThereAre) {
             "--zzz: no such option; --setp: no such option, the nearest is --step; --eey: no such option, the nearest "
             "is --eye");
   EXPECT_EQ(fault({"a", "b", "c"}), "not expected: b c");
-  EXPECT_THAT(fault({"a", "--step", "x"}), testing::HasSubstr("--step"));
+  EXPECT_THAT(fault({"a", "--step", "x"}), HasSubstr("--step"));
   // A vector is one word.
   EXPECT_EQ(fault({"a", "--eye", "0", "-300", "100"}),
             "--eye: expected X,Y,Z without blanks, as --eye 0,-300,100, got 0 -300 100");

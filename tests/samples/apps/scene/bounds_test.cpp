@@ -1,13 +1,9 @@
 #include "scene/program/bounds.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-using testing::HasSubstr;
-using testing::StartsWith;
 
 // A frame of 10 ms on a board of 100 MHz with two processors.
 constexpr Picoseconds kFrame = 10'000'000'000;

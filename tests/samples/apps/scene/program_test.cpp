@@ -1,17 +1,9 @@
 #include "scene/program/program.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <pty.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <new>
 
 #include "full_disk.h"
@@ -21,6 +13,7 @@
 #include "scene/program/board_options.h"
 #include "scene/program/progress.h"
 #include "scene/program/run_json.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -56,7 +49,7 @@ TEST(Program, RefusesOneFileForTwoOptionsBeforeTheWork) {
       [] {
         check_outputs({{"-o", "a.png"}, {"--stats", "./../" + here() + "/a.png"}});
       },
-      testing::ThrowsMessage<UsageError>(testing::StartsWith("--stats: expected another file than -o, got ")));
+      ThrowsMessage<UsageError>(StartsWith("--stats: expected another file than -o, got ")));
   EXPECT_NO_THROW(check_outputs({{"-o", "a.png"}, {"-o", "a.png"}, {"--stats", "b.png"}}));
   EXPECT_NO_THROW(check_outputs({{"-o", "/dev/null"}, {"--stats", "/dev/null"}}));
 }
@@ -71,11 +64,8 @@ TEST(Program, RefusesToReplaceWhatIsReadAlsoByNamesThatItDerives) {
     std::ofstream(name) << 1;
   std::filesystem::create_symlink("in.textproto", "link.textproto");
   const auto expect_refused = [](const Output& output, const std::filesystem::path& input) {
-    EXPECT_THAT(
-        [&] {
-          check_outputs({output}, {"", "builtin:buckyball", input});
-        },
-        testing::ThrowsMessage<UsageError>(testing::HasSubstr(": expected a name whose files are not read, got")))
+    EXPECT_THROWS(UsageError, ": expected a name whose files are not read, got",
+                  check_outputs({output}, {"", "builtin:buckyball", input}))
         << output.file;
   };
   expect_refused({"-o", "in.textproto"}, "./../" + here() + "/in.textproto");
@@ -97,8 +87,7 @@ TEST(Program, RefusesAReadOnlyFileBeforeTheWorkAndKnowsOneByItsLinks) {
       [&] {
         check_outputs({{"-o", folder.file("b")}});
       },
-      testing::ThrowsMessage<InputError>(folder.file("b") +
-                                         ": expected a file that may be written to, got a read-only one"));
+      ThrowsMessage<InputError>(folder.file("b") + ": expected a file that may be written to, got a read-only one"));
 }
 
 TEST(Program, PrintsWarningsOfFiles) {

@@ -1,12 +1,9 @@
 // What a page's messages mean, and which are none.
 #include "view/request.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "gicube/scene/error.h"
 #include "scene/names.h"
+#include "test.h"
 
 namespace gicube::samples::view {
 namespace {
@@ -14,12 +11,7 @@ namespace {
 using Kind = Request::Kind;
 
 std::string fault_of(const std::string& text) {
-  try {
-    parse_request(text);
-    return "";
-  } catch (const InputError& error) {
-    return error.what();
-  }
+  return message_of<InputError>([&] { parse_request(text); });
 }
 
 TEST(ViewRequest, APictureHasItsIdItsHasteAndItsSettings) {
@@ -76,7 +68,7 @@ TEST(ViewRequest, IdsEndWhereJavaScriptCountsExactly) {
 TEST(ViewRequest, ManySettingsAreTooMany) {
   std::string text = R"({"do":"picture","id":1,"moving":true,"settings":{"s0":"")";
   for (int i = 1; i < 64; ++i) text += ",\"s" + std::to_string(i) + "\":\"\"";
-  EXPECT_EQ(fault_of(text + "}}"), "");
+  EXPECT_EQ(fault_of(text + "}}"), "none");
   EXPECT_EQ(fault_of(text + ",\"one\":\"\"}}"), "settings: expected at most 64 settings, got 65");
 }
 

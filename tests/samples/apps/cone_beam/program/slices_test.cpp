@@ -1,6 +1,7 @@
 #include "cone_beam/program/options.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
+#include "voxels.h"
 
 namespace gicube::samples {
 namespace {
@@ -10,11 +11,7 @@ struct Cube {
   Grid grid{{2, 3, 4}, {1, 1, 1}};
   std::vector<float> values;
   Cube() {
-    for (int z = 0; z < 4; ++z) {
-      for (int y = 0; y < 3; ++y) {
-        for (int x = 0; x < 2; ++x) values.push_back(static_cast<float>(x + 10 * y + 100 * z));
-      }
-    }
+    for_each_voxel({2, 3, 4}, [&](int x, int y, int z) { values.push_back(static_cast<float>(x + 10 * y + 100 * z)); });
   }
 };
 

@@ -1,14 +1,8 @@
 // The iron tetrahedron of the CTSimU toolbox, from its JSON and raw files, against the mesh that it was simulated from.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-
 #include "cone_beam/fdk.h"
 #include "cone_beam/scan/scan.h"
 #include "stl.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -135,7 +129,6 @@ TEST(Tetrahedron, StandsWhereItsMeshDoesAndNotMirrored) {
   EXPECT_EQ(scan.flat_field.absorbed, 0u);
   EXPECT_NEAR(*std::ranges::max_element(scan.projections.values), 10.99, 0.01);
   ASSERT_EQ(scan.geometry.volume.dims, (Dims{150, 150, 150}));
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   Board board = Board::open("emu:");
   const Reconstruction result = reconstruct_fdk(board, scan.geometry, scan.projections);
   EXPECT_EQ(result.overflowed, 0u);
@@ -172,7 +165,6 @@ TEST(Tetrahedron, IsSmearedByViewsThatGoRoundTheOtherWay) {
   const double first = description.geometry.angles.front();
   for (double& angle : description.geometry.angles) angle = 2 * first - angle;
   const Scan scan = load_scan(description);
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   Board board = Board::open("emu:");
   const Reconstruction result = reconstruct_fdk(board, scan.geometry, scan.projections);
   const auto points = surface_points(frame_of_iron(), 20'000);

@@ -1,10 +1,7 @@
 // Geometric factors without sampling, against closed forms.
 #include "form_factors/exchange/box_factor.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,14 +1,8 @@
 // Elements of hand-made rooms, and the trees over them.
 #include "form_factors/exchange/elements.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <map>
-#include <numeric>
-
 #include "gicube/scene/error.h"
+#include "test.h"
 #include "test_room.h"
 
 namespace gicube::samples {
@@ -19,8 +13,6 @@ using reference::kObstacle;
 using reference::kWall;
 using reference::Room;
 using reference::setup_of;
-using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 std::vector<Leaf> leaves_of(const Room& room, const Emissions& emissions = {}) {
   const SceneSetup setup = setup_of(room);
@@ -102,11 +94,9 @@ TEST(Elements, ASolidIsWhatHidesEnoughAndItsRiseBringsNothingIntoTheOpen) {
   for (const std::array<int, 3> voxel : {std::array{1, 1, 1}, std::array{1, 2, 3}, std::array{2, 2, 2}}) {
     EXPECT_NEAR(mean_kappa(medium, voxel), 0.2, 1e-5);
   }
-  EXPECT_THAT([&] { make_medium(setup, 0); },
-              ThrowsMessage<InputError>(HasSubstr("settings.solid_opacity: expected more than 0, at most 1, got 0")));
+  EXPECT_THROWS(InputError, "settings.solid_opacity: expected more than 0, at most 1, got 0", make_medium(setup, 0));
   setup.free_voxels();
-  EXPECT_THAT([&] { make_medium(setup, 0.5); },
-              ThrowsMessage<InputError>(HasSubstr("setup.volume: expected its voxels")));
+  EXPECT_THROWS(InputError, "setup.volume: expected its voxels", make_medium(setup, 0.5));
 }
 
 TEST(Contents, OfABoxAreThoseOfItsVoxels) {

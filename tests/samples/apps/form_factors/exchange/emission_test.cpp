@@ -1,13 +1,9 @@
 // The power that elements send out against that of the scene's shapes: emission times their area, or volume, in
 // closed form.
-#include <gtest/gtest.h>
-
-#include <numbers>
-#include <string>
-
 #include "form_factors/exchange/elements.h"
 #include "form_factors/program/options.h"
 #include "gicube/scene/scene.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,22 +1,11 @@
 #include "form_factors/radiosity/radiosity.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <sstream>
-
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 // A medium element in two clusters, one the other's parent, and an end of the volume; their sums close.
 RadiosityResult three_clusters() {
@@ -62,9 +51,9 @@ TEST(Matrix, IsTheLowerHalfOfASymmetricOneWithItsRowsBesideIt) {
     EXPECT_NEAR(value, entry[2], 1e-8 * entry[2]);
   }
   const std::string table = text_of(clusters_file(file));
-  EXPECT_THAT(table, testing::HasSubstr("\n1,medium,0,0,0,0,1,2,3,0,0.5,1,1,0\n"));
-  EXPECT_THAT(table, testing::HasSubstr("\n2,medium,0,0,0,0,1,2,3,0,0.5,1,1,1\n"));
-  EXPECT_THAT(table, testing::HasSubstr("\n3,-x,outside,"));
+  EXPECT_THAT(table, HasSubstr("\n1,medium,0,0,0,0,1,2,3,0,0.5,1,1,0\n"));
+  EXPECT_THAT(table, HasSubstr("\n2,medium,0,0,0,0,1,2,3,0,0.5,1,1,1\n"));
+  EXPECT_THAT(table, HasSubstr("\n3,-x,outside,"));
 }
 
 TEST(Matrix, SaysWhereItCouldNotBeWritten) {

@@ -1,16 +1,10 @@
 #include "form_factors/plan/plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <random>
-
 #include "form_factors/program/options.h"
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
 #include "scene/program/board_run.h"
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
@@ -21,7 +15,6 @@ struct Room {
   Emissions emissions;
 
   Room() {
-    ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);  // this program does not stand beside it
     scene.world->size = 8;
     scene.lighting.on = false;
     setup = set_up(scene);
@@ -83,7 +76,7 @@ TEST(RadiosityPlan, EndsWithAFullMatrixAndSaysSoWhereThatIsNotEnough) {
   Board board = open_board({});
   const RadiosityPlan plan = plan_radiosity(board, room.setup, room.emissions, {}, {1e-4, 0});
   EXPECT_FALSE(plan.kept);
-  EXPECT_THAT(plan.explain().front(), testing::HasSubstr("NOT REACHED"));
+  EXPECT_THAT(plan.explain().front(), HasSubstr("NOT REACHED"));
   EXPECT_FALSE(plan.chosen.hierarchy);
 }
 

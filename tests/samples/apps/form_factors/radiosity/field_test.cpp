@@ -1,8 +1,6 @@
 #include "form_factors/radiosity/field.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,6 +1,6 @@
 #include "form_factors/radiosity/radiosity.h"
 
-#include <gtest/gtest.h>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,9 +1,7 @@
 // Radiosity over links whose exchange areas are known.
 #include "form_factors/radiosity/solver.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "test.h"
 
 namespace gicube::samples {
 namespace {
