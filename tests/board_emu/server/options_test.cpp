@@ -43,25 +43,25 @@ TEST(CommandLine, PutsTheProcessIntoABoxUnlessAskedNotTo) {
 TEST(CommandLine, LimitsMemoryAndResultsInMebibytes) {
   const Options none = parse({"--listen", "unix:/tmp/b"}).options;
   EXPECT_EQ(none.max_memory_bytes, kUnlimitedMemory);
-  EXPECT_EQ(none.max_results_bytes, std::uint64_t{1} << 30);
+  EXPECT_EQ(none.bus.max_held_bytes, std::uint64_t{1} << 30);
   const Options some = parse({"--listen", "unix:/tmp/b", "--max-memory", "4096", "--max-results", "2"}).options;
   EXPECT_EQ(some.max_memory_bytes, std::uint64_t{4} << 30);
-  EXPECT_EQ(some.max_results_bytes, std::uint64_t{2} << 20);
+  EXPECT_EQ(some.bus.max_held_bytes, std::uint64_t{2} << 20);
   EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--max-results", "0"}).errors, Contains(HasSubstr("--max-results")));
   EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--max-memory", "-1"}).errors, Contains(HasSubstr("--max-memory")));
 }
 
 TEST(CommandLine, LimitsConnectionsAndHowLongTheyWait) {
   const Options usual = parse({"--listen", "unix:/tmp/b"}).options;
-  EXPECT_EQ(usual.max_connections, 32u);
-  EXPECT_EQ(usual.max_connections_of_peer, 16u);
-  EXPECT_EQ(usual.max_wait, std::chrono::hours(1));
+  EXPECT_EQ(usual.bus.max_unowned, 32u);
+  EXPECT_EQ(usual.bus.max_unowned_of_peer, 16u);
+  EXPECT_EQ(usual.bus.max_wait, std::chrono::hours(1));
   const Options own =
       parse({"--listen", "unix:/tmp/b", "--max-connections", "9", "--max-connections-of-peer", "3", "--max-wait", "2"})
           .options;
-  EXPECT_EQ(own.max_connections, 9u);
-  EXPECT_EQ(own.max_connections_of_peer, 3u);
-  EXPECT_EQ(own.max_wait, std::chrono::seconds(2));
+  EXPECT_EQ(own.bus.max_unowned, 9u);
+  EXPECT_EQ(own.bus.max_unowned_of_peer, 3u);
+  EXPECT_EQ(own.bus.max_wait, std::chrono::seconds(2));
   for (const char* flag : {"--max-connections", "--max-connections-of-peer", "--max-wait"}) {
     EXPECT_THAT(parse({"--listen", "unix:/tmp/b", flag, "0"}).errors, Contains(HasSubstr(flag)));
   }
@@ -69,10 +69,10 @@ TEST(CommandLine, LimitsConnectionsAndHowLongTheyWait) {
 
 TEST(CommandLine, LimitsCommandsAndNamesTheAuditLog) {
   const Options usual = parse({"--listen", "unix:/tmp/b"}).options;
-  EXPECT_EQ(usual.max_command_time.count(), 0);
+  EXPECT_EQ(usual.bus.max_command_time.count(), 0);
   EXPECT_EQ(usual.audit_log_file, "");
   const Options own = parse({"--listen", "unix:/tmp/b", "--max-command-time", "5", "--audit-log", "a"}).options;
-  EXPECT_EQ(own.max_command_time, std::chrono::seconds(5));
+  EXPECT_EQ(own.bus.max_command_time, std::chrono::seconds(5));
   EXPECT_EQ(own.audit_log_file, "a");
 }
 
