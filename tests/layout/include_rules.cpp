@@ -123,7 +123,7 @@ const std::vector<Rule>& rules() {
            {"board_emu/asic/memory_standards.h", "board_emu/asic/dram", "board_emu/asic/rdram", "board_emu/asic/ddr"}),
       sibling("board_emu/asic/sim"),
       sibling("board_emu/asic/raybus"),
-      sibling("board_emu/asic/sorter"),
+      room("board_emu/asic/sorter", {"board_emu/words", "board_emu/asic/sim", "board_emu/asic/fifo_places.h"}),
       sibling("board_emu/asic/cache"),
       // What memory standards share, and each of them.
       sibling("board_emu/asic/dram"),

@@ -10,8 +10,8 @@
 
 namespace gicube::python {
 
-// While an interpreter ends, CPython unwinds each other thread that asks for its lock, as by pthread_exit(). Destructors
-// and calls of the driver must not be left so: the thread waits here, and ends with the process.
+// While an interpreter ends, CPython unwinds each other thread that asks for its lock, as pthread_exit() does.
+// Destructors and calls of the driver must not be left so: the thread waits here, and ends with the process.
 auto or_wait_for_the_end(const auto& work) {
   try {
     return work();

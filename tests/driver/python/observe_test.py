@@ -94,7 +94,7 @@ def test_a_debugger_stops_a_board_and_lets_it_go(tmp_path: pathlib.Path) -> None
             assert "DSP: " in debugger.say("why")
             smi = [PROGRAMS / "gicube-smi", "info", "--management", plane]  # others are answered meanwhile
             subprocess.run(smi, check=True, stdout=subprocess.DEVNULL)
-            with pytest.raises(gicube.Error, match="expected a command as help lists them"):
+            with pytest.raises(gicube.Error, match="expected a command that help lists"):
                 debugger.say("jump")
             with pytest.raises(gicube.Error, match="another caller debugs"):
                 gicube.observe.Debugger(plane, program=str(PROGRAMS / "gicube-smi"))

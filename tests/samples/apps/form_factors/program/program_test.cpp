@@ -148,7 +148,7 @@ TEST_F(FormFactorProgram, FailsWithOneLineThatNamesWhatIsWrong) {
   expect("solve /nowhere/a.scene", 1, "/nowhere/a.scene");
   expect("solve " + room() + " -o /nowhere/a.png", 1, "/nowhere/a.png: expected a folder that is there");
   expect("solve " + room() + " --solver both", 2, "--solver");
-  expect("solve builtin:ball --emission 0=1", 1, "built-in volume");
+  expect("solve builtin:ball --emission 0=1", 2, "INPUT: expected builtin:buckyball");
   expect("solve " + room() + " --emission 1=0", 1, "emission");
   expect("visibility " + room() + " --board unix:/nowhere/socket", 1, "/nowhere/socket");
 }

@@ -41,7 +41,7 @@ TEST_F(PhotonMapProgram, MakesTheSameLightAtEveryLevel) {
 TEST_F(PhotonMapProgram, SaysWhatItCantDo) {
   EXPECT_THAT(run("builtin:buckyball --neighbours 1").err, HasSubstr("--neighbours"));
   EXPECT_EQ(run("builtin:buckyball --photons 0").code, 2);
-  EXPECT_EQ(run("builtin:teapot").code, 1);
+  EXPECT_EQ(run("builtin:teapot").code, 2);
 }
 
 }  // namespace
