@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import html
 from typing import Iterable, Iterator, List, Mapping, Tuple
 
@@ -19,8 +20,15 @@ class Counters(Mapping[str, int]):
     def __init__(self, counters: Iterable[Tuple[str, str, int]]) -> None:
         self._held = {name: (unit, value) for name, unit, value in counters}
 
+    def _entry(self, name: str) -> Tuple[str, int]:
+        if name in self._held:
+            return self._held[name]
+        near = difflib.get_close_matches(name, self._held, 1)
+        nearest = f"; the nearest is {near[0]!r}" if near else ""
+        raise KeyError(f"expected a counter of this board at its fidelity level, got {name!r}{nearest}")
+
     def __getitem__(self, name: str) -> int:
-        return self._held[name][1]
+        return self._entry(name)[1]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._held)
@@ -30,7 +38,7 @@ class Counters(Mapping[str, int]):
 
     def unit(self, name: str) -> str:
         """The unit, for instance "ps" or "ray". Raises KeyError."""
-        return self._held[name][0]
+        return self._entry(name)[0]
 
     def __sub__(self, begin: "Counters") -> "Counters":
         return Counters((name, unit, value - begin.get(name, 0)) for name, (unit, value) in self._held.items())

@@ -75,7 +75,8 @@ class Debugger:
 
         program: of the SDK, if it is not on the PATH.
         """
-        self.stands = False  # the board, after the latest line
+        #: Whether the board is paused, with a command in progress, after the latest line.
+        self.is_paused = False
         self._smi: Optional[subprocess.Popen[str]] = subprocess.Popen(
             [program, "debug", "--json", "--management", management, "--board", str(board)],
             stdin=subprocess.PIPE,
@@ -107,10 +108,15 @@ class Debugger:
             said = self._smi.stderr.read().strip() if self._smi.stderr is not None else ""
             raise Error(said or "gicube-smi debug has ended")
         answer = json.loads(text)
-        self.stands = answer["stands"]
+        self.is_paused = bool(answer["stands"])
         if answer["is_fault"]:
             raise Error(answer["text"].strip())
         return str(answer["text"])
+
+    @property
+    def stands(self) -> bool:
+        """The name of is_paused in 0.3.0."""
+        return self.is_paused
 
     def close(self) -> None:
         """Detaches: the board continues."""

@@ -59,9 +59,10 @@ def write_volume(
 
     world: where they lie, in place of `origin` (Volume.world of what was read).
     """
+    file = os.fspath(path)
     array = as_array(values, "values", "float32", (None, None, None))
     placement = WorldPlacement(WorldAxes.WORLD, origin=origin) if world is None else world
-    _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, placement)
+    _core.write_volume(file, array, list(array.shape[::-1]), spacing, placement)
 
 
 def value_range(volume: VolumeLike) -> ValueRange:

@@ -376,6 +376,8 @@ def test_coarser_volumes_say_where_they_lie():
 def test_volumes_come_back_from_files_as_they_were(tmp_path):
     values = np.random.default_rng(2).random((5, 6, 7)).astype("f4")
     gicube.write_volume(tmp_path / "a.nrrd", values, spacing=(1, 2, 3))
+    with pytest.raises(TypeError, match="not ndarray"):
+        gicube.write_volume(values, "a.nrrd")
     again = gicube.read_volume(tmp_path / "a.nrrd")
     assert (again.samples == values).all() and again.spacing == (1, 2, 3)
     values.astype(">u2").tofile(tmp_path / "a.raw")
@@ -444,6 +446,14 @@ def test_a_view_of_a_box_is_nearer_than_that_of_the_whole():
     whole, part = gicube.fit_view(volume), gicube.fit_view(volume, box=gicube.VoxelBox((4, 4, 4), (4, 4, 4)))
     assert part.look_at == pytest.approx((5.5, 5.5, 5.5)) and whole.look_at == pytest.approx((7.5, 7.5, 7.5))
     assert math.dist(part.eye, part.look_at) < 0.5 * math.dist(whole.eye, whole.look_at)
+
+
+def test_a_counter_that_is_not_there_is_named_with_the_nearest(loaded):
+    counters = loaded.counters
+    for read in (counters.__getitem__, counters.unit):
+        with pytest.raises(KeyError, match="expected a counter .* 'bus.down.byte'; the nearest is 'bus.down.bytes'"):
+            read("bus.down.byte")
+    assert counters.get("bus.down.byte", 7) == 7 and "bus.down.byte" not in counters
 
 
 def test_counters_only_grow(loaded):

@@ -85,12 +85,12 @@ def test_a_debugger_stops_a_board_and_lets_it_go(tmp_path: pathlib.Path) -> None
         expected = draw(bus)
         images = []
         with gicube.observe.Debugger(plane, program=str(PROGRAMS / "gicube-smi")) as debugger:
-            assert not debugger.stands
+            assert not debugger.is_paused
             debugger.say("break pixel 16 16")
             drawing = threading.Thread(target=lambda: images.append(draw(bus)))
             drawing.start()
             assert "was made" in debugger.say("continue 30")
-            assert debugger.stands
+            assert debugger.is_paused and debugger.stands
             assert "DSP: " in debugger.say("why")
             smi = [PROGRAMS / "gicube-smi", "info", "--management", plane]  # others are answered meanwhile
             subprocess.run(smi, check=True, stdout=subprocess.DEVNULL)
