@@ -10,8 +10,8 @@
 
 namespace gicube::reference {
 
-// Of SDRAM ranks, of single or double data rate: nanoseconds as the data sheets of DDR-200 parts print them, and clocks
-// where they do. wr counts from the data's end.
+// Times of SDRAM ranks of single or double data rate, in nanoseconds or clocks as the data sheets of DDR-200 parts have
+// them. wr counts from the data's end.
 struct RankRules {
   std::uint64_t tck = 10;                                                           // ns
   std::uint64_t ras = 50, rc = 70, rp = 20, rrd = 15, rcd = 20, wr = 15, rfc = 80;  // ns
@@ -23,7 +23,7 @@ struct RankRules {
   std::uint32_t devices = 1;           // ranks
 };
 
-// Of RDRAM devices: tCYCLE, from a packet's end to another packet's end as the data book counts, DQ at its begin.
+// Times of RDRAM devices in tCYCLE, from the end of one packet to the end of another; DQ packets count at their begin.
 struct RdramRules {
   std::uint64_t ras = 20, rp = 8, rr = 8, pp = 8, rcd = 7, cac = 8, cwd = 6, rtr = 8, offp = 4, packet = 4;
   std::uint64_t refresh_interval = 0;  // of each device; 0 = refreshes are not checked

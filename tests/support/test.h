@@ -1,4 +1,4 @@
-// What nearly every test includes: GoogleTest, the standard library's common headers, and the names of matchers.
+// The header of nearly every test: GoogleTest, the standard library's common headers, and the names of matchers.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ using testing::SizeIs;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-// What the Error says that `call` throws; "none" if it throws none.
+// The message of the Error that `call` throws; "none" if it throws none.
 template <typename Error, typename Call>
 std::string message_of(const Call& call) {
   try {
@@ -36,7 +36,7 @@ std::string message_of(const Call& call) {
   return "none";
 }
 
-// What is in the file; nothing if it cannot be read.
+// The bytes of the file; none if it cannot be read.
 inline std::string text_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};

@@ -21,7 +21,7 @@ struct BoardProcess {
   pid_t id;
 };
 BoardProcess open_board_process(const OpenOptions& options = {});
-// The same with load_box(); the process does nothing until it gets SIGCONT or SIGKILL.
+// Returns a board with load_box() whose process does nothing until it gets SIGCONT or SIGKILL.
 BoardProcess stopped_board(const OpenOptions& options = {});
 
 // A cube of `size`^3 bytes, 0 but for a box of 200 in the voxels low..high, both included, on each axis.

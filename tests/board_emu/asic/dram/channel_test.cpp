@@ -1,4 +1,4 @@
-// What the channels of all memory standards have in common, each with its times.
+// The properties that the channels of all memory standards share, each with its times.
 #include "channels.h"
 #include "long_times.h"
 
