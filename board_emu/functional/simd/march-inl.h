@@ -146,9 +146,9 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
         return Point{words[0].lane[i], words[1].lane[i], words[2].lane[i]};
       };
       const auto rest_of_lane = [i](const auto& words) {
-        Rest out{};
-        for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<std::uint16_t>(words[axis].lane[i]);
-        return out;
+        Rest found{};
+        for (std::size_t axis = 0; axis < 3; ++axis) found[axis] = static_cast<std::uint16_t>(words[axis].lane[i]);
+        return found;
       };
       const Point p = of_lane(position), s = of_lane(step);
       for (const Plane& plane : field.frame->cut_planes) {
