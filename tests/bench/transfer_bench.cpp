@@ -1,4 +1,4 @@
-// What a user waits for around a picture: voxels into the board, and pictures, voxels and sums out of it, through
+// Measures the waits around a picture: voxels into the board, and pictures, voxels and sums out of it, through
 // driver, socket and board process (threads=1; the driver's own threads beside it).
 #include <benchmark/benchmark.h>
 

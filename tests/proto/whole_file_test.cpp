@@ -140,7 +140,7 @@ TEST_F(WholeFileTest, GoesIntoAPipeDirectly) {
   EXPECT_TRUE(fs::is_fifo(path("pipe")));
 }
 
-// As `--stats /dev/stdout >> FILE`.
+// The case of `--stats /dev/stdout >> FILE`.
 TEST_F(WholeFileTest, GoesOnWhereThisProcessIsInAFile) {
   const int own = ::open(path("a").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   ASSERT_GE(own, 0);

@@ -1,4 +1,4 @@
-// What the test of script/mutate seeds faults into.
+// The source that the test of script/mutate seeds faults into.
 constexpr int kLimit = 20;
 
 constexpr int twice(int a) { return 2 * a; }

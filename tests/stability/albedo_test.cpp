@@ -24,7 +24,7 @@ class StabilityOfAlbedo : public testing::Test {
     return board_.illuminate(lamp, settings);
   }
 
-  // What the words around the lamp could not hold was absorbed too.
+  // Light that the words around the lamp could not hold was absorbed too.
   static double absorbed(const LightingReport& report) { return (report.deposited + report.clipped) / report.emitted; }
 
   Board board_ = Board::open(small_board("&set=asic.datapath=wide"));

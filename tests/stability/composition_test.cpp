@@ -197,7 +197,7 @@ TEST(StabilityOfCompositions, MeshesFarFromTheOriginAreMissedOrMetByTheirSingleP
       ++near;
       wrong += right ? 0 : 1;
     }
-    // What is met is met at its place.
+    // Every surface is found at its place.
     if (!met) continue;
     EXPECT_NEAR(found[0].distance, 9, 1e-9);
   }

@@ -14,7 +14,7 @@ constexpr double kMax = 4095;  // values are densities
 
 class StabilityOfLevelBounds : public testing::Test {
  protected:
-  // What a level leaves of a volume, and how far the bound says it is from it.
+  // A level's volume, and the bound of its distance from the full one.
   struct Level {
     LevelError bound;
     double integral = 0;  // largest difference of a ray's line integral, a voxel of its length

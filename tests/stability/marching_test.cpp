@@ -14,7 +14,7 @@ constexpr std::array<int, 3> kSize{40, 33, 20};
 constexpr int kBlock = 8;
 constexpr double kAlpha = 66 / 65'535.0;
 
-// What one ray must do, by whole numbers of its words.
+// The expected path of one ray, in whole numbers of its words.
 struct Expected {
   std::int64_t samples = 0;  // in visible blocks
   std::int64_t blocks = 0;   // that it comes through

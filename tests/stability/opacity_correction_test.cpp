@@ -15,7 +15,7 @@ class StabilityOfOpacityCorrection : public testing::Test {
   void fog(double alpha) { load_fog(board_, {256, 8, 8}, alpha); }
   void alpha(double alpha) { board_.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, alpha}}}); }
   void widen() { board_ = Board::open("emu:?set=asic.block_voxels=16&set=asic.datapath=wide"); }
-  // Of rays side by side, which all see the same.
+  // The opacity of rays side by side, which must agree.
   double opacity(double length, double step) {
     constexpr std::uint32_t kRays = 24;
     std::vector<HostRay> rays;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr Picoseconds kBurst = 8;  // us: 256 dwords of PCI
 
-// What a board does: works, then transfers, and again.
+// The schedule of a board: it works, then transfers, and again.
 struct Turn {
   Picoseconds work = 0, transfer = 0;
 };

@@ -53,7 +53,7 @@ class CutLink {
     }
   }
 
-  // What one side has sent, to the other. False once the connection has ended.
+  // Passes the bytes of one side to the other. False once the connection has ended.
   bool carry(int client, int board) {
     std::array<pollfd, 2> ends{pollfd{client, POLLIN, 0}, pollfd{board, POLLIN, 0}};
     ::poll(ends.data(), ends.size(), -1);

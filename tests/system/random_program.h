@@ -212,6 +212,4 @@ class RandomProgram {
   std::vector<std::string> heard_;
 };
 
-// As an emu: option and as an argument of gicube-board.
-
 }  // namespace gicube::system_test

@@ -1,4 +1,4 @@
-// What the board says of the visibility of random pairs of points, against the march in double precision.
+// The board's answers on the visibility of random pairs of points, against the march in double precision.
 #include "accuracy/measure.h"
 #include "accuracy/scenes.h"
 #include "gicube/board.h"

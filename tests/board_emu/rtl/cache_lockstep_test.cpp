@@ -240,7 +240,7 @@ TEST(StagesInLockstep, WithThePapersDepth) {
                comes = chance.happens(3);
     const std::uint64_t ray = next_ray++;
     const std::uint8_t wants = chance.happens(4) ? static_cast<std::uint8_t>(chance.below(9)) : 0;
-    // As Processor::tick_pipeline().
+    // In the order of Processor::tick_pipeline().
     bool stalled = false, takes_packet = false, starts = false;
     const bool at_end = stages.computing() > 0 && stages.oldest_computing().ready <= clock;
     const std::uint32_t leaving = at_end ? stages.oldest_computing().token.ray : 0;

@@ -11,7 +11,7 @@
 namespace gicube::wire {
 namespace {
 
-// What stands between the lines <!-- name --> and <!-- /name -->.
+// The text between the lines <!-- name --> and <!-- /name -->.
 std::string marked(const std::string& text, const std::string& name) {
   const std::string open = "<!-- " + name + " -->\n", close = "<!-- /" + name + " -->";
   const std::size_t begin = text.find(open), end = text.find(close);

@@ -49,7 +49,7 @@ def test_a_grid_has_every_combination_once_and_the_last_parameter_varies_fastest
 def test_a_point_becomes_the_arguments_of_gicube_render():
     point = {"step": "0.5", "input": "builtin:buckyball", "jitter": "on", "no-leap": "off", "asic.processors": "8"}
     assert sweep.arguments_of(point) == ["builtin:buckyball", "--step", "0.5", "--jitter", "--set", "asic.processors=8"]
-    # What is changed keeps its place, what is new comes last.
+    # Changed entries keep their place, new ones come last.
     changed = {"a": "1", "b": "2"} | {"b": "3", "c": "4"}
     assert list(changed.items()) == [("a", "1"), ("b", "3"), ("c", "4")]
 

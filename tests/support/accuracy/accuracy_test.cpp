@@ -42,7 +42,7 @@ TEST_P(FixedPointPicture, IsWithinFortyDecibelOfTheReference) {
 INSTANTIATE_TEST_SUITE_P(Of, FixedPointPicture, testing::Values("buckyball", "engine", "mouse", "brain"),
                          [](const auto& test) { return test.param; });
 
-// What the quantisers left unexplained would be a difference of meaning: camera, sampling, shading, order.
+// An error that the quantisers do not explain would be a difference of meaning: camera, sampling, shading, order.
 TEST(BoardsPicture, DiffersFromTheReferenceByTheQuantisersAlone) {
   const StudyScene study = find("buckyball");
   const samples::SceneSetup setup = samples::set_up(study.scene);

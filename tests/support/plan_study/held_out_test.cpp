@@ -38,7 +38,7 @@ TEST_P(HeldOut, TheMeasuredErrorStaysUnderTheBoundAndTheCostFallsThreeTimes) {
   EXPECT_LE(outcome.error, outcome.plan.chosen.error_bound);
   EXPECT_TRUE(outcome.error > 0 || outcome.plan.chosen.step == outcome.plan.best.step);  // else nothing was compared
   EXPECT_LE(3 * outcome.chosen.samples, outcome.finest.samples);
-  // What the plan says of the cost is what it was.
+  // The plan's cost is the measured one.
   EXPECT_NEAR(outcome.plan.chosen.samples, outcome.chosen.samples, 0.1 * outcome.chosen.samples);
 }
 

@@ -8,7 +8,7 @@
 
 namespace gicube::reference {
 
-// What a transfer function says of one sample: colour not premultiplied, opacity of one (smallest) voxel length.
+// A transfer function's values for one sample: colour not premultiplied, opacity of one (smallest) voxel length.
 struct Material {
   std::array<double, 3> colour{};
   double opacity = 0;

@@ -36,7 +36,7 @@ std::vector<float> read(const VolumeView& volume) {
   return read_as<std::uint16_t>(volume, count);
 }
 
-// As volume.h promises.
+// The rule that volume.h promises.
 ValueRange find_range(const VolumeView& volume, const std::vector<float>& values) {
   if (volume.range) return *volume.range;
   if (volume.type == SampleType::kUint8) return {0, 255};

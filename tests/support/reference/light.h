@@ -19,7 +19,7 @@ class Light {
   // 1/16. What the shade has above ambient + diffuse is a highlight and goes to white.
   std::array<double, 3> shade(const std::array<double, 3>& colour, Vec3 gradient) const;
 
-  // What a surface with this unit normal reflects beside the ambient part.
+  // The light that a surface with this unit normal reflects, without the ambient part.
   double reflected(Vec3 normal) const;
 
  private:

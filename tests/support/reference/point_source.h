@@ -1,4 +1,4 @@
-// What a point source leaves in an absorber: kappa e^(-kappa r) / (4 pi r^2) of its energy a volume.
+// The energy that a point source leaves in an absorber: kappa e^(-kappa r) / (4 pi r^2) of its energy a volume.
 #pragma once
 
 #include <functional>

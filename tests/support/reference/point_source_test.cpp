@@ -25,7 +25,7 @@ double sum_round(double kappa, Vec3 source, int reach) {
 }
 
 TEST(PointSource, LeavesAllItsEnergyInItsSurroundings) {
-  // What passes six voxels is e^-12 at most.
+  // At most e^-12 passes six voxels.
   EXPECT_NEAR(sum_round(2, {0, 0, 0}, 6), 1, 1e-4);
   EXPECT_NEAR(sum_round(2, {0.3, -0.2, 0.5}, 6), 1, 1e-4);
 }

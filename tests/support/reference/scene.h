@@ -51,7 +51,7 @@ struct Picture {
   }
 };
 
-// What `front` and `back` behind it look like together [Porter and Duff 1984].
+// The colour of `front` over `back` [Porter and Duff 1984].
 inline Rgba over(const Rgba& front, const Rgba& back) {
   Rgba both = front;
   for (std::size_t c = 0; c < 3; ++c) both.colour[c] += (1 - front.opacity) * back.colour[c];

@@ -31,7 +31,7 @@ class BallScene : public TestScene {
   }
 };
 
-// Of a disc with the area of all opaque pixels.
+// The radius of a disc with the area of all opaque pixels.
 double radius_pixels(const Picture& picture) {
   double area = 0;
   for (const Rgba& pixel : picture.pixels) area += pixel.opacity;

@@ -9,7 +9,7 @@
 
 namespace gicube::reference {
 
-// As Projector::project() and backproject() of all views should return.
+// The exact results of Projector::project() and backproject() of all views.
 std::vector<double> project(const ProjectorSetup& setup, const std::vector<double>& volume);
 std::vector<double> backproject(const ProjectorSetup& setup, const std::vector<double>& values);
 

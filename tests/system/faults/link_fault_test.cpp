@@ -1,4 +1,4 @@
-// What the driver makes of each kind of fault, and that the application goes on from there.
+// The driver's error for each kind of fault; the application continues after it.
 #include <gtest/gtest.h>
 #include <signal.h>
 

@@ -105,7 +105,7 @@ class Guest {
   }
   // To the script alone.
   void send_signal(int signal) const { ::kill(process_, signal); }
-  // Of a guest with one function, once it has been started; nothing if the script has ended before.
+  // The output of a guest with one function, once it has been started; nothing if the script has ended before.
   std::optional<pid_t> qemu() const {
     for (const auto limit = std::chrono::steady_clock::now() + kPatience;
          !has_ended() && std::chrono::steady_clock::now() < limit; ::usleep(10'000)) {

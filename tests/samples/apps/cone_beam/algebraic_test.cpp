@@ -74,7 +74,7 @@ TEST_P(Methods, ARelaxationThatIsTooLargeIsReported) {
     EXPECT_TRUE(found.diverged) << non_negative;
     EXPECT_LT(found.residuals.size(), 30u);
     for (const float value : found.values) ASSERT_TRUE(std::isfinite(value));
-    // What comes back is no worse than nothing.
+    // The result is no worse than an empty volume.
     EXPECT_LE(error(geometry, found),
               error(geometry, Reconstruction{.values = std::vector<float>(found.values.size())}));
   }

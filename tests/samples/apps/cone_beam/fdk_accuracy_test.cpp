@@ -18,7 +18,7 @@ FdkScan scan_of(int i) {
 
 class FdkAccuracy : public testing::TestWithParam<int> {
  protected:
-  // Of all voxels, over that of the reference.
+  // Over all voxels, divided by that of the reference.
   double rmse_ratio(const FdkSettings& settings) {
     Board board = open_board();
     const Reconstruction made = reconstruct_fdk(board, scan_.geometry, views_, settings);

@@ -16,7 +16,7 @@ RenderOptions parse(std::vector<const char*> arguments) {
   return parse(std::move(arguments), out).value();
 }
 
-// What UsageError says, or "none".
+// The text of the UsageError, or "none".
 std::string fault_of(std::vector<const char*> arguments) {
   return message_of<UsageError>([&] { scene_of(parse(std::move(arguments))); });
 }

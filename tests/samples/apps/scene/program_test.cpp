@@ -101,7 +101,7 @@ TEST(Program, PrintsWarningsOfFiles) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "gicube-x: warning: a.raw: data: expected 1 byte, got 2\n");
 }
 
-// What a terminal of this kind gets from a line of progress.
+// The bytes of a line of progress on a terminal of this kind.
 std::string shown_on(const char* terminal) {
   int master = -1, slave = -1;
   EXPECT_EQ(::openpty(&master, &slave, nullptr, nullptr, nullptr), 0);

@@ -1,4 +1,4 @@
-// What a page's messages mean, and which are none.
+// Messages of a page: their meaning, and those that are refused.
 #include "view/request.h"
 
 #include "gicube/scene/error.h"

@@ -105,7 +105,7 @@ TEST_F(ViewSettings, AreACommandLineForTheShell) {
             "--step=0.25 -o picture.png");
   EXPECT_EQ(command({{"input", "a b.nrrd"}, {"transfer-function", kFunction}}),
             "gicube-render '/data/a b.nrrd' --transfer-function=view.tf -o picture.png");
-  // What came from a page has no path that anyone else knows.
+  // A file that came from a page has no path that anyone else knows.
   EXPECT_EQ(command({{"input", "own.nrrd"}}), "gicube-render own.nrrd -o picture.png");
   // Names that would be something else.
   shelf.inputs.insert(

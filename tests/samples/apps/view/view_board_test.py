@@ -152,7 +152,7 @@ def test_a_foreign_page_is_refused(page: Shown) -> None:
     with Page(program, origin="http://example.org") as foreign:
         assert foreign.status == 403
     assert program.get(f"/?token={program.token}", Host="example.org")[0] == 403
-    # As a script of another address would try it in a browser.
+    # The request that a script of another address would make in a browser.
     page.browser.get("data:text/html,<title>foreign</title>")
     script = """
     const done = arguments[2];

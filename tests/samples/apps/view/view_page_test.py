@@ -133,7 +133,7 @@ def test_editing_the_transfer_function_changes_the_picture_and_can_be_undone(pag
     after = page.after(down.perform)
     assert (before != after).any()
     assert Select(page.find("#preset")).first_selected_option.text == "own points"
-    # What is saved is what the command takes.
+    # The saved file is one that the command takes.
     target = page.find("#get-tf").get_attribute("href")
     _, content = page.program.get(target[target.index("/download") :])
     (tmp_path / "view.tf").write_bytes(content)

@@ -100,7 +100,7 @@ Vec3 Extinction::gradient(Vec3 position) const {
   return sum;
 }
 
-// Of the cube whose voxel of least coordinates is `low`.
+// The bound in the cube whose voxel of least coordinates is `low`.
 double Extinction::bound_of_cube(const std::array<int, 3>& low, const std::vector<double>& values) const {
   const Dims dims = field_.volume().dims;
   double least = kInfinity, most = -kInfinity;

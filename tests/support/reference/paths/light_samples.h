@@ -1,4 +1,4 @@
-// What lights send to a point, and what a ray finds that comes upon one. In physical space.
+// Light that lamps send to a point, and the light of a lamp that a ray hits. In physical space.
 #pragma once
 
 #include <optional>

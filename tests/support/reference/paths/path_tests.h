@@ -1,4 +1,4 @@
-// What the tests of the path tracer share.
+// Common parts of the path tracer's tests.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -20,7 +20,7 @@ double density(const Material& material, Vec3 direction, Vec3 normal, Vec3 out);
 // Throws std::invalid_argument for routines that the board does not have built in.
 void check(const Material& material);
 
-// Of unpolarised light, by Fresnel's equations.
+// The reflectance of unpolarised light, by Fresnel's equations.
 double fresnel_reflectance(double cosine, double from, double to);
 
 }  // namespace gicube::reference::paths

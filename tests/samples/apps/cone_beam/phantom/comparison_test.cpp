@@ -53,7 +53,7 @@ TEST(Comparison, OnlyTheFieldOfViewCounts) {
   EXPECT_EQ(compare(kGrid, values, truth, field).voxels, expected);
 }
 
-// Of voxels that differ along x alone, two of them: both windows hold both.
+// Two of the voxels that differ along x alone: both windows hold both.
 TEST(Similarity, OfTwoVoxelsIsAsByHand) {
   const Grid grid{{2, 2, 2}, {1, 1, 1}};
   const std::vector<float> truth{0, 1, 0, 1, 0, 1, 0, 1};

@@ -137,7 +137,7 @@ TEST(DeadPixels, ThatAMapNamesAreInterpolatedByTheirDistance) {
   EXPECT_THROWS(InputError, "dead: expected 9 x 7 pixels", repair_pixels(stack, map));
 }
 
-// What no view changes, as the air beside an object, is no fault.
+// A pixel that no view changes, as the air beside an object, is no fault.
 TEST(DeadPixels, OfAirAreNone) {
   Stack stack = changing();
   for (std::size_t i = 0; i < stack.values.size(); ++i) {

@@ -85,7 +85,7 @@ TEST(ScanFile, HasAPoseForEachViewAndTakesACircleForOne) {
   const ScanDescription read = read_scan_file(folder.file("y.textproto"));
   EXPECT_EQ(read.geometry.poses, scan.geometry.poses);
   EXPECT_EQ(read.rows_reversed, scan.rows_reversed);
-  // The same at one height is a circle.
+  // A helix of one height is a circle.
   std::string flat = kViews;
   for (std::size_t at; (at = flat.find(": 7")) != std::string::npos;) flat.replace(at, 3, ": 0");
   const ScanDescription circle = parse_scan(flat, "x", "");

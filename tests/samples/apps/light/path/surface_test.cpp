@@ -30,7 +30,7 @@ struct Shown {
   double mean = 0, error = 0;
 };
 
-// Of the whole picture.
+// The mean of the whole picture.
 Shown shown(const SceneSetup& setup, int light_scatterings, int max_scatterings, int passes) {
   Board board = Board::open("emu:");
   const Medium medium(board, setup);

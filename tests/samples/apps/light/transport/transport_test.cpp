@@ -263,7 +263,7 @@ TEST(Lights, AreChosenByTheirPowers) {
   EXPECT_NEAR(near, first / 4.0, 3 * std::sqrt(first * 3 / 16.0));
 }
 
-// What lights send out is their power; what they send to a point is its irradiance.
+// The light that lamps send out is their power; the light that they send to a point is its irradiance.
 TEST(Lights, SendTheirPower) {
   const auto light = [](const std::string& text) { return fog(0.1) + "light { " + text + " power: 12 }"; };
   const double r2 = 10 * 10;
