@@ -43,7 +43,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "board i > 0 is at PATH.i or PORT+i");
   add("--boards", options.boards, "N", fmt::format("number of boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end when that session ends");
-  app.add_flag("--quiet", options.quiet, "log warnings only");
+  app.add_flag("--quiet", options.quiet, "log warnings only; the \"ready on\" lines stay");
   add("--bsdf", options.bsdf_files, "FILE",
       "a scattering routine for materials that trap, as a shared object (gicube/bsdf.h); may be given several\n"
       "times: the first is routine 8, the next 9. Its code runs in a separate process")

@@ -138,9 +138,10 @@ class GICUBE_API Board {
   //                         certificate
   //   pci:0000:00:04.0      a PCI function of this machine, a guest, that gicube-pci serves (docs/guide/pci.md); it has
   //                         one session, so wait_for_board does not wait for another process to end
-  // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
-  // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
-  // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,
+  // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity (functional, cycle),
+  // bus (pci33, agp1x, agp2x, agp4x), pace (as_fast_as_possible, realtime), threads (0..1024, 0: one per core of the
+  // host), config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application
+  // trusts: docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,
   // trace_window=BEGIN:END, events=FILE, events_of=ITEM,... (docs/guide/observation.md), capture=FILE
   // (docs/guide/capture.md), restore=FILE (docs/guide/checkpoints.md). The program is searched for in this order: by
   // the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH. Throws

@@ -84,7 +84,8 @@ class GICUBE_API DeviceLost : public Error {
   Loss cause_;
 };
 
-// The simulated host waited until its deadline, a simulated time. The board continues.
+// The simulated host waited until its deadline, a simulated time: Board::set_time_limit(), or the `deadline` of
+// Pending::get() and RayTracer::receive(). The board continues.
 struct GICUBE_API DeadlinePassed : Error {
   using Error::Error;
 };

@@ -4,6 +4,10 @@
 //   while (!picture.wait(std::chrono::milliseconds(16))) draw(picture.progress());
 //   show(picture.get());
 //
+// A picture that may take ten seconds of wall-clock time:
+//
+//   if (!picture.wait(std::chrono::seconds(10))) picture.cancel();  // get() then throws gicube::Cancelled
+//
 // A call that was started does what the blocking call does, with the same bits and simulated times, on a thread of the
 // driver and in its place in the order of the calls: later calls to the Board, now() included, wait until it has ended.
 // Only ray batches continue beside other calls, in simulated time too: RayTracer::start() returns once the rays are
@@ -26,10 +30,12 @@ namespace gicube {
 
 class Operation;  // the driver's state of the call
 
-// Parts done and parts in all of a long call; called on the calling thread, at the end with all of them.
+// Parts done and parts in all of a long call: blocks of a volume that is loaded, pairs, otherwise parts that the board
+// chooses, so only done / all has a meaning. Called on the calling thread, for a board's parts at most every 100 ms of
+// wall-clock time, and at the end with all of them.
 using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 
-// Parts done and parts in all; 0 of 0 before the call has reported any.
+// The last report of Progress; 0 of 0 before the call has reported any, and always for a batch of rays.
 struct PendingProgress {
   std::uint32_t done = 0;
   std::uint32_t all = 0;

@@ -60,9 +60,11 @@ enum class SumWords {
 // 1/65536 voxel.
 struct HostRay {
   std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: seeds its random choices
-  Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
-  Vec3 direction;        // any length but 0; only the direction counts
-  double length = 0;     // kSegment, kOpacity, kIntegral, kBackproject: voxels along the direction, 0..4096
+  Vec3 position{};       // voxels, inside the volume: 0..size - 1 on each axis
+  Vec3 direction{};      // any length but 0; only the direction counts
+  // kSegment, kOpacity, kIntegral, kBackproject: voxels along the direction, 0..4096. A ray of length 0, the default,
+  // is legitimate and takes no sample: it returns with opacity and integral 0.
+  double length = 0;
   // kDeposit: > 0, in units of the lights' power. kBackproject: for each unit of length; into sums with either sign
   double energy = 0;
 };

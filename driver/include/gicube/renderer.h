@@ -19,6 +19,8 @@ class GICUBE_API Renderer {
 
   // Renders and transfers the picture; the simulated host waits for both. Throws as the two calls below.
   Image render(const View& view, const Progress& progress = {});
+  // Checks nothing: every error of the picture comes from Pending::get(). Throws Error in a callback of this Board,
+  // std::system_error if no thread can be started.
   Pending<Image> start(const View& view);
 
   // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image.

@@ -49,7 +49,8 @@ struct VolumeView {
   Dims dims{};            // voxels, 2..1024 each; see Board::load_volume()
   Vec3 spacing{1, 1, 1};  // physical voxel edge, each within 64 of the smallest; the ratios count, and for
                           // line integrals and backprojection the lengths too
-  // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.
+  // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others. If all of these
+  // are one value v, v..v + 1 (beyond 2^53: to the next larger number), so that every sample has density 0.
   std::optional<ValueRange> range{};
   // Empty: by a 3x3x3 Sobel filter. Else 3 floats per voxel, x fastest: the physical direction in which the value
   // grows; lengths are ignored, a zero vector is "no gradient".

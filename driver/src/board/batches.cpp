@@ -1,5 +1,7 @@
 #include "batches.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ranges>
 #include <utility>
@@ -172,7 +174,7 @@ void Batches::complete(Batch& batch, Picoseconds deadline) {
   }
   if (batch.completed > deadline) {  // all results had arrived before
     device_.clock().wait_until(deadline);
-    throw DeadlinePassed("the batch arrives after the deadline");
+    throw DeadlinePassed(fmt::format("the result did not come by {} ps of simulated time", deadline));
   }
   device_.clock().wait_until(batch.completed);
 }

@@ -101,8 +101,7 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   } else {
     throw BadArgument("URI option",
                       "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, trace_window, "
-                      "events, events_of, "
-                      "capture, restore",
+                      "events, events_of, capture, restore (boards and buses are options of BoardGroup::open())",
                       in_quotes(name));
   }
 }

@@ -13,7 +13,8 @@ TEST(Deadline, PassesWhenTheBatchIsStillUnderWayAndTheBatchArrivesLater) {
   const Picoseconds before = board.now();
   const Ticket ticket = board.submit(sent);
   const Picoseconds deadline = before + 1'000'000;  // 1 us: not even on the board
-  EXPECT_THROW(board.receive(ticket, deadline), DeadlinePassed);
+  EXPECT_THROWS(DeadlinePassed, fmt::format("the result did not come by {} ps of simulated time", deadline),
+                board.receive(ticket, deadline));
   EXPECT_EQ(board.now(), deadline);
   const RayBatch batch = board.receive(ticket);
   EXPECT_EQ(batch.rays.size(), 5000u);
@@ -45,7 +46,7 @@ TEST(Deadline, OfARenderingLeavesABoardThatGoesOn) {
   const Image picture = board.render(view);
   board.set_time_limit(1'000'000);
   const Picoseconds before = board.now();
-  EXPECT_THROW(board.render(view), DeadlinePassed);
+  EXPECT_THROWS(DeadlinePassed, "the result did not come by ", board.render(view));
   EXPECT_LE(board.now(), before + 2'000'000);
   board.set_time_limit(0);
   EXPECT_EQ(board.render(view).pixels, picture.pixels);

@@ -258,6 +258,8 @@ TEST(HostRayCheck, KeepsLengthAndEnergyWithinTheirWords) {
   EXPECT_EQ(refused(segment, 4096, 0), "accepted");
   EXPECT_EQ(refused(segment, 4096.1, 0), "rays[2].length: expected 0..4096, got 4096.1");
   EXPECT_EQ(refused(segment, -1, 0), "rays[2].length: expected 0..4096, got -1");
+  EXPECT_EQ(refused(segment, std::nan(""), 0), "rays[2].length: expected 0..4096, got nan");
+  EXPECT_EQ(refused(segment, HUGE_VAL, 0), "rays[2].length: expected 0..4096, got inf");
   RaySetup deposit = setup_of(RayType::kDeposit);  // of units of 0.5
   EXPECT_EQ(refused(deposit, 0, 0.5 / 4096), "accepted");
   EXPECT_EQ(refused(deposit, 0, 0.49 / 4096).substr(0, 15), "rays[2].energy:");

@@ -138,6 +138,8 @@ TEST(Uri, ARefusalNamesFieldExpectationAndValueInThisOrder) {
   EXPECT_EQ(error_of("usb:0"),
             "URI: expected emu:, unix:PATH, tcp:HOST:PORT, tls:HOST:PORT or pci:ADDRESS, got \"usb:0\"");
   EXPECT_EQ(error_of("emu:0"), "URI: expected emu: or emu:?option=value, got \"emu:0\"");
+  EXPECT_THAT(error_of("emu:?boards=2"),
+              HasSubstr("(boards and buses are options of BoardGroup::open()), got \"boards\""));
   EXPECT_EQ(error_of("emu:?fidelity"), "URI option: expected option=value, got \"fidelity\"");
   EXPECT_EQ(error_of("emu:?bus=pci33&bus=agp1x"), "URI option bus: expected to be given once, got it twice");
   EXPECT_EQ(error_of("emu:?threads=1025"), "URI option threads: expected a number from 0 to 1024, got \"1025\"");

@@ -90,7 +90,10 @@ constexpr Case kCases[] = {
      }},
     {0, "config.beyond", "P1003",
      [](Host& host) {
-       for (const std::uint32_t offset : {256u, 2u, 0x8000'0000u}) check_same("it", host.read_config(offset), ~0u);
+       for (const std::uint32_t offset : {256u, 2u, 0x8000'0000u}) {
+         const std::string what = fmt::format("configuration at offset 0x{:02x}", offset);
+         check_same(what.c_str(), host.read_config(offset), ~0u);
+       }
      }},
     {0, "register.reset", "P1101",
      [](Host& host) {
