@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "cycle/machine_counters.h"
+#include "datapath/interaction.h"
 #include "levels/counters.h"
-#include "memory/accumulator_memory.h"
 #include "words/scope_exit.h"
 
 namespace gicube::emu {
@@ -37,7 +37,7 @@ RunResult CycleLevel::run(RaySource& source, const Frame& frame, Progress& progr
   try {
     Machine& machine = goes_on ? machine_to_go_on(source, frame) : machine_for(frame);
     if (!goes_on) {
-      if (frame.accumulators != nullptr) frame.accumulators->moved_anywhere(frame.max_moved);
+      expect_deposits(frame);
       run_.emplace(Run{}).before = ray_counters(machine);
     }
     run_->source = &source;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "asic/sorter/policies.h"
-#include "cycle/functional_trace.h"
 #include "cycle/machine.h"
 #include "datapath/opacity_correction.h"
+#include "functional/functional_trace.h"
 #include "functional/simd/simd_tracer.h"
 #include "levels/level.h"
 

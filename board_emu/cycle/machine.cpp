@@ -8,7 +8,7 @@
 
 #include "asic/memory_standards.h"
 #include "config/power_peaks.h"
-#include "datapath/jitter.h"
+#include "gicube/wire/mix64.h"
 #include "words/block_grid.h"
 
 namespace gicube::emu {

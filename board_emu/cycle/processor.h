@@ -26,7 +26,7 @@
 #include "cycle/stages.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
-#include "functional_trace.h"
+#include "functional/functional_trace.h"
 #include "ray_store.h"
 #include "ray_watch.h"
 #include "splat_unit.h"

@@ -4,7 +4,6 @@
 #include "asic/cache/splat_tiles.h"
 #include "datapath/bricks.h"
 #include "datapath/interaction.h"
-#include "memory/accumulator_memory.h"
 #include "processor.h"
 
 namespace gicube::emu {
@@ -32,8 +31,7 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
   const Deposit here = on_card(interaction.deposit, *frame_);
   Deposit written = here;
   if (writes_all_voxels()) written.shares.fill(1);
-  const SharingBlocks sharing = frame_->accumulators != nullptr ? frame_->accumulators->blocks_of(written)
-                                                                : frame_->irradiance->blocks_of(written);
+  const SharingBlocks sharing = blocks_of(written, *frame_);
   Splat* work = nullptr;
   for (std::size_t i = 0; i < sharing.count; ++i) {
     if (sharing.block[i] == block) work = &splat(block, interaction, ray.ray_state, entry);
@@ -84,25 +82,13 @@ Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
 // Adds the deposit to the words of `block`, and records which of its tiles are written.
 Splat& Processor::splat(std::uint32_t block, const Interaction& interaction, const RayState& from, InFlight& entry) {
   const Deposit deposit = on_card(interaction.deposit, *frame_);
-  const bool all = writes_all_voxels(),
-             gives = std::ranges::any_of(deposit.shares, [](auto share) { return share != 0; });
-  if (!gives) {
-    // no word changes
-  } else if (frame_->accumulators != nullptr) {
-    counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->accumulators->add(deposit, block));
-  } else if (frame_->light_words == 1) {
-    counts_.energy.deposited += frame_->irradiance->add(deposit, block);
-  } else {
-    for (std::size_t word = 0; word < frame_->light_words; ++word) {
-      counts_.energy_of(word).deposited +=
-          frame_->irradiance[word].add(deposit_in(word, interaction, from, *frame_), block);
-    }
-  }
+  add_to_block(block, deposit, interaction, from, *frame_, counts_);
   Splat& work = add_splat(block, entry);
   const auto edge = static_cast<std::int32_t>(edge_);
   const SplatTiles tiles = tiles_of(
       deposit,
-      {grid_.corner(block), edge, edge - (frame_->accumulators != nullptr ? 2 : 1), packs_irradiance() ? 2 : 1}, all);
+      {grid_.corner(block), edge, edge - (frame_->accumulators != nullptr ? 2 : 1), packs_irradiance() ? 2 : 1},
+      writes_all_voxels());
   work.tiles = static_cast<std::uint8_t>(tiles.count);
   work.tile = tiles.tile;
   return work;

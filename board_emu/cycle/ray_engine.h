@@ -18,7 +18,7 @@
 #include "asic/sim/fifo.h"
 #include "dsp/dsp.h"
 #include "dsp/overflow_store.h"
-#include "functional_trace.h"
+#include "functional/functional_trace.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 #include "ray_store.h"

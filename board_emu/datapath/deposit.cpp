@@ -1,7 +1,10 @@
 // Deposits of rays in the irradiance words: their energy, and how it is split among voxels and words.
+#include <algorithm>
+
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
 #include "datapath/trilinear_splat.h"
+#include "memory/accumulator_memory.h"
 
 namespace gicube::emu {
 
@@ -91,6 +94,29 @@ Interaction brought_by(const RayState& carrier, const Frame& frame) {
   }
   out.deposit = split_all(out, carrier, frame);
   return out;
+}
+
+void expect_deposits(const Frame& frame) {
+  if (frame.accumulators != nullptr) frame.accumulators->moved_anywhere(frame.max_moved);
+}
+
+SharingBlocks blocks_of(const Deposit& deposit, const Frame& frame) {
+  return frame.accumulators != nullptr ? frame.accumulators->blocks_of(deposit) : frame.irradiance->blocks_of(deposit);
+}
+
+void add_to_block(std::uint32_t block, const Deposit& deposit, const Interaction& interaction, const RayState& from,
+                  const Frame& frame, RayCounters& counters) {
+  if (std::ranges::all_of(deposit.shares, [](auto share) { return share == 0; })) return;  // no word changes
+  if (frame.accumulators != nullptr) {
+    counters.energy.deposited.kept += static_cast<std::uint64_t>(frame.accumulators->add(deposit, block));
+  } else if (frame.light_words == 1) {
+    counters.energy.deposited += frame.irradiance->add(deposit, block);
+  } else {
+    for (std::size_t word = 0; word < frame.light_words; ++word) {
+      counters.energy_of(word).deposited +=
+          frame.irradiance[word].add(deposit_in(word, interaction, from, frame), block);
+    }
+  }
 }
 
 }  // namespace gicube::emu

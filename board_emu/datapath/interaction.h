@@ -151,4 +151,14 @@ void count_emitted(const RayState& ray, const Frame& frame, RayCounters& counter
 // Counts a ray that has ended, and the energy that leaves with it.
 void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters);
 
+// To be called before the frame's rays if their deposits use add_to_block(): rays that backproject may change any
+// accumulator.
+void expect_deposits(const Frame& frame);
+// The blocks that have words of the deposit's voxels: accumulators of rays that backproject, otherwise irradiance.
+SharingBlocks blocks_of(const Deposit& deposit, const Frame& frame);
+// Adds the interaction's deposit to the words of `block`, and counts its energy. `deposit`: its part on the card, of
+// all words together.
+void add_to_block(std::uint32_t block, const Deposit& deposit, const Interaction& interaction, const RayState& from,
+                  const Frame& frame, RayCounters& counters);
+
 }  // namespace gicube::emu

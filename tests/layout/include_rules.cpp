@@ -135,9 +135,12 @@ const std::vector<Rule>& rules() {
            {"board_emu/words", "board_emu/memory", "board_emu/datapath", "board_emu/levels"}, {"hwy"}),
       // Its tasks are the levels', its memory is built as the ASIC's.
       room("board_emu/dsp", {"board_emu/words", "board_emu/config", "board_emu/asic/dram", "board_emu/levels"}),
-      // Has values that nobody sees on their way from the level without time.
-      room("board_emu/cycle", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
-                               "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional"}),
+      // Has values that nobody sees on their way from the level without time; the others are those of these headers.
+      room("board_emu/cycle",
+           {"board_emu/words", "board_emu/config", "board_emu/asic", "board_emu/dsp", "board_emu/levels",
+            "board_emu/functional/functional_trace.h", "board_emu/functional/simd/simd_tracer.h",
+            "board_emu/datapath/bricks.h", "board_emu/datapath/frame.h", "board_emu/datapath/interaction.h",
+            "board_emu/datapath/opacity_correction.h", "board_emu/datapath/ray_step.h", "board_emu/datapath/shade.h"}),
       // Commands name no level; one file does.
       room("board_emu/firmware", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                   "board_emu/asic", "board_emu/levels"}),

@@ -1,4 +1,4 @@
-#include "cycle/functional_trace.h"
+#include "functional/functional_trace.h"
 
 #include <algorithm>
 
