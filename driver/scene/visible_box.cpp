@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "scene/common/cells.h"
@@ -34,15 +36,19 @@ class Pieces {
     cells_.resize(voxels_of(across_));
   }
 
-  void add(int x, int y, int z) {
-    Cell& cell = cells_[index_of(across_, {x / kEdge, y / kEdge, z / kEdge})];
-    const std::array<std::uint16_t, 3> at{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                                          static_cast<std::uint16_t>(z)};
+  // Adds the visible ones of the four voxels along x from `first` on, the first of their cell: a bit for each.
+  void add(const Dims& first, unsigned visible) {
+    if (visible == 0) return;
+    Cell& cell = cells_[index_of(across_, {first[0] / kEdge, first[1] / kEdge, first[2] / kEdge})];
+    Dims low = first, high = first;
+    low[0] += std::countr_zero(visible);
+    high[0] += std::bit_width(visible) - 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      cell.low[axis] = cell.count == 0 ? at[axis] : std::min(cell.low[axis], at[axis]);
-      cell.high[axis] = cell.count == 0 ? at[axis] : std::max(cell.high[axis], at[axis]);
+      const auto from = static_cast<std::uint16_t>(low[axis]), to = static_cast<std::uint16_t>(high[axis]);
+      cell.low[axis] = cell.count == 0 ? from : std::min(cell.low[axis], from);
+      cell.high[axis] = cell.count == 0 ? to : std::max(cell.high[axis], to);
     }
-    ++cell.count;
+    cell.count = static_cast<std::uint8_t>(cell.count + std::popcount(visible));
   }
 
   // The box around the larger pieces; empty (low above high) if nothing is visible.
@@ -130,15 +136,33 @@ SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file) {
   };
 
   Pieces pieces(dims);
-  for_each_plane(volume, [&](int z, std::span<const std::byte> samples) {
-    with_sample(volume.type, [&](auto sample) {
-      std::size_t index = 0;
-      for (int y = 0; y < dims[1]; ++y) {
-        for (int x = 0; x < dims[0]; ++x, ++index) {
-          if (seen(static_cast<double>(sample_at<decltype(sample)>(samples, index)))) pieces.add(x, y, z);
+  with_sample(volume.type, [&](auto type) {
+    using Sample = decltype(type);
+    const auto each_row = [&](const auto& is_seen) {
+      for_each_plane(volume, [&](int z, std::span<const std::byte> samples) {
+        std::size_t index = 0;
+        for (int y = 0; y < dims[1]; ++y) {
+          for (int x = 0; x < dims[0]; x += kEdge) {
+            const auto bits = [&](int count) {
+              unsigned out = 0;
+              for (int i = 0; i < count; ++i, ++index)
+                out |= static_cast<unsigned>(is_seen(sample_at<Sample>(samples, index))) << i;
+              return out;
+            };
+            pieces.add({x, y, z}, dims[0] - x >= kEdge ? bits(kEdge) : bits(dims[0] - x));
+          }
         }
-      }
-    });
+      });
+    };
+    if constexpr (sizeof(Sample) <= 2) {  // a table of all values
+      using Index = std::make_unsigned_t<Sample>;
+      std::vector<char> table(std::size_t{1} << (8 * sizeof(Sample)));
+      for (std::size_t i = 0; i < table.size(); ++i)
+        table[i] = static_cast<char>(seen(static_cast<Sample>(static_cast<Index>(i))));
+      each_row([&table](Sample sample) { return table[static_cast<Index>(sample)]; });
+    } else {
+      each_row([&seen](Sample sample) { return seen(static_cast<double>(sample)); });
+    }
   });
   const auto [low, high] = pieces.box();
   if (high[0] < 0) return whole_box(dims);
